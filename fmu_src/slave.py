@@ -101,10 +101,18 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         self.table = cls.model["variables"]
         self.real_words = {vr: row[2] for vr, row in enumerate(self.table) if row[1] == "real"}
         self.integer_words = {vr: row[2] for vr, row in enumerate(self.table) if row[1] == "integer"}
+        # of outputs, and of what follows from a parameter
+        self.worked_out = {
+            vr
+            for vr, (_, _, word, kind, *_, set_word) in enumerate(self.table)
+            if kind == "output" or word != set_word
+        }
         self.block = bytearray(cls.start)
         self.reals, self.integers = memoryview(self.block).cast("d"), memoryview(self.block).cast("q")
         self.address = ctypes.addressof(ctypes.c_char.from_buffer(self.block))
-        self.phase, self.initialized, self.observed = INSTANTIATED, False, False
+        self.phase, self.initialized = INSTANTIATED, False
+        # the reals with the outputs of the present time, None if neither block has them
+        self.observed: Any = None
         self.time, self.stop_time = 0.0, math.inf
 
     def to_xml(self, model_options: Any = None) -> ElementTree.Element:  # noqa: ARG002
@@ -152,13 +160,14 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         time = max(self.time, current_time + step_size)
         if time > self.stop_time + slack:
             raise SlaveError(f"fmi2DoStep: {time!r} s lies beyond the stop time {self.stop_time!r} s", self)
-        self.observed = False
+        self.observed = None
         status = PAUSED
         while status == PAUSED:  # in between, Python looks after signals, such as that of Ctrl-C
             status = self._kernel().advance_awhile(self.address, time)
         if status:
             reached = self.reals[self.words["time"]]
-            raise SlaveError(f"the simulation stopped at t = {reached:.9g} s: {self._text(status)}", self)
+            text = f"the simulation stopped at t = {reached:.9g} s: {self._text(status, self.reals)}"
+            raise SlaveError(text, self)
         self.time = time
         return True
 
@@ -170,17 +179,11 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
 
     def get_real(self, vrs: list[int]) -> list[float]:
         """Return reals; the kernel works outputs out when they are first read after a change."""
-        if not self.observed and max(vrs, default=0) >= self.model["first_output"]:
-            self._initialize()
-            status = self._kernel().observe(self.address)
-            self.observed = not status
-            if status and self.phase == STEPPING:
-                # the outputs are those before; other values may still be set
-                text = f"fmi2GetReal: what has been set cannot act: {self._text(status)}"
-                self.log(text, Fmi2Status.warning)
-        reals, words = self.reals, self.real_words
+        seen, words = self.reals, self.real_words
+        if not self.worked_out.isdisjoint(vrs):
+            seen = self.observed or self._observe()
         try:
-            return [reals[words[vr]] for vr in vrs]
+            return [seen[words[vr]] for vr in vrs]
         except KeyError as error:
             raise SlaveError(f"fmi2GetReal: the value reference {error} is no Real's", self) from None
 
@@ -224,7 +227,7 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
                 memory[word] = memory[set_word] = value
                 changed = True
         if changed:
-            self.observed = False
+            self.observed = None
             if self.phase == STEPPING:
                 self.integers[self.words["changed"]] = 1  # the solver starts anew from this point in time
             else:
@@ -247,7 +250,7 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         if block[:SIZES] != self.block[:SIZES] or not self._kernel().sound(address):
             raise SlaveError("fmi2SetFMUstate: the state is damaged", self)
         self.block[:] = block
-        self.phase, self.initialized, self.observed = phase, bool(initialized), False
+        self.phase, self.initialized, self.observed = phase, bool(initialized), None
         self.time, self.stop_time = time, stop_time
 
     @staticmethod
@@ -285,9 +288,32 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
             before = bytes(self.block)
             status = self._kernel().initialize(self.address, self.time)
             if status:
+                text = self._text(status, self.reals)
                 self.block[:] = before
-                raise SlaveError(f"the simulation cannot start: {self._text(status)}", self)
-            self.initialized, self.observed = True, False
+                raise SlaveError(f"the simulation cannot start: {text}", self)
+            self.initialized, self.observed = True, None
 
-    def _text(self, status: int) -> str:
-        return str(self.model["statuses"].get(str(status), "unknown status"))  # of a damaged state
+    def _observe(self) -> Any:
+        """Return the reals with the outputs of the present time.
+
+        What has been set since the last step is tried in a copy, as the run does not depend on what is read.
+        If the kernel cannot go on with it, the outputs are those before it: other values may still be set.
+        """
+        self._initialize()
+        reals, address = self.reals, self.address
+        if self.integers[self.words["changed"]]:
+            block = bytearray(self.block)
+            reals, address = memoryview(block).cast("d"), ctypes.addressof(ctypes.c_char.from_buffer(block))
+        status = self._kernel().observe(address)
+        if status and self.phase == STEPPING:
+            text = f"fmi2GetReal: what has been set cannot act: {self._text(status, reals)}"
+            self.log(text, Fmi2Status.warning)
+        elif not status:
+            self.observed = reals
+        return reals
+
+    def _text(self, status: int, reals: Any) -> str:
+        """The sentence of a status, with the place of its reason, if that is known."""
+        place = reals.cast("B").cast("q")[self.words["place"]]  # from 1
+        text = self.model["statuses"].get(str(status), "unknown status")  # of a damaged state
+        return f"{text}: {self.model['places'][place - 1]}" if place else str(text)

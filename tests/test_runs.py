@@ -158,12 +158,12 @@ def test_before_the_first_step_there_is_nothing_to_keep(fmus):
 
 
 def test_the_fmu_says_which_point_or_joint_starts_beyond_its_range(fmus):
-    with pytest.raises(RunError, match=r": point 0 at \(0\.6, 1\.4\) m is 0\.05 m deep in the wall x_min$"):
+    with pytest.raises(RunError, match="beyond a stop: point 0 at the wall x_min$"):
         record_fmu(fmus["four_link_box"], {"box.x_min": "0.65"})
     leg = load_scene("kneed_leg")
-    joint, (low, high) = next(iter(leg.chain.joint_ranges.items()))
+    joint, (_, high) = next(iter(leg.chain.joint_ranges.items()))
     turned = leg.initial.angles[joint - 2] + high + 0.5
-    with pytest.raises(RunError, match=rf"stop: joint {joint} at {high + 0.5:.6g} rad, of {low:.6g} to"):
+    with pytest.raises(RunError, match=f"stop: joint {joint} at its joint_max"):
         record_fmu(fmus["kneed_leg"], {f"initial.angle[{joint}]": str(turned)})
 
 

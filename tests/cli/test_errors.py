@@ -100,7 +100,7 @@ def test_a_start_inside_a_wall(refused, fmu):
         "--set",
         "box.x_min=0.65",
     )
-    refused(3, "a contact point starts beyond a wall", "simulate", fmu, "--set", "box.x_min=0.65")
+    refused(3, "beyond a stop: point 0 at the wall x_min", "simulate", fmu, "--set", "box.x_min=0.65")
 
 
 # --- files to write, and scenes --------------------------------------------------------------------------

@@ -3,7 +3,7 @@
 import pytest
 
 from chain_impact import CONTACT_LAWS, simulate
-from tests.fmu.importer import MESSAGES, Instance
+from tests.fmu.importer import MESSAGES, Instance, refused
 
 # The functions before each test run in the clean process.
 
@@ -35,3 +35,22 @@ def test_reading_an_output_says_that_what_was_set_cannot_act(fmus, clean, refuse
     for text in said:
         assert "what has been set cannot act: contact.model can change to newton_impact only" in text
     assert status == 0
+
+
+def starts(fmu, changes):
+    return refused(fmu, lambda one: one.start(**changes))
+
+
+@pytest.mark.parametrize(
+    ("model", "changes", "place"),
+    [
+        ("rod_drop", {"initial.y": -1.0}, "point 0 at the wall y_min"),
+        ("kneed_leg", {"initial.angle[3]": 3.0}, "joint 3 at its joint_max"),
+        ("kneed_leg", {"link[2].joint_min": 3.0}, "link[2]"),
+        ("sliding_rod", {"wall.y_min.friction": 0.5, "wall.y_min.static_friction": 0.4}, "the wall y_min"),
+    ],
+)
+def test_a_start_that_is_refused_is_told_with_its_place(fmus, clean, model, changes, place):
+    said = clean(starts, fmus[model], changes)
+    assert "the simulation cannot start: " in said
+    assert place in said

@@ -145,7 +145,7 @@ def test_a_fault_is_seen_where_the_importer_does_not_log(fmus, clean):
     error, said = clean(without_a_log, fmus["rod_drop"])
     assert "status 4 (fatal)" in error
     beyond = "a contact point starts beyond a wall, or a joint beyond a stop"
-    assert said == f"RodDrop: the simulation cannot start: {beyond}\n"
+    assert said == f"RodDrop: the simulation cannot start: {beyond}: point 0 at the wall y_min\n"
 
 
 def with_damaged_start(fmu, folder):

@@ -269,14 +269,20 @@ def test_impulses_are_stored_and_begun_anew_at_events(monkeypatch, events, chang
 
 
 @pytest.mark.parametrize(
-    ("status", "changed", "goes_on", "right"),
-    [(OK, 1, False, 77), (OK, 1, True, OK), (OK, 0, False, OK), (STEP_TOO_SMALL, 1, False, STEP_TOO_SMALL)],
+    ("status", "given", "goes_on", "right"),
+    [
+        (OK, (0.5, 1), False, 77),
+        (OK, (0.0, 1), False, OK),  # set back
+        (OK, (0.5, 1), True, OK),
+        (OK, (0.0, 0), False, OK),
+        (STEP_TOO_SMALL, (0.5, 1), False, STEP_TOO_SMALL),
+    ],
 )
 def test_a_change_is_applied_at_the_communication_point_unless_it_is_no_jump(
-    monkeypatch, status, changed, goes_on, right
+    monkeypatch, status, given, goes_on, right
 ):
     d = at_end_of_a_step()
-    d.statistics.status, d.given.changed = status, changed
+    d.statistics.status, (d.given.joint_torque[0], d.given.changed) = status, given
     monkeypatch.setattr(loop, "inputs_continue", lambda _: goes_on)
     monkeypatch.setattr(loop, "reinit", lambda _: 77)
     assert loop.reinit_if_changed(d) == d.statistics.status == right

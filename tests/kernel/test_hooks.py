@@ -23,6 +23,8 @@ DONE = {
     hooks.on_step: ["replay"],
     hooks.on_output_time: ["set_own_output_time"],
     hooks.on_observe: ["fill_outputs", "trusted"],
+    hooks.on_trial: ["keep_state"],
+    hooks.on_observe_trial: ["return_to_kept_state", "refill_motion", "trusted"],
     hooks.on_truncate: ["update_own_to_output_time", "move_end"],
     hooks.indices_valid: ["within_bounds"],
 }

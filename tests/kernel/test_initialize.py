@@ -17,7 +17,6 @@ from chain_impact.kernel.initialize import (
     first_size,
     initialize,
     set_initial_state,
-    stops_in_range,
 )
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
@@ -32,6 +31,7 @@ from chain_impact.kernel.status import (
     OK,
     PARAMETER_OUT_OF_RANGE,
     STARTS_INSIDE_WALL,
+    STOPS_REVERSED,
     UNKNOWN_METHOD,
 )
 from tests.kernel.chains import chain, stopped_chain
@@ -310,10 +310,8 @@ def test_a_spring_that_stores_no_finite_energy_is_refused():
 @pytest.mark.parametrize("name", ["exponent", "minimum_impact_speed"])
 def test_a_stop_needs_an_exponent_and_a_least_speed(name, bad):
     _, d = stopped_chain(2)
-    assert stops_in_range(d)
     assert check_parameters(d) == OK
     d.stops[name] = bad
-    assert not stops_in_range(d)
     assert check_parameters(d) == PARAMETER_OUT_OF_RANGE
     d.model.stopped = 0  # without stops nobody asks
     assert check_parameters(d) == OK
@@ -324,9 +322,10 @@ def test_a_stop_needs_an_exponent_and_a_least_speed(name, bad):
 def test_the_limits_of_a_joint_are_in_order(joint, limits):
     _, d = stopped_chain(2)
     d.model.joint_min[joint], d.model.joint_max[joint] = limits
-    assert not stops_in_range(d)
+    assert check_parameters(d) == STOPS_REVERSED
+    assert d.fault.place == 1 + d.candidates + joint
     d.model.joint_min[joint], d.model.joint_max[joint] = 0.4, 0.5
-    assert stops_in_range(d)
+    assert check_parameters(d) == OK
 
 
 def test_an_only_link_without_inertia_about_its_joint_is_refused():

@@ -12,7 +12,7 @@ from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.model.contact import begin_contact, set_kink_sides
 from chain_impact.kernel.model.contact_force import elastic_energy, law_force
 from chain_impact.kernel.model.geometry import place_walls
-from chain_impact.kernel.observe import combine_stops, fill_outputs, first_stop, observe
+from chain_impact.kernel.observe import combine_forces, combine_impulses, fill_outputs, first_stop, observe
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch, vectors
 from tests.kernel.steps import (
     Motion,
@@ -156,7 +156,8 @@ def test_the_outputs_of_stops_are_those_of_their_joints(base):
             given[name][stops[1 - at_max :: 2]] = 0.0  # a joint touches one stop at a time
         for name in names:
             out[name][:] = given[name]
-        combine_stops(d)
+        combine_forces(d)
+        combine_impulses(d)
         walls = [c for c in range(d.candidates) if c not in stops]
         for name in names:
             np.testing.assert_array_equal(out[name][walls], given[name][walls])
@@ -180,7 +181,7 @@ def test_a_joint_with_one_stop_has_its_outputs_there():
     for name in ("force", "impulse", "penetration", "penetration_rate"):
         d.output[name][:] = 0.0
     d.output.force[second], d.output.penetration[second] = 3.0, 0.2
-    combine_stops(d)
+    combine_forces(d)
     assert d.output.force[second] == pytest.approx(-3.0 * d.model.size, rel=1e-14)
     assert d.output.penetration[second] == pytest.approx(0.2 / d.model.size, rel=1e-14)
 

@@ -301,9 +301,9 @@ def test_a_law_that_is_refused_and_taken_back_changes_no_contact():
     before = chain.get("energy.total")
     chain.set({"contact.model": "tsuji", "contact.restitution": 0.0})
     refused = "FourLinkBox: at t = .* s what has been set cannot act: the contact law does not allow"
-    for look in (lambda: chain.get("energy.total"), lambda: chain.impacts, lambda: chain.stick_slip):
-        with pytest.raises(SceneError, match=refused):
-            look()
+    with pytest.raises(SceneError, match=refused + ".*: point 0 at the wall x_min"):
+        chain.get("energy.total")
+    assert len(chain.impacts) == 1  # what has been is not refused
     chain.set({"contact.model": "hunt_crossley", "contact.restitution": 0.7})
     assert chain.get("energy.total") == before
     chain.step(0.01)
@@ -317,8 +317,10 @@ def test_a_change_of_the_stiffness_acts_from_now_on_only(look, stiffness):
     chain.set({"contact.stiffness": stiffness})
     if look:
         chain.get("energy.total")
-    found = chain.impacts[0]["peak_force"]
-    assert found == pytest.approx(max(first["peak_force"], chain.get("contact[2].y_min.force")), rel=1e-6)
+    assert chain.impacts[0]["peak_force"] == pytest.approx(first["peak_force"], rel=1e-6)
+    now = chain.get("contact[2].y_min.force")
+    chain.step(1e-12)
+    assert chain.impacts[0]["peak_force"] == pytest.approx(max(first["peak_force"], now), rel=1e-6)
 
 
 @pytest.mark.parametrize("limit", [500, 1500, 2500])

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import re
 import zipfile
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Mapping
 from numbers import Integral, Real
 from pathlib import Path
 from types import MappingProxyType
@@ -16,12 +15,10 @@ import numpy as np
 from chain_impact.compilation.work import Progress, silent
 from chain_impact.fmu.importer import read_fmu, simulated
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.kernel.status import STARTS_INSIDE_WALL, STATUS_TEXT
-from chain_impact.results.joint_stops import JointRange, ranges_from
+from chain_impact.results.joint_stops import ranges_from
 from chain_impact.results.recording import Recording, impacts_from_outputs
 from chain_impact.results.stick_slip import phases_from_columns
 from chain_impact.scene.angles import in_radians, or_degrees
-from chain_impact.scene.checks import START_TOLERANCE
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.names import STOPS, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
@@ -126,10 +123,7 @@ def record_fmu(
         )
     except RunError as error:
         partial = recording(recorders[0].result()) if recorders else None
-        points = {int(name[8 : name.index("]")]) for name in outputs if name.startswith("contact[")}
-        told = STATUS_TEXT[STARTS_INSIDE_WALL] in str(error)
-        where = [*_points_beyond(values, walls, points), *_joints_beyond(values, stops)] if told else []
-        raise RunError(": ".join([str(error), *where[:1]]), partial) from None
+        raise RunError(str(error), partial) from None
     return recording(rows)
 
 
@@ -139,30 +133,6 @@ def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
     slopes = [name.split(".")[1] for name in values if name.startswith("wall.") and name.endswith(".angle")]
     lines = ([values[f"wall.{wall}.{key}"] for key in ("x", "y", "angle")] for wall in slopes)
     return half_planes(box, {wall: (x, y, angle) for wall, (x, y, angle) in zip(slopes, lines, strict=True)})
-
-
-def _points_beyond(
-    values: Mapping[str, float], walls: Mapping[str, HalfPlane], points: Container[int]
-) -> Iterator[str]:
-    """The points of an FMU that start beyond a wall, in words, by the values of its parameters."""
-    x, y = values["initial.x"], values["initial.y"]
-    for point in range(sum(name.endswith("].length") for name in values) + 1):
-        if point:
-            length, angle = values[f"link[{point}].length"], values[f"initial.angle[{point}]"]
-            x, y = x + length * math.cos(angle), y + length * math.sin(angle)
-        for name, wall in walls.items():
-            depth = values.get("contact.radius", 0.0) - wall.clearance(x, y)
-            if point in points and depth > START_TOLERANCE:
-                yield f"point {point} at ({x:.6g}, {y:.6g}) m is {depth:.6g} m deep in the wall {name}"
-
-
-def _joints_beyond(values: Mapping[str, float], stops: Mapping[int, JointRange]) -> Iterator[str]:
-    """Likewise the joints that start beyond a stop."""
-    for joint, ends in stops.items():
-        before = values[f"initial.angle[{joint - 1}]"] if joint > 1 else 0.0
-        angle = values[f"initial.angle[{joint}]"] - before
-        if max(ends.low - angle, angle - ends.high) > START_TOLERANCE:
-            yield f"joint {joint} at {angle:.6g} rad, of {ends.low:.6g} to {ends.high:.6g} rad"
 
 
 def _named(variable: Any, value: float) -> float | str:

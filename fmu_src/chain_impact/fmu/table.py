@@ -10,11 +10,12 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.scene.candidates import places as places_of
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 
 # as in compilation/c_interface/common/instance.h
-HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s11q"), 24
+HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s14q"), 24
 ROW, PLACE = struct.Struct("<ddqqqiiii"), struct.Struct("<q")
 MAGIC = b"chaintab"
 TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
@@ -27,6 +28,7 @@ def model_table(model: Model) -> dict[str, Any]:
         "time": ("step", "time"),
         "changed": ("given", "changed"),
         "tolerance": ("solver", "tolerance"),
+        "place": ("fault", "place"),
     }
     return {
         "name": model.scene.name,
@@ -34,6 +36,7 @@ def model_table(model: Model) -> dict[str, Any]:
         "first_output": sum(variable.causality != "output" for variable in variables),
         "words": {name: word_index(layout, place) for name, place in places.items()},
         "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
+        "places": places_of(model.scene),
     }
 
 
@@ -73,14 +76,16 @@ def packed(model: dict[str, Any], record: bytes, further: Sequence[tuple[list[An
     statuses = b"".join(
         PLACE.pack(text(model["statuses"].get(str(code), "unknown status"))) for code in codes
     )
+    reasons = b"".join(PLACE.pack(text(place)) for place in model["places"])
     variables_at = HEAD.size
     statuses_at = variables_at + len(rows)
-    record_at = statuses_at + len(statuses)
+    places_at = statuses_at + len(statuses)
+    record_at = places_at + len(reasons)
     texts_at = record_at + len(record)
-    numbers = [len(variables), model["first_output"], len(codes)]
-    numbers += [model["words"][name] for name in ("time", "changed", "tolerance")]
-    numbers += [variables_at, statuses_at, texts_at, record_at, len(record)]
-    parts = rows + statuses + record + bytes(texts)
+    numbers = [len(variables), model["first_output"], len(codes), len(model["places"])]
+    numbers += [model["words"][name] for name in ("time", "changed", "tolerance", "place")]
+    numbers += [variables_at, statuses_at, places_at, texts_at, record_at, len(record)]
+    parts = rows + statuses + reasons + record + bytes(texts)
     head = HEAD.pack(MAGIC, HEAD.size + len(parts), 0, model["guid"].encode(), *numbers)
     checked = head[CHECKED_FROM:] + parts
     return head[: CHECKED_FROM - 8] + zlib.crc32(checked).to_bytes(8, "little") + checked

@@ -42,9 +42,16 @@ from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
 from chain_impact.kernel.model.constraints import SOLVED, UNSOLVED, any_point_held, clear_unsolved
 from chain_impact.kernel.model.contact import clear_loads, keep_end_forces, latch, set_kink_sides
-from chain_impact.kernel.model.contact_law import update_laws
+from chain_impact.kernel.model.contact_law import laws_in_use, update_laws
 from chain_impact.kernel.model.equations import clear_stage_notes, state_rate
-from chain_impact.kernel.model.inputs import apply_inputs, inputs_continue, limit_to_piece
+from chain_impact.kernel.model.inputs import (
+    AT_ONCE,
+    apply_inputs,
+    inputs_continue,
+    inputs_in_use,
+    limit_to_piece,
+    withdraw_request,
+)
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
     LOG_FULL,
@@ -141,13 +148,21 @@ def onset_due(d):
 
 
 def reinit_if_changed(d):
-    """Re-initialize at the communication point if an input or parameter has changed; returns a status.
-
-    Inputs that continue without a jump at the end of the last step are applied by the next step instead.
-    """
-    if d.statistics.status == OK and d.given.changed and not inputs_continue(d):
+    """Re-initialize at the communication point if an input or parameter has changed; returns a status."""
+    if d.statistics.status == OK and must_reinit(d):
         set_status(d, reinit(d))
     return d.statistics.status
+
+
+def must_reinit(d):
+    """Whether an input or parameter has changed so that the solver starts anew at the communication point.
+
+    Inputs that continue without a jump at the end of the last step are applied by the next step instead.
+    Values that were set, and then set back, have not changed.
+    """
+    if d.given.changed == AT_ONCE and inputs_in_use(d) and laws_in_use(d):
+        withdraw_request(d)
+    return d.given.changed and not inputs_continue(d)
 
 
 def advance_one_step(d):

@@ -1,13 +1,22 @@
 """The functions for callers of an instance; compilation/entry_points.py makes C functions of them."""
 
-from chain_impact.kernel.advance import advance, reinit
+from chain_impact.kernel import hooks
+from chain_impact.kernel.advance import advance, must_reinit, reinit
 from chain_impact.kernel.events.contact_log import clear_log, update_to_output_time
 from chain_impact.kernel.events.friction_modes import clear_changes
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.model.inputs import request_reinit
-from chain_impact.kernel.observe import observe
+from chain_impact.kernel.integration.last_step import keep_state, return_to_kept_state
+from chain_impact.kernel.model.latest import keep_impacts
+from chain_impact.kernel.observe import observe, refill_motion
 from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
-from chain_impact.kernel.work_limit import UNLIMITED, allow_any_length, work_done, work_of_a_call
+from chain_impact.kernel.work_limit import (
+    UNLIMITED,
+    allow_any_length,
+    counted_work,
+    uncount_work,
+    work_done,
+    work_of_a_call,
+)
 
 
 def advance_to(d, time):
@@ -26,16 +35,35 @@ def advance_awhile(d, time):
 def observe_now(d):
     """Fill the outputs with the values at the communication point.
 
+    Where something has been set that the run does not have yet, it is tried: the instance has to be a copy of
+    the one that goes on, so that outputs can be read at any time without changing the run.
+
     Returns:
         The status of the run or, while it can go on, why it cannot with what has been set: another value may
-        still be set before the next step. If a parameter is invalid, the outputs are those of the one before.
+        still be set before the next step. The outputs are those before it then.
     """
-    status = d.statistics.status
-    if status == OK and d.given.changed:
-        status = reinit(d)
-        if status != OK:
-            request_reinit(d)
     observe(d)
+    status = d.statistics.status
+    return observe_trial(d) if status == OK and must_reinit(d) else status
+
+
+def observe_trial(d):
+    """Apply what has been set, and fill the outputs that it moves at once; returns a status.
+
+    No run goes on from here. After a fault all outputs stay as they are.
+    """
+    counted, kept = counted_work(d), d.latest.kept
+    keep_state(d)
+    hooks.on_trial(d)
+    keep_impacts(d, 0)  # a contact that ends now has its end in the list when the next step begins
+    status = reinit(d)
+    keep_impacts(d, kept)
+    if status == OK:
+        # a rigid wall corrects the state at the start of a step
+        return_to_kept_state(d)
+        refill_motion(d)
+        hooks.on_observe_trial(d)
+    uncount_work(d, counted)
     return status
 
 

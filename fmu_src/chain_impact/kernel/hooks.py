@@ -27,6 +27,14 @@ def on_observe(_d):
     """The outputs have been set to their values at the communication point."""
 
 
+def on_trial(_d):
+    """What has been set is about to be tried at the communication point."""
+
+
+def on_observe_trial(_d):
+    """The outputs that it moves at once have been set."""
+
+
 def on_truncate(_d):
     """The contacts have been updated to the communication point, where the last step now ends."""
 

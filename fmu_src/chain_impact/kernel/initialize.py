@@ -42,7 +42,11 @@ from chain_impact.kernel.status import (
     OK,
     PARAMETER_OUT_OF_RANGE,
     STARTS_INSIDE_WALL,
+    STOPS_REVERSED,
     UNKNOWN_METHOD,
+    clear_fault,
+    refuse_candidate,
+    refuse_link,
     set_status,
 )
 from chain_impact.kernel.work_limit import clear_counts
@@ -53,6 +57,7 @@ OVERLAP = 1e-12  # m. A start no deeper in a wall counts as touching: it is roun
 def initialize(d, time):
     """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
     derive_chain(d)
+    clear_fault(d)
     clear_run(d, time)
     apply_inputs(d)
     if set_status(d, check_parameters(d)) != OK or set_status(d, start_laws(d)) != OK:
@@ -161,8 +166,9 @@ def check_parameters(d):
             return PARAMETER_OUT_OF_RANGE
     if not (d.contact.radius >= 0.0 and walls_are_finite(d)):
         return PARAMETER_OUT_OF_RANGE
-    if d.model.stopped and not stops_in_range(d):
-        return PARAMETER_OUT_OF_RANGE
+    status = check_stops(d) if d.model.stopped else OK
+    if status != OK:
+        return status
     if not 1 <= d.solver.method <= len(SOLVER_METHODS):
         return UNKNOWN_METHOD
     return OK
@@ -178,15 +184,15 @@ def walls_are_finite(d):
     return math.isfinite(total)
 
 
-def stops_in_range(d):
-    """Whether the parameters of the stops in joints can be: each joint_min below its joint_max."""
+def check_stops(d):
+    """Check the parameters of the stops in joints; returns a status."""
     for value in (d.stops.exponent, d.stops.minimum_impact_speed):
         if not (value > 0.0 and math.isfinite(value)):
-            return False
+            return PARAMETER_OUT_OF_RANGE
     for i in range(d.links):
         if not d.model.joint_min[i] < d.model.joint_max[i]:
-            return False
-    return True
+            return refuse_link(d, i, STOPS_REVERSED)
+    return OK
 
 
 def check_links(d):
@@ -194,7 +200,7 @@ def check_links(d):
     for i in range(d.links):
         for value in (d.model.length[i], d.model.mass[i]):
             if not (value > 0.0 and math.isfinite(value)):
-                return PARAMETER_OUT_OF_RANGE
+                return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
         for value in (
             d.model.inertia[i],
             d.model.joint_damping[i],
@@ -202,11 +208,11 @@ def check_links(d):
             d.model.joint_friction[i],
         ):
             if not (value >= 0.0 and math.isfinite(value)):
-                return PARAMETER_OUT_OF_RANGE
+                return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
         if not math.isfinite(d.model.joint_rest_angle[i] + d.model.center_of_mass[i]):
-            return PARAMETER_OUT_OF_RANGE
+            return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
     first, _ = loose_links(d.model)
-    return OK if first < 0 else MASS_MATRIX_SINGULAR
+    return OK if first < 0 else refuse_link(d, first, MASS_MATRIX_SINGULAR)
 
 
 def first_size(d):
@@ -227,5 +233,5 @@ def check_start(d):
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
         if not gap >= -OVERLAP:
-            return STARTS_INSIDE_WALL
+            return refuse_candidate(d, c, STARTS_INSIDE_WALL)
     return FORCES_NOT_FOUND if d.rigid.unsolved == UNSOLVED else OK

@@ -1,4 +1,8 @@
-"""The outputs at the communication point."""
+"""The outputs at the communication point.
+
+What an importer sets acts at once on accelerations, forces and what sticks. It moves neither the motion nor
+what has been summed up until now, such as impulses: these outputs stay as they are until the next step.
+"""
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
@@ -26,9 +30,28 @@ def fill_outputs(d):
     The active contacts are those of the step that contains that time: an impact that the solver has already
     found later on is not visible yet.
     """
-    n, out, counted = d.links, d.output, counted_work(d)
-    y, rate = d.work.y, d.work.rate
-    theta = fraction(d, d.step.time)
+    counted, theta = counted_work(d), fraction(d, d.step.time)
+    fill_motion(d, theta)
+    fill_impulses(d, theta)
+    update_latest(d)
+    if d.model.stopped:
+        combine_forces(d)
+        combine_impulses(d)
+    uncount_work(d, counted)
+
+
+def refill_motion(d):
+    """Fill those outputs anew that are no sums over the time until ``step.time``."""
+    counted = counted_work(d)
+    fill_motion(d, fraction(d, d.step.time))
+    if d.model.stopped:
+        combine_forces(d)
+    uncount_work(d, counted)
+
+
+def fill_motion(d, theta):
+    """Fill the outputs of motion, forces and energies at the fraction θ of the last step."""
+    n, out, y, rate = d.links, d.output, d.work.y, d.work.rate
     interpolate(d.step, theta, y)
     locate_points(d, y)
     located_rate(d, y, rate)
@@ -45,9 +68,21 @@ def fill_outputs(d):
         out.angle[i] = y[ANGLES + i]
         out.angular_velocity[i] = y[omega_at(n) + i]
         out.angular_acceleration[i] = rate[omega_at(n) + i]
+    fill_forces(d)
+    if d.elements > 0:
+        fill_friction(d)
+    out.kinetic, out.potential = mechanical_energy(d, y)
+    out.elastic = stored_energy(d, y)
+    out.dissipated = y[dissipated_at(n)]
+    out.supplied = y[supplied_at(n)]
+    out.total = out.kinetic + out.potential + out.elastic
+
+
+def fill_forces(d):
+    """Fill the outputs of contacts, but for their impulses; the points are located, the rate evaluated."""
+    out = d.output
     for c in range(d.candidates):
         out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
-        out.impulse[c] = d.impulse.total[c]
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
@@ -56,26 +91,13 @@ def fill_outputs(d):
         elif gap < 0.0:
             out.force[c] = contact_force(d, c, gap, gap_rate)
             out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate
-    for k in range(impulse_count(d)):
-        out.impulse[d.touch.active_index[k]] = impulse_within(d, theta, k)
-    if d.elements > 0:
-        observe_friction(d, theta)
-    out.kinetic, out.potential = mechanical_energy(d, y)
-    out.elastic = stored_energy(d, y)
-    out.dissipated = y[dissipated_at(n)]
-    out.supplied = y[supplied_at(n)]
-    out.total = out.kinetic + out.potential + out.elastic
-    update_latest(d)
-    if d.model.stopped:
-        combine_stops(d)
-    uncount_work(d, counted)
 
 
-def observe_friction(d, theta):
-    """Fill the outputs of dry friction with the values at the fraction θ of the last step."""
+def fill_friction(d):
+    """Fill the outputs of dry friction, but for its impulses and its energy."""
     own, out = d.friction, d.output.friction
     for e in range(d.elements):
-        out.force[e], out.sticking[e], out.impulse[e] = 0.0, 0.0, d.friction_impulse.total[e]
+        out.force[e], out.sticking[e] = 0.0, 0.0
         out.joint_moment[e], out.joint_sticking[e] = 0.0, 0.0
     for i in range(own.count):
         e = d.element.index[i]
@@ -89,17 +111,30 @@ def observe_friction(d, theta):
             # −s µ F_n with the true normal force, which is not continued beyond the kink of its law
             sliding = -mode * d.law.friction[e] * d.output.force[e]
             out.force[e] = d.element.force[e] if mode == STICKS else sliding
-    out.dissipated = d.friction_impulse.energy
+
+
+def fill_impulses(d, theta):
+    """Fill the impulses and the energy of dry friction at the fraction θ of the last step."""
+    out, own = d.output, d.output.friction
+    for c in range(d.candidates):
+        out.impulse[c] = d.impulse.total[c]
+    for k in range(impulse_count(d)):
+        out.impulse[d.touch.active_index[k]] = impulse_within(d, theta, k)
+    if d.elements == 0:
+        return
+    for e in range(d.elements):
+        own.impulse[e] = d.friction_impulse.total[e]
+    own.dissipated = d.friction_impulse.energy
     for k in range(friction_count(d)):
         value = interpolate_component(d.friction_impulse, theta, k)
-        if k < own.contact_count:
-            out.impulse[d.element.index[k]] = value
+        if k < d.friction.contact_count:
+            own.impulse[d.element.index[k]] = value
         else:
-            out.dissipated = value
+            own.dissipated = value
 
 
-def combine_stops(d):
-    """Turn the outputs of stops into those of joints: moments [N·m] and angles [rad], at its first stop.
+def combine_forces(d):
+    """Turn the forces and depths of stops into moments [N·m] and angles [rad] of joints, at the first stop.
 
     A joint can touch one of its two stops at a time; moments at joint_max are negative.
     """
@@ -107,14 +142,24 @@ def combine_stops(d):
     for c in range(d.candidates):
         side, arm = d.candidate.stop[c], lever(d, c)
         if side != 0:
-            moment, impulse = side * arm * out.force[c], side * arm * out.impulse[c]
+            moment = side * arm * out.force[c]
             depth, rate = out.penetration[c] / arm, out.penetration_rate[c] / arm
-            out.force[c], out.impulse[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0, 0.0
+            out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
             first = first_stop(d, c)
             out.force[first] += moment
-            out.impulse[first] += impulse
             out.penetration[first] += depth
             out.penetration_rate[first] += rate
+
+
+def combine_impulses(d):
+    """Likewise turn the impulses of stops into those of joints [N·m·s]."""
+    out = d.output
+    for c in range(d.candidates):
+        side = d.candidate.stop[c]
+        if side != 0:
+            impulse = side * lever(d, c) * out.impulse[c]
+            out.impulse[c] = 0.0
+            out.impulse[first_stop(d, c)] += impulse
 
 
 def first_stop(d, c):

@@ -17,7 +17,9 @@ MASS_MATRIX_SINGULAR = 13
 STEP_TOO_LONG = 14
 FRICTION_WITH_RIGID_WALLS = 15
 FORCES_NOT_FOUND = 16
-LAST_STATUS = FORCES_NOT_FOUND
+STATIC_BELOW_SLIDING = 17
+STOPS_REVERSED = 18
+LAST_STATUS = STOPS_REVERSED
 LOG_FULL = -1  # not a fault: collect the finished contacts, then continue
 PAUSED = -2  # not a fault: the caller may continue
 ONSET_DUE = -3  # not a fault: contacts begin at the time reached and are not yet applied
@@ -55,6 +57,9 @@ STATUS_TEXT = {
     "with a force, or set the coefficients of friction to 0",
     FORCES_NOT_FOUND: "at an event no forces have been found that agree with all that is held: change the "
     "initial state or solver.tolerance a little",
+    STATIC_BELOW_SLIDING: "static_friction is below friction, the coefficient of sliding: it must be "
+    "at least that, or 0 for the same",
+    STOPS_REVERSED: "joint_min is not below joint_max",
 }
 
 STATUS_NAME = {
@@ -75,10 +80,29 @@ STATUS_NAME = {
     STEP_TOO_LONG: "step_too_long",
     FRICTION_WITH_RIGID_WALLS: "friction_with_rigid_walls",
     FORCES_NOT_FOUND: "forces_not_found",
+    STATIC_BELOW_SLIDING: "static_below_sliding",
+    STOPS_REVERSED: "stops_reversed",
 }
 
 
 def set_status(d, status):
     """Set the status of the run, and return it."""
     d.statistics.status = status
+    return status
+
+
+def clear_fault(d):
+    """Forget where an earlier run was refused."""
+    d.fault.place = 0
+
+
+def refuse_candidate(d, c, status):
+    """Note that candidate c is the reason for a status, and return it."""
+    d.fault.place = 1 + c
+    return status
+
+
+def refuse_link(d, i, status):
+    """Note that link i, counted from 0, or its joint is the reason for a status, and return it."""
+    d.fault.place = 1 + d.candidates + i
     return status

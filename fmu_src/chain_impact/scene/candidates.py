@@ -18,6 +18,15 @@ def candidates(scene: Scene) -> list[tuple[int, int]]:
     return pairs if scene.stops.exponent is None else [*pairs, *stop_pairs(scene)]
 
 
+def places(scene: Scene) -> list[str]:
+    """What a simulation may be refused for, in words: each candidate, and then each link."""
+    names, points = scene.wall_names, len(point_wall_pairs(scene))
+    pairs = candidates(scene)
+    touching = [f"point {point} at the wall {names[wall]}" for point, wall in pairs[:points]]
+    stops = [f"joint {joint} at its {names[wall]}" for joint, wall in pairs[points:]]
+    return [*touching, *stops, *(f"link[{i + 1}]" for i in range(len(scene.chain.links)))]
+
+
 def stop_pairs(scene: Scene) -> list[tuple[int, int]]:
     """The stops, as pairs (joint, index into ``scene.wall_names``)."""
     names = scene.wall_names

@@ -15,7 +15,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify
 from chain_impact.kernel.model.inputs import AT_ONCE
-from chain_impact.kernel.status import OK, STATUS_TEXT
+from chain_impact.kernel.status import OK
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.results.summary import plural
@@ -23,7 +23,7 @@ from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.names import friction_hint, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
-from chain_impact.simulation.instance import Instance, SimulationError, in_order
+from chain_impact.simulation.instance import Instance, SimulationError, fault_text, in_order
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from chain_impact.variables.variable import Variable
@@ -112,29 +112,17 @@ class Chain:
 
     @property
     def impacts(self) -> np.ndarray:
-        """The contacts so far in order of onset, see ``IMPACT_DTYPE``; the end of one that lasts is NaN.
-
-        Raises:
-            SceneError: when what has been set cannot act.
-        """
+        """The contacts so far in order of onset, see ``IMPACT_DTYPE``; the end of one that lasts is NaN."""
         self._ready()
         before = self._reals.copy()
-        try:
-            self._observe()  # what was set acts at once
-            lasting = self._instance.open_contacts()  # drops what was solved ahead, so on a copy
-        finally:
-            self._reals[:] = before
+        lasting = self._instance.open_contacts()  # drops what was solved ahead
+        self._reals[:] = before
         return in_order([*self._impacts, lasting])[1]
 
     @property
     def stick_slip(self) -> np.ndarray:
-        """The phases of dry friction so far, see ``STICK_SLIP_DTYPE``; the end of one that lasts is NaN.
-
-        Raises:
-            SceneError: when what has been set cannot act.
-        """
+        """The phases of dry friction so far, see ``STICK_SLIP_DTYPE``; the end of one that lasts is NaN."""
         self._ready()
-        self._observe()  # what was set acts at once
         self._collect()
         return phases_of(self._instance.all_changes)
 
@@ -166,7 +154,7 @@ class Chain:
             # a fault, or the log is full, or it is time that Python looks after Ctrl-C
             self._collect()
             if self._instance.status != OK:
-                raise SimulationError(self._instance.status, self.time, None)
+                raise SimulationError(self._instance.status, self.time, None, self._instance.place)
         self._collect()
         self._observed = True
 
@@ -281,7 +269,7 @@ class Chain:
         status = self._instance.observe()
         if status != self._instance.status:
             at = f"{self.scene.name}: at t = {self.time:.9g} s"
-            raise SceneError(f"{at} what has been set cannot act: {STATUS_TEXT[status]}")
+            raise SceneError(f"{at} what has been set cannot act: {fault_text(status, self._instance.place)}")
 
     def _collect(self) -> None:
         if self._integers[self._finished_word] or self._integers[self._changes_word]:

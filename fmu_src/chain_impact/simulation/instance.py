@@ -17,9 +17,11 @@ from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.result import Result
 from chain_impact.results.stick_slip import CHANGE_DTYPE
+from chain_impact.scene.candidates import places
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import Drive
 from chain_impact.variables.model import Model, model_of
+from chain_impact.variables.table import BEHIND
 from chain_impact.variables.variable import Variable
 
 # words at the start of a record: the numbers of links, candidates, elements and instances of dual numbers
@@ -33,18 +35,24 @@ class SimulationError(RuntimeError):
 
     Attributes:
         status: the code, see ``chain_impact.kernel.status``.
-        time: where it stopped [s].
+        time: when it stopped [s].
+        place: where the reason for a refusal is, in words, such as a point and a wall; "" if at no one place.
         result: the ``Result`` up to there.
     """
 
-    def __init__(self, status: int, time: float, result: Result | None) -> None:
-        """Say what happened and when."""
-        super().__init__(f"the simulation stopped at t = {time:.9g} s: {STATUS_TEXT[status]}")
-        self.status, self.time, self.result = status, time, result
+    def __init__(self, status: int, time: float, result: Result | None, place: str = "") -> None:
+        """Say what happened, when and where."""
+        super().__init__(f"the simulation stopped at t = {time:.9g} s: {fault_text(status, place)}")
+        self.status, self.time, self.result, self.place = status, time, result, place
 
-    def __reduce__(self) -> tuple[type[SimulationError], tuple[int, float, Result | None]]:
+    def __reduce__(self) -> tuple[type[SimulationError], tuple[int, float, Result | None, str]]:
         """So that it can come back from another process."""
-        return type(self), (self.status, self.time, self.result)
+        return type(self), (self.status, self.time, self.result, self.place)
+
+
+def fault_text(status: int, place: str) -> str:
+    """The sentence of a status, with the place, if there is one."""
+    return f"{STATUS_TEXT[status]}: {place}" if place else STATUS_TEXT[status]
 
 
 class Rows(Protocol):
@@ -143,7 +151,7 @@ class Instance:
         """
         self.changes: list[np.ndarray] = []
         if self._kernel.initialize(self._address, 0.0) != OK:
-            raise SimulationError(self.status, 0.0, None)
+            raise SimulationError(self.status, 0.0, None, self.place)
 
     @property
     def words(self) -> np.ndarray:
@@ -155,7 +163,16 @@ class Instance:
 
         If what has been set cannot act, the outputs are those before; the run can go on with others.
         """
-        status: int = self._kernel.observe(self._address)
+        if not self.record["given"]["changed"]:
+            status: int = self._kernel.observe(self._address)
+            return status
+        tried = self._block.copy()  # the run does not depend on what is read in between
+        status = self._kernel.observe(tried.ctypes.data)
+        self.record["fault"] = tried[0]["fault"]
+        self.record["output"] = tried[0]["output"]
+        self.record["stops"]["restitution"] = tried[0]["stops"]["restitution"]
+        if self.record["tangents"]:
+            self._block[0][BEHIND]["output"] = tried[0][BEHIND]["output"]
         return status
 
     def is_sound(self, words: np.ndarray) -> bool:
@@ -241,6 +258,12 @@ class Instance:
     def status(self) -> int:
         """The status code, 0 when all is well."""
         return int(self.record["statistics"]["status"])
+
+    @property
+    def place(self) -> str:
+        """Where the reason for a refusal is, in words; "" if there is none."""
+        number = int(self.record["fault"]["place"])
+        return places(self.model.scene)[number - 1] if number else ""
 
     @property
     def time(self) -> float:

@@ -159,7 +159,7 @@ def simulate(
     if found["max_penetration"].max(initial=0.0) > min([link.length for link in scene.chain.links]):
         warn(scene.name, hints(result))
     if instance.status != OK:
-        raise SimulationError(instance.status, instance.time, result)
+        raise SimulationError(instance.status, instance.time, result, instance.place)
     return result
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
-from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
+from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING, STATUS_TEXT
 from chain_impact.scene.candidates import point_wall_pairs, stop_pairs
 from chain_impact.scene.names import AXES
 from chain_impact.scene.scene import Scene
@@ -305,11 +305,8 @@ def _wall_numbers(shape: Shape) -> str:
 
 
 def _statistics(shape: Shape) -> Iterator[Variable]:
-    statuses = {
-        code: text
-        for code, text in STATUS_TEXT.items()
-        if code != FRICTION_WITH_RIGID_WALLS or shape.contact_friction
-    }
+    without = () if shape.contact_friction else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
+    statuses = {code: text for code, text in STATUS_TEXT.items() if code not in without}
     listed = "; ".join(f"{code} {text}" for code, text in statuses.items())
     texts = {
         "steps": "accepted steps of the solver",

@@ -60,6 +60,7 @@ def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iter
                 unit=quotient(of.unit, parameter.unit),
                 description=f"derivative of {of.name} with respect to {parameter.name}",
                 place=(BEHIND, tangent, *of.place, "slope", direction),
+                held=of.held,
             )
 
 

@@ -72,10 +72,10 @@ class Variable:
         """Whether an input acts at once, without passing through a state.
 
         True of accelerations, but of what is held, and of forces and their peaks: those of rigid walls hold
-        against a torque, and so does what sticks by dry friction.
+        against a torque, and so does what sticks by dry friction. True also of the derivatives of all these.
         """
         at_once = ("acceleration", "force", "joint_moment", "sticking")
-        return not self.held and self.field.endswith(at_once)
+        return not self.held and self.field.removesuffix(".slope").endswith(at_once)
 
     @property
     def field(self) -> str:

@@ -16,7 +16,6 @@ from chain_impact.kernel.model.contact_law import (
     copy_law,
     derive_damping,
     exponent,
-    given_friction,
     given_number,
     given_restitution,
     given_stiffness,
@@ -24,6 +23,7 @@ from chain_impact.kernel.model.contact_law import (
     note_kind,
     origin,
     set_parameters,
+    start_laws,
 )
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
@@ -32,6 +32,7 @@ from chain_impact.kernel.status import (
     PARAMETER_OUT_OF_RANGE,
     RESTITUTION_NOT_ALLOWED,
     RIGID_WHILE_TOUCHING,
+    STATIC_BELOW_SLIDING,
     UNKNOWN_LAW,
 )
 from tests.kernel.chains import stopped_chain, stops_of, touch
@@ -201,15 +202,34 @@ def test_a_contact_with_a_force_cannot_become_rigid(given):
 
 
 @pytest.mark.parametrize(
+    ("of_all", "of_wall", "refused"),
+    [
+        ((0.3, 0.3), (-1.0, -1.0), None),
+        ((0.3, 0.2), (-1.0, -1.0), 0),
+        ((0.3, 0.2), (0.1, 0.2), 0),
+        ((0.3, 0.4), (0.3, 0.2), 1),
+        ((0.3, 0.4), (-1.0, 0.2), 1),
+        ((0.0, 0.2), (0.3, -1.0), None),  # a wall takes no static friction from the others
+    ],
+)
+def test_a_static_friction_below_that_of_sliding_is_refused_with_its_wall(given, of_all, of_wall, refused):
+    d, kinds = given
+    d.given.friction, d.given.static_friction = of_all
+    d.walls.restitution[:] = -1.0
+    wall = d.candidate.wall[kinds[1]]
+    d.walls.friction[wall], d.walls.static_friction[wall] = of_wall
+    assert start_laws(d) == (OK if refused is None else STATIC_BELOW_SLIDING)
+    assert d.fault.place == (0 if refused is None else 1 + kinds[refused])
+
+
+@pytest.mark.parametrize(
     ("of_all", "of_wall", "right"),
     [
         ((0.3, 0.5), (-1.0, -1.0), (0.3, 0.5)),
         ((0.3, 0.0), (-1.0, -1.0), (0.3, 0.3)),  # without one of its own the static one is that of sliding
-        ((0.3, 0.2), (-1.0, -1.0), (0.3, 0.3)),
         ((0.3, 0.5), (0.1, -1.0), (0.1, 0.1)),  # a wall takes no static friction from the others
         ((0.3, 0.5), (0.1, 0.4), (0.1, 0.4)),
         ((0.3, 0.5), (-1.0, 0.4), (0.3, 0.4)),
-        ((0.3, 0.5), (-1.0, 0.2), (0.3, 0.3)),
         ((0.3, 0.5), (0.0, -1.0), (0.0, 0.0)),
         ((0.0, 0.0), (0.7, -1.0), (0.7, 0.7)),
     ],
@@ -220,9 +240,6 @@ def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(given, of_all, of_
     wall = d.candidate.wall[kinds[1]]
     d.walls.friction[wall], d.walls.static_friction[wall] = of_wall
     common = (of_all[0], max(of_all))
-    assert given_friction(d, kinds[0]) == common
-    assert given_friction(d, kinds[1]) == right
-    assert given_friction(d, kinds[3]) == (0.0, 0.0)
     for c, pair in ((kinds[0], common), (kinds[1], right), (kinds[3], (0.0, 0.0))):
         derive_damping(d, c)
         set_parameters(d, c)

@@ -134,6 +134,16 @@ def truncate_to_output_time(d):
     mark_jump(d)
 
 
+def keep_state(d):
+    """Keep the state at the communication point in the place of a tried step, as none is tried now."""
+    interpolate(d.step, fraction(d, d.step.time), d.trial.state)
+
+
+def return_to_kept_state(d):
+    """End the last step at the communication point, in the state that was kept."""
+    reset_step(d, d.step.time, d.trial.state)
+
+
 def mark_jump(d):
     """Mark the rate and points at the end of the last step as unknown, and count a break."""
     d.step.rate_known = 0

@@ -29,7 +29,9 @@ from chain_impact.kernel.status import (
     PARAMETER_OUT_OF_RANGE,
     RESTITUTION_NOT_ALLOWED,
     RIGID_WHILE_TOUCHING,
+    STATIC_BELOW_SLIDING,
     UNKNOWN_LAW,
+    refuse_candidate,
 )
 
 # Of a link length: how deep a point may be in a wall without being in contact. Its force would be K δⁿ, 1e-10
@@ -83,11 +85,27 @@ def check_laws(d):
     for c in range(d.candidates):
         status = check_law(d, c) if d.law.same_as[c] == c else OK
         if status != OK:
-            return status
+            return refuse_candidate(d, c, status)
     for k in range(d.touch.compliant_count):
-        if given_number(d, d.touch.active_index[k]) == NEWTON_IMPACT:
-            return RIGID_WHILE_TOUCHING
+        c = d.touch.active_index[k]
+        if given_number(d, c) == NEWTON_IMPACT:
+            return refuse_candidate(d, c, RIGID_WHILE_TOUCHING)
     return OK
+
+
+def laws_in_use(d):
+    """Whether the given values are those of the laws of all candidates."""
+    for c in range(d.candidates):
+        if d.law.same_as[c] == c and not is_in_use(d, c):
+            return False
+    return True
+
+
+def is_in_use(d, c):
+    """Whether the given values are those of the law of candidate c."""
+    law, (sliding, static) = d.law, given_friction(d, c)
+    same_friction = law.friction[c] == sliding and law.static_friction[c] == max(sliding, static)
+    return is_derived(d, c) and law.stiffness[c] == given_stiffness(d, c) and same_friction
 
 
 def note_kind(d, c):
@@ -124,7 +142,7 @@ def given_restitution(d, c):
 def given_friction(d, c):
     """The given coefficients of sliding and of static friction of candidate c; a stop has none.
 
-    The static one is at least that of sliding. If a wall has its own sliding friction only, both are equal.
+    The static one is 0 if it is that of sliding, as where a wall has its own sliding friction only.
     """
     if d.candidate.stop[c] != 0:
         return 0.0, 0.0
@@ -133,7 +151,7 @@ def given_friction(d, c):
         sliding, static = d.walls.friction[wall], 0.0
     if d.walls.static_friction[wall] >= 0.0:
         static = d.walls.static_friction[wall]
-    return sliding, max(sliding, static)
+    return sliding, static
 
 
 def exponent(d, c):
@@ -146,17 +164,25 @@ def check_law(d, c):
     number, restitution = given_number(d, c), given_restitution(d, c)
     if not 1 <= number <= LAW_COUNT + user_law.present():
         return UNKNOWN_LAW
-    sliding, static = given_friction(d, c)
-    in_range = 0.0 <= restitution <= 1.0 and given_stiffness(d, c) > 0.0
-    if not (in_range and sliding >= 0.0 and math.isfinite(static)):
-        return PARAMETER_OUT_OF_RANGE
-    if number == NEWTON_IMPACT and static > 0.0:
+    status = check_values(d, c)
+    if status != OK:
+        return status
+    if number == NEWTON_IMPACT and max(given_friction(d, c)) > 0.0:
         return FRICTION_WITH_RIGID_WALLS
     if number == USER_LAW:
         return OK
     if EXPONENTS[number - 1] not in (ANY, exponent(d, c)):
         return EXPONENT_NOT_ALLOWED
     return OK if restitution >= LEAST_RESTITUTIONS[number - 1] else RESTITUTION_NOT_ALLOWED
+
+
+def check_values(d, c):
+    """Check what is given for candidate c, whatever its law; returns a status."""
+    sliding, static = given_friction(d, c)
+    in_range = 0.0 <= given_restitution(d, c) <= 1.0 and given_stiffness(d, c) > 0.0
+    if not (in_range and sliding >= 0.0 and static >= 0.0 and math.isfinite(sliding + static)):
+        return PARAMETER_OUT_OF_RANGE
+    return STATIC_BELOW_SLIDING if 0.0 < static < sliding else OK
 
 
 def is_derived(d, c):
@@ -196,6 +222,7 @@ def set_parameters(d, c):
     law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)
     law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS * d.model.size
     law.minimum_impact_speed[c] = d.contact.minimum_impact_speed
-    law.friction[c], law.static_friction[c] = given_friction(d, c)
+    law.friction[c], static = given_friction(d, c)
+    law.static_friction[c] = max(law.friction[c], static)
     if d.candidate.stop[c] != 0:
         law.minimum_impact_speed[c] = d.stops.minimum_impact_speed * d.model.size

@@ -29,9 +29,20 @@ def apply_inputs(d):
             own.tip_force[m, j] = course.tip_force[m, j]
 
 
-def request_reinit(d):
-    """Request that the given inputs and parameters be applied at the communication point."""
-    d.given.changed = AT_ONCE
+def withdraw_request(d):
+    """Nothing that has been set is to be applied."""
+    d.given.changed = 0
+
+
+def inputs_in_use(d):
+    """Whether the given inputs are constants that are in use."""
+    given, own = d.given, d.inputs
+    if given.course.order > 0 or own.course.order > 0:
+        return False
+    for i in range(d.links):
+        if given.joint_torque[i] != own.joint_torque[i]:
+            return False
+    return given.tip_force[0] == own.tip_force[0] and given.tip_force[1] == own.tip_force[1]
 
 
 def ensure_inputs(d, y):

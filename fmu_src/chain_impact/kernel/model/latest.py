@@ -20,6 +20,11 @@ def forget_impacts(d):
         latest.peak_force[row], latest.max_penetration[row], latest.impulse[row] = 0.0, 0.0, 0.0
 
 
+def keep_impacts(d, count):
+    """Let the list have so many impacts from now on."""
+    d.latest.kept = count
+
+
 def list_impact(d, c):
     """Insert the impact of candidate c, whose onset has just been counted, at the front of the list."""
     latest = d.latest

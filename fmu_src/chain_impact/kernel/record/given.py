@@ -141,7 +141,7 @@ def given_dtype(links: int) -> np.dtype:
         ("stiffness", REAL),  # N/m^exponent
         ("restitution", REAL),
         ("friction", REAL),  # coefficient of sliding …
-        ("static_friction", REAL),  # … and of static friction; if it is less, that of sliding holds
+        ("static_friction", REAL),  # … and of static friction; 0 for that of sliding
         ("stop_stiffness", REAL),  # N·m/rad^exponent
         ("stop_restitution", REAL),  # or DERIVED: that of the walls
         ("joint_torque", REAL, (links,)),  # as in `inputs`

@@ -45,6 +45,7 @@ from chain_impact.kernel.record.implicit import implicit_dtype
 from chain_impact.kernel.record.outputs import output_dtype
 from chain_impact.kernel.record.solver import (
     balance_dtype,
+    fault_dtype,
     limits_dtype,
     search_dtype,
     statistics_dtype,
@@ -78,6 +79,7 @@ def instance_dtype(links: int, candidates: int, elements: int = 0) -> np.dtype:
         ("latest", latest_dtype()),
         ("peaks", peaks_dtype()),
         ("statistics", statistics_dtype()),
+        ("fault", fault_dtype()),
         ("limits", limits_dtype()),
         ("balance", balance_dtype()),
         ("work", work_dtype(links)),

@@ -63,6 +63,12 @@ def trial_dtype(links: int) -> np.dtype:
     )
 
 
+@written_by("status.py")
+def fault_dtype() -> np.dtype:
+    """Where the reason for a refusal is."""
+    return record(("place", INTEGER))  # from 1: the candidates, then the links; 0: not at one of them
+
+
 @written_by("work_limit.py", status="status.py")
 def statistics_dtype() -> np.dtype:
     """Counts since the start, and the status."""

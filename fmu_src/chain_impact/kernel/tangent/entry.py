@@ -9,8 +9,12 @@ import math
 from chain_impact.kernel import hooks
 from chain_impact.kernel.advance import advance
 from chain_impact.kernel.events.contact_log import update_own_to_output_time
-from chain_impact.kernel.integration.last_step import set_own_output_time
-from chain_impact.kernel.observe import fill_outputs, observe
+from chain_impact.kernel.integration.last_step import (
+    keep_state,
+    return_to_kept_state,
+    set_own_output_time,
+)
+from chain_impact.kernel.observe import fill_outputs, observe, refill_motion
 from chain_impact.kernel.soundness import within_bounds
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.blocks import block, words
@@ -65,6 +69,22 @@ def observe_all(d):
             forget_slopes(words(t.output))
 
 
+def keep_states(d):
+    """Keep the states of all tangent instances at the communication point."""
+    for b in range(d.tangents):
+        keep_state(block(d, b))
+
+
+def observe_trial_of_all(d):
+    """Set the derivatives of the outputs that a trial moves at once."""
+    for b in range(d.tangents):
+        t = block(d, b)
+        return_to_kept_state(t)
+        refill_motion(t)
+        if not trusted(t):
+            forget_slopes(words(t.output))
+
+
 def forget_slopes(dual_numbers):
     """Set all derivatives among the words of dual numbers to NaN."""
     for j in range(len(dual_numbers)):
@@ -97,6 +117,8 @@ HOOKS = {
     hooks.on_step: replay_all,
     hooks.on_output_time: set_output_time_of_all,
     hooks.on_observe: observe_all,
+    hooks.on_trial: keep_states,
+    hooks.on_observe_trial: observe_trial_of_all,
     hooks.on_truncate: truncate_all,
     hooks.indices_valid: all_valid,
 }

@@ -27,9 +27,9 @@ typedef struct {
     char magic[8];
     uint64_t size, checksum; /* of the whole file, and of what follows this number */
     char guid[40];
-    int64_t variable_count, first_output, status_count;
-    int64_t time_word, changed_word, tolerance_word;
-    int64_t variables_at, statuses_at, texts_at, record_at, record_size;
+    int64_t variable_count, first_output, status_count, place_count;
+    int64_t time_word, changed_word, tolerance_word, place_word;
+    int64_t variables_at, statuses_at, places_at, texts_at, record_at, record_size;
 } Table;
 
 /* The states of an instance: 4.2.4 of FMI 2.0, without those of steps that are not finished when a step returns, and
@@ -63,13 +63,13 @@ struct Instance {
     unsigned categories; /* of messages that are wanted, a bit for each */
     const Table *table;
     Word *record; /* what the kernel works on */
-    Word *before; /* as long, to return from a start that is refused */
+    Word *other;  /* as long: to return from a start that is refused, and to try what has been set */
     Phase phase;
     int event_mode;  /* the importer uses event mode */
     int stops;       /* steps end at onsets */
     int set_up;      /* start and stop time are given */
     int initialized; /* the record holds the start that follows from the parameters as they are */
-    int observed;    /* the outputs in the record are those of the present time */
+    const Word *observed; /* the record whose outputs are those of the present time; NULL if neither's are */
     double time, stop_time;
 };
 
@@ -112,7 +112,8 @@ int say(const Instance *one, int status, const char *format, ...) __attribute__(
 int allowed(const Instance *one, const char *call, unsigned phases);
 int given(const Instance *one, const char *call, const char *name, const void *argument);
 const char *when(const Instance *one); /* is now, in words */
-const char *status_text(const Table *table, int status); /* of the kernel */
+typedef struct { char text[1000]; } Sentence;
+Sentence reason(const Table *table, const Word *record, int status); /* of the kernel, with the place, if it has one */
 typedef struct { char text[32]; } Number;
 Number number(double value); /* in as few digits as tell it from all others */
 Number rounded(double value); /* to nine digits */

@@ -14,7 +14,8 @@ static const double TIME_TOLERANCE = 1e-9, ROUND_OFF = 1e-12;
 static void back_to_the_start(Instance *one) {
     memcpy(one->record, in_table(one->table, one->table->record_at), (size_t)one->table->record_size);
     one->phase = INSTANTIATED;
-    one->set_up = one->initialized = one->observed = 0;
+    one->set_up = one->initialized = 0;
+    one->observed = NULL;
     one->time = 0.0;
     one->stop_time = INFINITY;
 }
@@ -28,8 +29,8 @@ static Instance *allocated(const Instance *draft) {
     if (!one) return NULL;
     *one = *draft;
     one->name = memcpy(one + 1, draft->name, name);
-    one->before = (Word *)(one + 1) + words;
-    one->record = (Word *)((char *)one->before + record);
+    one->other = (Word *)(one + 1) + words;
+    one->record = (Word *)((char *)one->other + record);
     back_to_the_start(one);
     return one;
 }
@@ -102,14 +103,15 @@ int enter_initialization(Instance *one, const char *call) {
 int start(Instance *one, const char *call) {
     if (one->initialized) return OK;
     size_t size = (size_t)one->table->record_size;
-    memcpy(one->before, one->record, size);
+    memcpy(one->other, one->record, size);
     int status = initialize(one->record, one->time);
     if (status) {
-        memcpy(one->record, one->before, size);
-        return say(one, ERROR, "%s: the simulation cannot start: %s", call, status_text(one->table, status));
+        Sentence why = reason(one->table, one->record, status);
+        memcpy(one->record, one->other, size);
+        return say(one, ERROR, "%s: the simulation cannot start: %s", call, why.text);
     }
     one->initialized = 1;
-    one->observed = 0;
+    one->observed = NULL;
     return OK;
 }
 
@@ -135,7 +137,7 @@ int fail(Instance *one, int status, int fault) {
     one->phase = FAILED;
     one->time = one->record[one->table->time_word].real;
     return say(one, status, "the simulation stopped at t = %s s: %s", rounded(one->time).text,
-               status_text(one->table, fault));
+               reason(one->table, one->record, fault).text);
 }
 
 /* The bounds on the solver's work, by solver.work_limit, end every step. */
@@ -154,7 +156,7 @@ int do_step(Instance *one, const char *call, double now, double size, int *onset
     if (!ends_in_time)
         return say(one, ERROR, "%s: %s s lies beyond the stop time %s s", call, number(time).text,
                    number(one->stop_time).text);
-    one->observed = 0;
+    one->observed = NULL;
     int status = one->stops ? advance_to_onset(one->record, time) : advance(one->record, time);
     *onset_due = status == ONSET_DUE;
     if (status != 0 && !*onset_due) return fail(one, one->interface->unfinished, status);

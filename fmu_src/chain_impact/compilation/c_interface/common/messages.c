@@ -77,7 +77,14 @@ Number rounded(double value) {
     return found;
 }
 
-const char *status_text(const Table *table, int status) {
-    const int64_t *places = in_table(table, table->statuses_at);
-    return status >= 0 && status < table->status_count ? text_of(table, places[status]) : "unknown status";
+Sentence reason(const Table *table, const Word *record, int status) {
+    const int64_t *statuses = in_table(table, table->statuses_at), *places = in_table(table, table->places_at);
+    int known = status >= 0 && status < table->status_count;
+    const char *what = known ? text_of(table, statuses[status]) : "unknown status";
+    int64_t place = record[table->place_word].integer; /* from 1 */
+    int placed = place >= 1 && place <= table->place_count;
+    Sentence found;
+    snprintf(found.text, sizeof found.text, placed ? "%s: %s" : "%s", what,
+             placed ? text_of(table, places[place - 1]) : "");
+    return found;
 }

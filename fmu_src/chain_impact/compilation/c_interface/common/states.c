@@ -71,7 +71,7 @@ int set_state(Instance *one, const char *call, void *given_state) {
     one->phase = (Phase)state->phase;
     one->initialized = (state->flags & INITIALIZED) != 0;
     one->set_up = (state->flags & SET_UP) != 0;
-    one->observed = 0;
+    one->observed = NULL;
     one->time = state->time;
     one->stop_time = state->stop_time;
     return OK;

@@ -4,6 +4,7 @@
 #include "registers.h"
 
 #include <limits.h>
+#include <string.h>
 
 #pragma STDC FENV_ACCESS ON /* what is computed stays between the calls of registers.h */
 
@@ -21,21 +22,33 @@ static const Variable *variable(const Instance *one, uint32_t vr, Element elemen
     return vr < one->table->variable_count && all[vr].type == type ? all + vr : NULL;
 }
 
-/* See that the outputs in the record are those of the present time, if one of them is asked for. If the kernel cannot go
-   on with what has been set, they are those before it, with a warning: other values may still be set. */
-static int refresh(Instance *one, const char *call, const uint32_t vr[], size_t count) {
+/* Whether the kernel works a value out: outputs and, once the start is worked out, what follows from a parameter. */
+static int worked_out(const Instance *one, const Variable *of) {
+    return of->kind == OUTPUT || (of->word != of->set_word && one->phase != INSTANTIATED);
+}
+
+/* The record to read variables from: if the kernel works one of them out, that with the outputs of the present time.
+   What has been set since the last step is tried in the other record, as the run does not depend on what is read. If
+   the kernel cannot go on with it, the outputs are those before it, with a warning: other values may still be set.
+   NULL after an error. */
+static const Word *source(Instance *one, const char *call, const uint32_t vr[], size_t count, int *status) {
     const Variable *all = in_table(one->table, one->table->variables_at);
-    for (size_t i = 0; i < count && !one->observed; i++) {
-        if (vr[i] < one->table->first_output || all[vr[i]].kind == TIME) continue;
-        if (one->phase == INSTANTIATED)
-            return say(one, ERROR, "%s: outputs cannot be read %s", call, when(one));
-        if (start(one, call) != OK) return ERROR;
-        int fault = observe(one->record);
-        if (fault && IN(one->phase) & (IN(STEPPING) | IN(EVENT)))
-            return say(one, WARNING, "%s: what has been set cannot act: %s", call, status_text(one->table, fault));
-        one->observed = 1;
-    }
-    return OK;
+    size_t i = 0;
+    while (i < count && !worked_out(one, all + vr[i])) i++;
+    if (i == count) return one->record;
+    if (one->observed) return one->observed;
+    if (one->phase == INSTANTIATED)
+        return say(one, ERROR, "%s: outputs cannot be read %s", call, when(one)), NULL;
+    if (start(one, call) != OK) return NULL;
+    Word *seen = one->record;
+    if (one->record[one->table->changed_word].integer)
+        seen = memcpy(one->other, one->record, (size_t)one->table->record_size);
+    int fault = observe(seen);
+    if (fault && IN(one->phase) & (IN(STEPPING) | IN(EVENT)))
+        *status = say(one, WARNING, "%s: what has been set cannot act: %s", call, reason(one->table, seen, fault).text);
+    else
+        one->observed = seen;
+    return seen;
 }
 
 /* Whether there are as many values as the variables, which have been checked, have. */
@@ -68,11 +81,12 @@ int get(Instance *one, const char *call, Element element, const uint32_t vr[], s
             return say(one, ERROR, "%s: the value reference %u is no %s's", call, vr[i],
                        one->interface->types[element != FLOAT64S]);
     if (!fits(one, call, element, vr, count, length)) return ERROR;
-    int status = refresh(one, call, vr, count);
-    if (status == ERROR) return ERROR;
+    int status = OK;
+    const Word *record = source(one, call, vr, count, &status);
+    if (!record) return ERROR;
     for (size_t i = 0, at = 0; i < count; i++) {
         const Variable *from = variable(one, vr[i], element);
-        const Word *word = from->kind == TIME ? &(const Word){.real = one->time} : one->record + from->word;
+        const Word *word = from->kind == TIME ? &(const Word){.real = one->time} : record + from->word;
         for (int64_t k = 0; k < from->length; k++) store(word[k], element, values, at++);
     }
     return status;
@@ -122,7 +136,7 @@ int set(Instance *one, const char *call, Element element, const uint32_t vr[], s
     }
     put_registers_back(registers);
     if (!changed) return OK;
-    one->observed = 0;
+    one->observed = NULL;
     if (IN(one->phase) & BEFORE)
         one->initialized = 0;
     else

@@ -18,6 +18,13 @@ static int is_text(const Table *table, int64_t place) {
     return place >= 0 && place < (int64_t)table->size - table->texts_at;
 }
 
+static int are_texts(const Table *table, int64_t place, int64_t count) {
+    const int64_t *texts = in_table(table, place);
+    for (int64_t i = 0; i < count; i++)
+        if (!is_text(table, texts[i])) return 0;
+    return 1;
+}
+
 static int is_word(const Table *table, int64_t word) {
     return word >= SIZES && word < table->record_size / (int64_t)sizeof(Word);
 }
@@ -45,16 +52,15 @@ int is_whole(const Table *table) {
     if (table->texts_at < (int64_t)sizeof *table || (uint64_t)table->texts_at > table->size) return 0;
     if (!lies_in(table, table->variables_at, table->variable_count, sizeof(Variable)) ||
         !lies_in(table, table->statuses_at, table->status_count, sizeof(int64_t)) ||
+        !lies_in(table, table->places_at, table->place_count, sizeof(int64_t)) ||
         !lies_in(table, table->record_at, table->record_size, 1))
         return 0;
     if (!is_word(table, table->time_word) || !is_word(table, table->changed_word) ||
-        !is_word(table, table->tolerance_word) || table->first_output < 0)
+        !is_word(table, table->tolerance_word) || !is_word(table, table->place_word) || table->first_output < 0)
         return 0;
     const Variable *variables = in_table(table, table->variables_at);
     for (int64_t i = 0; i < table->variable_count; i++)
         if (!is_variable(table, variables + i)) return 0;
-    const int64_t *statuses = in_table(table, table->statuses_at);
-    for (int64_t i = 0; i < table->status_count; i++)
-        if (!is_text(table, statuses[i])) return 0;
-    return is_record(table);
+    return are_texts(table, table->statuses_at, table->status_count) &&
+           are_texts(table, table->places_at, table->place_count) && is_record(table);
 }

@@ -177,7 +177,7 @@ FMI3_Export fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *aga
     for (int i = 0; i < 5; i++)
         if (!given(one, __func__, NAMES[i], flags[i])) return fmi3Error;
     if (!given(one, __func__, "nextEventTime", next_time)) return fmi3Error;
-    one->observed = 0;
+    one->observed = NULL;
     int fault = event_update(one->record);
     if (fault) return (fmi3Status)fail(one, ERROR, fault);
     for (int i = 0; i < 5; i++) *flags[i] = fmi3False; /* of the time of the next event nothing is known in advance */

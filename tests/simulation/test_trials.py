@@ -1,0 +1,86 @@
+"""A trial: something is set, outputs are read, and it is set back. The run does not depend on it."""
+
+import numpy as np
+import pytest
+
+from chain_impact import Chain, load_scene
+from chain_impact.scene.reading import SceneError
+from tests.random_scenes import scene as random_scene
+
+STEPS = 40
+DRIVEN = {"inputs.tip_force": True, "inputs.joint_torques": True}
+DERIVED_WITH = {**DRIVEN, "outputs.sensitivities": ["link[1].mass", "contact.restitution"]}
+RIGID = {"contact.model": "newton_impact", "contact.restitution": 0.0}
+SCENES = {
+    "four_link_box": DRIVEN,
+    "kneed_leg": DRIVEN,  # stops
+    "sliding_rod": DRIVEN,  # dry friction
+    "falling_arm": DRIVEN | RIGID,
+    "clattering_rod": DERIVED_WITH,
+    "double_pendulum_wall": DERIVED_WITH | RIGID,
+}
+
+
+def bits(chain, names):
+    return np.array(chain.get(names)).tobytes()
+
+
+def try_inputs(chain, variables, rng):
+    """Read the outputs as random inputs are set, which are then set back; those moved that must not be."""
+    inputs = [v.name for v in variables if v.causality == "input"]
+    held = [v.name for v in variables if v.causality == "output" and not v.feedthrough]
+    before, old = np.array(chain.get(held)), dict(zip(inputs, chain.get(inputs), strict=True))
+    chain.set({name: float(rng.normal()) for name in inputs})
+    after = np.array(chain.get(held))
+    assert len(chain.impacts) == chain.get("impact.count")
+    chain.set(old)
+    return [name for name, a, b in zip(held, before, after, strict=True) if a.tobytes() != b.tobytes()]
+
+
+@pytest.mark.parametrize(("name", "changes"), SCENES.items(), ids=SCENES)
+def test_a_trial_moves_only_what_is_declared_and_leaves_no_trace(name, changes):
+    scene = load_scene(name).with_values(changes)
+    tried, alone, rng = Chain(scene), Chain(scene), np.random.default_rng(5)
+    variables, moved = tried._instance.model.variables, set()
+    names = [v.name for v in variables]
+    for k in range(1, STEPS + 1):
+        time = scene.simulation.stop_time * k / STEPS
+        for chain in (tried, alone):
+            if k % 10 == 0:  # in between, an input does change
+                chain.set("tip.force.x", 0.01 * k)
+            chain.step_to(time)
+        moved.update(try_inputs(tried, variables, rng))
+        assert bits(tried, names) == bits(alone, names)
+    assert not moved
+    assert tried.get("impact.count") > 0
+
+
+@pytest.mark.parametrize("number", range(12))
+def test_random_scenes_go_on_as_without_a_trial(number):
+    scene = random_scene(7000000 + number).with_values(DRIVEN)
+    tried, alone, rng = Chain(scene), Chain(scene), np.random.default_rng(number)
+    variables = tried._instance.model.variables
+    for k in range(1, 9):
+        for chain in (tried, alone):
+            chain.step_to(scene.simulation.stop_time * k / 8)
+        assert not try_inputs(tried, variables, rng)
+    names = [v.name for v in variables]
+    assert bits(tried, names) == bits(alone, names)
+    assert tried.impacts.tobytes() == alone.impacts.tobytes()
+
+
+def test_a_parameter_that_is_set_back_leaves_no_trace():
+    tried, alone = Chain("four_link_box"), Chain("four_link_box")
+    for chain in (tried, alone):
+        chain.step(0.31)
+    energy, stiffness = tried.get("energy.total"), tried.get("contact.stiffness")
+    tried.set("contact.stiffness", 1e4)
+    tried.get("energy.total")
+    tried.set({"contact.model": "tsuji", "contact.restitution": 0.0})
+    with pytest.raises(SceneError, match="the wall x_min"):
+        tried.get("energy.total")
+    tried.set({"contact.stiffness": stiffness, "contact.model": "zhang_sharf", "contact.restitution": 0.7})
+    assert tried.get("energy.total") == energy
+    for chain in (tried, alone):
+        chain.step(0.5)
+    assert bits(tried, list(tried.names)) == bits(alone, list(alone.names))
