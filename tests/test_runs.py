@@ -158,7 +158,7 @@ def test_before_the_first_step_there_is_nothing_to_keep(fmus):
 
 
 def test_the_fmu_says_which_point_or_joint_starts_beyond_its_range(fmus):
-    with pytest.raises(RunError, match="beyond a stop: point 0 at the wall x_min$"):
+    with pytest.raises(RunError, match=r"beyond a stop: point 0 at the wall x_min$"):
         record_fmu(fmus["four_link_box"], {"box.x_min": "0.65"})
     leg = load_scene("kneed_leg")
     joint, (_, high) = next(iter(leg.chain.joint_ranges.items()))
