@@ -61,10 +61,10 @@ def used(library, count):
 
 def mutants_of(whole):
     """Tables with one other number: what is changed → content; and of which numbers none else is right."""
-    guid_ends, head_ends, row = 64, 152, struct.calcsize("<ddqqqiiii")
-    numbers = struct.unpack_from("<11q", whole, guid_ends)
-    count, rows_at, record_at = numbers[0], numbers[6], numbers[9]
-    head = [guid_ends + 8 * i for i in range(11)]
+    guid_ends, head_ends, row = 64, 176, struct.calcsize("<ddqqqiiii")
+    numbers = struct.unpack_from("<14q", whole, guid_ends)
+    count, rows_at, record_at = numbers[0], numbers[8], numbers[12]
+    head = [guid_ends + 8 * i for i in range(14)]
     record = [record_at + 8 * i for i in range(4)]
     rows = [rows_at + row * i + 16 + 8 * k for i in (0, 1, count // 2, count - 1) for k in range(5)]
     mutants = {}
@@ -79,7 +79,7 @@ def mutants_of(whole):
         for flip in (0x01, 0x80, 0xFF):
             changed = bytes([whole[at] ^ flip])
             mutants[f"byte {at} ^ {flip}"] = whole[:at] + changed + whole[at + 1 :]
-    return mutants, [f"{at}: " for at in (head[9], head[10], *record[1:3])]
+    return mutants, [f"{at}: " for at in (head[12], head[13], *record[1:3])]
 
 
 def fates(fmu):

@@ -46,7 +46,6 @@ def starts(fmu, changes):
     [
         ("rod_drop", {"initial.y": -1.0}, "point 0 at the wall y_min"),
         ("kneed_leg", {"initial.angle[3]": 3.0}, "joint 3 at its joint_max"),
-        ("kneed_leg", {"link[2].joint_min": 3.0}, "link[2]"),
         ("sliding_rod", {"wall.y_min.friction": 0.5, "wall.y_min.static_friction": 0.4}, "the wall y_min"),
     ],
 )
