@@ -59,12 +59,18 @@ def on(function: Callable[..., Any]) -> Callable[..., int]:
     return call
 
 
-def trajectory(address: Any, times: Any, count: int, out: Any) -> int:
-    """Fill rows of outputs; return how many."""
+def trajectory(  # noqa: PLR0917
+    address: Any, times: Any, count: int, spans: Any, span_count: int, out: Any, columns: int
+) -> int:
+    """Fill rows with numbers of the record; return how many."""
     d = instance(address)
-    output = words_of(d.output._record)
-    rows = array(out, count * len(output)).reshape(count, -1)
-    return int(entry.trajectory(d, array(times, count), output, rows))
+    rows = array(out, count * columns).reshape(count, columns)
+    words = words_of(d._record)
+    return int(
+        entry.trajectory(
+            d, words, array(times, count), array(spans, 2 * span_count, np.int64).reshape(-1, 2), rows
+        )
+    )
 
 
 def run_each(  # noqa: PLR0917 - in C, arguments have no names

@@ -10,7 +10,7 @@ from chain_impact.kernel.record.fields import is_table
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.directions import tangent_dtype
 from chain_impact.scene.scene import scene_from_dict, with_values
-from chain_impact.simulation.instance import Instance
+from chain_impact.simulation.instance import Instance, spans_of
 from chain_impact.variables.model import Model
 from tests.plain import Plain
 
@@ -107,11 +107,9 @@ def test_compiled_code_gives_the_bits_of_plain_python(changes):
     found = np.zeros_like(rows)
     with np.errstate(all="ignore"):
         assert initialize(d, 0.0) == 0
-        offset, size = TABLE["output",].offset, TABLE["output",].size
-        shape = len(scene.chain.links), len(instance.record["touch"]["active"]), 0
-        start, end = number(offset, *shape) // 8, (number(offset, *shape) + number(size, *shape)) // 8
-        output = block.view(np.float64)[start:end]
-        assert trajectory(d, times, output, found.view(np.float64).reshape(len(times), -1)) == len(times)
+        words, wanted = block.view(np.float64), spans_of(instance.model.output_words)
+        found_rows = found.view(np.float64).reshape(len(times), -1)
+        assert trajectory(d, words, times, wanted, found_rows) == len(times)
         assert observe_now(d) == 0
     assert d.impact.count == instance.record["impact"]["count"] >= 1
     assert found.tobytes() == rows.tobytes()

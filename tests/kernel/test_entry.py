@@ -135,7 +135,7 @@ def test_rows_are_the_outputs_at_their_times():
 
     original, entry.observe = entry.observe, look
     try:
-        assert trajectory(d, times, output, rows) == 3
+        assert trajectory(d, output, times, np.array([[0, 2], [2, 1]]), rows) == 3
     finally:
         entry.observe = original
     assert rows.tolist() == [[time, k, 7.0] for k, time in enumerate(times)]
@@ -147,7 +147,7 @@ def test_rows_end_where_the_solver_does():
     initialize(d, 0.0)
     d.solver.work_limit = 1.0
     rows = np.full((3, 1), -1.0)
-    assert trajectory(d, np.array([0.0, 0.05, 0.1]), np.zeros(1), rows) == 1
+    assert trajectory(d, np.zeros(1), np.array([0.0, 0.05, 0.1]), np.array([[0, 1]]), rows) == 1
     assert rows[1:].tolist() == [[-1.0], [-1.0]]
 
 

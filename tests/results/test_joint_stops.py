@@ -103,7 +103,7 @@ def test_tables_tell_the_units_at_stops():
 
 def test_a_table_of_all_outputs_is_the_same_recording(tmp_path):
     result, path = swung(), tmp_path / "knee.csv"
-    stepwise = result.stepwise.columns()
+    stepwise = result.stepwise
     whole = recording_of(result)
     whole.columns.update(stepwise)
     whole.save_csv(path)

@@ -63,12 +63,6 @@ def test_they_are_known_in_another_process_and_after_a_fault(result):
     assert partial["impact.count"][-1] == (partial.impacts["onset"] < partial.time[-1]).sum()
 
 
-def test_they_are_refused_when_they_are_too_large(monkeypatch, result):
-    monkeypatch.setattr(sys.modules["chain_impact.simulation.simulate"], "MOST_BYTES", 10_000)
-    again = replace(result)
-    assert "must be at most 1e-05 GB" in refusal(lambda: again["impact.count"])
-
-
 def test_a_list_of_names_gives_a_dict(result):
     found = result[["energy.total", "point[*].x"]]
     assert list(found) == ["energy.total", *(f"point[{k}].x" for k in range(5))]

@@ -73,7 +73,7 @@ CHANGED_SHAPES = [
 def test_what_is_kept_of_a_scene_is_not_taken_for_another_one(name, value):
     before, changed = all_outputs(BOX), BOX.with_values({name: value})
     kept = all_outputs(changed)
-    outputs._of_shape.cache_clear()
+    outputs.outputs_of.cache_clear()
     assert kept == all_outputs(changed)
     assert kept != before
 

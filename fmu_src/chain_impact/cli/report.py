@@ -42,7 +42,7 @@ def report(
     check_csv(csv)
     fault = None
     try:
-        recording = record(source, settings, sensitivities, complete=csv is not None)
+        recording = record(source, settings, sensitivities)
     except RunError as error:
         if error.recording is None:
             raise
@@ -74,13 +74,10 @@ def draw(
         fill_page(window, recording)
 
 
-def record(
-    source: str, settings: Sequence[str], sensitivities: Sequence[str] = (), *, complete: bool = True
-) -> Recording:
+def record(source: str, settings: Sequence[str], sensitivities: Sequence[str] = ()) -> Recording:
     """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``.
 
-    If no ``sensitivities`` are named, they are those that the scene asks for. ``complete`` as for
-    ``record_scene``.
+    If no ``sensitivities`` are named, they are those that the scene asks for.
     """
     values = settings_of(settings)
     if sensitivities and is_fmu(source):
@@ -88,9 +85,7 @@ def record(
     with progress() as (notify, advance):
         if is_fmu(source):
             return record_fmu(Path(source), values, advance)
-        return record_scene(
-            load_scene(source), values, notify, advance, sensitivities or None, complete=complete
-        )
+        return record_scene(load_scene(source), values, notify, advance, sensitivities or None)
 
 
 def with_rows(recording: Recording, source: str, settings: Sequence[str]) -> Recording:

@@ -8,16 +8,14 @@
     int32 observe(instance*)
     int32 sound(instance*)
     int32 follow(instance*)
-    int64 trajectory(instance*, const double* times, int64 rows, output* out)
+    int64 trajectory(instance*, const double* times, int64 count, const int64* spans, int64 span_count,
+                     double* rows, int64 columns)
     int64 run_each(instance*, const int64* places, int64 parameters, const double* values,
                    const double* stops, int64 runs, const int64* output_indices, int64 columns,
                    double* rows, int32 continuing)
 
 What they do, kernel/entry.py and kernel/advance.py tell. In a kernel that carries derivatives they take the
-instances of dual numbers along that are behind theirs, and there is one more (kernel/tangent/entry.py):
-
-    int64 trajectory_with(instance*, const double* times, int64 rows, const int64* output_indices,
-                          int64 columns, double* values, double* slopes)
+instances of dual numbers along that are behind theirs (kernel/tangent/entry.py).
 """
 
 from __future__ import annotations
@@ -36,7 +34,6 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.soundness import sound
 from chain_impact.kernel.tangent import entry as tangent_entry
 from chain_impact.kernel.tangent.blocks import words
-from chain_impact.kernel.tangent.directions import DIRECTIONS
 
 Entries = dict[str, tuple[Any, Callable[..., Any]]]
 """C functions: name → (signature, function)."""
@@ -48,10 +45,10 @@ def follow(d):
     return 0
 
 
-def trajectory(d, times, count, out):
-    """Fill rows of outputs; return how many."""
-    output = words(d.output)
-    return entry.trajectory(d, vector(times, count), output, matrix(out, count, len(output)))
+def trajectory(d, times, count, spans, span_count, rows, columns):  # noqa: PLR0917
+    """Fill rows with numbers of the record; return how many."""
+    wanted = matrix(spans, span_count, 2)
+    return entry.trajectory(d, words(d), vector(times, count), wanted, matrix(rows, count, columns))
 
 
 def run_each(  # noqa: PLR0917 - in C, arguments have no names
@@ -70,17 +67,6 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
     )
 
 
-def trajectory_with(d, times, rows, output_indices, columns, values, slopes):  # noqa: PLR0917
-    """Fill rows of outputs and of their derivatives; return how many."""
-    return tangent_entry.trajectory_with(
-        d,
-        vector(times, rows),
-        vector(output_indices, columns),
-        matrix(values, rows, columns),
-        matrix(slopes, rows, columns * d.tangents * DIRECTIONS),
-    )
-
-
 def entry_points(derivatives: bool = False) -> Entries:
     """Those of the kernel, or of one that carries derivatives, as does all that is compiled after that."""
     reals, indices = types.CPointer(float64), types.CPointer(int64)
@@ -94,11 +80,9 @@ def entry_points(derivatives: bool = False) -> Entries:
         "observe": (int32(INSTANCE), entry.observe_now),
         "sound": (int32(INSTANCE), sound),
         "follow": (int32(INSTANCE), follow),
-        "trajectory": (int64(INSTANCE, reals, int64, reals), trajectory),
+        "trajectory": (int64(INSTANCE, reals, int64, indices, int64, reals, int64), trajectory),
         "run_each": (int64(*runs), run_each),
     }
     if derivatives:
         functions.STAND_INS.update(tangent_entry.HOOKS)
-        signature = (reals, int64, indices, int64, reals, reals)
-        entries["trajectory_with"] = (int64(INSTANCE, *signature), trajectory_with)
     return entries

@@ -67,13 +67,14 @@ def observe_trial(d):
     return status
 
 
-def trajectory(d, times, output, rows):
-    """Advance to each of the times [s] in turn and fill one row of outputs for each.
+def trajectory(d, words, times, spans, rows):
+    """Advance to each of the times [s] in turn, and fill one row for each with numbers of the record.
 
     Args:
         d: the instance.
+        words: all numbers of its record and of those of dual numbers behind it (8 bytes each), shape (M,).
         times: shape (T,), increasing [s].
-        output: the numbers of ``d.output``, shape (W,).
+        spans: the first index and the number of those that are wanted, shape (S, 2); W in all.
         rows: result, shape (T, W).
 
     Returns:
@@ -87,8 +88,12 @@ def trajectory(d, times, output, rows):
         if advance(d, times[row], log_capacity, work) != OK:
             return row
         observe(d)
-        for j in range(len(output)):
-            rows[row, j] = output[j]
+        column = 0
+        for s in range(len(spans)):
+            first, count = spans[s, 0], spans[s, 1]
+            for j in range(count):
+                rows[row, column + j] = words[first + j]
+            column += count
     return len(times)
 
 

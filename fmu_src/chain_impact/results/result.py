@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
+from numpy.lib.recfunctions import repack_fields
 
-from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.results import summary, tables
 from chain_impact.results.equality import same
 from chain_impact.results.joint_stops import ranges_of
@@ -26,17 +26,6 @@ if TYPE_CHECKING:
     import pandas
     import xarray
     from matplotlib.figure import Figure
-
-
-class Stepwise(Protocol):
-    """What can tell the outputs that change at events and steps only."""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of these outputs."""
-
-    def columns(self, notify: Notify | None = None, progress: Progress = silent) -> dict[str, np.ndarray]:
-        """Name → shape (T,), by a run that says when it has to compile, and how far it is."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -56,8 +45,8 @@ class Result:
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``.
         statistics: steps, rejected_steps, rhs_evaluations, implicit_steps, status.
         sensitivities: the derivatives that ``simulate(sensitivities=…)`` asked for, if any.
-        stepwise: gives the outputs ``impact.*``, ``impact[j].*`` and ``solver.*``, which a second run finds
-            when they are asked for; None if they are not known.
+        stepwise: the outputs ``impact.*``, ``impact[j].*`` and ``solver.*``, which change at events and steps
+            only: name → shape (T,).
         stick_slip: one row for each phase of sticking or sliding by dry friction, in order of its start, see
             ``STICK_SLIP_DTYPE``.
     """
@@ -71,7 +60,7 @@ class Result:
     impacts: np.ndarray
     statistics: dict[str, int]
     sensitivities: Sensitivities | None = None
-    stepwise: Stepwise | None = field(default=None, compare=False)
+    stepwise: Mapping[str, np.ndarray] = field(default_factory=dict, compare=False)
     stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
 
     @overload
@@ -99,7 +88,7 @@ class Result:
         if name in self.motion:
             return self.motion[name]
         if name in self.names:
-            return self._stepwise[name]
+            return self.stepwise[name]
         like = matching(self.scene.name, name, self.names, "no output of this result", elsewhere)
         return {one: self[one] for one in like}
 
@@ -111,17 +100,12 @@ class Result:
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the outputs, in the order of the FMU's."""
-        return *self.motion, *(self.stepwise.names if self.stepwise else ())
+        return *self.motion, *self.stepwise
 
     @property
     def columns(self) -> dict[str, np.ndarray]:
         """The outputs over time: name → shape (T,)."""
-        return {**self.motion, **self._stepwise}
-
-    @cached_property
-    def _stepwise(self) -> dict[str, np.ndarray]:
-        """The outputs that change at events and steps only."""
-        return self.stepwise.columns() if self.stepwise else {}
+        return {**self.motion, **self.stepwise}
 
     @cached_property
     def motion(self) -> dict[str, np.ndarray]:
@@ -154,7 +138,7 @@ class Result:
         """
         names = ["kinetic", "potential", "elastic", "dissipated", "supplied", "total"]
         if "kinetic" in (self.outputs.dtype.names or ()):
-            return self.outputs[names]
+            return repack_fields(self.outputs[names])
         energy = np.zeros(len(self.time), [(name, np.float64) for name in names])
         for name in names:
             if name != "supplied" or self.scene.inputs.joint_torques or self.scene.inputs.tip_force:

@@ -23,7 +23,7 @@ from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.names import friction_hint, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
-from chain_impact.simulation.instance import Instance, SimulationError, fault_text, in_order
+from chain_impact.simulation.instance import Instance, SimulationError, fault_text, in_order, spans_of
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from chain_impact.variables.variable import Variable
@@ -96,7 +96,7 @@ class Chain:
         self._changes_word = word_index(dtype, ("changes", "count"))
         self._selections: dict[str | tuple[str, ...], _Selection] = {}
         self._instant = np.zeros(1)
-        self._outputs = np.zeros(1, model.row)
+        self._no_words = spans_of(np.zeros(0, int))
         self._stepped, self._initialized, self._observed = False, True, False
         self._impacts: list[np.ndarray] = []
 
@@ -150,7 +150,7 @@ class Chain:
         self._ready()
         self._stepped, self._observed = True, False
         self._instant[0] = time
-        while not self._instance.trajectory(self._instant, self._outputs):
+        while not self._instance.trajectory(self._instant, self._instant, self._no_words):
             # a fault, or the log is full, or it is time that Python looks after Ctrl-C
             self._collect()
             if self._instance.status != OK:

@@ -32,14 +32,13 @@ from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Drive, drive
-from chain_impact.simulation.instance import Instance, SimulationError, in_order
+from chain_impact.simulation.instance import Instance, SimulationError, WordRows, in_order
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import BEHIND, word_index
+from chain_impact.variables.table import BEHIND, WORD, first_word, word_index
 from chain_impact.variables.variable import Variable
 
 IMPACT_QUANTITIES = tuple(name for name in IMPACT_DTYPE.names or () if name not in ("point", "wall"))
 """The quantities of an impact that have derivatives."""
-ROWS_AT_ONCE = 5000  # of derivatives, that the kernel fills in one call
 AT_ONSET = ("onset", "impact_speed", "effective_mass")  # those that are known from its onset on
 
 
@@ -55,11 +54,10 @@ class DifferentiatedInstance(Instance):
         self,
         model: Model,
         varied: Sequence[Variable],
-        output_indices: Sequence[int] | np.ndarray,
         notify: Notify | None = None,
         driven: Drive | None = None,
     ) -> None:
-        """As ``Instance``, for P parameters and inputs, and W outputs by their numbers in a row of outputs.
+        """As ``Instance``, for P parameters and inputs.
 
         Raises:
             SceneError: when there is no parameter.
@@ -69,7 +67,6 @@ class DifferentiatedInstance(Instance):
             raise SceneError(f"{model.scene.name}: name at least one parameter for the derivatives")
         self.varied = varied
         self.parameters = tuple(variable.name for variable in varied)
-        self._output_indices = np.array(output_indices, np.int64)
         self._impact_slopes: list[np.ndarray] = []
         self._impact_layout = np.dtype(
             [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES]
@@ -96,26 +93,27 @@ class DifferentiatedInstance(Instance):
             self.words[word_index(self._block.dtype, place)] = value
         self.initialize()
 
-    def follow_trajectory(self, times: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> int:
-        """Advance to each of the times [s], filling a row of outputs and one of derivatives for each.
+    def slope_words(self, words: np.ndarray) -> np.ndarray:
+        """Which numbers of the record are the derivatives of some outputs.
 
         Args:
-            times: shape (T,).
-            values: result, shape (T, W).
-            slopes: result, shape (T, W, P).
+            words: which numbers of the record are the outputs, shape (W,).
 
         Returns:
-            How many rows are filled.
+            Shape (W · P,), those of an output one after the other.
         """
-        found = np.zeros((min(len(times), ROWS_AT_ONCE), len(self._output_indices), self._directions))
-        times = times[: len(found)]
-        output_indices = (self._output_indices.ctypes.data, len(self._output_indices))
-        places = (values.ctypes.data, found.ctypes.data)
-        filled: int = self._kernel.trajectory_with(
-            self._address, times.ctypes.data, len(times), *output_indices, *places
+        layout, tangent = self._block.dtype, self._tangents.dtype
+        tangents, directions = np.divmod(np.arange(len(self.parameters)), DIRECTIONS)
+        first = (
+            first_word(layout, BEHIND) + tangents * (tangent.itemsize // WORD) + first_word(tangent, "output")
         )
-        slopes[:filled] = found[:filled, :, : len(self.parameters)]
-        return filled
+        index = np.array(words, int) - first_word(layout, "output")
+        found: np.ndarray = 1 + first + directions + index[:, np.newaxis] * (1 + DIRECTIONS)
+        return found.ravel()
+
+    def rows(self, count: int, words: np.ndarray) -> WordRows:
+        """Room for some outputs, shape (count, W), and behind these for their derivatives."""
+        return WordRows(count, np.concatenate([words, self.slope_words(words)]))
 
     @property
     def _directions(self) -> int:
@@ -195,26 +193,6 @@ class DifferentiatedInstance(Instance):
         return (f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}",)
 
 
-class RowsWithSlopes:
-    """Rows of W outputs with their derivatives in P directions.
-
-    Attributes:
-        numbers: the outputs, shape (T, W).
-        slopes: their derivatives, shape (T, W, P).
-    """
-
-    at_once = ROWS_AT_ONCE
-
-    def __init__(self, numbers: np.ndarray, directions: int) -> None:
-        """Fill an array of outputs, and one of their derivatives, which are NaN until then."""
-        self.numbers, self.slopes = numbers, np.full((*numbers.shape, directions), np.nan)
-
-    def fill(self, instance: DifferentiatedInstance, times: np.ndarray, start: int) -> int:
-        """See ``Rows``."""
-        place = slice(start, start + len(times))
-        return instance.follow_trajectory(times, self.numbers[place], self.slopes[place])
-
-
 @dataclass(frozen=True, eq=False)
 class Differentiated:
     """The outputs of a run, with derivatives with respect to its P parameters.
@@ -268,10 +246,9 @@ class DifferentiatedRun:
         self._inputs = dict(inputs or {})
         varied = self._model.varied_by(parameters)
         self._places = [variable.set_place for variable in varied]
-        self._count, self._width = len(self._places), len(outputs)
-        words = self._model.columns_named(outputs)
-        output_indices = [words[name] for name in outputs]
-        self._instance = DifferentiatedInstance(self._model, varied, output_indices, notify)
+        columns = self._model.columns_named(outputs)
+        self._words = self._model.output_words[[columns[name] for name in outputs]]
+        self._instance = DifferentiatedInstance(self._model, varied, notify)
 
     def run(self, values: np.ndarray, times: np.ndarray) -> Differentiated:
         """Run with some values of the parameters.
@@ -283,23 +260,25 @@ class DifferentiatedRun:
         instance = self._instance
         times = np.ascontiguousarray(times, float)
         driven = drive(self._model, self._inputs, "follow", times)
-        found = np.full((len(driven.times), self._width), np.nan)
-        rows = RowsWithSlopes(found, self._count)
+        rows = instance.rows(len(driven.times), self._words)
         asked = np.searchsorted(driven.times, times)
         driven.set(instance.record["given"], 0)
         try:
             instance.restart(self._places, values)
         except SimulationError:
-            return self._told(found[asked], rows.slopes[asked], [])
-        _, impacts = instance.run(driven, rows)
+            rows.numbers[:] = np.nan
+            return self._told(rows.numbers[asked], [])
+        done, impacts = instance.run(driven, rows)
+        rows.numbers[done:] = np.nan
         impacts.append(instance.open_contacts())
-        return self._told(found[asked], rows.slopes[asked], impacts)
+        return self._told(rows.numbers[asked], impacts)
 
-    def _told(self, found: np.ndarray, slopes: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
+    def _told(self, found: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
+        width, count = len(self._words), len(self._places)
         order, rows = in_order([np.zeros(0, IMPACT_DTYPE), *impacts])
         return Differentiated(
-            values=found,
-            slopes=slopes,
+            values=found[:, :width],
+            slopes=found[:, width:].reshape(len(found), width, count),
             impacts=rows,
             impact_slopes=self._instance.slopes_of_impacts(order),
             status=self._instance.status,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -27,7 +27,6 @@ from chain_impact.variables.variable import Variable
 # words at the start of a record: the numbers of links, candidates, elements and instances of dual numbers
 SIZES = 4
 CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000  # that the kernel fills at once, at most
-SCRATCH_BYTES = 400_000  # of rows of which some words are kept: so few stay in the processor's cache
 
 
 class SimulationError(RuntimeError):
@@ -68,46 +67,44 @@ class Rows(Protocol):
         """Advance an instance to each of the times [s], keeping rows from ``start`` on; return how many."""
 
 
-class OutputRows:
-    """Rows of all outputs, or of some words of them.
+class WordRows:
+    """Numbers of the record at each communication point.
 
     Attributes:
-        kept: what is filled, by name, shape (T,): the fields of ``output_dtype`` in kernel/record/outputs.py,
-            or the names of the words.
-        numbers: the same as numbers, shape (T, W).
-        words: which words of all outputs these are, shape (W,).
+        numbers: shape (T, W).
+        spans: which of the record's numbers they are, see ``spans_of``.
     """
 
-    def __init__(self, count: int, layout: np.dtype, words: Mapping[str, int] | None = None) -> None:
-        """Make room for so many rows of the record of all outputs, or of some words by their names."""
-        self.at_once = max(1, min(CHUNK_ROWS, CHUNK_BYTES // layout.itemsize))
-        self._scratch = None
-        if words is None:
-            self.kept = np.zeros(count, layout)
-            self.numbers = self.kept.view(np.float64).reshape(count, -1)
-            self.words = np.arange(self.numbers.shape[1])
-        else:
-            self.numbers = np.zeros((count, len(words)))
-            named = np.dtype([(name, np.float64) for name in words])
-            self.kept = self.numbers.view(named)[:, 0] if words else np.zeros(count, named)
-            self.words = np.array(list(words.values()), int)
-            self._scratch = np.zeros(max(1, min(count, SCRATCH_BYTES // layout.itemsize)), layout)
-            self._written = self._scratch.view(np.float64).reshape(len(self._scratch), -1)
+    def __init__(self, count: int, words: Sequence[int] | np.ndarray) -> None:
+        """Make room for so many rows."""
+        self.numbers = np.zeros((count, len(words)))
+        self.spans = spans_of(words)
+        self.at_once = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, 8 * len(words))))
 
     def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
         """See ``Rows``."""
-        if self._scratch is None:  # the kernel writes the rows as they are kept
-            return instance.trajectory(times, self.kept[start : start + len(times)])
-        done = 0
-        while done < len(times):
-            part = times[done : done + len(self._scratch)]
-            count = instance.trajectory(part, self._scratch)
-            first = start + done
-            self.numbers[first : first + count] = self._written[:count, self.words]
-            done += count
-            if count < len(part):  # a fault
-                break
-        return done
+        return instance.trajectory(times, self.numbers[start : start + len(times)], self.spans)
+
+
+def spans_of(words: Sequence[int] | np.ndarray) -> np.ndarray:
+    """Indices as spans of consecutive ones: the first of each and how many they are, shape (S, 2)."""
+    return _spans_of(np.asarray(words, np.int64).tobytes())
+
+
+@functools.lru_cache(100)
+def _spans_of(indices: bytes) -> np.ndarray:
+    words = np.frombuffer(indices, np.int64)
+    if not len(words):
+        return np.zeros((0, 2), np.int64)
+    begins = np.flatnonzero(np.diff(words, prepend=words[0] - 2) != 1)
+    return np.column_stack([words[begins], np.diff(begins, append=len(words))]).astype(np.int64)
+
+
+def structured(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
+    """The first columns of rows of numbers, shape (T, W), by the names of a layout: a view, shape (T,)."""
+    size = numbers.shape[1] * numbers.itemsize
+    whole = np.dtype({"names": ["first"], "formats": [layout], "offsets": [0], "itemsize": size})
+    return numbers.view(whole)[:, 0]["first"] if layout.itemsize else np.zeros(len(numbers), layout)
 
 
 class Instance:
@@ -188,10 +185,19 @@ class Instance:
             status = self._kernel.advance_awhile(self._address, time)
         return status
 
-    def trajectory(self, times: np.ndarray, outputs: np.ndarray) -> int:
-        """Advance to each of the times [s], filling a row of outputs for each; return how many are filled."""
-        rows: int = self._kernel.trajectory(self._address, times.ctypes.data, len(times), outputs.ctypes.data)
-        return rows
+    def trajectory(self, times: np.ndarray, rows: np.ndarray, spans: np.ndarray | None = None) -> int:
+        """Advance to each of the times [s], filling a row for each; return how many are filled.
+
+        Args:
+            times: shape (T,).
+            rows: result, T rows of W numbers.
+            spans: which numbers of the record, see ``spans_of``; None for all outputs.
+        """
+        spans = spans_of(self.model.output_words) if spans is None else spans
+        wanted = spans.ctypes.data, len(spans)
+        place = rows.ctypes.data, int(spans[:, 1].sum())
+        filled: int = self._kernel.trajectory(self._address, times.ctypes.data, len(times), *wanted, *place)
+        return filled
 
     def run(self, driven: Drive, rows: Rows, progress: Progress = silent) -> tuple[int, list[np.ndarray]]:
         """Fill rows at the communication points; return how many, before a fault, and what contacts ended."""
@@ -315,12 +321,8 @@ def load_kernel(library: Path) -> ctypes.CDLL:
     kernel.initialize.argtypes = kernel.advance.argtypes = [pointer, real]
     kernel.advance_awhile.argtypes = [pointer, real]
     kernel.observe.argtypes = kernel.follow.argtypes = kernel.sound.argtypes = [pointer]
-    kernel.trajectory.argtypes = [pointer, pointer, integer, pointer]
+    kernel.trajectory.argtypes = [pointer, pointer, integer, pointer, integer, pointer, integer]
     runs = (pointer, pointer, integer, pointer, pointer, integer, pointer, integer, pointer)
     kernel.run_each.argtypes = [*runs, ctypes.c_int32]
     kernel.trajectory.restype = kernel.run_each.restype = integer
-    if hasattr(kernel, "trajectory_with"):
-        signature = (pointer, integer, pointer, integer, pointer, pointer)
-        kernel.trajectory_with.argtypes = [pointer, *signature]
-        kernel.trajectory_with.restype = integer
     return kernel

@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from chain_impact.compilation.work import Notify, Progress, silent
+from chain_impact.compilation.work import Notify, Progress
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import Result, recording_of
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import SimulationError
-from chain_impact.simulation.simulate import check_size, simulate, stepwise_outputs
+from chain_impact.simulation.simulate import simulate
 
 
 class RunError(RuntimeError):
@@ -30,8 +30,6 @@ def record_scene(
     notify: Notify | None = None,
     progress: Progress | None = None,
     sensitivities: Sequence[str] | None = None,
-    *,
-    complete: bool = True,
 ) -> Recording:
     """Simulate a scene with some values set by name, as ``with_settings`` does.
 
@@ -41,32 +39,20 @@ def record_scene(
         notify: as for ``simulate``.
         progress: as for ``simulate``.
         sensitivities: as for ``simulate``.
-        complete: whether the recording has all outputs of the FMU: those that change at events and steps
-            only take a second run, which is slower.
 
     Raises:
         SceneError: when a name is unknown, a value is out of range or the recording would be too large.
         RunError: when the solver cannot go on.
         BuildError: when the kernel cannot be compiled.
     """
-    scene, show = with_settings(scene, settings), progress or silent
-    if complete:
-        ends = scene.simulation
-        check_size(scene.name, ends.stop_time, ends.step_size, len(stepwise_outputs(scene)))
-    share = 0.5 if complete else 1.0  # of the progress, that the first run makes
+    scene = with_settings(scene, settings)
 
     def recording(result: Result) -> Recording:
-        stepwise = result.stepwise if complete else None
-        others = stepwise.columns(notify, lambda done: show(share + (1.0 - share) * done)) if stepwise else {}
         slopes = result.sensitivities.named if result.sensitivities else {}
-        return replace(recording_of(result), columns={**result.motion, **others, **slopes})
+        return replace(recording_of(result), columns={**result.columns, **slopes})
 
     try:
-        return recording(
-            simulate(
-                scene, sensitivities=sensitivities, notify=notify, progress=lambda done: show(share * done)
-            )
-        )
+        return recording(simulate(scene, sensitivities=sensitivities, notify=notify, progress=progress))
     except SimulationError as error:
         partial = recording(error.result) if error.result else None
         raise RunError(f"{scene.name}: {error}", partial) from None

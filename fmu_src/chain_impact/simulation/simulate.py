@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Iterable, Mapping
-from functools import cached_property
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -21,19 +20,17 @@ from chain_impact.results.summary import hints
 from chain_impact.scene.checks import warn
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
-from chain_impact.simulation.derivatives import DifferentiatedInstance, RowsWithSlopes
-from chain_impact.simulation.inputs import Drive, Interpolation, Signal, drive
+from chain_impact.simulation.derivatives import DifferentiatedInstance
+from chain_impact.simulation.inputs import Interpolation, Signal, drive
 from chain_impact.simulation.instance import (
-    CHUNK_ROWS,
     Instance,
-    OutputRows,
-    Rows,
     SimulationError,
+    WordRows,
     in_order,
+    structured,
 )
-from chain_impact.variables.model import Model, model_of
-from chain_impact.variables.table import WORD, word_index
-from chain_impact.variables.variable import Variable
+from chain_impact.variables.model import Model
+from chain_impact.variables.table import WORD
 
 MOST_BYTES = 2_000_000_000
 """Most bytes that the outputs of a simulation may take: more is refused before anything is computed."""
@@ -113,34 +110,31 @@ def simulate(
     step = stop if output_step == math.inf else scene.simulation.step_size
     model = Model(scene)
     varied = model.varied if sensitivities is None else model.varied_by(sensitivities)
-    chosen = None if output is None else model.outputs_named(output)
-    words = None
-    if chosen is not None:
-        observed = [one for one in chosen if one.place[0] == "output"]
-        words = {one.name: word_index(model.row, one.place[1:]) for one in observed}
-    columns = (model.row.itemsize // WORD if words is None else len(words)) * (1 + len(varied))
+    places = model.output_places if output is None else model.places_named(output)
+    # all outputs of the motion are kept in the kernel's own order
+    words = model.output_words if output is None else np.array(list(places.motion.values()), int)
+    others = np.array(sorted(word for word, _ in places.stepwise.values()), int)
+    width, columns = len(words), len(words) * (1 + len(varied)) + len(others)
     check_size(scene.name, stop, step, columns)
     driven = drive(model, inputs or {}, interpolation, _times(stop, step))
     if inputs:
         _check_rows(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
-    stepwise = Stepwise(model, driven, chosen)  # before the run, which may take long
-    outputs = OutputRows(len(driven.times), model.row, words)
-    rows: Rows = outputs
-    differentiated = None
-    if varied:
-        differentiated = DifferentiatedInstance(model, varied, outputs.words, notify, driven)
-        rows = slopes = RowsWithSlopes(outputs.numbers, len(varied))
+    differentiated = DifferentiatedInstance(model, varied, notify, driven) if varied else None
     instance = differentiated or Instance(model, notify, driven, ())
+    slopes = differentiated.slope_words(words) if differentiated else np.zeros(0, int)
+    rows = WordRows(len(driven.times), np.concatenate([words, others, slopes]))
     done, impacts = instance.run(driven, rows, progress or silent)
     order, found = in_order([*impacts, instance.open_contacts()])
     asked = slice(done) if driven.asked.all() else np.flatnonzero(driven.asked[:done])
+    numbers = rows.numbers[asked]
+    layout = model.row if output is None else np.dtype([(name, np.float64) for name in places.motion])
     sensitive = None
     if differentiated:
         sensitive = Sensitivities(
             model=model,
             varied=varied,
-            chosen=None if words is None else tuple(words),
-            slopes=slopes.slopes[asked],
+            chosen=None if output is None else tuple(places.motion),
+            slopes=numbers[:, width + len(others) :].reshape(len(numbers), width, len(varied)),
             impacts=found,
             impact_slopes=differentiated.slopes_of_impacts(order),
             limits=differentiated.limits,
@@ -148,11 +142,11 @@ def simulate(
     result = Result(
         model=model,
         time=driven.times[asked],
-        outputs=outputs.kept[asked],
+        outputs=structured(numbers, layout),
         impacts=found,
         statistics=instance.statistics,
         sensitivities=sensitive,
-        stepwise=stepwise,
+        stepwise=_Stepwise(numbers[:, width:], others, places.stepwise),
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
     )
     # few runs are so deep that there may be something to say
@@ -196,83 +190,24 @@ def _times(stop: float, step: float) -> np.ndarray:
     return times
 
 
-class _StepwiseRows:
-    """Words of the record at each communication point, which the kernel's own rows do not have."""
+class _Stepwise(Mapping[str, np.ndarray]):
+    """The columns of outputs that change at events and steps only, by name: views of rows of their words."""
 
-    at_once = CHUNK_ROWS
+    def __init__(
+        self, numbers: np.ndarray, words: np.ndarray, places: Mapping[str, tuple[int, bool]]
+    ) -> None:
+        self._numbers, self._words, self._places = numbers, words, places
 
-    def __init__(self, count: int, words: np.ndarray, layout: np.dtype) -> None:
-        self.kept, self._words, self._scratch = np.zeros((count, len(words))), words, np.zeros(1, layout)
+    def __getitem__(self, name: str) -> np.ndarray:
+        word, is_real = self._places[name]
+        found: np.ndarray = self._numbers[:, np.searchsorted(self._words, word)]
+        return found if is_real else found.copy().view(np.int64)
 
-    def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
-        """See ``Rows``."""
-        record = instance.words
-        for k in range(len(times)):
-            if not instance.trajectory(times[k : k + 1], self._scratch):
-                return k
-            record.take(self._words, out=self.kept[start + k])
-        return len(times)
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._places)
 
-
-class Stepwise:
-    """The outputs that change at events and steps only, from a second run when they are asked for."""
-
-    def __init__(self, model: Model, driven: Drive, chosen: Iterable[Variable] | None) -> None:
-        """Keep what is about to be run, and the outputs that were chosen, None for all."""
-        self._model, self._driven, self._chosen = model, driven, chosen
-        self._law = _law_text(model.scene) if model.scene.contact.law_file else None
-
-    @cached_property
-    def _variables(self) -> list[Variable]:
-        return stepwise_outputs(self._model, self._chosen)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of these outputs."""
-        return tuple(variable.name for variable in self._variables)
-
-    def columns(self, notify: Notify | None = None, progress: Progress = silent) -> dict[str, np.ndarray]:
-        """Run once more, row by row: name → shape (T,).
-
-        ``notify`` and ``progress`` as for ``simulate``.
-
-        Raises:
-            SceneError: when they would be too large, or the file of the contact law has changed.
-            BuildError: when the kernel cannot be compiled.
-        """
-        if not self.names:
-            return {}
-        scene, driven, second = self._model.scene, self._driven, f"a second run for {self.names[0]}"
-        _check_rows(f"{scene.name}: {second} has", len(driven.times), len(self.names))
-        if self._law is not None and _law_text(scene) != self._law:
-            raise SceneError(
-                f"{scene.name}: contact.law_file = {scene.contact.law_file!r} has changed since the "
-                f"simulation, so that {second} would give another motion: simulate again"
-            )
-        instance = Instance(self._model, notify, driven, ())
-        dtype = instance.record.dtype
-        words = np.array([word_index(dtype, one.place) for one in self._variables], int)
-        rows = _StepwiseRows(len(driven.times), words, self._model.row)
-        done, _ = instance.run(driven, rows, progress)
-        kept = rows.kept[:done][driven.asked[:done]].T.copy()
-        return {
-            one.name: column if one.type == "real" else column.view(np.int64)
-            for one, column in zip(self._variables, kept, strict=True)
-        }
-
-
-def stepwise_outputs(source: Scene | Model, chosen: Iterable[Variable] | None = None) -> list[Variable]:
-    """Those of the chosen outputs, None for all, that only a second run knows."""
-    chosen = model_of(source).outputs if chosen is None else chosen
-    return [one for one in chosen if one.place[0] != "output"]
-
-
-def _law_text(scene: Scene) -> bytes:
-    """What is in the file of the contact law; nothing if it cannot be read."""
-    try:
-        return Path(scene.contact.law_file).read_bytes()
-    except OSError:
-        return b""
+    def __len__(self) -> int:
+        return len(self._places)
 
 
 def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:

@@ -13,7 +13,7 @@ from chain_impact.results.recording import Recording
 from chain_impact.results.result import Result, recording_of
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Signal, drive
-from chain_impact.simulation.instance import Instance, OutputRows
+from chain_impact.simulation.instance import Instance, WordRows, structured
 from chain_impact.simulation.simulate import simulate
 
 MOST_ROWS = 40_000
@@ -61,13 +61,13 @@ def record_slowly(
     others = (onsets[:, None] + (ends - onsets)[:, None] * WITHIN).ravel()[:MOST_ROWS]
     driven = drive(result.model, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
     instance = Instance(result.model, notify, driven)
-    rows = OutputRows(len(driven.times), result.model.row)
+    rows = WordRows(len(driven.times), result.model.output_words)
     done, _ = instance.run(driven, rows, lambda part: show(0.5 + part / 2))
     return recording_of(
         Result(
             result.model,
             driven.times[:done],
-            rows.kept[:done],
+            structured(rows.numbers[:done], result.model.row),
             result.impacts,
             statistics=instance.statistics,
             stick_slip=result.stick_slip,

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cache, cached_property
-from typing import Any
+from functools import cache, cached_property, lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,8 +26,8 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import Place, friction_hint, input_key, parameter_hint
 from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.outputs import all_outputs
-from chain_impact.variables.table import BEHIND, derivatives, inputs, parameters, word_index
+from chain_impact.variables.outputs import SHAPES, Shape, all_outputs, outputs_of, shape_of
+from chain_impact.variables.table import BEHIND, WORD, derivatives, first_word, inputs, parameters, word_index
 from chain_impact.variables.variable import Variable, variable_row
 
 LINK_PARAMETERS = (
@@ -36,12 +36,38 @@ LINK_PARAMETERS = (
 )
 
 
+class OutputPlaces(NamedTuple):
+    """Where in the record outputs are, as numbers of its words, by their names.
+
+    Attributes:
+        motion: those that change all the time.
+        stepwise: those that change at events and steps only, and whether each is a real number.
+    """
+
+    motion: dict[str, int]
+    stepwise: dict[str, tuple[int, bool]]
+
+
+@lru_cache(SHAPES)
+def _output_places(shape: Shape, sizes: tuple[int, int, int]) -> OutputPlaces:
+    """Of all scenes of a shape, worked out once: that takes as long as a short simulation."""
+    layout, found = _layout(*sizes), OutputPlaces({}, {})
+    for name, one in outputs_of(shape).items():
+        word = word_index(layout, one.place)
+        if one.place[0] == "output":
+            found.motion[name] = word
+        else:
+            found.stepwise[name] = word, one.type == "real"
+    return found
+
+
 class Model:
     """A scene with all that follows from it, each part worked out once, most of them when first asked for.
 
     Attributes:
         scene: what the model is of.
         candidates: the C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch.
+        sizes: of a record: links, candidates, elements.
         layout: the record of an instance without derivatives.
         row: the record of the outputs, a row of ``Result.outputs``.
     """
@@ -49,7 +75,8 @@ class Model:
     def __init__(self, scene: Scene) -> None:
         self.scene, self.candidates = scene, candidates(scene)
         links, pairs = len(scene.chain.links), len(self.candidates)
-        self.layout = _layout(links, pairs, links + pairs if scene.has_friction else 0)
+        self.sizes = links, pairs, links + pairs if scene.has_friction else 0
+        self.layout = _layout(*self.sizes)
         self.row: np.dtype = self.layout["output"]
 
     def __eq__(self, other: object) -> bool:
@@ -153,6 +180,12 @@ class Model:
         """The outputs that change all the time: name → index into a row."""
         return {variable.name: word_index(self.row, variable.place[1:]) for variable in self.motion}
 
+    @cached_property
+    def output_words(self) -> np.ndarray:
+        """Which numbers of the record are those of a row, shape (W,)."""
+        first = first_word(self.layout, "output")
+        return np.arange(first, first + self.row.itemsize // WORD)
+
     def varied_by(self, names: str | Iterable[str]) -> list[Variable]:
         """The parameters and inputs of some names, in which ``*`` stands for any text, each of them once.
 
@@ -185,6 +218,23 @@ class Model:
             return []
         there = self._own_outputs
         return [there[name] for name in self._named(wanted, there, "no output")]
+
+    @property
+    def output_places(self) -> OutputPlaces:
+        """Where in the record the outputs are."""
+        return _output_places(shape_of(self.scene), self.sizes)
+
+    def places_named(self, wanted: str | Iterable[str]) -> OutputPlaces:
+        """Those of the outputs of some names or patterns, each of them once, in the order asked for.
+
+        Raises:
+            UnknownNameError: when there is none of a name, or like a pattern.
+        """
+        names, (motion, stepwise) = [one.name for one in self.outputs_named(wanted)], self.output_places
+        return OutputPlaces(
+            {name: motion[name] for name in names if name in motion},
+            {name: stepwise[name] for name in names if name in stepwise},
+        )
 
     def columns_named(self, wanted: str | Iterable[str]) -> dict[str, int]:
         """Those of ``columns`` of some names or patterns.

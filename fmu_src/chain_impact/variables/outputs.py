@@ -100,11 +100,11 @@ def shape_of(scene: Scene) -> Shape:
 
 def all_outputs(scene: Scene) -> dict[str, Variable]:
     """The outputs that the scene asks for, by their names, those of its candidates too. They are kept."""
-    return _of_shape(shape_of(scene))
+    return outputs_of(shape_of(scene))
 
 
 @lru_cache(SHAPES)
-def _of_shape(shape: Shape) -> dict[str, Variable]:
+def outputs_of(shape: Shape) -> dict[str, Variable]:
     """The outputs of all scenes of a shape, made once: that takes as long as a short simulation."""
     return {variable.name: variable for variable in _outputs(shape)}
 

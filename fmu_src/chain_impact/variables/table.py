@@ -82,6 +82,12 @@ def word_index(dtype: np.dtype, place: Place) -> int:
     return offset // WORD
 
 
+def first_word(dtype: np.dtype, part: str) -> int:
+    """The index of the first word of a part of a record."""
+    offset: int = dtype.fields[part][1]  # type: ignore[index]
+    return offset // WORD
+
+
 @cache
 def _rules(table: type) -> dict[str, Mapping[str, Any]]:
     """The metadata of each key of a table of the scene."""

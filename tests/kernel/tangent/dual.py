@@ -117,8 +117,7 @@ def started(case: Case) -> DifferentiatedInstance:
     """An instance at the start of a case, with derivatives of all outputs."""
     model = Model(case.scene)
     driven = drive(model, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
-    varied, looks = model.varied_by(case.parameters), list(model.columns.values())
-    instance = DifferentiatedInstance(model, varied, looks, driven=driven)
+    instance = DifferentiatedInstance(model, model.varied_by(case.parameters), driven=driven)
     driven.set(instance.record["given"], 0)
     return instance
 
@@ -126,8 +125,8 @@ def started(case: Case) -> DifferentiatedInstance:
 def followed(instance: DifferentiatedInstance, times: Any) -> tuple[np.ndarray, np.ndarray]:
     """Values (T, W) and slopes (T, W, P) of all outputs at some times [s]."""
     times = np.array(times, float)
-    count = len(instance.model.columns)
-    values = np.zeros((len(times), count))
-    slopes = np.zeros((len(times), count, len(instance.parameters)))
-    assert instance.follow_trajectory(times, values, slopes) == len(times)
-    return values, slopes
+    words = instance.model.output_words[list(instance.model.columns.values())]
+    rows = instance.rows(len(times), words)
+    assert rows.fill(instance, times, 0) == len(times)
+    values, slopes = np.split(rows.numbers, [len(words)], axis=1)
+    return values, slopes.reshape(len(times), len(words), -1)

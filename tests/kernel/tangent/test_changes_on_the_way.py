@@ -105,7 +105,7 @@ def through_onset(instance, changes, stop):
 def test_what_is_set_at_an_onset_that_is_due(model, changes):
     scene, names, stop = falling_link(model), ("initial.y", "initial.vy", "gravity.y"), 0.15
     compiled = Model(scene)
-    instance = DifferentiatedInstance(compiled, compiled.varied_by(names), [0])
+    instance = DifferentiatedInstance(compiled, compiled.varied_by(names))
     impacts = through_onset(instance, changes, stop)
     onsets = instance.slopes_of_impacts(np.arange(len(impacts)))["onset"]
     looks = [compiled.columns[name] for name in ("point[1].y", "link[1].angular_velocity")]

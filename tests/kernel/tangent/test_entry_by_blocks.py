@@ -11,11 +11,9 @@ from chain_impact.kernel.tangent import entry
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.entry import (
     all_valid,
-    fill_row,
     forget_slopes,
     observe_all,
     replay_all,
-    trajectory_with,
     truncate_all,
 )
 
@@ -37,18 +35,6 @@ def d():
         for b in range(BLOCKS)
     ]
     return one
-
-
-def test_a_row_has_the_outputs_asked_for_and_their_slopes_in_the_order_of_parameters(d):
-    looks = [2, 0]
-    values, slopes = np.zeros(2), np.full(2 * BLOCKS * DIRECTIONS, -1.0)
-    fill_row(d, looks, values, slopes)
-    assert values.tolist() == [2.0, 0.0]
-    right = [
-        [1000.0 * (b + 1) + look * WIDE + 1 + k for b in range(BLOCKS) for k in range(DIRECTIONS)]
-        for look in looks
-    ]
-    assert slopes.tolist() == [one for row in right for one in row]
 
 
 def test_slopes_are_forgotten_and_values_are_not():
@@ -107,27 +93,3 @@ def test_one_that_is_not_valid_is_enough(d, wrong, what, monkeypatch):
     else:
         setattr(d.tangent_instances[wrong], what, 7)
     assert not all_valid(d)
-
-
-@pytest.mark.parametrize("fault", [None, 0, 1])
-def test_rows_are_filled_at_their_times_until_a_fault(d, fault, monkeypatch):
-    d.finished, times, done = SimpleNamespace(point=[0] * 10), [0.1, 0.2], []
-    monkeypatch.setattr(entry, "work_done", lambda _: 100)
-    monkeypatch.setattr(entry, "work_of_a_call", lambda _: 23)
-    monkeypatch.setattr(entry, "allow_any_length", lambda _: done.append("any length"))
-    monkeypatch.setattr(entry, "observe", lambda _: done.append("observe"))
-    monkeypatch.setattr(
-        entry, "fill_row", lambda _d, looks, values, slopes: done.append((looks, values, slopes))
-    )
-
-    def advance(_, time, room, work):
-        assert (room, work) == (4, 123)  # the log has ten rows, of which six candidates may need one each
-        done.append(time)
-        return NOT_FINITE if fault == times.index(time) else OK
-
-    monkeypatch.setattr(entry, "advance", advance)
-    filled = trajectory_with(d, times, "looks", ["v0", "v1"], ["s0", "s1"])
-    assert filled == (2 if fault is None else fault)
-    rows = [["any length", time, "observe", ("looks", f"v{k}", f"s{k}")] for k, time in enumerate(times)]
-    last = [] if fault is None else ["any length", times[fault]]
-    assert done == [one for row in rows[:filled] for one in row] + last

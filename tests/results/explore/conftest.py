@@ -20,10 +20,7 @@ DESK, PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
 RUN = """async ({ module, scene, values, stop, step }) => {
   const kernel = await Kernel.load(await compiled(module), scene);
   const times = rowTimes(stop, step);
-  const places = scene.columns.filter(({ place }) => place !== undefined).map(({ place }) => place);
-  const words = scene.columns.filter(({ word }) => word !== undefined).map(({ word }) => word);
-  const run = runThrough(kernel.run(values, times, places));
-  const stepwise = runThrough(kernel.run(values, times, [], words));
+  const run = runThrough(kernel.run(values, times, scene.columns));
   const text = (arrays) => arrays.map((array) => {
     const bytes = new Uint8Array(array.buffer);
     let signs = "";
@@ -32,7 +29,7 @@ RUN = """async ({ module, scene, values, stop, step }) => {
   });
   const impacts = run.impacts.map((impact) =>
     Object.fromEntries(Object.entries(impact).map(([name, value]) => [name, String(value)])));
-  return { ...run, impacts, time: text([run.time]), columns: text(run.columns), words: text(stepwise.words) };
+  return { ...run, impacts, time: text([run.time]), columns: text(run.columns) };
 }"""
 
 
@@ -95,10 +92,10 @@ def kernel(worker):
         module = packed_module(scene.contact.law_file)
         given = {"module": module, "scene": json.loads(json.dumps(found)), "values": values or {}, **times}
         result = worker.evaluate(RUN, given)
-        names = [one["name"] for one in found["columns"] if "place" in one]
-        others = [one["name"] for one in found["columns"] if "word" in one]
-        columns = {name: bits(text) for name, text in zip(names, result["columns"], strict=True)}
-        columns |= {name: bits(text) for name, text in zip(others, result["words"], strict=True)}
+        columns = {}
+        for one, text in zip(found["columns"], result["columns"], strict=True):
+            numbers = bits(text)
+            columns[one["name"]] = numbers.view(np.float64).astype(int) if one["integer"] else numbers
         return {**result, "time": bits(result["time"][0]), "columns": columns}
 
     return run

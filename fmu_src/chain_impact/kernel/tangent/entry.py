@@ -7,14 +7,13 @@ the tangent instances.
 import math
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.advance import advance
 from chain_impact.kernel.events.contact_log import update_own_to_output_time
 from chain_impact.kernel.integration.last_step import (
     keep_state,
     return_to_kept_state,
     set_own_output_time,
 )
-from chain_impact.kernel.observe import fill_outputs, observe, refill_motion
+from chain_impact.kernel.observe import fill_outputs, refill_motion
 from chain_impact.kernel.soundness import within_bounds
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.blocks import block, words
@@ -22,7 +21,6 @@ from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.replay import move_end, replay
 from chain_impact.kernel.tangent.start import reinit_tangent, start_tangent
 from chain_impact.kernel.tangent.trust import share_reason, trusted
-from chain_impact.kernel.work_limit import allow_any_length, work_done, work_of_a_call
 
 
 def start_all(d):
@@ -128,39 +126,3 @@ HOOKS = {
 def record_words(d):
     """How many numbers of 8 bytes the record of an instance and its tangent instances has."""
     return len(words(d)) + d.tangents * len(words(block(d, 0)))
-
-
-def trajectory_with(d, times, output_indices, values, slopes):
-    """Advance to each of the times [s] in turn, and sample some outputs and their derivatives.
-
-    Args:
-        d: the instance, with B instances of dual numbers after it in memory.
-        times: shape (T,), increasing [s].
-        output_indices: the requested outputs, as indices of numbers in ``d.output``, shape (W,).
-        values: result, shape (T, W).
-        slopes: result, shape (T, W · B · DIRECTIONS).
-
-    Returns:
-        The number of rows filled, as of ``trajectory``.
-    """
-    log_capacity = len(d.finished.point) - d.candidates
-    work = work_done(d) + work_of_a_call(d)
-    for row in range(len(times)):
-        allow_any_length(d)
-        if advance(d, times[row], log_capacity, work) != OK:
-            return row
-        observe(d)
-        fill_row(d, output_indices, values[row], slopes[row])
-    return len(times)
-
-
-def fill_row(d, output_indices, values, slopes):
-    """Fill a row of outputs and one of their derivatives with the observed values."""
-    count = d.tangents
-    for j in range(len(output_indices)):
-        values[j] = words(d.output)[output_indices[j]]
-    for b in range(count):
-        seen = words(block(d, b).output)
-        for j in range(len(output_indices)):
-            for k in range(DIRECTIONS):
-                slopes[(j * count + b) * DIRECTIONS + k] = seen[output_indices[j] * (1 + DIRECTIONS) + 1 + k]

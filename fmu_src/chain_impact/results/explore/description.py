@@ -25,7 +25,7 @@ from chain_impact.scene.limits import allowed
 from chain_impact.scene.scene import Scene, scene_keys
 from chain_impact.scene.tables import Outputs
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import UNLESS_SET, WORD, word_index
+from chain_impact.variables.table import UNLESS_SET, word_index
 from chain_impact.variables.variable import Item, Variable
 
 EVERYTHING = Outputs()
@@ -57,7 +57,6 @@ def description(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
         "contactPoints": scene.contact.points,
         "record": packed(record.tobytes()),
         "layout": layout(record.dtype),
-        "row": model.row.itemsize // WORD,
         "inputs": [one.name for one in model.inputs],
         "parameters": [*(parameter(model, one) for one in model.parameters), *times(scene)],
         "columns": columns(model),
@@ -157,21 +156,14 @@ def times(scene: Scene) -> list[dict[str, Any]]:
 
 
 def columns(model: Model) -> list[dict[str, Any]]:
-    """The outputs of the FMU in its order: in a row of outputs, or else a word of the record."""
+    """The outputs of the FMU in its order, each a word of the record."""
     return [
-        {"name": one.name, "unit": one.unit, "place": model.columns[one.name], "row": model.word(one)}
-        if one.name in model.columns
-        else {
-            "name": one.name,
-            "unit": one.unit,
-            "word": model.word(one),
-            "row": model.word(one),
-            "integer": one.type != "real",
-        }
+        {"name": one.name, "unit": one.unit, "word": model.word(one), "integer": one.type != "real"}
         for one in model.outputs
     ]
 
 
 def drawn(scene: Scene) -> dict[str, int]:
-    """The outputs that the page draws: name → place in a row."""
-    return Model(replace(scene, outputs=EVERYTHING)).columns
+    """The outputs that the page draws: name → word of the record."""
+    model = Model(replace(scene, outputs=EVERYTHING))
+    return {one.name: model.word(one) for one in model.motion}

@@ -21,6 +21,17 @@ export function rowTimes(stop, step) {
   return times;
 }
 
+/** Spans of consecutive words: the first of each and how many they are. */
+function wordSpans(outputs) {
+  const spans = [];
+  for (const { word } of outputs) {
+    const [first, count] = spans.at(-1) ?? [NaN, 0];
+    if (word === first + count) spans.at(-1)[1] += 1;
+    else spans.push([word, 1]);
+  }
+  return spans.flat().map(BigInt);
+}
+
 export class Kernel {
   /** The kernel of a module for the scene of a description. */
   static async load(module, scene) {
@@ -33,9 +44,7 @@ export class Kernel {
     this.scene = scene;
     this.start = start;
     this.record = aligned(exports.__heap_base.value);
-    this.times = aligned(this.record + start.length);
-    this.rows = aligned(this.times + ROWS * WORD);
-    this.scratch = aligned(this.rows + ROWS * scene.row * WORD);
+    this.scratch = aligned(this.record + start.length);
     this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
     this.#reserve(this.scratch);
     this.bytes.set(start);
@@ -50,8 +59,13 @@ export class Kernel {
     this.bytes = new Uint8Array(buffer, this.record, start.length);
     this.reals = new Float64Array(buffer, this.record, start.length / WORD);
     this.integers = new BigInt64Array(buffer, this.record, start.length / WORD);
-    this.timesHeld = new Float64Array(buffer, this.times, ROWS);
-    this.rowsHeld = new Float64Array(buffer, this.rows, ROWS * scene.row);
+  }
+
+  /** Places behind the record for arrays of so many words. */
+  #places(sizes) {
+    const places = sizes.reduce((found, size) => [...found, aligned(found.at(-1) + size * WORD)], [this.scratch]);
+    this.#reserve(places.at(-1));
+    return places;
   }
 
   get status() {
@@ -82,23 +96,30 @@ export class Kernel {
    *
    * @param values the parameters that are changed: name → number.
    * @param times Float64Array [s].
-   * @param places of outputs in a row, for each of which there is a column.
-   * @param words of the record at each row, likewise: those that change at events and steps only.
+   * @param outputs { word, integer } of the record, for each of which there is a column.
    * @param atOnce times in a call of the kernel, which cannot be stopped.
    */
-  *run(values, times, places, words = [], atOnce = words.length ? 1 : ROWS) {
+  *run(values, times, outputs = [], atOnce = ROWS) {
+    const width = outputs.length;
+    const spans = wordSpans(outputs);
+    const [timesAt, spansAt, rowsAt] = this.#places([atOnce, spans.length, atOnce * width]);
     this.initialize(values);
-    const columns = places.map(() => new Float64Array(times.length));
-    const others = words.map(() => new BigInt64Array(times.length));
+    const columns = outputs.map(() => new Float64Array(times.length));
+    const { buffer } = this.exports.memory;
+    const timesHeld = new Float64Array(buffer, timesAt, atOnce);
+    const reals = new Float64Array(buffer, rowsAt, atOnce * width);
+    const integers = new BigInt64Array(buffer, rowsAt, atOnce * width);
+    new BigInt64Array(buffer, spansAt, spans.length).set(spans);
     const impacts = [];
     let done = 0;
     while (done < times.length && this.status === 0) {
       const asked = Math.min(atOnce, times.length - done);
-      this.timesHeld.set(times.subarray(done, done + asked));
-      const filled = Number(this.exports.trajectory(this.record, this.times, BigInt(asked), this.rows));
-      this.#copy(filled, done, places, columns);
-      if (filled) others.forEach((column, index) => {
-        column[done] = this.integers[words[index]];
+      timesHeld.set(times.subarray(done, done + asked));
+      const filled = Number(
+        this.exports.trajectory(this.record, timesAt, BigInt(asked), spansAt, BigInt(spans.length / 2), rowsAt, BigInt(width)));
+      columns.forEach((column, k) => {
+        const read = outputs[k].integer ? (from) => Number(integers[from]) : (from) => reals[from];
+        for (let row = 0; row < filled; row += 1) column[done + row] = read(row * width + k);
       });
       done += filled;
       impacts.push(...this.#finished());
@@ -117,7 +138,6 @@ export class Kernel {
       impacts,
       time: whole(times),
       columns: columns.map(whole),
-      words: others.map(whole),
     };
   }
 
@@ -127,10 +147,7 @@ export class Kernel {
    */
   *runEach(values, names, each, stops, words) {
     const [runs, width] = [stops.length, words.length];
-    const sizes = [names.length, each.length, runs, words.length, runs * width];
-    const places = sizes.reduce((found, size) => [...found, aligned(found.at(-1) + size * WORD)], [this.scratch]);
-    this.#reserve(places.at(-1));
-    const [at, rows, ends, outputs, found] = places;
+    const [at, rows, ends, outputs, found] = this.#places([names.length, each.length, runs, width, runs * width]);
     const { buffer } = this.exports.memory;
     this.#given(values);
     new BigInt64Array(buffer, at, names.length).set(names.map((name) => BigInt(this.parameters.get(name).word)));
@@ -147,14 +164,6 @@ export class Kernel {
       yield done / runs;
     }
     return new Float64Array(buffer, found, runs * width).slice();
-  }
-
-  #copy(filled, done, places, columns) {
-    const { rowsHeld, scene: { row: width } } = this;
-    for (let k = 0; k < places.length; k += 1) {
-      const column = columns[k];
-      for (let row = 0, from = places[k]; row < filled; row += 1, from += width) column[done + row] = rowsHeld[from];
-    }
   }
 
   /** Take the finished contacts out of the log; of those that nobody took in time, the oldest are lost. */

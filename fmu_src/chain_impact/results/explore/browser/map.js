@@ -122,7 +122,7 @@ export class GridMap {
   /** Simulate the rows of a map, each in the next worker that is free: there is one for each processor. */
   async #simulate(shown) {
     const { names, axes, values, output } = shown;
-    const words = [this.changes.scene.layout.status, output.row];
+    const words = [this.changes.scene.layout.status, output.word];
     let next = 0;
     const work = async (engine) => {
       while (next < POINTS) {

@@ -107,7 +107,7 @@ export function* motion(kernel, values) {
   };
   const stop = valueOf("simulation.stop_time");
   const began = performance.now();
-  const first = yield* half(kernel.run(values, rowTimes(stop, stop / PARTS), [], [], 1), 0);
+  const first = yield* half(kernel.run(values, rowTimes(stop, stop / PARTS), [], 1), 0);
   const spent = performance.now() - began;
   const end = first.status === 0 ? stop : Math.min(first.reached, stop);
   const { status, reached, statistics, impacts } = first;
@@ -117,7 +117,7 @@ export function* motion(kernel, values) {
   const most = Math.min(MOST, Math.max(FEWEST, Math.floor(NUMBERS / (2 * (scene.links + 1)))));
   const { times, frameRate } = frameTimes(0, end, slowSpans(contacts), IMPACT_TIME, most);
   const names = Object.keys(scene.drawn);
-  const second = yield* half(kernel.run(values, times, names.map((name) => scene.drawn[name])), 0.5);
+  const second = yield* half(kernel.run(values, times, names.map((name) => ({ word: scene.drawn[name] }))), 0.5);
   if (second.time.length < 2) return { ...ending, parts: null };
   const columns = Object.fromEntries(names.map((name, k) => [name, second.columns[k]]));
   return { ...ending, parts: partsOf(scene, valueOf, second.time, frameRate, columns, contacts) };

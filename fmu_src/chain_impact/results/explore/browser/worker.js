@@ -18,24 +18,14 @@ function pause() {
 /** All columns of the FMU that are asked for, at the rows of a result. */
 function* rows(kernel, values, { names }) {
   const wanted = kernel.scene.columns.filter(({ name }) => !names || names.includes(name));
-  const ofRow = wanted.filter(({ place }) => place !== undefined);
-  const ofRecord = wanted.filter(({ word }) => word !== undefined);
   const time = (name) => values[name] ?? kernel.parameters.get(name).start;
   const [stop, step] = [time("simulation.stop_time"), time("simulation.step_size")];
   if (!(8 * (stop / step + 1) * (1 + wanted.length) <= MOST_BYTES)) {
     throw new RangeError("the table would be too large: choose longer steps, an earlier end or fewer outputs");
   }
   const times = rowTimes(stop, step);
-  const found = yield* kernel.run(values, times, ofRow.map(({ place }) => place), ofRecord.map(({ word }) => word));
-  const columns = {};
-  ofRow.forEach(({ name }, k) => {
-    columns[name] = found.columns[k];
-  });
-  ofRecord.forEach(({ name, integer }, k) => {
-    columns[name] = integer ? Float64Array.from(found.words[k], Number) : new Float64Array(found.words[k].buffer);
-  });
-  const ordered = Object.fromEntries(wanted.map(({ name }) => [name, columns[name]]));
-  return { ...found, columns: ordered, words: [] };
+  const found = yield* kernel.run(values, times, wanted);
+  return { ...found, columns: Object.fromEntries(wanted.map(({ name }, k) => [name, found.columns[k]])) };
 }
 
 /** Some words of the record at the end of runs with different values of some parameters, which are in rows. */
