@@ -70,7 +70,6 @@ def test_no_path_of_this_machine_is_in_the_library(one_link):
 def test_the_kernel_does_not_allocate(what):
     module = library._lowered_kernel(what, lambda _: None)
     assert "@initialize" in module
-    assert ("@trajectory_with" in module) == (what == library.DERIVATIVES)
     assert not [name for name in ("NRT_Allocate", "NRT_MemInfo_alloc", "malloc") if name in module]
 
 
@@ -78,7 +77,7 @@ def test_the_kernel_does_not_allocate(what):
 def test_every_function_that_it_offers_computes_with_the_usual_registers(what):
     """None of its arithmetic is inlined, as it could be moved to before they are set."""
     module = library._lowered_kernel(what, lambda _: None)
-    for name in ENTRY_POINTS | ({"trajectory_with"} if what == library.DERIVATIVES else set()):
+    for name in ENTRY_POINTS:
         (body,) = re.findall(rf"^define [^\n]*@{name}\(.*?^\}}", module, re.M | re.S)
         calls = re.findall(r"call [^\n]*@\S+?\(.*", body)
         assert "@usual_registers()" in calls[0]

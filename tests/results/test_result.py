@@ -2,8 +2,6 @@
 
 import math
 import pickle
-import sys
-from dataclasses import replace
 
 import numpy as np
 import pytest

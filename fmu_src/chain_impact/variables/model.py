@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cache, cached_property, lru_cache
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -20,13 +20,13 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.contact_law import USER_LAW
 from chain_impact.kernel.model.derived import DERIVED
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import Place, friction_hint, input_key, parameter_hint
 from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.outputs import SHAPES, Shape, all_outputs, outputs_of, shape_of
+from chain_impact.variables.outputs import all_outputs, shape_of
+from chain_impact.variables.places import OutputPlaces, layout_of, output_places
 from chain_impact.variables.table import BEHIND, WORD, derivatives, first_word, inputs, parameters, word_index
 from chain_impact.variables.variable import Variable, variable_row
 
@@ -34,31 +34,6 @@ LINK_PARAMETERS = (
     *("length", "mass", "center_of_mass", "inertia"),
     *("joint_damping", "joint_stiffness", "joint_rest_angle", "joint_friction"),
 )
-
-
-class OutputPlaces(NamedTuple):
-    """Where in the record outputs are, as numbers of its words, by their names.
-
-    Attributes:
-        motion: those that change all the time.
-        stepwise: those that change at events and steps only, and whether each is a real number.
-    """
-
-    motion: dict[str, int]
-    stepwise: dict[str, tuple[int, bool]]
-
-
-@lru_cache(SHAPES)
-def _output_places(shape: Shape, sizes: tuple[int, int, int]) -> OutputPlaces:
-    """Of all scenes of a shape, worked out once: that takes as long as a short simulation."""
-    layout, found = _layout(*sizes), OutputPlaces({}, {})
-    for name, one in outputs_of(shape).items():
-        word = word_index(layout, one.place)
-        if one.place[0] == "output":
-            found.motion[name] = word
-        else:
-            found.stepwise[name] = word, one.type == "real"
-    return found
 
 
 class Model:
@@ -76,7 +51,7 @@ class Model:
         self.scene, self.candidates = scene, candidates(scene)
         links, pairs = len(scene.chain.links), len(self.candidates)
         self.sizes = links, pairs, links + pairs if scene.has_friction else 0
-        self.layout = _layout(*self.sizes)
+        self.layout = layout_of(*self.sizes)
         self.row: np.dtype = self.layout["output"]
 
     def __eq__(self, other: object) -> bool:
@@ -222,7 +197,7 @@ class Model:
     @property
     def output_places(self) -> OutputPlaces:
         """Where in the record the outputs are."""
-        return _output_places(shape_of(self.scene), self.sizes)
+        return output_places(shape_of(self.scene), self.sizes)
 
     def places_named(self, wanted: str | Iterable[str]) -> OutputPlaces:
         """Those of the outputs of some names or patterns, each of them once, in the order asked for.
@@ -380,9 +355,6 @@ def _fill_given(d: Any, scene: Scene) -> None:
 def _law_number(name: str) -> int:
     law = CONTACT_LAWS.get(name)
     return law.number if law else USER_LAW
-
-
-_layout = cache(instance_dtype)  # which takes as long as all else of a new instance
 
 
 def _with_tangents(block: np.ndarray, places: Sequence[Place]) -> np.ndarray:

@@ -107,10 +107,10 @@ def test_a_thousand_runs_leave_the_module_as_large_as_it_was(worker):
           const given = [["contact.restitution"], Float64Array.of(0.5, 0.7), Float64Array.of(0.5, 0.6)];
           const study = () => runThrough(kernel.runEach({}, ...given, [scene.layout.status]));
           const values = (k) => ({ "contact.restitution": 0.3 + k / 2000 });
-          const once = (k) => runThrough(kernel.run(values(k), times, [0, 1, 2]));
+          const once = (k) => runThrough(kernel.run(values(k), times, scene.columns.slice(0, 3)));
           const size = () => kernel.exports.memory.buffer.byteLength;
           study();
-          const [before, first] = [size(), once(500)];
+          const [first, before] = [once(500), size()];
           for (let k = 0; k < 1000; k += 1) if (k % 50) once(k); else study();
           return [before, size(), String(first.columns) === String(once(500).columns)];
         }""",
