@@ -12,7 +12,11 @@ from xdist.scheduler import LoadFileScheduling
 
 from chain_impact import cli
 from chain_impact.cli import progress
+from tests import tiers
 from tests.shared import once, shared_folder
+from tests.tiers import pytest_addoption, pytest_cmdline_main, pytest_report_header
+
+__all__ = ["pytest_addoption", "pytest_cmdline_main", "pytest_report_header"]
 
 # What takes longest comes first, so that all cores end together. Of the first two, one links plain kernels
 # while the other makes the one that carries derivatives.
@@ -46,6 +50,7 @@ WITH |= {
 
 def pytest_configure(config):
     """One folder for all that this session leaves behind; pytest's own folders stay where they are."""
+    tiers.pytest_configure(config)
     if hasattr(config, "workerinput"):
         return  # a process that has the settings of the one that started it
     # The tests use all cores already: threads of numpy's linear algebra would wait for one another.
@@ -73,8 +78,10 @@ def pytest_make_collect_report(collector):
     return report
 
 
-def pytest_collection_modifyitems(items):
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config, items):
     """Put the slowest files first, and the others in the same order in all processes."""
+    tiers.leave_out(config, items)
     place = {file: k for k, file in enumerate(SLOWEST)}
 
     def key(item):
@@ -92,8 +99,9 @@ class ByFile(LoadFileScheduling):
         return WITH.get(file, file)
 
 
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """For ``--dist loadfile``, which pyproject.toml has."""
+    """For ``--dist loadfile``, which is the rule (tests/tiers.py)."""
     return ByFile(config, log) if config.getvalue("dist") == "loadfile" else None
 
 

@@ -107,12 +107,14 @@ def belongs(module, packages):
     return any(module == package or module.startswith(package + ".") for package in packages)
 
 
+@pytest.mark.full("more cases", but=93)
 @pytest.mark.parametrize("file", sorted((PACKAGE / "kernel").rglob("*.py")), ids=lambda file: file.name)
 def test_the_kernel_imports_numbers_numpy_and_itself_only(file):
     allowed = ("fractions", "math", "numpy", "chain_impact.kernel")
     assert [module for module in imported(file) if not belongs(module, allowed)] == []
 
 
+@pytest.mark.full("takes long")
 def test_only_the_lowering_imports_numba():
     """So that who has ready kernels needs no compiler."""
     users = {file.stem for file in MODULES if any(belongs(m, ("numba", "llvmlite")) for m in imported(file))}
@@ -157,6 +159,7 @@ def test_nothing_of_the_process_is_redirected(file):
     assert list(redirections(file)) == []
 
 
+@pytest.mark.full("more cases", but=249)
 @pytest.mark.parametrize("file", [*MODULES, SLAVE], ids=lambda file: file.stem)
 def test_files_are_short(file):
     assert len(file.read_text(encoding="utf-8").splitlines()) < LONGEST
@@ -167,6 +170,7 @@ def test_files_of_the_tests_are_short():
     assert [file.name for file, length in lengths.items() if length >= LONGEST] == []
 
 
+@pytest.mark.full("more cases", but=234)
 @pytest.mark.parametrize(
     "module", [file.relative_to(PACKAGE).as_posix() for file in MODULES if file.name != "__init__.py"]
 )

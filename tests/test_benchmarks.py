@@ -42,6 +42,7 @@ def names_of(module):
     return names
 
 
+@pytest.mark.full("more cases", but=42)
 @pytest.mark.parametrize(
     "file", [file for file in FILES if file.name != OTHER_REVISION], ids=lambda file: file.stem
 )

@@ -116,6 +116,7 @@ def test_no_solver_that_is_not_named_is_faster_than_the_one_that_is_called_next(
     assert min(scipy, key=scipy.get) == module.USUAL
 
 
+@pytest.mark.full("takes long")
 def test_the_map_counts_the_completed_cells_and_colours_by_error(charts):
     module, record = charts("stability_chart"), stored("stability")
     page = drawn(module.draw, record, (9.5, 8.6))
@@ -143,6 +144,7 @@ def test_the_error_of_the_map_is_zero_where_the_energy_is_known(charts):
             assert energy == pytest.approx(-9.81 * depth / start, rel=2e-3)
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("name", ["engines", "fmu_cost", "friction", "rest", "rhs", "scaling", "stiffness"])
 def test_a_chart_has_a_message_few_colours_and_no_text_on_text(charts, name):
     module = charts(name)
@@ -162,6 +164,7 @@ def test_a_chart_has_a_message_few_colours_and_no_text_on_text(charts, name):
         assert not any(axes.get_window_extent().overlaps(box) for axes in page.axes)
 
 
+@pytest.mark.full("takes long")
 def test_the_factors_of_friction_are_those_of_the_stored_figures(charts):
     """With numbers of their own: where MuJoCo errs more than our loosest run, against that run."""
     module, record = charts("friction_chart"), stored("friction")

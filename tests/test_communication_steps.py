@@ -28,7 +28,6 @@ OBSERVED = ("output", "latest", "step", "impulse.dense", "friction_impulse.dense
 GARBAGE = 1.7e11
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("seeds", SEEDS.values(), ids=SEEDS)
 def test_impacts_and_counts_do_not_depend_on_the_output_step(seeds):
     differ = []

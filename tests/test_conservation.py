@@ -192,6 +192,7 @@ DROPPED_RODS = st.builds(
 )
 
 
+@pytest.mark.full("takes long")
 @given(DROPPED_RODS)
 @settings(max_examples=300, deadline=None, derandomize=True)
 def test_any_rod_keeps_the_laws_of_physics(scene):

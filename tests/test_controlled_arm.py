@@ -61,6 +61,7 @@ def replayed(time, columns):
     return Model(SCENE).series(result.outputs)
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("target", ["native", "pythonfmu"])
 def test_simulate_replays_an_fmu_that_stepped_between_the_same_times(runs, target):
     """Every output to the last bit; the master of fmpy makes its steps so that they have no round-off."""
@@ -80,6 +81,7 @@ def differences(columns, others):
     }
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("master", ["libcosim", "ecos"])
 def test_every_master_finds_the_same(runs, master):
     """Their communication points differ by round-off, and the solver's tolerance of 1e-8 does the rest."""
@@ -93,12 +95,14 @@ def test_every_master_finds_the_same(runs, master):
     assert [values[0] for values in columns.values()] == [values[0] for values in others.values()]
 
 
+@pytest.mark.full("takes long")
 def test_a_step_that_a_master_cannot_count_is_refused(tmp_path):
     with pytest.raises(subprocess.CalledProcessError) as caught:
         co_simulated(tmp_path, "--master", "libcosim", "--step", str(2.0**-10))
     assert b"a step of 0.0009765625 s is no whole number" in caught.value.stderr
 
 
+@pytest.mark.full("takes long")
 def test_the_stored_inputs_are_those_of_the_co_simulation(run):
     time, columns = run
     stored_time, stored = table(MODEL, "inputs.csv")
@@ -108,6 +112,7 @@ def test_the_stored_inputs_are_those_of_the_co_simulation(run):
         np.testing.assert_allclose(columns[name], stored[name], rtol=0, atol=1e-6)
 
 
+@pytest.mark.full("takes long")
 def test_torques_follow_from_what_was_sampled_a_step_before(run):
     _, columns = run
     angle, rate = (
@@ -123,6 +128,7 @@ def test_torques_follow_from_what_was_sampled_a_step_before(run):
     assert (torques.max(axis=1) == LIMIT).all(), "both controllers reach their limits"
 
 
+@pytest.mark.full("takes long")
 def test_the_arm_hits_the_wall_twice_and_then_holds(run):
     time, columns = run
     force = columns["contact[2].x_max.force"]
@@ -153,6 +159,7 @@ def balance(unknowns):
     ]
 
 
+@pytest.mark.full("takes long")
 def test_it_holds_where_the_moments_balance(run):
     """Solved for both angles and the force, without a simulation."""
     _, columns = run
@@ -162,6 +169,7 @@ def test_it_holds_where_the_moments_balance(run):
     assert columns["contact[2].x_max.force"][-1] == pytest.approx(force, rel=1e-7)
 
 
+@pytest.mark.full("takes long")
 def test_force_times_lever_is_the_torque(run):
     """About each joint: u = F h + the moment of the weights beyond it, with h the height above the tip."""
     _, columns = run

@@ -40,6 +40,7 @@ SLIDES = {
 }
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("case", SLIDES)
 def test_a_body_slides_stops_and_sticks_or_slides_back(case):
     table, exact = SLIDES[case]
@@ -69,6 +70,7 @@ def test_a_body_slides_stops_and_sticks_or_slides_back(case):
         assert change.time == pytest.approx(exact.stop, abs=late + 1e-13)
 
 
+@pytest.mark.full("takes long")
 def test_a_rod_sticks_on_a_slope():
     table, exact = held(ROD, math.radians(20.0), 0.5)
     motion = run(table, [SETTLED, SETTLED + 0.1])
@@ -79,6 +81,7 @@ def test_a_rod_sticks_on_a_slope():
         assert motion.normal_force[place] == pytest.approx([exact.normal] * 2, abs=1e-7)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(
     ("make", "coordinate"), [(lambda: pushed_flat(ROD, 0.4, 0.5, count=2), 0), (lambda: driven_link(0.5), 2)]
 )
@@ -111,6 +114,7 @@ def test_redundant_friction_is_shared_in_proportion_to_its_bounds():
 # --- impacts -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(("along", "halts"), [(0.6, False), (-0.3, True)])
 def test_a_ball_hits_obliquely(along, halts):
     table, exact = oblique_ball(1.0, along, 0.3)
@@ -125,6 +129,7 @@ def test_a_ball_hits_obliquely(along, halts):
     assert bool(motion.when("stick")) == halts
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("seed", [0, 5, 7, 8, 26])
 def test_an_impact_with_friction_tends_to_its_closed_form(seed):
     exact, found = limit(seed), []
@@ -162,6 +167,7 @@ def test_a_pendulum_with_a_dry_joint_comes_to_rest():
     assert [change.kind for change in motion.changes] == ["slip"] * (len(turns) - 1) + ["stick"]
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("omegas", [(3.0, -5.0), (-1.0, 4.0)])
 def test_flywheels_on_a_dry_axle_turn_as_one(omegas):
     table, exact = flywheels(omegas, 0.05)
@@ -186,6 +192,7 @@ def test_a_pair_of_links_stops_to_fold():
 # --- balances ----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("seed", [5, 23])
 def test_energy_and_momentum_balance_in_many_impacts(seed):
     table = tumbled(seed)

@@ -106,6 +106,7 @@ def numbers(departure):
     return [departure.separation, departure.sliding, departure.normal, departure.tangential]
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("e", [0.2, 0.8, 1.0])
 def test_the_limit_of_the_force_laws_is_that_of_the_equations(e):
     damping = exact_damping_factor(e)
@@ -168,6 +169,7 @@ def test_an_elastic_law_is_stronges_hypothesis():
         )
 
 
+@pytest.mark.full("takes long")
 def test_newtons_hypothesis_makes_energy_and_no_other():
     """In 400 random impacts with friction."""
     strikes, damping = [drawn(seed) for seed in range(400)], exact_damping_factor(0.9)

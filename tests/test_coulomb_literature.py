@@ -84,6 +84,7 @@ def test_the_rod_of_glocker_comes_to_the_point_where_it_cannot_slide_on():
     assert float(exact.published) == pytest.approx(exact.time, abs=0.02)
 
 
+@pytest.mark.full("takes long")
 def test_a_soft_contact_takes_the_rod_of_glocker_over_that_point_into_an_impact_without_collision():
     """The force grows until the end sticks, turns back, and leaves the floor upwards."""
     table, exact = glocker_rod(1e5)
@@ -106,6 +107,7 @@ def test_the_rod_of_stewart_and_trinkle_hits_where_it_should():
     assert impulses == pytest.approx((limit.normal, limit.tangential), rel=0.02)
 
 
+@pytest.mark.full("takes long")
 def test_a_block_rocks_as_housner_says():
     _, plastic = rocking_block(2e-4, -1.0, restitution=1e-9)
     assert plastic.after / plastic.before == pytest.approx(plastic.published, abs=1e-8)

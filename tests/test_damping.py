@@ -31,6 +31,7 @@ def reached(result):
     return np.concatenate([*motion, [end["dissipated"]]])
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("method", ["auto", "implicit"])
 @pytest.mark.parametrize("damping", [100.0, 1e4])
 @pytest.mark.parametrize(("count", "base"), [(2, "free"), (3, "pinned")])

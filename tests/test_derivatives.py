@@ -74,6 +74,7 @@ def test_values_are_those_of_the_kernel(name):
         assert np.abs(found - right.values[output]).max() <= scale * bound * largest, output
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("name", CASES)
 def test_derivatives_are_those_of_differences(name):
     case = CASES[name]
@@ -106,7 +107,6 @@ def test_the_exponent():
     assert max(off(*one, 1.5) for one in zip(by_impact, impacts[..., 0], rows, strict=True)) < 1e-6
 
 
-@pytest.mark.slow
 def test_the_oracle_converges():
     """With the tolerance, through six impacts, which make an error of the start 5000 times as large."""
     case = six_impacts()
@@ -155,6 +155,7 @@ def test_hertz():
     np.testing.assert_allclose(by_duration[0] * sizes / duration, (-2 / 5, 2 / 5, -1 / 5), atol=1e-11)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("law", [law for law in CONTACT_LAWS if law != "newton_impact"])
 def test_stiffness_scales_a_free_impact(law):
     """Whatever the damping: T and δ ∝ K^(−1/(n+1)), F ∝ K^(1/(n+1)), and no effect on the rebound."""
@@ -171,6 +172,7 @@ def test_stiffness_scales_a_free_impact(law):
     assert by_stiffness["impulse"] == pytest.approx(0.0, abs=1e-10)
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("exponent", [1.0, 1.3, 1.5, 2.0])
 def test_the_power_of_any_law_of_the_family(exponent):
     """T ∝ K^(−1/(n+1)); by the exponent itself, δⁿ⁺¹ = (n+1) G m v²/K: dδ/dn = δ/(n+1) (1/(n+1) − ln δ)."""
@@ -224,6 +226,7 @@ def test_the_ledger_does_not_depend_on_when_it_is_read(name):
     assert (moved <= 1e-9 * (largest + 1e-6)).all(), dict(zip(case.parameters, moved / largest, strict=True))
 
 
+@pytest.mark.full("more cases", but=38)
 @pytest.mark.parametrize(("name", "unit"), invariance.applicable(CASES))
 def test_units_are_of_no_consequence(name, unit):
     """Σ a_p p ∂y/∂p = a_y y − t ẏ: all parameters at once."""

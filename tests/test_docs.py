@@ -105,6 +105,7 @@ def test_the_citation_is_of_this_version():
     } <= {*lines}
 
 
+@pytest.mark.full("more cases", but=60)
 @every_page
 def test_commands_parse(page):
     for arguments in commands(page):
@@ -172,7 +173,7 @@ def lines_of(text):
     return [line.rstrip() for line in text.strip().splitlines()]
 
 
-@pytest.mark.slow
+@pytest.mark.full("more cases", but=3)
 @parametrized([page for page in PAGES if any(block.language in ("sh", "python") for block in fenced(page))])
 def test_a_page_runs_from_top_to_bottom(page, folder, run, drawn):
     """Files are written, programs and commands run, in a folder like a reader's; the output is as shown.
@@ -237,6 +238,7 @@ def test_every_table_has_its_place():
     assert set(names) == generate.TABLES.keys()
 
 
+@pytest.mark.full("more cases", but=61)
 @parametrized(DOCS)
 def test_the_tables_of_a_page_are_up_to_date(page):
     text = page.read_text(encoding="utf-8")

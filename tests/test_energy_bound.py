@@ -47,6 +47,7 @@ def changes(scene, method="auto"):
     return max(seen) / start, -min(seen) / start, status
 
 
+@pytest.mark.full("more cases", but=7)
 @pytest.mark.parametrize("method", SOLVER_METHODS)
 @pytest.mark.parametrize("tolerance", [1e-2, 5e-3, 1e-3])
 @pytest.mark.parametrize("base", ["free", "pinned"])
@@ -64,6 +65,7 @@ def test_nor_do_other_springs(count, stiffness):
     assert share < FIFTH
 
 
+@pytest.mark.full("more cases", but=10)
 @pytest.mark.parametrize("method", SOLVER_METHODS)
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-6])
 @pytest.mark.parametrize(("bend", "most"), [(0.01, 17.0), (0.1, 10.0)])

@@ -161,6 +161,7 @@ def test_a_search_that_is_given_up_ends_the_run():
     assert caught.value.status == TOO_MUCH_WORK
 
 
+@pytest.mark.full("takes long")
 def test_a_long_call_returns_in_between():
     """So that Python can look after Ctrl-C; the result is the same."""
     start = {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]}

@@ -61,7 +61,7 @@ def test_a_fold_that_had_faults_has_none(seed):
     assert not faults(fold(seed))
 
 
-@pytest.mark.slow
+@pytest.mark.full("takes long")
 def test_random_folds_keep_newtons_law():
     found = {seed: kinds for seed in range(1000) if (kinds := faults(fold(seed)))}
     assert not found

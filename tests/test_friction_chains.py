@@ -126,6 +126,7 @@ def thrown(seed, *, joints=False, base="free"):
     }
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("joints", [False, True], ids=["walls", "walls and joints"])
 @pytest.mark.parametrize(("seed", "base"), [(1, "free"), (2, "free"), (3, "pinned"), (4, "free")])
 def test_a_thrown_chain_moves_as_an_independent_model_says(seed, base, joints):

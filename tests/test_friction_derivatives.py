@@ -80,6 +80,7 @@ def test_modes_are_those_of_the_oracle(name):
     assert all(np.abs(np.array(begun) - time).min() < 1e-7 for time in found)
 
 
+@pytest.mark.full("more cases", but=9)
 @pytest.mark.parametrize("name", CASES)
 def test_derivatives_of_the_state(name):
     case = CASES[name]
@@ -275,6 +276,7 @@ def test_a_joint_friction_that_is_zero(links):
     assert np.isnan(answer.slopes[1]).all()
 
 
+@pytest.mark.full("more cases", but=5)
 @pytest.mark.parametrize("early", [1e-3, 1e-7])
 @pytest.mark.parametrize("name", ["stops on a slope", "swings, static", "two dry joints"])
 def test_a_change_of_a_parameter_just_before_a_mode_ends_changes_nothing_else(name, early):

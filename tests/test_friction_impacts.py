@@ -69,6 +69,7 @@ def agree(found, exact, units):
     assert np.median(off) < HALF_WITHIN
 
 
+@pytest.mark.full("takes long")
 def test_impulses_are_those_of_the_closed_form(impacts):
     """Both within 3e-6 of the normal impulse."""
     units = [one.exact.normal for one in impacts]
@@ -76,12 +77,14 @@ def test_impulses_are_those_of_the_closed_form(impacts):
     agree([one.values[1] for one in impacts], [one.exact.tangential for one in impacts], units)
 
 
+@pytest.mark.full("takes long")
 def test_separation_speeds_are_those_of_the_closed_form(impacts):
     """Within 3e-6 of the speed of approach."""
     exact, units = [one.exact.separation for one in impacts], [one.strike.approach for one in impacts]
     agree([one.values[2] for one in impacts], exact, units)
 
 
+@pytest.mark.full("takes long")
 def test_energies_that_are_lost_are_those_of_the_closed_form(impacts):
     """Within 3e-6 of ½ (normal impulse) (speed of approach); and none is made."""
     units = [0.5 * one.exact.normal * one.strike.approach for one in impacts]

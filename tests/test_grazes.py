@@ -15,6 +15,8 @@ from chain_impact.kernel.status import OK
 from chain_impact.simulation.instance import Instance
 from tests.problems import build, contact_table
 
+pytestmark = pytest.mark.full("takes long")
+
 CASES = 500  # of each motion
 ROUND_OFF = 2e-14  # m, of positions of some metres
 JUDGED = {"thrown": 0.95, "spinning": 0.6}  # of the cases, at least: those in which the run errs by less

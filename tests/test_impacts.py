@@ -38,6 +38,7 @@ def test_hertz_impact_has_the_textbook_depth_force_and_duration(stiffness):
     assert impact["separation_speed"] == pytest.approx(speed, rel=1e-6)
 
 
+@pytest.mark.full("more cases", but=4)
 @pytest.mark.parametrize("exponent", [1.0, 1.3, 2.0, 3.0])
 @pytest.mark.parametrize("restitution", [0.3, 1.0])
 def test_impact_is_exact_for_any_exponent(exponent, restitution):

@@ -12,6 +12,8 @@ from tests.friction_derivative_scenes import dry_joints
 from tests.independent import moved
 from tests.kernel.integration import stiff_problems
 
+pytestmark = pytest.mark.full("takes long")
+
 # Columns are compared to 1e-10 of their largest number, or of this where that is smaller: what is zero but
 # for rounding depends on the processor.
 LEAST_SCALE = 1e-6

@@ -57,6 +57,7 @@ def test_heights_of_the_golf_ball_follow_from_the_measured_times():
     assert time[(time > heard[0]) & (height > 0)] == pytest.approx((heard[1:] + heard[:-1]) / 2, abs=2e-5)
 
 
+@pytest.mark.full("takes long")
 def test_the_charts_are_drawn(tmp_path):
     path = Path(__file__).parents[1] / "docs" / "gallery.py"
     spec = importlib.util.spec_from_file_location("gallery", path)

@@ -112,6 +112,7 @@ def coordinates(columns, links):
     return tuple(np.stack([columns[name] for name in names], axis=-1) for names in (values, rates))
 
 
+@pytest.mark.full("more cases", but=16)
 @pytest.mark.parametrize("model", model_names())
 def test_the_reference_agrees_with_an_independent_integration(model):
     scene, (until, error) = load_scene(model), INDEPENDENT[model]
@@ -133,6 +134,7 @@ def test_the_reference_agrees_with_an_independent_integration(model):
     assert found["impact_speed"] == pytest.approx(onsets[:, 3], abs=100 * error)
 
 
+@pytest.mark.full("more cases", but=16)
 @pytest.mark.parametrize("model", model_names())
 def test_a_simulation_with_the_default_tolerance_agrees_with_the_reference(model):
     scene = load_scene(model)

@@ -217,7 +217,7 @@ def test_energy_never_rises(restitution):
     assert balance(result) < 1e-7
 
 
-@pytest.mark.slow
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 def test_a_hundred_links_fall_in_a_heap(restitution):
     result = simulate(heap(stop_time=3.0, model=LAW, restitution=restitution), output_step=1e-2)

@@ -80,6 +80,7 @@ def test_a_double_pendulum_swings_wide_as_its_textbook_equations_say():
     assert balance(result) < 1e-10
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_accelerations_are_lagranges(base):
     """Of a rod between bobs, by the derivation in SymPy."""

@@ -42,7 +42,7 @@ def broken(one):
     return [finding for finding in one.findings if finding.kind not in {"stopped", "slow"}]
 
 
-@pytest.mark.slow
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("seeds", BLOCKS, ids=lambda seeds: f"{seeds[0]}-{seeds[-1]}")
 def test_random_scenes_keep_the_laws_of_physics(seeds):
     found = [one for one in verdicts(seeds) if broken(one)]
@@ -59,6 +59,7 @@ def test_a_scene_follows_from_its_seed():
     assert scene(1) != scene(2)
 
 
+@pytest.mark.full("takes long")
 def test_scenes_are_of_all_kinds():
     scenes = [scene(seed) for seed in range(600)]
     assert all(isinstance(one, Scene) for one in scenes)
@@ -74,6 +75,7 @@ def test_scenes_are_of_all_kinds():
     assert len(STARTS) == 6
 
 
+@pytest.mark.full("takes long")
 def test_scenes_with_walls_at_any_angle_have_seeds_of_their_own():
     seeds = range(SLANTED, SLANTED + 200)
     scenes = [scene(seed) for seed in seeds]
@@ -89,6 +91,7 @@ def test_scenes_with_walls_at_any_angle_have_seeds_of_their_own():
     assert min(map(gap, scenes)) > -1e-12
 
 
+@pytest.mark.full("takes long")
 def test_scenes_with_springs_have_seeds_of_their_own():
     plain, scenes = ([scene(seed) for seed in range(first, first + 200)] for first in (0, SPRUNG))
     assert not any(link.joint_stiffness or link.inertia == 0.0 for one in plain for link in one.chain.links)
@@ -115,6 +118,7 @@ def test_stiff_springs_at_loose_tolerances_have_seeds_of_their_own():
     assert min(one.solver.tolerance for one in scenes) >= 1e-4
 
 
+@pytest.mark.full("takes long")
 def test_scenes_with_stops_have_seeds_of_their_own():
     scenes = [scene(seed) for seed in range(STOPPED, STOPPED + 200)]
     stopped = [one for one in scenes if one.chain.stops]
@@ -138,6 +142,7 @@ def test_rigid_walls_with_uneven_masses_have_seeds_of_their_own():
     assert max(thick) < 6.0
 
 
+@pytest.mark.full("takes long")
 def test_long_chains_have_seeds_of_their_own():
     scenes = [scene(seed) for seed in range(LONG, LONG + 200)]
     counts = {len(one.chain.links) for one in scenes}
@@ -145,6 +150,7 @@ def test_long_chains_have_seeds_of_their_own():
     assert "newton_impact" not in {one.contact.model for one in scenes}
 
 
+@pytest.mark.full("takes long")
 def test_harsh_scenes_have_seeds_of_their_own():
     scenes = [scene(seed) for seed in range(HARSH, HARSH + 100)]
     assert {one.solver.method for one in scenes} == {"auto"}

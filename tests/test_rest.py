@@ -267,7 +267,7 @@ def test_chain_longer_than_its_box_stays_inside(method):
     assert result.points[:, :, 1].min() > -0.01
 
 
-@pytest.mark.slow
+@pytest.mark.full("takes long")
 def test_a_hundred_links_fall_in_a_heap():
     result = simulate(heap(stop_time=2.0), output_step=1e-2)
     assert len(result.impacts) > 1000

@@ -40,6 +40,7 @@ def record(request, fmus):
     return lambda settings: record_fmu(fmus["four_link_box"], settings)
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("model", model_names())
 def test_a_scene_and_its_fmu_give_the_same(fmus, model):
     scene, fmu = record_scene(load_scene(model), {}), record_fmu(fmus[model], {})
@@ -74,6 +75,7 @@ def test_the_columns_of_a_scene_are_those_of_its_fmu_row_by_row(fmus):
             np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9, err_msg=name)
 
 
+@pytest.mark.full("takes long")
 def test_walls_and_start_are_those_that_were_set(record):
     recording = record({"box.x_max": "2.8", "initial.x": "0.4"})
     assert recording.walls == half_planes({"x_min": 0.0, "x_max": 2.8, "y_min": 0.0, "y_max": 2.5}, {})
@@ -92,6 +94,7 @@ def test_walls_at_any_angle_are_those_that_were_set(fmus):
     assert set(names[1]) == {"ramp", "stop"}
 
 
+@pytest.mark.full("takes long")
 def test_a_choice_can_be_given_by_name_or_number(record):
     number = CONTACT_LAWS["hertz"].number
     by_name, by_number = record({"contact.model": "hertz"}), record({"contact.model": str(number)})
@@ -100,17 +103,20 @@ def test_a_choice_can_be_given_by_name_or_number(record):
         np.testing.assert_array_equal(column, by_number.columns[name])
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("choice", ["no_law", "0", "-1", "99", "1.0", "²"])
 def test_a_choice_that_is_not_there_is_refused(record, choice):
     with pytest.raises(SceneError, match=r"contact\.model = .*must be one of .*zhang_sharf"):
         record({"contact.model": choice})
 
 
+@pytest.mark.full("takes long")
 def test_an_unknown_name_is_refused_and_the_nearest_is_named(record):
     with pytest.raises(SceneError, match=r"contact\.stifness is no parameter.*contact\.stiffness"):
         record({"contact.stifness": "1e9"})
 
 
+@pytest.mark.full("takes long")
 def test_an_input_is_no_parameter(record):
     with pytest.raises(
         SceneError, match=r"joint\[2\]\.torque is no parameter; it is an input: give it over time"
@@ -118,28 +124,33 @@ def test_an_input_is_no_parameter(record):
         record({"joint[2].torque": "5"})
 
 
+@pytest.mark.full("takes long")
 def test_an_output_cannot_be_set(record):
     with pytest.raises(SceneError, match=r"point\[0\]\.x is no parameter"):
         record({"point[0].x": "1"})
 
 
+@pytest.mark.full("takes long")
 def test_a_word_is_no_number(record):
     with pytest.raises(SceneError, match=r"contact\.stiffness = '?hard'? must be a.* number"):
         record({"contact.stiffness": "hard"})
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("value", ["-1", "0", "nan", "inf", "1e999"])
 def test_a_value_out_of_range_is_refused(record, value):
     with pytest.raises((SceneError, RunError), match=r"contact\.stiffness = .* must be a finite number > 0"):
         record({"contact.stiffness": value})
 
 
+@pytest.mark.full("takes long")
 def test_a_start_inside_a_wall_is_refused(record):
     with pytest.raises((SceneError, RunError), match="wall") as caught:
         record({"box.x_min": "0.65"})
     assert len(str(caught.value).splitlines()) == 1
 
 
+@pytest.mark.full("takes long")
 def test_what_came_before_a_fault_is_kept(record):
     with pytest.raises(RunError, match=r"stopped at t = .* s: .*solver\.work_limit") as caught:
         record(LITTLE_WORK)
@@ -173,6 +184,7 @@ def test_the_fmu_says_why_and_nothing_else_is_printed(fmus, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("kind", ["native", "fmi3"])
 def test_a_native_fmu_says_why(tmp_path_factory, kind):
     path = Path(OnDemand(kind, shared_folder(tmp_path_factory, "fmus") / kind)["four_link_box"])
@@ -180,6 +192,7 @@ def test_a_native_fmu_says_why(tmp_path_factory, kind):
         record_fmu(path, {"box.x_min": "0.65"})
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("settings", [{}, LITTLE_WORK])
 def test_an_fmu_leaves_no_files_behind(fmus, tmp_path, monkeypatch, settings):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
@@ -201,6 +214,7 @@ def changed(source, target, **members):
     return target
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("content", [b"", b"no zip at all", b"PK\x03\x04 and then nothing"])
 def test_what_is_no_zip_is_no_fmu(tmp_path, content):
     (tmp_path / "bad.fmu").write_bytes(content)

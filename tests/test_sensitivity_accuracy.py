@@ -125,6 +125,7 @@ def worst(errors, names):
 # --- at a sharp tolerance -----------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=9)
 @pytest.mark.parametrize("name", CASES)
 def test_a_state_is_differentiated_to_eight_digits(name):
     case = CASES[name]
@@ -135,6 +136,7 @@ def test_a_state_is_differentiated_to_eight_digits(name):
     assert (errors.max(0) <= bound).all(), worst(errors.max(0), case.parameters)
 
 
+@pytest.mark.full("more cases", but=6)
 @pytest.mark.parametrize("name", CASES)
 def test_impacts_are_differentiated_to_eight_digits(name):
     case = CASES[name]
@@ -147,7 +149,7 @@ def test_impacts_are_differentiated_to_eight_digits(name):
     assert not errors
 
 
-@pytest.mark.slow
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("name", IMPLICIT)
 def test_implicit_steps_are_differentiated(name):
     case = IMPLICIT[name]
@@ -193,6 +195,7 @@ BOUNDS = {
 }
 
 
+@pytest.mark.full("more cases", but=8)
 @pytest.mark.parametrize("name", BOUNDS)
 @pytest.mark.parametrize("which", range(len(TOLERANCES)))
 def test_derivatives_follow_the_tolerance(name, which):
@@ -263,6 +266,7 @@ def test_impulses_account_for_the_momentum(law):
     assert (error <= 1e-8 * largest).all(), worst(error / largest, names)
 
 
+@pytest.mark.full("more cases", but=41)
 @pytest.mark.parametrize(("name", "unit"), invariance.applicable(name for name in CASES if name != "six"))
 def test_units_are_of_no_consequence(name, unit):
     """Σ a_p p ∂y/∂p = a_y y − t ẏ: all parameters at once, and no oracle."""

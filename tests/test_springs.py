@@ -95,6 +95,7 @@ def textbook(scene, times):
     return Chain(scene).run(times)[0][:, 2 : len(scene.chain.links) + 2]
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("count", [2, 4])
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_a_chain_moves_as_the_textbook_says(base, count):

@@ -30,6 +30,7 @@ def exact_impact(law, e):
     return found.restitution * SPEED, found.depth * unit, found.force * INERTIA * SPEED**2 / unit
 
 
+@pytest.mark.full("more cases", but=6)
 @pytest.mark.parametrize("law", FORCES, ids=lambda law: law.id)
 def test_a_rod_rebounds_from_its_stop_as_the_law_says_of_an_angle(law):
     e = 0.6
@@ -91,6 +92,7 @@ SIX = scene_from_dict(
 )
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("scene", [KNEE, SIX], ids=lambda scene: scene.name)
 def test_an_assembled_chain_moves_alike(scene):
     """States to 1e-9 and onsets to 1e-11 s, over all impacts of 2 s."""
@@ -176,6 +178,7 @@ def test_rigid_stops_and_walls_with_a_force_hold_an_arm_together_and_the_other_w
         assert drop > -1e-9
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("law", ["zhang_sharf", "lankarani_nikravesh", "kelvin_voigt"])
 @pytest.mark.parametrize(("walls", "stops"), [(None, "newton_impact"), ("newton_impact", None)])
 def test_the_peak_of_a_force_is_the_largest_one_also_where_rigid_contacts_strike_or_hold(law, walls, stops):

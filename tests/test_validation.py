@@ -16,16 +16,19 @@ def problem(request):
     return PROBLEMS[request.param](TIGHT)
 
 
+@pytest.mark.full("more cases", but=1)
 def test_every_problem_is_a_model_or_a_scene_with_friction(problem):
     assert problem.model in model_names() or hasattr(coulomb_literature, problem.model)
     assert len(problem.figures) >= 4
 
 
+@pytest.mark.full("more cases", but=2)
 def test_our_result_is_that_of_the_second_solution(problem):
     for figure in problem.figures:
         assert figure.ours == pytest.approx(figure.independent, rel=0, abs=figure.held), figure.quantity
 
 
+@pytest.mark.full("more cases", but=2)
 def test_the_published_figures_differ_from_the_second_solution_as_documented(problem):
     for figure in problem.figures:
         if figure.published is None:

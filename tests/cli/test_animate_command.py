@@ -28,6 +28,7 @@ def test_an_fmu_becomes_a_page(run, here, fmu):
     assert set(data["walls"]) == {"x_min", "x_max", "y_min", "y_max"}
 
 
+@pytest.mark.full("takes long")
 def test_a_table_becomes_a_film_with_the_walls_of_its_scene(run, here):
     run("simulate", "rod_drop", "--csv", "rod.csv")
     code, _, errors = run("animate", "rod.csv", "--scene", "rod_drop", "-o", "rod.gif", "--size", "320x180",

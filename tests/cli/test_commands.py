@@ -36,6 +36,7 @@ def read_csv(path):
 # --- build -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("option", ["-o", "--output"])
 def test_build_puts_the_fmu_into_the_folder(run, here, option):
     code, said, errors = run("build", "rod_drop", option, "out/deep")
@@ -49,6 +50,7 @@ def test_build_takes_the_four_link_box_by_default(run, here):
     assert run("build")[1] == "FMU      build/FourLinkBox.fmu\n"
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("kind", ["name", "folder", "file"])
 def test_a_scene_is_a_file_a_folder_or_a_name(run, here, kind):
     folder = models_folder() / "rod_drop"
@@ -118,6 +120,7 @@ def test_a_kernel_that_does_not_compile(run, here, monkeypatch):
 # --- simulate --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("takes long")
 def test_simulate_prints_the_same_of_a_scene_and_of_its_fmu(run, fmu):
     scene, of_fmu = run("simulate"), run("simulate", fmu)
     assert scene[0] == of_fmu[0] == 0
@@ -144,6 +147,7 @@ def test_simulate_runs_once_for_a_table(run, monkeypatch):
     assert all(told)
 
 
+@pytest.mark.full("takes long")
 def test_csv_has_time_and_the_outputs_of_the_fmu_to_the_last_bit(run, here, fmu):
     code, said, _ = run("simulate", fmu, "--csv", "out.csv")
     assert code == 0
@@ -156,6 +160,7 @@ def test_csv_has_time_and_the_outputs_of_the_fmu_to_the_last_bit(run, here, fmu)
     assert rows == [list(row) for row in zip(*(column.tolist() for column in columns), strict=True)]
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("name", ["out.png", "out.svg", "out.pdf", "OUT.PNG"])
 def test_plot_writes_a_picture(run, here, name):
     code, said, _ = run("simulate", "rod_drop", "--plot", name)
@@ -165,6 +170,7 @@ def test_plot_writes_a_picture(run, here, name):
     assert (here / name).stat().st_size > 10_000
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("kind", ["scene", "FMU"])
 def test_set_changes_parameters(run, fmu, kind):
     source = fmu if kind == "FMU" else "four_link_box"
@@ -176,6 +182,7 @@ def test_set_changes_parameters(run, fmu, kind):
     assert impact_lines(first[1]) != impact_lines(run("simulate", source)[1])
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("kind", ["scene", "FMU"])
 def test_a_simulation_that_stops_early_gives_what_it_has(run, here, fmu, kind):
     source = fmu if kind == "FMU" else "four_link_box"
@@ -274,6 +281,7 @@ def test_info_of_an_fmu_has_its_values_and_every_variable(run, fmu):
     check_variables(listing, load_scene("four_link_box"))
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("kind", ["scene", "FMU"])
 def test_what_info_prints_can_be_set(run, fmu, kind):
     source = fmu if kind == "FMU" else "four_link_box"
@@ -292,6 +300,7 @@ def test_info_prints_brackets_as_they_are(run, here):
     assert run("info", "odd.toml")[1].startswith("RodDrop  [bold] a [/] b\n")
 
 
+@pytest.mark.full("takes long")
 def test_info_into_a_closed_pipe_is_quiet(fmu):
     """As in `chain-impact info | head -1`."""
     for source in ("rod_drop", str(fmu)):
@@ -311,6 +320,7 @@ def test_every_command_has_help(run, verb):
     assert said.startswith(f"usage: chain-impact {verb or ''}".rstrip())
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("verb", ["build", "simulate", "compare", "info"])
 def test_quiet_prints_nothing(run, here, verb):
     options = ["--csv", "out.csv"] if verb in ("simulate", "compare") else []

@@ -27,6 +27,7 @@ def asked(line, folder):
     return [word.rstrip() for word in answer.read_text(encoding="utf-8").splitlines()]
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(
     ("line", "words"),
     [
@@ -52,6 +53,7 @@ def test_the_shell_is_told_what_can_stand_there(line, words, tmp_path):
     assert asked(line, tmp_path) == words
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("shell", completion.SHELLS)
 def test_there_is_a_script_for_each_shell(shell, tmp_path):
     command = [sys.executable, "-m", "chain_impact.cli", "completion", shell]

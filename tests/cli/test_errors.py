@@ -116,6 +116,7 @@ def test_a_place_that_cannot_be_written(refused, here, option, place):
     refused(2, rf"^chain-impact: {re.escape(place)}: [A-Z]", "simulate", "rod_drop", option, place)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("option", ["--csv", "--plot"])
 def test_a_disk_that_is_full_is_named(refused, here, option):
     full = "full.csv" if option == "--csv" else "full.png"
@@ -127,6 +128,7 @@ def test_a_disk_that_is_full_is_named(refused, here, option):
     )
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("error", [errno.ENOSPC, errno.EROFS])
 def test_an_fmu_that_cannot_be_written_names_it_and_nothing_is_left(refused, here, monkeypatch, error):
     def writestr(*_, **__):

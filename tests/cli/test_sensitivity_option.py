@@ -80,6 +80,7 @@ def test_a_limit_is_said_in_words(run, here):
     assert "at y_min: several points arrive at one moment" in limit
 
 
+@pytest.mark.full("takes long")
 def test_picture_and_table(run, here):
     code, said, _ = run(
         "simulate",

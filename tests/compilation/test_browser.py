@@ -43,6 +43,7 @@ def sections(content):
     return found
 
 
+@pytest.mark.full("takes long")
 def test_the_module_imports_nothing_and_exports_what_a_page_calls():
     found = sections(browser_module().read_bytes())
     assert SECTIONS["import"] not in found
@@ -50,6 +51,7 @@ def test_the_module_imports_nothing_and_exports_what_a_page_calls():
     assert exported == {name.encode() for name in (*browser.EXPORTS, "memory")}
 
 
+@pytest.mark.full("takes long")
 def test_the_module_is_small_and_has_no_path():
     """Nor the name of a function; .ci/run compares modules that were made in two folders, byte by byte."""
     content = browser_module().read_bytes()
@@ -57,6 +59,7 @@ def test_the_module_is_small_and_has_no_path():
     assert not re.search(rb"/(?:tmp|home|root|usr|work)/|\.ll\b|\.c\b", content)
 
 
+@pytest.mark.full("takes long")
 def test_what_is_musls_is_unchanged():
     digest = hashlib.sha256()
     for file in sorted((browser.MATHEMATICS / "musl").glob("*.[ch]")):
@@ -98,6 +101,7 @@ def test_powers_have_the_digits_of_the_c_library(mathematics):
     assert all(near)
 
 
+@pytest.mark.full("takes long")
 def test_powers_of_special_numbers_are_those_of_the_c_library(mathematics):
     library_of_c = ctypes.CDLL("libm.so.6")
     library_of_c.pow.restype, library_of_c.pow.argtypes = ctypes.c_double, [ctypes.c_double] * 2
@@ -108,6 +112,7 @@ def test_powers_of_special_numbers_are_those_of_the_c_library(mathematics):
         np.testing.assert_equal(found, known, f"{base} ** {exponent}")
 
 
+@pytest.mark.full("takes long")
 def test_without_a_compiler_a_sentence_says_what_to_do(tmp_path, monkeypatch):
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path))
     monkeypatch.setattr(ready, "find_spec", lambda _: None)
@@ -115,6 +120,7 @@ def test_without_a_compiler_a_sentence_says_what_to_do(tmp_path, monkeypatch):
         browser_module()
 
 
+@pytest.mark.full("takes long")
 def test_a_law_of_the_users_own_is_compiled_in(tmp_path):
     law = tmp_path / "mine.py"
     law.write_text(SINH)

@@ -95,6 +95,7 @@ def test_a_dual_number_lies_in_memory_without_gaps():
     assert BYTES == 8 * WORDS
 
 
+@pytest.mark.full("more cases", but=12)
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_derivatives_are_those_of_sympy(name):
     function, expression = FUNCTIONS[name]
@@ -105,6 +106,7 @@ def test_derivatives_are_those_of_sympy(name):
     assert found[0] == pytest.approx(float(expression.evalf(30, subs=at)), rel=1e-15)
 
 
+@pytest.mark.full("more cases", but=4)
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_values_are_those_of_plain_numbers_bit_by_bit(name):
     function, _ = FUNCTIONS[name]

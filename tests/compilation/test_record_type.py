@@ -83,6 +83,7 @@ def chain():
     return scene_from_dict(table | {"box": {"x_min": 0.0, "y_min": 0.0}, "inputs": inputs}, "chain")
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(
     "changes",
     [

@@ -6,6 +6,8 @@ import sys
 
 import pytest
 
+pytestmark = pytest.mark.full("takes long")
+
 FUNCTIONS = """
 def shared(x):
     return 2.5 * x

@@ -38,6 +38,7 @@ def parsed(_rule, name):
     return PARSE(Lark(_rule, start="name"), name)
 
 
+@pytest.mark.full("more cases", but=1)
 @every_model
 def test_fmpy_finds_nothing_wrong(fmus, model, monkeypatch):
     """Its grammar makes no difference between names that differ in their numbers only."""
@@ -48,6 +49,7 @@ def test_fmpy_finds_nothing_wrong(fmus, model, monkeypatch):
     assert validate_fmu(fmus[model]) == []
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(
     ("name", "sentences"),
     [
@@ -74,6 +76,7 @@ def test_a_name_is_judged_as_fmpy_does(native, tmp_path, name, sentences):
     assert all(f'"{name}"' in text and "is not a legal variable name" in text for text in found)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("wrong", ["unit", "backslash"])
 def test_what_is_wrong_besides_names_is_said(native, tmp_path, wrong):
     with zipfile.ZipFile(native["rod_drop"]) as old, zipfile.ZipFile(tmp_path / "x.fmu", "w") as new:
@@ -86,6 +89,7 @@ def test_what_is_wrong_besides_names_is_said(native, tmp_path, wrong):
     assert any(wrong in text for text in validate_fmu(tmp_path / "x.fmu"))
 
 
+@pytest.mark.full("more cases", but=24)
 @every_model
 def test_an_fmu_is_named_after_its_model_and_small(fmus, model):
     path = Path(fmus[model])
@@ -93,11 +97,13 @@ def test_an_fmu_is_named_after_its_model_and_small(fmus, model):
     assert path.stat().st_size < 2e6
 
 
+@pytest.mark.full("more cases", but=2)
 def test_two_builds_have_equal_bytes(fmus, target, tmp_path):
     again = build_fmu("rod_drop", tmp_path, **KINDS[target])
     assert again.read_bytes() == Path(fmus["rod_drop"]).read_bytes()
 
 
+@pytest.mark.full("more cases", but=2)
 def test_another_value_makes_another_guid(fmus, target, tmp_path):
     scene = with_values(load_scene("rod_drop"), {("contact", "stiffness"): 2e8})
     other = str(build_fmu(scene, tmp_path, **KINDS[target]))
@@ -116,6 +122,7 @@ def test_names_are_sorted_and_nothing_is_dated(fmus):
 # --- the model description -------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=16)
 @every_model
 def test_start_values_are_those_of_the_scene_to_the_last_bit(fmi2, model):
     scene = load_scene(model)
@@ -132,6 +139,7 @@ def test_start_values_are_those_of_the_scene_to_the_last_bit(fmi2, model):
     assert not found
 
 
+@pytest.mark.full("more cases", but=16)
 @every_model
 def test_units_types_and_unknowns_are_complete(fmi2, model):
     root = description(fmi2[model])
@@ -179,6 +187,7 @@ def test_capabilities(all_fmus):
         }
 
 
+@pytest.mark.full("more cases", but=16)
 @every_model
 def test_derivatives_nominal_values_and_ranges(fmi2, model):
     """Of outputs: rates name what they are the rate of; what cannot be negative says so."""
@@ -268,6 +277,7 @@ def test_dependencies_are_true_under_every_law(native, clean):
     assert "contact[2].x_max.force" in rigid
 
 
+@pytest.mark.full("more cases", but=21)
 @every_model
 def test_documents(fmus, target, model):
     """A page with every variable, the license, and a picture."""
@@ -282,6 +292,7 @@ def test_documents(fmus, target, model):
     assert 0.01 < np.mean(picture.min(axis=2) < 0.9) < 0.3
 
 
+@pytest.mark.full("more cases", but=8)
 @every_model
 def test_both_kinds_for_fmi2_have_the_same_description(all_fmus, model):
     both = [description(all_fmus[target][model]) for target in ("pythonfmu", "native")]
@@ -314,6 +325,7 @@ def test_versions_that_there_are_not_are_refused(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.full("more cases", but=1)
 def test_an_invalid_fmu_does_not_appear(tmp_path, monkeypatch, fmus):
     monkeypatch.setattr(build, "validate_fmu", lambda _path: ["no good", "at all"])
     with pytest.raises(BuildError, match=r"RodDrop\.fmu is not valid: no good; at all"):
@@ -321,11 +333,13 @@ def test_an_invalid_fmu_does_not_appear(tmp_path, monkeypatch, fmus):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.full("more cases", but=1)
 def test_the_folder_is_made(tmp_path, fmus):
     assert build_fmu("rod_drop", tmp_path / "a" / "b") == tmp_path / "a" / "b" / "RodDrop.fmu"
     assert [path.name for path in (tmp_path / "a" / "b").iterdir()] == ["RodDrop.fmu"]
 
 
+@pytest.mark.full("takes long")
 def test_where_the_fmu_is_a_link_nothing_else_is_left_in_its_folder(tmp_path):
     """What a link points to is written in place, as /dev/stdout is."""
     folder, kept = tmp_path / "folder", tmp_path / "kept.fmu"

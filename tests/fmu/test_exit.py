@@ -18,6 +18,8 @@ import pytest
 from tests.fmu.importer import Instance, refused
 from tests.fmu.zig import zig
 
+pytestmark = pytest.mark.full("takes long")
+
 HERE = Path(__file__).parent
 
 

@@ -26,6 +26,7 @@ def fmu(target, tmp_path_factory):
     return str(path)
 
 
+@pytest.mark.full("more cases", but=2)
 def test_it_has_the_variables_of_friction(fmu, clean):
     found = clean(description, fmu)
     for name in ("contact.friction", "contact.static_friction", "wall.y_min.friction"):

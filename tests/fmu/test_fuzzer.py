@@ -16,6 +16,8 @@ from tests.fmu.contents import description
 from tests.fmu.interface import unpacked
 from tests.fmu.zig import zig
 
+pytestmark = pytest.mark.full("takes long")
+
 SEEDS = range(4)
 SEQUENCES, CALLS = 300, 500
 MODEL = "pinned_arm"  # it has inputs

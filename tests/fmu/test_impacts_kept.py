@@ -35,6 +35,7 @@ def test_the_default_scene_is_complete(fmus, step):
     same(impacts_of(recorded(fmus["four_link_box"], step)), expected)
 
 
+@pytest.mark.full("more cases", but=2)
 def test_the_dropped_rod_is_complete_if_enough_are_shown(fmus, target, tmp_path):
     """It comes to rest by ever more impacts: in a step of 100 ms there are more than 8."""
     scene = load_scene("rod_drop").with_values({"outputs.impacts": 16})

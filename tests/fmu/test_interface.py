@@ -34,6 +34,7 @@ from tests.fmu.zig import WARNINGS, zig
 # --- 2.1.1 to 2.1.4: header files ------------------------------------------------------------------------
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("headers", [(), (HEADERS,)], ids=["own headers", "standard's headers"])
 @pytest.mark.parametrize("platform", ZIG_TARGETS)
 def test_it_compiles_without_a_warning(headers, platform, tmp_path):

@@ -28,6 +28,7 @@ print(json.dumps({name: values.tolist() for name, values in outputs.items()}))
 """
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("master", ["fmpy", "libcosim", "ecos"])
 def test_every_master_runs_one_fmu_to_what_simulate_gives(native, master):
     """Their communication points differ by round-off, which the chain's impacts amplify 2e4 times."""
@@ -92,6 +93,7 @@ def refused(fmu, when):
     )
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("when", ["start", "run"])
 def test_libcosim_says_which_value_was_refused(fmi2, when):
     done = refused(fmi2["rod_drop"], when)

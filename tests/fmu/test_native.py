@@ -83,6 +83,7 @@ def test_a_state_goes_on_in_another_process(native, clean):
     assert restored == rows[61:]
 
 
+@pytest.mark.full("takes long")
 def test_a_long_chain(tmp_path, clean):
     """With the kernel for any number of links."""
     scene = {"name": "Long", "chain": {"links": [{"length": 0.2, "mass": 0.3}] * 12}, "box": {"y_min": 0.0}}

@@ -22,6 +22,8 @@ from tests.fmu.interface import unpacked
 from tests.fmu.standard import co_simulation_functions
 from tests.fmu.zig import zig
 
+pytestmark = pytest.mark.full("takes long")
+
 HOST_PROGRAM = Path(__file__).with_name("host.c")
 HOST3_PROGRAM = Path(__file__).with_name("host3.c")
 ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")  # Debian's libc6-arm64-cross
@@ -56,9 +58,6 @@ def binaries(fmu):
     with zipfile.ZipFile(fmu) as archive:
         names = [name for name in archive.namelist() if name.startswith("binaries/")]
         return {name.split("/")[1]: (archive.getinfo(name), archive.read(name)) for name in names}
-
-
-pytestmark = pytest.mark.slow  # zig makes its libraries for each platform once
 
 
 def test_there_is_a_binary_for_each_platform(binaries):

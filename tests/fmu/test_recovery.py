@@ -47,6 +47,7 @@ def assert_recovered(record, impacts):
         np.testing.assert_allclose(found[name], impacts[name], rtol=1e-6, err_msg=name)
 
 
+@pytest.mark.full("more cases", but=17)
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("model", MODELS)
 def test_fmpy_sees_every_impact(fmus, clean, expected, model, size):
@@ -70,6 +71,7 @@ def test_fmpy_in_event_mode_sees_every_impact_whatever_the_step(all_fmus, clean,
     np.testing.assert_array_equal(twice, np.unique(impacts["onset"]))
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("model", MODELS)
 def test_a_program_in_c_returns_at_every_impact(all_fmus, tmp_path, expected, model, size):

@@ -52,6 +52,7 @@ FILES = {"manifest": MANIFEST, "experiments": EXPERIMENTS, "out": OUT}
 # --- what is written -------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=8)
 @every_model
 def test_every_model_keeps_to_its_reference(fmus, model):
     passed, text = said(fmus[model])
@@ -59,6 +60,7 @@ def test_every_model_keeps_to_its_reference(fmus, model):
     assert re.match(r"experiment default: passed, outputs: 1\d, times: \d+, until ", text)
 
 
+@pytest.mark.full("more cases", but=24)
 @every_model
 def test_the_files_are_small_and_found_where_the_draft_has_them(fmus, model):
     with zipfile.ZipFile(fmus[model]) as fmu:
@@ -72,6 +74,7 @@ def test_the_files_are_small_and_found_where_the_draft_has_them(fmus, model):
     assert sum(size for name, size in sizes.items() if name.startswith(FOLDER)) < 12_000
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("model", ["four_link_box", "rod_drop", "ramp"])
 def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, model):
     """The explicit method with the reference's tolerance, in steps of its own."""
@@ -229,6 +232,7 @@ def test_what_is_not_supported_is_no_fault(spoil, change, sentence):
     assert sentence in outcome.text
 
 
+@pytest.mark.full("takes long")
 def test_an_fmu_for_another_platform_is_not_run(tmp_path):
     path = build_fmu("rod_drop", tmp_path, target="native", platforms=["win64"])
     passed, text = said(path)

@@ -11,6 +11,8 @@ from tests.fmu.conftest import KINDS
 from tests.fmu.importer import Instance
 from tests.friction_derivative_scenes import dry_joints
 
+pytestmark = pytest.mark.full("takes long")
+
 PARAMETERS = ["contact.stiffness", "contact.restitution", "initial.angle[*]"]
 STOP, STEP = 0.8, 0.05  # s, with three impacts
 ASKED = [

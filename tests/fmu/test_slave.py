@@ -57,7 +57,7 @@ def test_what_the_builder_says_is_passed_on(tmp_path, monkeypatch, fmus):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.slow
+@pytest.mark.full("takes long")
 def test_an_fmu_for_both_platforms(tmp_path):
     fmu = build_fmu("rod_drop", tmp_path, platforms=("linux64", "win64"))
     names = zipfile.ZipFile(fmu).namelist()

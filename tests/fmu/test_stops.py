@@ -29,6 +29,7 @@ def description(fmu):
     return {name: [v.causality, v.variability, v.unit] for name, v in Instance(fmu).variables.items()}
 
 
+@pytest.mark.full("more cases", but=2)
 def test_stops_and_materials_have_their_variables(fmu, clean):
     found = clean(description, fmu)
     assert found["link[2].joint_min"] == ["parameter", "fixed", "rad"]

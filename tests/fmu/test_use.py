@@ -37,6 +37,7 @@ def trajectory(fmu, values, stop, step):
     return [instance.outputs, instance.run(times)]
 
 
+@pytest.mark.full("more cases", but=15)
 @pytest.mark.parametrize(
     "values",
     [

@@ -86,6 +86,7 @@ SCENES = {
 }
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("name", SCENES)
 def test_no_index_is_negative(name):
     scene, time = SCENES[name]
@@ -97,6 +98,7 @@ def test_no_index_is_negative(name):
     assert d.impact.count > 0
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
 def test_nor_where_inputs_and_parameters_change(model):
     """A tip is pressed onto the floor, its law changes, a torque follows a polynomial, the tip is lifted."""

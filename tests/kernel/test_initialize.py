@@ -195,6 +195,7 @@ FINITE = [
 ]
 
 
+@pytest.mark.full("more cases", but=25)
 @pytest.mark.parametrize(("record", "field"), [*POSITIVE, *NOT_NEGATIVE, *FINITE])
 @pytest.mark.parametrize("value", [-1e-3, 0.0, 1e-3, math.inf, -math.inf, math.nan])
 def test_a_parameter_out_of_its_range_is_refused(record, field, value):
@@ -284,6 +285,7 @@ def test_a_start_beyond_a_wall_is_refused(depth, status):
         assert check_start(d) == status
 
 
+@pytest.mark.full("more cases", but=4)
 @pytest.mark.parametrize("value", [math.nan, math.inf, 1e200])
 @pytest.mark.parametrize("place", ["state", "rate"])
 def test_a_start_that_is_not_finite_also_in_its_energy_is_refused(place, value):

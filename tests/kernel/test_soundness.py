@@ -118,6 +118,7 @@ BOUNDS = {
 }
 
 
+@pytest.mark.full("more cases", but=17)
 @pytest.mark.parametrize(("record", "field"), BOUNDS)
 def test_each_index_has_its_least_and_its_most(record, field):
     least, most = BOUNDS[record, field]
@@ -210,6 +211,7 @@ OF_FRICTION = {
 }
 
 
+@pytest.mark.full("more cases", but=9)
 @pytest.mark.parametrize(("record", "field"), OF_FRICTION)
 def test_the_indices_of_dry_friction_have_their_bounds(record, field):
     _, d, _ = rubbing_chain(np.random.default_rng(0), "free", 2, True)

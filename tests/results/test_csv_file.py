@@ -20,6 +20,7 @@ def scene():
     return load_scene("four_link_box")
 
 
+@pytest.mark.full("takes long")
 def test_a_table_is_what_it_was_written_from(tmp_path, scene):
     written = recording_of(simulate(scene, output_step=1e-4))
     written.save_csv(tmp_path / "box.csv")
@@ -34,6 +35,7 @@ def test_a_table_is_what_it_was_written_from(tmp_path, scene):
     np.testing.assert_allclose([i.speed for i in read.impacts], [i.speed for i in written.impacts], rtol=0.15)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("settings", [{}, {"outputs.impacts": 0}, {"contact.model": "newton_impact"}])
 def test_the_table_of_a_scene_has_its_impacts_exactly(tmp_path, scene, settings):
     written = record_scene(scene, settings)

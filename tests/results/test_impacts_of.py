@@ -25,6 +25,7 @@ def recorded(scene, times):
     return record
 
 
+@pytest.mark.full("more cases", but=6)
 @pytest.mark.parametrize("model", ["four_link_box", "rod_drop", "ramp"])
 @pytest.mark.parametrize("step", [1e-3, 1e-2, 0.1])
 def test_it_is_complete_at_any_step(model, step):
@@ -81,6 +82,7 @@ def test_a_record_without_impacts_is_refused():
         impacts_of({"time": [0.0], "impact.count": [0]})
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("stop", [0.49, 0.5, 2.0])  # before an impact, within one, after many
 def test_the_columns_of_a_simulated_scene_are_those_of_its_fmu(stop):
     scene = load_scene("four_link_box").with_values({"simulation.stop_time": stop})

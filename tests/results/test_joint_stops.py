@@ -89,6 +89,7 @@ def test_texts_name_the_joint_and_the_unit():
     assert any("x_max" in line and " m/s" in line for line in lines)
 
 
+@pytest.mark.full("takes long")
 def test_tables_tell_the_units_at_stops():
     table = swung().impact_table()
     assert table.attrs["units"]["peak_force"] == "N"

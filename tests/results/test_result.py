@@ -155,6 +155,7 @@ def test_a_notebook_shows_a_table_of_the_impacts(result):
 # --- pictures --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("takes long")
 def test_plot_gives_a_figure_or_writes_a_file(result, tmp_path):
     assert result.plot().get_suptitle().startswith("FourLinkBox")
     assert result.plot(tmp_path / "motion.png") is None

@@ -7,6 +7,7 @@ import math
 import operator
 from dataclasses import fields
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -89,6 +90,7 @@ def toml(value) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
+@pytest.mark.full("takes long")
 @given(scene_dicts())
 def test_every_valid_scene_survives_the_round_trip(data):
     scene = scene_from_dict(data, SOURCE)
@@ -125,6 +127,7 @@ def spots(data, path=()):
 FULL = [scene_to_dict(load_scene(name)) for name in model_names()]
 
 
+@pytest.mark.full("takes long")
 @settings(max_examples=1000)
 @given(st.data())
 def test_a_broken_scene_gives_a_scene_or_one_clear_line(draws):

@@ -211,6 +211,7 @@ def test_a_law_and_a_method_have_a_name_and_a_number():
         assert message.startswith(f"RodDrop: contact.model = {value} must be one of ")
 
 
+@pytest.mark.full("more cases", but=16)
 @pytest.mark.parametrize("model", model_names())
 def test_every_value_has_a_name_by_which_it_can_be_set(model):
     scene = load_scene(model)

@@ -47,6 +47,7 @@ def test_models_are_valid(model):
     SCHEMA.validate(scene_to_dict(load_scene(model)))
 
 
+@pytest.mark.full("takes long")
 @given(scene_dicts())
 def test_what_the_reader_accepts_is_valid(data):
     scene_from_dict(data, "scene.toml")

@@ -28,6 +28,7 @@ def fast(time):
     return 3.0 * math.sin(300.0 * time)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 @pytest.mark.parametrize("torque", [wave, kinked, switched, fast])
 def test_a_function_is_followed_to_the_tolerance(torque, method):
@@ -46,6 +47,7 @@ def test_a_function_is_followed_to_the_tolerance(torque, method):
         assert np.ptp(ledger) < 20.0 * tolerance
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("law", ["hertz", "newton_impact", "kuwabara_kono"])
 def test_the_result_does_not_depend_on_the_rows_through_impacts(law):
     scene = with_values(
@@ -63,6 +65,7 @@ def test_the_result_does_not_depend_on_the_rows_through_impacts(law):
             np.testing.assert_allclose(other.impacts[name], every.impacts[name], rtol=1e-12)
 
 
+@pytest.mark.full("takes long")
 def test_a_row_has_the_accelerations_of_the_input_at_its_time():
     scene = with_values(arm(), {("solver", "tolerance"): 1e-10})
     followed = simulate(scene, output_step=0.05, inputs={SHOULDER: wave})
@@ -140,6 +143,7 @@ def noise(_time):
     return next(DRAWN)
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize(
     ("torque", "most"),
     [
@@ -164,6 +168,7 @@ def test_a_table_in_a_function_is_as_good_as_samples():
     assert np.abs(motion(followed)[-1] - motion(joined)[-1]).max() < 1e-10
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize(
     "torque",
     [

@@ -116,6 +116,7 @@ def test_a_function_is_held_between_communication_points():
     np.testing.assert_allclose(motion(result), expected, rtol=0, atol=1e-9)
 
 
+@pytest.mark.full("takes long")
 def test_lines_are_followed_to_second_order_and_steps_to_first():
     scene = arm(tip_force=True)
     signals = {SHOULDER: wave, "tip.force.y": push}

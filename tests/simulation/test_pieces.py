@@ -28,6 +28,7 @@ def follower(function, accuracy):
     return Follower(lambda times: np.array([[function(t)] for t in times.tolist()]), 1.0, accuracy)
 
 
+@pytest.mark.full("more cases", but=11)
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-11, 1e-15])
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_a_function_is_followed_with_few_pieces(name, accuracy):
@@ -86,6 +87,7 @@ def test_a_single_point_is_one_piece_that_stays(lines):
     assert pieces.jumps.tolist() == [True]
 
 
+@pytest.mark.full("takes long")
 def test_a_long_run_of_a_smooth_function_and_many_held_pieces_are_not_refused():
     long = Follower(lambda times: np.sin(10.0 * times)[:, np.newaxis], 1000.0, 1e-11)
     assert len(long.pieces(0.0, 1000.0)) > 1000

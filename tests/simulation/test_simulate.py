@@ -139,6 +139,7 @@ def test_an_impact_may_be_shorter_than_the_resolution_of_time(stiffness):
     assert impact["separation_speed"] == pytest.approx(0.7, rel=1e-9)
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("stiffness", [1e60, 1e200])
 def test_a_wall_too_stiff_for_the_clock_is_a_fault_and_no_endless_loop(stiffness):
     """In a process of its own, as the kernel could not be interrupted."""

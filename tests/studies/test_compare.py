@@ -165,6 +165,7 @@ def test_the_csv_has_a_row_for_each_law(box, tmp_path):
 # --- the free impact ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("restitution", [0.05, 0.7, 1.0])
 def test_a_free_impact_is_the_exact_one(restitution):
     contact = default_scene(restitution=restitution).contact

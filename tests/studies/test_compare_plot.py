@@ -41,6 +41,7 @@ def drawn(comparison, curves):
     return page
 
 
+@pytest.mark.full("takes long")
 def test_every_law_has_a_look_and_twins_share_one(comparison, curves):
     labels = [re.sub(r" \(.*", "", look["label"]) for look in looks_of(comparison, curves).values()]
     assert sorted(name for label in labels for name in label.split(", ")) == sorted(CONTACT_LAWS)
@@ -116,6 +117,7 @@ def test_the_names_of_the_laws_stand_beside_their_curves_and_overlap_nothing(com
         assert text.xy[1] == comparison[law].result.energy["total"][-1]
 
 
+@pytest.mark.full("takes long")
 def test_laws_that_did_not_run_leave_the_others_in_the_picture(tmp_path):
     comparison = compare(
         with_values(default_scene(model="hertz", restitution=0.0), {("simulation", "stop_time"): 0.6})

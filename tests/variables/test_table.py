@@ -209,6 +209,7 @@ def test_a_scene_without_walls_has_no_contact_variables():
 # --- parameters ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=14)
 @every_scene
 def test_each_parameter_sets_its_place_and_nothing_else(scene):
     """But for the values in use that the scene derives."""

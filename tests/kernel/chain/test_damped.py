@@ -55,6 +55,7 @@ def answer(d, impedance, shift, impulses, aim):
     return found
 
 
+@pytest.mark.full("more cases", but=30)
 @pytest.mark.parametrize("largest", [0.0, 1.0, 1e6, 1e12])
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", range(1, 9))

@@ -45,6 +45,7 @@ def compared(rng, count, base):
     return joint_rate(d, state), joint_bound(d), (damping * np.diag(mobility)).max(), exact
 
 
+@pytest.mark.full("more cases", but=8)
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", range(1, 9))
 def test_it_is_that_of_the_fastest_joint_alone_and_near_the_largest_eigenvalue(count, base):
@@ -56,6 +57,7 @@ def test_it_is_that_of_the_fastest_joint_alone_and_near_the_largest_eigenvalue(c
         assert bound >= exact * (1.0 - 1e-12)
 
 
+@pytest.mark.full("more cases", but=6)
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", range(1, 9))
 def test_for_springs_it_is_near_the_highest_frequency(count, base):
@@ -69,6 +71,7 @@ def test_for_springs_it_is_near_the_highest_frequency(count, base):
         assert joint_bound(d) >= exact * (1.0 - 1e-12)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_the_bound_holds_for_dampers_and_springs_together(base):
     """The largest |λ| of λ² M + λ C + S = 0, by its companion matrix."""

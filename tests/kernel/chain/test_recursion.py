@@ -148,6 +148,7 @@ EFFECTS = (
 )
 
 
+@pytest.mark.full("more cases", but=45)
 @pytest.mark.parametrize("effect", EFFECTS)
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", [1, 2, 3])

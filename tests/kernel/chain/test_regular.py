@@ -51,6 +51,7 @@ def chain_of(shapes, pinned):
     return SimpleNamespace(pinned=pinned, **columns)
 
 
+@pytest.mark.full("more cases", but=5)
 @pytest.mark.parametrize("pinned", [False, True])
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_it_tells_every_chain_whose_mass_matrix_is_singular_somewhere(count, pinned):
@@ -66,6 +67,7 @@ def test_it_tells_every_chain_whose_mass_matrix_is_singular_somewhere(count, pin
     assert found == {False, True}
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("pinned", [False, True])
 def test_what_it_allows_has_positive_pivots(pinned):
     rng = np.random.default_rng(3)

@@ -25,6 +25,7 @@ def answer(d, impedance, shift, impulses, joint_impulses):
     return own.answer[0] + 1j * own.answer[1]
 
 
+@pytest.mark.full("more cases", but=45)
 @pytest.mark.parametrize("largest", [0.0, 1.0, 1e4])
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", range(1, 9))

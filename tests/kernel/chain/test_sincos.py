@@ -17,6 +17,7 @@ def kernel(angles):
     return cosine, sine
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("size", [1.0, 10.0, 1e3, LARGEST])
 def test_errors_are_below_two_parts_in_1e16(size):
     angles = np.random.default_rng(4).uniform(-size, size, 4000)

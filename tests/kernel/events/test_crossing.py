@@ -80,6 +80,7 @@ def first_fall(d, motion):
     return best
 
 
+@pytest.mark.full("more cases", but=34)
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize(("near", "touching"), [(1, 0), (3, 0), (0, 1), (2, 2)])
 @pytest.mark.parametrize("seed", range(8))

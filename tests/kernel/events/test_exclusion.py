@@ -57,6 +57,7 @@ def least_clearance(d):
     return gaps[d["touch"]["active"] == 0].min()
 
 
+@pytest.mark.full("takes long")
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(
     angles=st.lists(st.floats(-3.0, 3.0), min_size=4, max_size=4),
@@ -115,6 +116,7 @@ def phi_all(d, motion):
     return gaps_of(d, motion.at(SAMPLES * d.step.size).T) * signs
 
 
+@pytest.mark.full("more cases", but=30)
 @pytest.mark.parametrize("touching", [0, 2])
 @pytest.mark.parametrize("near", [0.02, 0.2, 2.0])
 @pytest.mark.parametrize("seed", range(6))

@@ -97,6 +97,7 @@ def compound_pendulum(moment):
     return table, math.acos(moment)
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 @pytest.mark.parametrize("part", [0.5, 0.9])
 def test_a_step_ends_where_a_force_reaches_its_limit(part, method):
@@ -137,6 +138,7 @@ def test_both_joints_of_a_symmetric_chain_stop_in_one_step():
     assert d.changes.time[2] == d.changes.time[3]
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("sliding", [0.3, -0.3])
 def test_a_step_ends_where_a_point_stops_on_a_wall(sliding):
     """W_nt = 0, so slip ends where the impulse of the wall is m v_t/µ."""

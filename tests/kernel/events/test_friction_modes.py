@@ -35,6 +35,7 @@ def assert_laws_hold(chain):
             assert mode * reached[k] >= -AGAINST * scale
 
 
+@pytest.mark.full("more cases", but=15)
 @BOTH
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("jumped", [True, False])
@@ -52,6 +53,7 @@ def test_the_modes_of_elements_at_rest_are_those_that_dense_algebra_finds(
         np.testing.assert_allclose(chain.accelerations(), reached, atol=1e-6 * np.abs(chain.bias).max())
 
 
+@pytest.mark.full("more cases", but=14)
 @BOTH
 @pytest.mark.parametrize("seed", SEEDS)
 def test_so_they_are_with_more_static_friction(seed, base, contacts, joints):
@@ -62,6 +64,7 @@ def test_so_they_are_with_more_static_friction(seed, base, contacts, joints):
     assert_laws_hold(chain)
 
 
+@pytest.mark.full("takes long")
 def test_the_chains_at_rest_have_all_kinds_of_modes():
     """So that the tests above are about sticking and both ways of sliding, and changes of the first guess."""
     found, changed = set(), 0

@@ -39,6 +39,7 @@ def move_at(d, c, speed):
     d.work.velocity.y[there] = -speed * d.candidate.normal_x[c]
 
 
+@pytest.mark.full("more cases", but=23)
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize(
     "case",  # event, mode before, speed, whether speeds have jumped; mode, whether undecided

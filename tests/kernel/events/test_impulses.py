@@ -74,6 +74,7 @@ def kinetic(d, y):
     return mechanical_energy(d, y)[0]
 
 
+@pytest.mark.full("more cases", but=23)
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", [1, 2, 3])
 @pytest.mark.parametrize("seed", range(4))

@@ -27,6 +27,7 @@ def struck(law, e):
     return scene.with_values({"simulation.stop_time": 0.3})
 
 
+@pytest.mark.full("more cases", but=8)
 @pytest.mark.parametrize("law", KINKED)
 @pytest.mark.parametrize("e", [0.1, 0.275, 0.5, 0.65, 0.8, 0.95])
 def test_the_realised_restitution_errs_by_the_tolerance(law, e):
@@ -38,6 +39,7 @@ def test_the_realised_restitution_errs_by_the_tolerance(law, e):
         assert error <= LARGEST_ERROR * tolerance, tolerance
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("law", KINKED)
 def test_a_step_ends_at_the_kink(law):
     d = Plain(Model(struck(law, 0.4).with_values({"solver.tolerance": 1e-9})).new_instance()[0])

@@ -35,6 +35,7 @@ def known_rates(d):
     d.touch.damping[:] = d.touch.beyond_kink[:] = 0
 
 
+@pytest.mark.full("more cases", but=26)
 @pytest.mark.parametrize("implicit", [False, True])
 @pytest.mark.parametrize(("near", "touching"), [(1, 0), (3, 0), (2, 2)])
 @pytest.mark.parametrize("seed", range(5))

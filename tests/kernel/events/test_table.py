@@ -239,6 +239,7 @@ def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     assert (sizes[1] < sizes[0]) == (method == IMPLICIT)
 
 
+@pytest.mark.full("more cases", but=43)
 @pytest.mark.parametrize("kind", [NONE, ONSET, END, RELATCH, RELEASE, KINK])
 @pytest.mark.parametrize("regularized", [-1, 0, C, 15])
 @pytest.mark.parametrize("whose", [0, C, 15])

@@ -28,7 +28,6 @@ def reached(result):
     return np.concatenate(motion)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("method", ["implicit", "auto"])
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_stiff_problems_are_solved_to_the_tolerance(name, method):
@@ -38,7 +37,6 @@ def test_stiff_problems_are_solved_to_the_tolerance(name, method):
         assert error.max() < 2.0 * tolerance
 
 
-@pytest.mark.slow
 def test_what_high_accuracy_costs_goes_as_the_order_of_the_error():
     """Ten times the accuracy takes 10^(1/7) = 1.39 times the steps; a method of order 3 takes 2.15."""
     steps = [simulate(tipping(), tolerance=t, method="implicit").statistics["steps"] for t in (1e-8, 1e-11)]

@@ -31,6 +31,7 @@ def test_momentum_balances_at_every_communication_point_under_every_law(law):
     assert unbalanced(result) < 1e-8
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("method", ["auto", "implicit"])
 def test_inside_of_an_impact_too(method):
     """In the first impact of the default scene, every 2 µs."""

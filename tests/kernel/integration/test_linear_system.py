@@ -94,6 +94,7 @@ def solutions(d, size, h):
         yield shift, r, x + 1j * y
 
 
+@pytest.mark.full("more cases", but=31)
 @pytest.mark.parametrize("h", [1e-6, 1e-3, 1.0])
 @pytest.mark.parametrize("damping", [0.0, 1.0, 1e4])
 @pytest.mark.parametrize("stiffness", [0.0, 10.0, 1e5])

@@ -88,6 +88,7 @@ def test_the_enumeration_of_the_fmu_keeps_its_numbers():
     assert [law.number for law in CONTACT_LAWS.values()] == list(range(1, LAW_COUNT + 1))
 
 
+@pytest.mark.full("more cases", but=97)
 @LAWS
 @pytest.mark.parametrize("e", [0.02, 0.3, 0.5, 0.77, 0.999, 1.0])
 def test_damping_factor_is_that_of_the_literature(law, e):
@@ -98,6 +99,7 @@ def test_damping_factor_is_that_of_the_literature(law, e):
     assert law.damping_factor(e) == pytest.approx(factor_of(law, e), rel=1e-15)  # as plain Python
 
 
+@pytest.mark.full("more cases", but=16)
 @LAWS
 def test_damping_never_drives_and_falls_with_the_restitution(law):
     factors = np.array([factor_of(law, e) for e in np.linspace(0.001, 1.0, 200)])
@@ -150,6 +152,7 @@ def test_lambert_w_is_what_the_equation_of_motion_gives(factor, exponent):
 # --- what the others realise -------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=13)
 @LAWS
 def test_accuracy_range_is_where_the_rebound_is_within_five_percent(law):
     def error(e):
@@ -162,6 +165,7 @@ def test_accuracy_range_is_where_the_rebound_is_within_five_percent(law):
     assert last == 1.0 or error(1.05 * last) > 0.05
 
 
+@pytest.mark.full("more cases", but=16)
 @LAWS
 def test_the_rebound_is_elastic_at_the_one_end_and_falls_to_the_other(law):
     """e → 1: no damping, but for the one law that says so. e → 0: no rebound where f has no bound there."""

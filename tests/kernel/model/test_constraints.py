@@ -94,6 +94,7 @@ def test_masses_that_differ_by_a_million_are_no_hindrance(ratio):
     np.testing.assert_allclose(own["reached"][:5], 0.5, atol=1e-10)
 
 
+@pytest.mark.full("more cases", but=28)
 @pytest.mark.parametrize("seed", range(40))
 def test_impulses_are_complementary(seed):
     """Against all 2^k sets of contacts; the points are anywhere, as if the walls passed through them.

@@ -167,6 +167,7 @@ def test_who_pulls_or_falls_short_is_wrong_but_for_round_off():
     assert least_impulse(d) == 0.0
 
 
+@pytest.mark.full("more cases", but=30)
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("guess", [(0, 0, 0, 0), (1, 1, 1, 1), (0, 1, 1, 0)])
 def test_the_complementary_impulses_do_not_depend_on_the_guess(seed, guess):

@@ -76,6 +76,7 @@ def impact_of(law, e, mass=MASS, speed=SPEED, stiffness=STIFFNESS, **settings):
 # --- the force ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=49)
 @LAWS
 @pytest.mark.parametrize("e", [0.02, 0.3, 1.0])
 def test_walls_do_not_pull_and_do_not_drive(law, e):
@@ -150,6 +151,7 @@ def test_damping_of_the_family_is_proportional_to_the_rate_up_to_the_speed_of_ar
 # --- one impact --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=7)
 @FAMILY
 @pytest.mark.parametrize("e", [0.1, 0.5, 0.9])
 def test_impacts_of_the_family_are_exact(law, e):
@@ -165,6 +167,7 @@ def test_impacts_of_the_family_are_exact(law, e):
     assert result.energy["dissipated"][-1] == pytest.approx(exact.dissipated, rel=1e-6, abs=1e-9)
 
 
+@pytest.mark.full("more cases", but=12)
 @OTHERS
 @pytest.mark.parametrize("e", [0.02, 0.1, 0.5, 0.9, 1.0])
 def test_impacts_of_the_others_are_those_of_an_independent_integration(law, e):
@@ -188,6 +191,7 @@ def test_both_methods_agree_on_an_impact(law, e):
         assert first[name] == pytest.approx(second[name], rel=2e-6)
 
 
+@pytest.mark.full("more cases", but=50)
 @LAWS
 @pytest.mark.parametrize(
     ("mass", "speed", "stiffness"), [(0.02, 1.0, 1e7), (2.0, 20.0, 1e7), (2.0, 1.0, 1e10)]
@@ -205,6 +209,7 @@ def test_restitution_depends_on_mass_speed_and_stiffness_in_one_law_only(law, ma
     assert impact["separation_speed"] / speed == pytest.approx(expected, rel=1e-7)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("exponent", [1.0, 2.2])
 def test_restitution_of_the_family_does_not_depend_on_the_exponent(exponent):
     scene, exact = struck_ball(
@@ -219,6 +224,7 @@ def test_restitution_of_the_family_does_not_depend_on_the_exponent(exponent):
 # --- the rigid limit ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=13)
 @LAWS
 def test_the_impact_of_a_chain_tends_to_newtons_as_the_walls_grow_stiff(law):
     """q̇⁺ = q̇⁻ − M⁻¹Jᵀ m_eff (1+e′) u is approached as K^{−1/(n+1)}, with the e′ of the law at that speed."""

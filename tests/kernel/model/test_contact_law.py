@@ -211,6 +211,7 @@ def test_stops_that_are_out_of_range_are_refused_and_change_nothing(value):
     assert laws_of(d) == before
 
 
+@pytest.mark.full("more cases", but=24)
 @LAWS
 @pytest.mark.parametrize("exponent", [1.5, 2.0])
 def test_the_law_of_a_stop_is_that_of_an_angle(law, exponent):

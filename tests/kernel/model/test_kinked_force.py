@@ -51,6 +51,7 @@ def test_a_power_is_that_of_every_exponent(exponent):
         assert power(depth, exponent) == pytest.approx(depth**exponent, rel=1e-15)
 
 
+@pytest.mark.full("more cases", but=16)
 @LAWS
 def test_the_uncut_force_is_a_spring_and_a_damper(law):
     """F = K δⁿ + d δᵖ δ̇, whatever its sign, and d alone is missing where damping of approach has ended."""

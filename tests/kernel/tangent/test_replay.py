@@ -33,6 +33,7 @@ SAME = {
 }
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("name", CASES)
 def test_values_are_those_of_the_run(name):
     case = CASES[name]

@@ -43,6 +43,7 @@ def damping_factor(law, e):
     return contact["value"], contact["slope"][0]
 
 
+@pytest.mark.full("more cases", but=66)
 @pytest.mark.parametrize("e", [0.1, 0.3, 0.5, 0.7, 0.95])
 @pytest.mark.parametrize("law", FACTORS)
 def test_the_factor_of_a_law_varies_with_the_restitution(law, e):

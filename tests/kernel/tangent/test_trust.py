@@ -88,6 +88,7 @@ def hysteresis(penetration, rate, stiffness, restitution):
 """
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize(("restitution", "trusted"), [(0.7, False), (1.0, True)])
 def test_a_law_whose_force_jumps(tmp_path, restitution, trusted):
     """Where the point turns, in the middle of its impact: before that there are derivatives."""

@@ -1,16 +1,14 @@
 """A Chromium for the tests of the animation's page."""
 
-import shutil
-
 import pytest
-from playwright.sync_api import sync_playwright
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
+from tests.tiers import CHROMIUM
 
 
 @pytest.fixture(scope="module")
 def browser():
+    from playwright.sync_api import sync_playwright  # the quick tier does without it
+
     with sync_playwright() as playwright:
         # In a container there is no sandbox for root, and the page is our own. Without the other switches,
         # Chromium tells a script of its memory that it is 10 MB, whatever it is.

@@ -13,7 +13,7 @@ from chain_impact.results.animation import animate
 from chain_impact.results.recording import Impact, Recording
 from chain_impact.scene.half_planes import half_planes
 from chain_impact.studies.slow_motion import record_slowly
-from tests.results.animation.conftest import needs_browser
+from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 DESK, PHONE = {"width": 1280, "height": 760}, {"width": 390, "height": 844}

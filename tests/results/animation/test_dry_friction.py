@@ -13,8 +13,8 @@ from chain_impact.results.animation.frames import motion_of
 from chain_impact.results.animation.page import data
 from chain_impact.studies.slow_motion import record_slowly
 from tests.friction import SLOPE, pendulum, sled
-from tests.results.animation.conftest import needs_browser
 from tests.results.animation.test_film import SIZE, coloured
+from tests.tiers import needs_browser
 
 SLIDES, STICKS = 0.5, 1.5  # s, of the sled
 WEIGHT = 1.2 * 9.81  # N
@@ -40,6 +40,7 @@ def test_a_motion_has_the_friction_and_what_sticks(motion):
     assert "friction" in motion.energies
 
 
+@pytest.mark.full("takes long")
 def test_of_a_joint_only_that_it_sticks():
     motion = motion_of(record_slowly(pendulum()))
     assert motion.friction == {}

@@ -1,7 +1,7 @@
 """The list of impacts of a page."""
 
 from chain_impact.results.animation.page import player
-from tests.results.animation.conftest import needs_browser
+from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 LIST = """(count) => {

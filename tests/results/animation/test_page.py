@@ -112,7 +112,7 @@ def test_the_libraries_are_those_of_npm(name):
     assert version in (PAGE / "vendor" / "README.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.slow
+@pytest.mark.full("takes long")
 @pytest.mark.skipif(shutil.which("npm") is None, reason="needs npm")
 @pytest.mark.parametrize(("package", "version"), sorted({entry[:2] for entry in VENDORED.values()}))
 def test_npm_has_the_same_files(tmp_path, package, version):

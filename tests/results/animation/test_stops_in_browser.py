@@ -4,8 +4,8 @@ import pytest
 
 from chain_impact.results.animation import animate
 from chain_impact.studies.slow_motion import record_slowly
-from tests.results.animation.conftest import needs_browser
 from tests.stops import knee
+from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 

@@ -11,9 +11,9 @@ from chain_impact import explore
 from chain_impact.compilation.library import browser_module
 from chain_impact.results.explore.description import description, packed
 from chain_impact.results.explore.page import WORKER, program
-from tests.results.animation.conftest import browser, needs_browser
+from tests.results.animation.conftest import browser
 
-__all__ = ["browser", "needs_browser"]
+__all__ = ["browser"]
 
 DESK, PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
 

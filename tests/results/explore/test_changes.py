@@ -8,7 +8,8 @@ from chain_impact import SceneError, SimulationError, load_scene, simulate
 from chain_impact.kernel import status
 from chain_impact.results.explore.description import description
 from tests.derived_scenes import FINGER, edited, finger
-from tests.results.explore.conftest import needs_browser, packed_module
+from tests.results.explore.conftest import packed_module
+from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 

@@ -7,7 +7,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 import pytest
 
 from chain_impact import explore
-from tests.results.explore.conftest import needs_browser
+from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 STATUS = "document.getElementById('status').textContent.includes({!r})"

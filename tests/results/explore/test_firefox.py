@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import shutil
 import socket
 import warnings
 
@@ -11,9 +10,9 @@ import numpy as np
 import pytest
 
 from chain_impact import explore, load_scene, simulate
+from tests.tiers import FIREFOX, needs_browser
 
-FIREFOX = shutil.which("firefox-esr") or shutil.which("firefox")
-pytestmark = pytest.mark.skipif(FIREFOX is None, reason="needs Debian's firefox-esr")
+pytestmark = needs_browser
 # Marionette's scripts see the page's own objects from outside only: this runs a function's body in the page.
 ANSWER = """const [body, done] = arguments;
 const page = window.wrappedJSObject;

@@ -15,7 +15,8 @@ from chain_impact import cli, explore, load_scene, simulate
 from chain_impact.results.animation.frames import motion_of
 from chain_impact.results.explore.description import description
 from chain_impact.studies.slow_motion import record_slowly
-from tests.results.explore.conftest import DESK, PHONE, needs_browser, packed_module
+from tests.results.explore.conftest import DESK, PHONE, packed_module
+from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 SUBTITLE = "document.getElementById('subtitle').textContent"

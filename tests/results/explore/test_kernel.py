@@ -9,8 +9,9 @@ from chain_impact import SimulationError, load_scene, model_names, simulate
 from chain_impact.results.explore.description import description
 from tests.compilation.test_browser import SINH
 from tests.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
-from tests.results.explore.conftest import needs_browser, packed_module
+from tests.results.explore.conftest import packed_module
 from tests.stops import knee
+from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 

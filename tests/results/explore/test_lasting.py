@@ -1,6 +1,6 @@
 """What lasts: memory after many runs, a map that is closed, a motion that takes long."""
 
-from tests.results.explore.conftest import needs_browser
+from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 THOUSAND = """async () => {

@@ -8,7 +8,8 @@ import pytest
 
 from chain_impact import explore, load_scene, simulate, sweep
 from chain_impact.results.explore.description import description
-from tests.results.explore.conftest import bits, needs_browser, packed_module
+from tests.results.explore.conftest import bits, packed_module
+from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 RUN = """async ([module, scene, names, grid, stops, words]) => {

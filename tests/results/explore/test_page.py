@@ -16,6 +16,7 @@ LONG = {"name": "Long", "chain": {"links": [{"length": 0.1, "mass": 0.1, "count"
 DEFINED = re.compile(r"^(?:const|let|class|(?:async )?function\*?) (\w+)", re.MULTILINE)
 
 
+@pytest.mark.full("more cases", but=6)
 @pytest.mark.parametrize("model", model_names())
 def test_the_page_of_every_model_is_small_and_needs_nothing_else(model):
     text = page(load_scene(model), [model])

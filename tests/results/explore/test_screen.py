@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import explore, load_scene
-from tests.results.explore.conftest import needs_browser
+from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 ON_ITS_SIDE = {"width": 844, "height": 390}

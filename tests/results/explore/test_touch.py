@@ -1,6 +1,7 @@
 """The page under a finger."""
 
-from tests.results.explore.conftest import PHONE, needs_browser
+from tests.results.explore.conftest import PHONE
+from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 

@@ -60,6 +60,7 @@ def test_axes_have_units_and_impacts_are_marked(swing):
         assert [path[0, 0] for path in lines.get_segments()] == onsets
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("count", [1, 2, 4])
 def test_outputs_that_are_asked_for(swing, count):
     names = ["link[2].angle", "energy.kinetic", "point[1].vx", "point[1].y"][:count]
@@ -98,6 +99,7 @@ def test_of_many_parameters_the_most_important_have_colours():
     assert last == f"{count - len(PALETTE)} others"
 
 
+@pytest.mark.full("takes long")
 def test_the_headline_says_what_matters_most(swing):
     """By differences of runs, outside of the impact."""
     scene = load_scene("pinned_arm")

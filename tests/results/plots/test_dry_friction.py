@@ -17,6 +17,7 @@ def recording():
     return recording_of(simulate(pendulum()))
 
 
+@pytest.mark.full("takes long")
 def test_a_picture_has_the_phases_where_there_are_some(recording):
     assert len(drawn(recording)) == 6
     assert len(drawn(recorded("rod_drop"))) == 5
@@ -37,6 +38,7 @@ def test_bars_stand_where_a_joint_sticks_and_lines_where_it_slides(recording):
     assert VERMILLION != GREY
 
 
+@pytest.mark.full("takes long")
 def test_of_many_places_those_that_rub_for_longest_are_shown(recording):
     many = recording_of(simulate(pendulum(), 0.5))
     rows = [(k, -1, 0.0, 0.1 * k + 0.01, 1) for k in range(1, ROWS + 4)]
@@ -46,6 +48,7 @@ def test_of_many_places_those_that_rub_for_longest_are_shown(recording):
     assert shown == {f"joint {k}" for k in range(4, ROWS + 4)}
 
 
+@pytest.mark.full("takes long")
 def test_a_square_stands_where_something_sticks_at_the_end():
     found = recording_of(simulate(sled(), output_step=0.05))
     motion = drawn(found)[1]

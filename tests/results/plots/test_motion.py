@@ -19,6 +19,7 @@ def ring_places(axes):
     return np.concatenate([line.get_xydata() for line in axes.lines if line.get_markerfacecolor() == "none"])
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp"])
 def test_the_strong_poses_are_start_end_and_those_of_the_strongest_impacts(model):
     recording = recorded(model)
@@ -76,6 +77,7 @@ def test_impacts_are_ringed_where_the_point_was_and_numbered():
     assert texts(motion) == ["1", "2", "3"]
 
 
+@pytest.mark.full("takes long")
 def test_impacts_at_one_place_share_a_ring_that_names_the_strongest():
     walls = {"y_min": 0.0, "y_max": 1.0}
     floor = [Impact(time, 0, "y_min", time) for time in (0.5, 0.51, 1.0, 1.5)]
@@ -85,6 +87,7 @@ def test_impacts_at_one_place_share_a_ring_that_names_the_strongest():
     assert texts(motion) == ["3, 4 +2"]
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp", "crowd"])
 def test_numbers_stand_outside_of_the_room_and_off_the_rings(model):
     recording = crowd() if model == "crowd" else recorded(model)

@@ -11,6 +11,7 @@ from chain_impact.results.recording import Impact
 from tests.results.plots.pictures import MODELS, drawn, recorded, swing, texts
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("model", MODELS)
 def test_every_impact_is_in_the_picture(model):
     recording = recorded(model)
@@ -22,6 +23,7 @@ def test_every_impact_is_in_the_picture(model):
     assert [path[0, 0] for path in lines.get_segments()] == [impact.time for impact in recording.impacts]
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("model", MODELS)
 def test_a_number_stands_near_its_impact_and_counts_in_time(model):
     recording = recorded(model)

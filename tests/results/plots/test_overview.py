@@ -21,6 +21,7 @@ def picture(name):
     return crowd() if name == "sixty impacts" else recorded(name)
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("suffix", BEGINNINGS)
 def test_the_suffix_says_which_kind_of_file(tmp_path, suffix):
     path = tmp_path / f"swing{suffix}"
@@ -49,6 +50,7 @@ def test_settings_of_matplotlib_are_left_alone(tmp_path):
     assert dict(mpl.rcParams) == before
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("name", PICTURES)
 def test_labels_never_overlap(name):
     page, *panels = drawn(picture(name))
@@ -73,6 +75,7 @@ def test_labels_never_overlap(name):
     assert len(boxes(speeds)) > 0
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("name", PICTURES)
 def test_a_picture_has_few_colours_besides_those_of_time(name):
     _, _, _, energy, speeds, *_ = drawn(picture(name))
@@ -82,6 +85,7 @@ def test_a_picture_has_few_colours_besides_those_of_time(name):
         assert 0 < len(colours) <= COLOURS
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("name", ["four_link_box", "rod_drop", "pinned_arm"])
 def test_the_motion_fills_its_panel(name):
     """It is nearly as high as the panels beside it, or takes two fifths of the page's width."""
@@ -98,6 +102,7 @@ def test_the_headline_has_the_message_and_the_conditions():
     assert "zhang_sharf" in conditions
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("rows", [1, 2])
 def test_a_simulation_that_stopped_at_once_has_a_picture(tmp_path, rows):
     recording = swing(rows=2)

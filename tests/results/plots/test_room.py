@@ -14,6 +14,7 @@ def wall_lines(axes):
     return [np.array(line.get_xydata()) for line in lines]
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("model", MODELS)
 def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
     recording = recorded(model)
@@ -27,6 +28,7 @@ def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
     assert spans[axis] > 0.7 * (high - low)[axis]
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("model", MODELS)
 def test_every_wall_near_the_motion_is_a_line_at_its_place(model):
     recording = recorded(model)
@@ -87,6 +89,7 @@ def test_what_moves_beyond_a_wall_is_in_view():
     np.testing.assert_allclose(wall_lines(motion)[0][:, 1], 0.4, rtol=0, atol=1e-12)
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("angle", np.linspace(-3.0, 3.0, 7))
 def test_a_wall_at_any_angle_is_seen_from_both_sides(angle):
     """A band beyond it is in view."""

@@ -67,6 +67,7 @@ def test_an_estimated_standard_deviation_widens_the_intervals():
     assert width[estimated] / error[estimated] > 1.02 * width[given] / error[given]
 
 
+@pytest.mark.full("takes long")
 def test_few_values_give_wide_intervals_that_hold_the_truth():
     """K is told by three peak forces, however many rows the path has: by two degrees of freedom."""
     path, result = motion(0.9)

@@ -25,6 +25,7 @@ FAR = [{"K": 1e8 * factor, "e": 0.7 + off, "w": 1.5 * rate}
        for factor in (1 / 3, 3.0) for off in (-0.2, 0.2) for rate in (0.9, 1.1)]  # fmt: skip
 
 
+@pytest.mark.full("more cases", but=4)
 @pytest.mark.parametrize("start", FAR)
 def test_it_converges_from_far_through_six_impacts(start):
     columns, result = motion(1.2)

@@ -82,6 +82,7 @@ def test_each_data_set_has_its_own_parameters():
     np.testing.assert_allclose(found.residuals[10::2], -0.5 * columns["time"], atol=1e-6)
 
 
+@pytest.mark.full("takes long")
 def test_a_contact_that_lasts_has_no_peak_yet():
     columns, _ = motion(0.5005, count=5, noise=0.0)  # the first impact is from 0.4994 to 0.5016 s
     table = {"impact": [1, 1], "onset": [0.5, None], "peak_force": [None, 1e4]}

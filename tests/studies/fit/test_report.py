@@ -48,6 +48,7 @@ def test_high_correlations_are_told():
     assert told in repr(found).splitlines()
 
 
+@pytest.mark.full("takes long")
 def test_a_ranking_is_printed():
     columns, _ = motion(0.6, count=30)
     found = fit(scene(), columns, ["contact.restitution"], laws=True)

@@ -41,6 +41,7 @@ def drawn(found):
     return page
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_is_drawn_and_nothing_overlaps(kind, tmp_path):
     vary, options = KINDS[kind]
@@ -76,6 +77,7 @@ def test_lines_are_the_columns():
     assert labels == ["flores", "hertz"]
 
 
+@pytest.mark.full("takes long")
 def test_a_scene_with_stops_has_panels_for_them():
     outputs = ["point[2].x", "point[2].y", "joint[2].stop_moment", "impact.last_time"]
     page = drawn(sweep(knee(), {"stop.restitution": "0.2,0.5,0.8"}, outputs=outputs))
@@ -111,6 +113,7 @@ def test_a_law_of_which_every_run_failed_is_named_so():
     assert [text.get_text() for text in page.legends[0].get_texts()] == ["hertz", "kelvin_voigt (failed)"]
 
 
+@pytest.mark.full("takes long")
 def test_at_most_ten_colours():
     assert len(set(COLOURS)) == len(COLOURS) == 10
     found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": TEN})

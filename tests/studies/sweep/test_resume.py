@@ -65,6 +65,7 @@ def test_what_is_done_is_not_done_again(tmp_path, spans):
     assert [file.name for file in tmp_path.iterdir()] == ["out.csv"]
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("cut", [1, 30, 2000])
 def test_a_block_that_was_not_written_to_its_end_is_done_again(tmp_path, cut):
     path, partial = tmp_path / "out.csv", tmp_path / "out.csv.partial"
@@ -159,6 +160,7 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
+@pytest.mark.full("takes long")
 def test_ctrl_c_on_the_command_line(tmp_path):
     """However fast the machine is: the sweep cannot end before it is interrupted."""
     arguments = ["sweep", "--set", "solver.tolerance=1e-6", "--set", "simulation.stop_time=0.6"]

@@ -60,6 +60,7 @@ def check(scene, row, varied, outputs=()):
     return row["status"]
 
 
+@pytest.mark.full("takes long")
 def test_a_grid_of_laws_methods_and_restitutions():
     scene = short(stop=0.7)
     vary = {
@@ -144,6 +145,7 @@ def test_a_fault_is_a_row_and_the_others_go_on():
     assert found.table[[0]].tobytes() == found.table[[4]].tobytes()
 
 
+@pytest.mark.full("more cases", but=13)
 @pytest.mark.parametrize(
     "seed",
     [first + k for first in (0, random_scenes.STOPPED, random_scenes.RUBBED) for k in range(8)],

@@ -60,6 +60,7 @@ def test_parquet_is_the_same_table(found, tmp_path):
         )
 
 
+@pytest.mark.full("takes long")
 def test_long_tables_are_written_in_chunks(tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     runs = CHUNK + 10

@@ -23,6 +23,7 @@ def parts(vary):
     return job_of(SCENE, variations, ()), grid(variations, 20, SCENE.name)
 
 
+@pytest.mark.full("takes long")
 def test_rows_do_not_depend_on_threads():
     # more than the kernel does in a call: it pauses within a run, and goes on
     vary = {"contact.restitution": "0.3:0.7:15000"}
@@ -32,6 +33,7 @@ def test_rows_do_not_depend_on_threads():
         assert sweep(SCENE, vary, threads=threads).rows.tobytes() == at_once.tobytes()
 
 
+@pytest.mark.full("takes long")
 def test_the_kernel_pauses_within_a_second():
     job, design = parts({"contact.restitution": "0.3:0.7:15000"})
     runner, calls = Runner(job), []

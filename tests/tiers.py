@@ -1,0 +1,102 @@
+"""Two tiers of tests: ``pytest`` runs the quick one, without compilers and browsers, ``pytest --full`` all.
+
+``@pytest.mark.full(reason)`` puts a test into the second tier only; with ``but=3`` its first three cases stay
+in the first. A test that is named by its node id runs in any case.
+"""
+
+import os
+import re
+import shutil
+from collections import Counter
+from importlib.util import find_spec
+
+import pytest
+from hypothesis import settings
+
+from chain_impact.system import cores
+
+MOST_WORKERS = 8
+GROUPS = {
+    "compile": ("llvmlite", "numba", "ziglang"),
+    "browser": ("marionette_driver", "playwright"),
+    "interop": ("av", "dask", "distributed", "ecospy", "libcosimpy", "pyarrow", "xarray"),
+    "notebook": ("ipykernel", "nbconvert"),
+}
+"""Extra of the package → what ``pytest --full`` needs of it."""
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+FIREFOX = shutil.which("firefox-esr") or shutil.which("firefox")
+
+needs_browser = pytest.mark.full("needs browsers")
+needs_compilers = pytest.mark.full("needs compilers")
+
+
+def pytest_addoption(parser):
+    """Add the option for all tests."""
+    parser.addoption("--full", action="store_true", help="run all tests; needs the extra dev, and browsers")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config):
+    """Use all cores, unless the number of processes is given; each takes one file after the other."""
+    own = config.option
+    if config.pluginmanager.hasplugin("xdist") and own.numprocesses is None and not own.usepdb:
+        own.numprocesses = min(cores(), MOST_WORKERS)
+        own.dist, own.loadscopereorder, own.maxworkerrestart = "loadfile", False, "0"
+
+
+def pytest_configure(config):
+    """Declare the marker, refuse what cannot run, and let the quick tier take the same examples each time."""
+    config.addinivalue_line("markers", "full(reason, but=0): only in pytest --full, but for the first cases")
+    if config.option.full:
+        refuse_what_is_missing()
+    random = config.option.full and "CI" not in os.environ
+    settings.register_profile("chain-impact", deadline=None, derandomize=not random)
+    settings.load_profile("chain-impact")
+
+
+def refuse_what_is_missing():
+    """Name all that --full needs and that is not installed, in one sentence."""
+    extras = [name for name, modules in GROUPS.items() if not all(map(find_spec, modules))]
+    if extras:
+        missing = f"the extras {', '.join(extras)}, which are not installed: pip install -e '.[dev]'"
+    elif not (CHROMIUM and FIREFOX):
+        missing = "Chromium and Firefox: sudo apt-get install chromium firefox-esr"
+    else:
+        return
+    raise pytest.UsageError(f"--full needs {missing}")
+
+
+def pytest_report_header(config):
+    """Say which tier runs."""
+    return "all tests" if config.option.full else "the quick tier of the tests; all of them: pytest --full"
+
+
+def leave_out(config, items):
+    """Leave out what is not in the tier."""
+    if config.option.full:
+        return
+    named = [argument for argument in config.args if "::" in argument]
+    seen, left_out = Counter(), []
+    for item in items:
+        if (mark := item.get_closest_marker("full")) and not any(is_named(item, name) for name in named):
+            function = re.sub(r"\[.*", "", item.nodeid)
+            seen[function] += 1
+            if seen[function] > first_cases(mark, item):
+                left_out.append(item)
+    if left_out:
+        config.hook.pytest_deselected(items=left_out)
+        gone = set(left_out)
+        items[:] = [item for item in items if item not in gone]
+
+
+def is_named(item, name):
+    """Whether a node id of the command line is that of a test, or of its function."""
+    return item.nodeid == name or item.nodeid.startswith(f"{name}[")
+
+
+def first_cases(mark, item):
+    """How many cases of a marked test are in the quick tier."""
+    if len(mark.args) != 1 or not isinstance(mark.args[0], str) or mark.kwargs.keys() - {"but"}:
+        raise pytest.UsageError(f'{item.nodeid}: the marker must be full("reason") or full("reason", but=3)')
+    return mark.kwargs.get("but", 0)
