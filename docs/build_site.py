@@ -42,7 +42,7 @@ def add_links(folder: Path, address: str) -> None:
         page = folder / f"{notebook.stem}.md"
         link = f"https://colab.research.google.com/github/{address}/blob/main/docs/notebooks/{notebook.name}"
         title, below = page.read_text(encoding="utf-8").split("\n", 1)
-        install = f"%pip install 'chain-impact[fit] @ git+https://github.com/{address}'"
+        install = f"%pip install 'chain-impact @ git+https://github.com/{address}'"
         said = f"[Open this notebook in Colab]({link}), and run there first: `{install}`"
         page.write_text(f"{title}\n\n{said}\n{below}", encoding="utf-8")
 

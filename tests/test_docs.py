@@ -298,7 +298,7 @@ def test_notebooks_link_to_a_service_once_the_repository_has_an_address(tmp_path
     assert page.read_text(encoding="utf-8") == "# Title\n\nText\n"
     build_site.add_links(tmp_path, "owner/name")
     link = f"https://colab.research.google.com/github/owner/name/blob/main/docs/notebooks/{NOTEBOOKS[0].name}"
-    first = "%pip install 'chain-impact[fit] @ git+https://github.com/owner/name'"
+    first = "%pip install 'chain-impact @ git+https://github.com/owner/name'"
     said = f"[Open this notebook in Colab]({link}), and run there first: `{first}`"
     assert page.read_text(encoding="utf-8") == f"# Title\n\n{said}\n\nText\n"
     assert build_site.repository().count("/") in (0, 1)

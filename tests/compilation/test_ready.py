@@ -79,14 +79,12 @@ def test_a_second_wheel_of_the_same_sources_takes_no_compiler(made, tmp_path, mo
 
 
 def test_there_is_a_kernel_for_every_chain(made):
-    assert ready.find(ready.library_name(ready.exact(4), "linux64")).read_text() == "a module for 4"
     assert ready.find(ready.library_name(ready.exact(64), "linux64")).read_text() == "a module for None"
     assert ready.find(ready.library_name(3, "linux64")) is None
-    assert kernel_library(3) == kernel_library(64) == ready.find(ready.library_name(None, "linux64"))
-    assert kernel_library(4) == ready.find(ready.library_name(4, "linux64"))
-    assert ready.find(ready.library_name(4, "win64")) is None
+    assert kernel_library(4) == kernel_library(64) == ready.find(ready.library_name(None, "linux64"))
+    assert ready.find(ready.library_name(None, "win64")) is None
     assert ready.find(browser.MODULE).read_text() == "a module for a browser"
-    assert len(ready.libraries()) == len(ready.FIRST_SIZES) + 1
+    assert len(ready.libraries()) == len(ready.FIRST_SIZES) + 2  # with derivatives, and for browsers
     assert ready.module() == "a module"
     assert lzma.decompress((made / ready.MODULE).read_bytes()) == b"a module"
     assert not [path for path in made.iterdir() if path.is_dir()]
@@ -94,9 +92,11 @@ def test_there_is_a_kernel_for_every_chain(made):
 
 def test_it_is_said_what_is_done(made, said):
     """pip shows these lines: none is long after the one before."""
-    assert said[0] == "compiling kernel, for any number of links"
-    assert "linking kernel-4-linux64.so, 4 of 5" in said
-    assert len(said) == 2 + len(ready.FIRST_SIZES)
+    assert said[:2] == [
+        f"compiling {kind}, for any number of links" for kind in (ready.KERNEL, ready.DERIVATIVES)
+    ]
+    assert "linking derivatives-any-linux64.so, 2 of 3" in said
+    assert len(said) == 4 + len(ready.FIRST_SIZES)
 
 
 def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
@@ -115,8 +115,19 @@ def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
     assert said[:2] == ["compiling kernel, for any number of links", "still at work"]
 
 
-def test_a_wheel_for_release_carries_the_kernels_with_derivatives(made, tmp_path, monkeypatch):
-    """Those for any processor, and those for a newer one; what is cached already is not made again."""
+@pytest.mark.parametrize("wide", [compilers.WIDE_CPU, None])
+def test_derivatives_take_no_compiler(made, monkeypatch, wide):
+    """On newer processors, too: the kernel for any processor takes the place of the one for these."""
+    monkeypatch.setattr(compilers, "wide_cpu", lambda: wide)
+    monkeypatch.setattr(ready, "find_spec", lambda _: None)
+    found = ready.find(ready.library_name(None, "linux64", what=ready.DERIVATIVES))
+    assert found.read_text() == "a module with derivatives for None"
+    for portable in (True, False):
+        assert kernel_library(4, derivatives=True, portable=portable) == found
+
+
+def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, tmp_path, monkeypatch):
+    """And those with derivatives: for any processor, and those for a newer one; what is cached already is not made again."""
     said = []
     assert not ready.all_cached(release=True)
     ready.make(tmp_path / "release", release=True, say=said.append)
@@ -150,7 +161,7 @@ def test_a_wheel_for_release_carries_the_kernels_with_derivatives(made, tmp_path
 )
 def test_a_wheel_has_kernels_for_wide_vectors_where_they_can_be_used(platform, kinds):
     plain = [(ready.KERNEL, size) for size in ready.SIZES]
-    first = [(ready.KERNEL, size) for size in ready.FIRST_SIZES]
+    first = [(ready.KERNEL, None), (ready.DERIVATIVES, None)]
     assert list(ready._wanted(platform, False).values()) == first
     assert [kind for kind, _ in ready._wanted(platform, True).values()] == ["kernel"] * len(plain) + kinds
 
@@ -159,7 +170,7 @@ def test_kernels_of_other_sources_are_not_used(made):
     """As when somebody changes the kernel where it is installed."""
     (made / ready.MADE_FROM).write_text("of before")
     ready._usable.cache_clear()
-    assert ready.find(ready.library_name(4, "linux64")) is None
+    assert ready.find(ready.library_name(None, "linux64")) is None
     assert ready.module() is None
     assert ready.libraries() == []
     (made / ready.MADE_FROM).write_text(fingerprint())
@@ -194,7 +205,7 @@ def test_the_build_backend_asks_for_compilers_only_where_they_are_needed(tmp_pat
     assert not set(ready.REQUIREMENTS) & set(editable)
 
 
-def test_a_wheel_for_release_needs_compilers_where_only_plain_kernels_are_cached(made, tmp_path):
+def test_a_wheel_for_release_needs_compilers_where_only_the_first_kernels_are_cached(made, tmp_path):
     program = "import backend; print(backend.get_requires_for_build_wheel())"
     for release in "01":
         done = backend(program, CHAIN_IMPACT_RELEASE=release)  # in the cache of ``made``

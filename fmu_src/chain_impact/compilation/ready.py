@@ -1,6 +1,6 @@
 """The kernels that a wheel carries, so that who installs it needs no compiler.
 
-One for release has more of them, also those that carry derivatives. They are made when the wheel is built
+One for release has more of them, for single numbers of links and for newer processors. They are made when the wheel is built
 (packaging/ at the top of the repository). An editable installation has none: its kernels are made when they
 are needed, and kept in the cache.
 """
@@ -36,8 +36,8 @@ LARGEST_EXACT = 10
 one that reads the number from the instance: with it, runs of up to ten links take a tenth to a fifth longer,
 with many rows of outputs up to two fifths, and of thirty no longer."""
 
-FIRST_SIZES: tuple[int | None, ...] = (None, 1, 2, 4)
-"""The usual ones: a kernel for any chain, and those of most models."""
+FIRST_SIZES: tuple[int | None, ...] = (None,)
+"""What every installation has. A further one would take a tenth of the time to install."""
 SIZES: tuple[int | None, ...] = (None, *range(1, LARGEST_EXACT + 1))
 """What a wheel for release has."""
 REQUIREMENTS = [*(f"{name}=={version}" for name, version in COMPILERS.items()), "numpy>=2.0,<3"]
@@ -85,8 +85,14 @@ def find(name: str) -> Path | None:
 
 
 def best(links: int, platform: str, what: str) -> Path | None:
-    """The ready kernel of a kind for this number of links, or the one for any, which can take its place."""
-    return find(library_name(links, platform, what=what)) or find(library_name(None, platform, what=what))
+    """The ready kernel of a kind for this number of links, or else one that can take its place.
+
+    That is the one for any number of links, and for the one for newer processors the one for any processor.
+    """
+    names = [library_name(size, platform, what=what) for size in (links, None)]
+    if what == WIDE:
+        names.append(library_name(None, platform, what=DERIVATIVES))
+    return next(filter(None, map(find, names)), None)
 
 
 def module() -> str | None:
@@ -134,9 +140,9 @@ def compiled_for_browsers(text: Callable[[], str], notify: Notify = announce) ->
 
 def _wanted(platform: str, release: bool) -> dict[str, tuple[str, int | None]]:
     """The kernels of a wheel: file name → kind and number of links."""
-    kinds = [KERNEL]
-    if release:
-        kinds += [DERIVATIVES, WIDE] if platform in WIDE_PLATFORMS else [DERIVATIVES]
+    kinds = [KERNEL, DERIVATIVES]
+    if release and platform in WIDE_PLATFORMS:
+        kinds.append(WIDE)
     return {
         library_name(size, platform, what=kind): (kind, size)
         for kind in kinds
@@ -163,7 +169,8 @@ def make(
     Args:
         folder: to be made.
         platform: of ``compilers.ZIG_TARGETS``.
-        release: whether to add what a wheel for release has: more numbers of links, and derivatives.
+        release: whether to add what a wheel for release has: kernels for single numbers of links, and for
+            newer processors.
         say: is told what is done, before it is.
     """
     wanted = _wanted(platform, release)

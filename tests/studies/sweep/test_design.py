@@ -1,12 +1,10 @@
 """Grids are all combinations, samples fill the space evenly; both are bounded."""
 
 import itertools
-import sys
 
 import numpy as np
 import pytest
 
-from chain_impact.extras import MissingExtraError
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.design import MOST_NUMBERS, grid, sampled
@@ -65,9 +63,3 @@ def test_a_grid_that_is_too_large_is_refused_before_it_is_made():
     fine = dict.fromkeys(("contact.restitution", "initial.x", "initial.y"), "0.1:0.9:100000")
     with pytest.raises(SceneError, match="1000000000000000 runs"):
         grid(variations_of(SCENE, fine), 20, "s")
-
-
-def test_without_scipy_the_extra_is_named(monkeypatch):
-    monkeypatch.setitem(sys.modules, "scipy.stats.qmc", None)
-    with pytest.raises(MissingExtraError, match=r"^scipy.*pip install .*\[sweep\]'"):
-        sampled(variations_of(SCENE, INTERVALS), 20, "s", count=4, sampling="lhs", seed=0)

@@ -11,7 +11,6 @@ from dataclasses import replace
 import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
-from chain_impact.extras import require
 from chain_impact.results.summary import plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
@@ -69,11 +68,9 @@ def fit(
 
     Raises:
         SceneError: when an argument or a table cannot be used.
-        MissingExtraError: when SciPy is not installed.
         OSError: when a file cannot be read.
         BuildError: when the kernel cannot be compiled.
     """
-    require("scipy", "fit")
     scene, progress = scene_of(scene), progress or silent
     usual = scene.simulation.stop_time
     if stop_time is not None:

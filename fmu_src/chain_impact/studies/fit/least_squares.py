@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.extras import require
 from chain_impact.studies.fit.problem import Evaluation
 
 EXACT = 1e-14  # relative change, below which there is round-off only
@@ -77,7 +76,9 @@ def minimize(
             return np.full(int(rows.sum()), np.inf)
         return np.asarray(found.residuals[rows] / sigma[rows])
 
-    found = require("scipy.optimize", "fit").least_squares(
+    from scipy import optimize  # takes long
+
+    found = optimize.least_squares(
         residuals,
         first.place[moved],
         slopes,

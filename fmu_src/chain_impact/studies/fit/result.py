@@ -159,7 +159,6 @@ class Fit:
             like: the scene file that was fitted; without, all keys are written, and no comments.
 
         Raises:
-            MissingExtraError: when tomlkit is not installed.
             OSError: when a file cannot be read or written.
         """
         from chain_impact.studies.fit.scene_file import write_scene

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import tomlkit
+
 from chain_impact.compilation import cache
-from chain_impact.extras import require
 from chain_impact.results.recording import written_whole
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, parse_scene, scene_to_dict
@@ -25,12 +26,11 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
 
     Raises:
         SceneError: when the file that it is like holds no scene, or another law is where its law would be.
-        MissingExtraError: when tomlkit is not installed.
         OSError: when a file cannot be read or written.
     """
     path, law = Path(path), scene.contact.law_file
     if like is None:
-        text = require("tomlkit", "fit").dumps(scene_to_dict(scene))
+        text = tomlkit.dumps(scene_to_dict(scene))
     else:
         text = updated(text_of(Path(like)), scene, str(Path(like)))
     if law and cache.holds(Path(law)):
@@ -63,16 +63,14 @@ def _copied(law: Path, folder: Path) -> str:
 
 def _with_law_file(text: str, file: str) -> str:
     """The text with the path of the law's file from another folder."""
-    tomlkit = require("tomlkit", "fit")
-    document = tomlkit.parse(text)
+    document: Any = tomlkit.parse(text)
     _set(document["contact"], "law_file", file)
     return str(tomlkit.dumps(document))
 
 
 def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
     """The text with what differs in it written."""
-    tomlkit = require("tomlkit", "fit")
-    document = tomlkit.parse(text)
+    document: Any = tomlkit.parse(text)
     if any("count" in link for link in document["chain"]["links"]) and wanted["chain"] != present["chain"]:
         document["chain"]["links"] = present["chain"]["links"] = wanted["chain"]["links"]  # they differ
     for name, value in wanted.items():
@@ -97,7 +95,7 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
             for entry, after, old in zip(table[key], value, before or (), strict=True):
                 _update(entry, after, old)
         elif isinstance(value, Mapping):
-            _update(table.setdefault(key, require("tomlkit", "fit").table()), value, before or {})
+            _update(table.setdefault(key, tomlkit.table()), value, before or {})
         else:
             _set(table, key, value, before)
 

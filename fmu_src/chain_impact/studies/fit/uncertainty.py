@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.extras import require
 
 PROBABILITY = 0.95
 LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9  # degrees, with fewer nothing is known, with more it is as with all
@@ -115,11 +114,9 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
 
     With infinite degrees of freedom it is the normal distribution. With hardly any the width is infinite:
     where a column has no more values than the parameters that it determines, they tell no standard deviation.
-
-    Raises:
-        MissingExtraError: when SciPy is not installed.
     """
-    special = require("scipy.special", "fit")
+    from scipy import special  # takes long
+
     tail = 0.5 * (1.0 + PROBABILITY)
     student = special.stdtrit(np.clip(freedom, LEAST_FREEDOM, MANY_FREEDOM), tail)
     found = np.where(freedom < MANY_FREEDOM, student, special.ndtri(tail))
@@ -128,4 +125,6 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
 
 def largest_usual(freedom: float) -> float:
     """The χ² that a right model exceeds with a probability of 0.1 % only."""
-    return float(require("scipy.special", "fit").chdtri(freedom, 1e-3))
+    from scipy import special  # takes long
+
+    return float(special.chdtri(freedom, 1e-3))

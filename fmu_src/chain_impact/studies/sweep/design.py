@@ -9,7 +9,6 @@ from typing import Literal
 
 import numpy as np
 
-from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.variation import Variation
 
@@ -76,7 +75,6 @@ def sampled(
 
     Raises:
         SceneError: when an argument is not allowed, or the table becomes too large.
-        MissingExtraError: when SciPy is not installed.
     """
     for name, number, least in (("samples", count, 1), ("seed", seed, 0)):
         if not isinstance(number, int) or isinstance(number, bool) or not least <= number < MOST_SEEDS:
@@ -85,7 +83,8 @@ def sampled(
     _check_size(count, columns, source)
     if sampling not in SAMPLINGS:
         raise SceneError(f"{source}: sampling = {sampling!r} must be lhs or sobol")
-    qmc = require("scipy.stats.qmc", "sweep")
+    from scipy.stats import qmc  # takes long
+
     size, generator = len(variations), np.random.default_rng(seed)
     if sampling == "lhs":
         parts = qmc.LatinHypercube(size, seed=generator).random(count)
