@@ -127,7 +127,7 @@ def test_derivatives_take_no_compiler(made, monkeypatch, wide):
 
 
 def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, tmp_path, monkeypatch):
-    """And those with derivatives: for any processor, and those for a newer one; what is cached already is not made again."""
+    """And one with derivatives for newer processors; what is cached already is not made again."""
     said = []
     assert not ready.all_cached(release=True)
     ready.make(tmp_path / "release", release=True, say=said.append)

@@ -1,8 +1,8 @@
 """The kernels that a wheel carries, so that who installs it needs no compiler.
 
-One for release has more of them, for single numbers of links and for newer processors. They are made when the wheel is built
-(packaging/ at the top of the repository). An editable installation has none: its kernels are made when they
-are needed, and kept in the cache.
+One for release has more of them, for single numbers of links and for newer processors. They are made when the
+wheel is built (packaging/ at the top of the repository). An editable installation has none: its kernels are
+made when they are needed, and kept in the cache.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ RELEASE = "CHAIN_IMPACT_RELEASE"
 """The variable that is 1 where there shall be kernels for all numbers of links, as in a wheel for release."""
 LARGEST_EXACT = 10
 """Up to so many links there can be a kernel for each number of links. Chains without one of their own share
-one that reads the number from the instance: with it, runs of up to ten links take a tenth to a fifth longer,
-with many rows of outputs up to two fifths, and of thirty no longer."""
+one that reads the number from the instance: with it, runs of up to ten links take a tenth to three tenths
+longer, with many rows of outputs up to two fifths, and of thirty no longer."""
 
 FIRST_SIZES: tuple[int | None, ...] = (None,)
 """What every installation has. A further one would take a tenth of the time to install."""

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-
 PROBABILITY = 0.95
 LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9  # degrees, with fewer nothing is known, with more it is as with all
 SINGULAR = 1e-7  # of the largest, a singular value that may be round-off of the derivatives
