@@ -14,9 +14,9 @@ from chain_impact import cli
 from chain_impact.cli import progress
 from tests import tiers
 from tests.shared import once, shared_folder
-from tests.tiers import pytest_addoption, pytest_cmdline_main, pytest_report_header
+from tests.tiers import pytest_addoption, pytest_cmdline_main, pytest_ignore_collect, pytest_report_header
 
-__all__ = ["pytest_addoption", "pytest_cmdline_main", "pytest_report_header"]
+__all__ = ["pytest_addoption", "pytest_cmdline_main", "pytest_ignore_collect", "pytest_report_header"]
 
 # What takes longest comes first, so that all cores end together. Of the first two, one links plain kernels
 # while the other makes the one that carries derivatives.

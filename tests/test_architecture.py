@@ -8,10 +8,8 @@ from pathlib import Path
 
 import pytest
 
-import chain_impact
-
-PACKAGE = Path(chain_impact.__file__).parent
 ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "fmu_src" / "chain_impact"
 SLAVE = ROOT / "fmu_src" / "slave.py"
 TESTS = ROOT / "tests"
 LONGEST = 400  # lines of a file

@@ -12,6 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.tiers import needs_compilers
+
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 FILES = sorted([*BENCHMARKS.glob("*.py"), *BENCHMARKS.glob("peers/*.py")])
 OTHER_REVISION = "against_side.py"  # also imports what only other revisions have
@@ -57,6 +59,7 @@ def test_what_a_benchmark_imports_is_there(file):
                 )
 
 
+@needs_compilers
 def test_functions_for_other_solvers_are_lowered_and_linked(tmp_path, monkeypatch):
     sources = "".join(file.read_text(encoding="utf-8") for file in FILES)
     modules = re.findall(r'\bbuilt\("([\w.]+)"', sources)

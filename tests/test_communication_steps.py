@@ -28,6 +28,7 @@ OBSERVED = ("output", "latest", "step", "impulse.dense", "friction_impulse.dense
 GARBAGE = 1.7e11
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("seeds", SEEDS.values(), ids=SEEDS)
 def test_impacts_and_counts_do_not_depend_on_the_output_step(seeds):
     differ = []
@@ -39,6 +40,7 @@ def test_impacts_and_counts_do_not_depend_on_the_output_step(seeds):
     assert not differ
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("kind", ["plain", "stops", "friction"])
 def test_no_step_reads_what_observing_writes(kind):
     """After each look at the motion, all that it has written is overwritten, and the run is the same."""

@@ -12,6 +12,7 @@ from chain_impact import load_scene, simulate
 from chain_impact.scene.models import models_folder
 from chain_impact.variables.model import Model
 from tests.test_models import table
+from tests.tiers import needs_interop
 
 MODEL = "controlled_arm"
 SCENE = load_scene(MODEL)
@@ -81,7 +82,7 @@ def differences(columns, others):
     }
 
 
-@pytest.mark.full("more cases", but=1)
+@needs_interop
 @pytest.mark.parametrize("master", ["libcosim", "ecos"])
 def test_every_master_finds_the_same(runs, master):
     """Their communication points differ by round-off, and the solver's tolerance of 1e-8 does the rest."""

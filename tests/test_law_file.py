@@ -30,6 +30,7 @@ from chain_impact.scene.reading import SceneWarning
 from chain_impact.scene.scene import parse_scene, scene_to_dict, with_values
 from chain_impact.variables.model import Model
 from tests.problems import ball, own_law, struck_ball
+from tests.tiers import needs_compilers
 
 # all laws of the tests that simulate are in one, as each is one compilation: the restitution tells which
 DAMPED = f"""
@@ -83,6 +84,7 @@ def refusal(law, text, name="damped"):
 # --- what it does ------------------------------------------------------------------------------------------
 
 
+@needs_compilers
 def test_an_impact_is_that_of_the_same_law_in_the_registry(law):
     """λ = 0.3 is Hunt and Crossley's for e = 0.8."""
     scene, exact = struck_ball(damping_factor=0.3)
@@ -126,6 +128,7 @@ def damped(penetration, stiffness):
     assert found["peak_force"] == pytest.approx(known["peak_force"], rel=1e-9)
 
 
+@needs_compilers
 @pytest.mark.parametrize("change", [lambda path: path.write_text("# another"), Path.unlink])
 def test_a_result_is_of_the_law_that_it_was_simulated_with(law, change):
     path = Path(law(DAMPED))
@@ -304,7 +307,7 @@ def test_a_model_that_is_not_the_files_is_refused(law):
         with_values(load_scene("rod_drop"), changes)
 
 
-@pytest.mark.full("more cases", but=1)
+@needs_compilers
 @pytest.mark.parametrize(
     ("text", "message"),
     [

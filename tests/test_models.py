@@ -169,7 +169,7 @@ def write_inputs(model):
     folder = models_folder() / model
     with tempfile.TemporaryDirectory() as scratch:
         subprocess.run([sys.executable, folder / "co_simulation.py", "-o", scratch], check=True)
-        with Path(scratch, "ControlledArm.csv").open(newline="") as file:
+        with Path(scratch, "ControlledArm.csv").open(encoding="utf-8", newline="") as file:
             rows = list(csv.reader(file))
     chosen = [
         rows[0].index(name) for name in ("time", *(one.name for one in Model(load_scene(model)).inputs))

@@ -8,6 +8,7 @@ import os
 import re
 import shutil
 from collections import Counter
+from functools import cache
 from importlib.util import find_spec
 
 import pytest
@@ -17,7 +18,7 @@ from chain_impact.system import cores
 
 MOST_WORKERS = 8
 GROUPS = {
-    "compile": ("llvmlite", "numba", "ziglang"),
+    "compiler": ("llvmlite", "numba", "ziglang"),
     "browser": ("marionette_driver", "playwright"),
     "interop": ("av", "dask", "distributed", "ecospy", "libcosimpy", "pyarrow", "xarray"),
     "notebook": ("ipykernel", "nbconvert"),
@@ -29,6 +30,13 @@ FIREFOX = shutil.which("firefox-esr") or shutil.which("firefox")
 
 needs_browser = pytest.mark.full("needs browsers")
 needs_compilers = pytest.mark.full("needs compilers")
+needs_interop = pytest.mark.full("needs other tools")
+
+IMPORTING = {
+    "numba": ["test_dual_numbers.py", "test_lower.py", "test_record_type.py"],
+    "nbconvert": ["test_notebook.py"],
+}
+"""Module that is not needed for the quick tier → files that import it."""
 
 
 def pytest_addoption(parser):
@@ -39,8 +47,8 @@ def pytest_addoption(parser):
 @pytest.hookimpl(tryfirst=True)
 def pytest_cmdline_main(config):
     """Use all cores, unless the number of processes is given; each takes one file after the other."""
-    own = config.option
-    if config.pluginmanager.hasplugin("xdist") and own.numprocesses is None and not own.usepdb:
+    own, worker = config.option, hasattr(config, "workerinput")
+    if config.pluginmanager.hasplugin("xdist") and not worker and own.numprocesses is None and not own.usepdb:
         own.numprocesses = min(cores(), MOST_WORKERS)
         own.dist, own.loadscopereorder, own.maxworkerrestart = "loadfile", False, "0"
 
@@ -70,6 +78,17 @@ def refuse_what_is_missing():
 def pytest_report_header(config):
     """Say which tier runs."""
     return "all tests" if config.option.full else "the quick tier of the tests; all of them: pytest --full"
+
+
+def pytest_ignore_collect(collection_path):
+    """Leave out files that could not be imported; ``--full`` is refused there."""
+    return collection_path.name in not_importable() or None
+
+
+@cache
+def not_importable():
+    """Names of files of tests."""
+    return {name for module, names in IMPORTING.items() if find_spec(module) is None for name in names}
 
 
 def leave_out(config, items):

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import zipfile
 from importlib.metadata import version
+from pathlib import Path
 
 import matplotlib as mpl
 import pytest
@@ -95,7 +96,7 @@ def test_build_and_simulate_writes_three_files_and_a_summary(run, here):
 
 
 def test_build_fmu_py_is_build(here, tmp_path):
-    script = models_folder().parent / "build_fmu.py"
+    script = Path(__file__).parents[2] / "build_fmu.py"
     done = subprocess.run(
         [sys.executable, script, "no_scene"], capture_output=True, text=True, check=False, cwd=here
     )
@@ -295,8 +296,9 @@ def test_what_info_prints_can_be_set(run, fmu, kind):
 
 
 def test_info_prints_brackets_as_they_are(run, here):
-    text = (models_folder() / "rod_drop" / "scene.toml").read_text()
-    (here / "odd.toml").write_text(re.sub('description = ".*"', 'description = "[bold] a [/] b"', text))
+    text = (models_folder() / "rod_drop" / "scene.toml").read_text(encoding="utf-8")
+    text = re.sub('description = ".*"', 'description = "[bold] a [/] b"', text)
+    (here / "odd.toml").write_text(text, encoding="utf-8")
     assert run("info", "odd.toml")[1].startswith("RodDrop  [bold] a [/] b\n")
 
 
@@ -364,7 +366,7 @@ def test_a_picture_of_a_scene_has_rows_of_its_own(run, here, monkeypatch):
         "simulate", "four_link_box", "--set", "simulation.step_size=0.1", "--plot", "a.png", "--csv", "a.csv"
     )
     assert code == 0
-    assert len((here / "a.csv").read_text().splitlines()) == 22
+    assert len((here / "a.csv").read_text(encoding="utf-8").splitlines()) == 22
     assert len(shown[0].time) == 1001
 
 

@@ -96,7 +96,9 @@ def test_picture_and_table(run, here):
     )
     assert code == 0
     assert said.splitlines()[:2] == ["results  rod.csv", "picture  rod.svg"]
-    assert "change of impact speed" in re.sub(r"<!-- | -->", "", (here / "rod.svg").read_text())
+    assert "change of impact speed" in re.sub(
+        r"<!-- | -->", "", (here / "rod.svg").read_text(encoding="utf-8")
+    )
     with (here / "rod.csv").open(newline="") as file:
         head, *rows = csv.reader(file)
     found = np.array([float(row[head.index("sensitivity.gravity.y.point[1].y")]) for row in rows])

@@ -14,6 +14,7 @@ import pytest
 from chain_impact.compilation import browser, compilers, ready
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import browser_module
+from tests.tiers import needs_compilers
 
 MUSL = "c4e9b6070c1905cbd13439272a3cae3903489e53cd95c7bad41f3bd913d0481c"
 SECTIONS = {"type": 1, "import": 2, "export": 7}
@@ -86,13 +87,14 @@ def mathematics(tmp_path_factory):
     return found
 
 
+@needs_compilers
 def test_powers_have_the_digits_of_the_c_library(mathematics):
     """On a processor that multiplies and adds in one instruction all of them, on another one nearly all."""
     chance = np.random.default_rng(30)
     bases = 10.0 ** chance.uniform(-12, 6, 20_000)
     exponents = chance.choice([0.4, 1 / 3, 0.5, 1.1, 1.3, 2.2, -0.6, 3.0], 20_000)
     arguments = chance.uniform(-3.0, 3.0, 20_000)
-    fused = "fma" in Path("/proc/cpuinfo").read_text().split()
+    fused = "fma" in Path("/proc/cpuinfo").read_text(encoding="utf-8").split()
     pairs = list(zip(bases.tolist(), exponents.tolist(), strict=True))
     differ = sum(mathematics.pow(a, b) != math.pow(a, b) for a, b in pairs)
     differ += sum(mathematics.exp(a) != math.exp(a) for a in arguments.tolist())
@@ -129,6 +131,7 @@ def test_a_law_of_the_users_own_is_compiled_in(tmp_path):
     assert SECTIONS["import"] not in sections(module.read_bytes())
 
 
+@needs_compilers
 def test_a_law_that_calls_what_a_browser_does_not_have_says_so(tmp_path):
     law = tmp_path / "mine.py"
     law.write_text(LAW.format("stiffness * math.lgamma(penetration)"))

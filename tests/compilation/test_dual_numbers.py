@@ -11,6 +11,9 @@ from numba import cfunc, float64, njit, types
 
 from chain_impact.compilation.dual_numbers import BYTES, DUAL
 from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, value, varies
+from tests.tiers import needs_compilers
+
+pytestmark = needs_compilers
 
 X, Y = sympy.symbols("x y", positive=True)
 WORDS = 1 + DIRECTIONS
@@ -95,7 +98,6 @@ def test_a_dual_number_lies_in_memory_without_gaps():
     assert BYTES == 8 * WORDS
 
 
-@pytest.mark.full("more cases", but=12)
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_derivatives_are_those_of_sympy(name):
     function, expression = FUNCTIONS[name]
@@ -106,7 +108,6 @@ def test_derivatives_are_those_of_sympy(name):
     assert found[0] == pytest.approx(float(expression.evalf(30, subs=at)), rel=1e-15)
 
 
-@pytest.mark.full("more cases", but=4)
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_values_are_those_of_plain_numbers_bit_by_bit(name):
     function, _ = FUNCTIONS[name]

@@ -8,6 +8,7 @@ import pytest
 from chain_impact import SceneError, load_scene, simulate
 from chain_impact.compilation.law_file import LawError, parse_law, read_law
 from chain_impact.compilation.law_syntax import ALLOWED
+from tests.tiers import needs_compilers
 
 LAW = "def damped(rate):\n    return 1e3 * rate\n"
 RUN = '__import__("pathlib").Path("{mark}").touch()'
@@ -76,6 +77,7 @@ def test_a_file_that_is_too_much_for_python_is_refused(text):
         parse_law("damped", f"X = {text}\n{LAW}")
 
 
+@needs_compilers
 @pytest.mark.parametrize(
     "text",
     [

@@ -19,6 +19,7 @@ from chain_impact.system import HOST
 from chain_impact.variables.model import Model
 from tests.binaries import read_binary
 from tests.fmu.standard import all_functions_of_fmi3, co_simulation_functions
+from tests.tiers import needs_compilers
 
 ENTRY_POINTS = {
     *("initialize", "advance", "advance_awhile", "advance_to_onset", "event_update"),
@@ -73,6 +74,7 @@ def test_the_kernel_does_not_allocate(what):
     assert not [name for name in ("NRT_Allocate", "NRT_MemInfo_alloc", "malloc") if name in module]
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
 def test_every_function_that_it_offers_computes_with_the_usual_registers(what):
     """None of its arithmetic is inlined, as it could be moved to before they are set."""
@@ -110,6 +112,7 @@ def test_the_number_of_candidates_is_no_part_of_a_kernel():
     assert one.statistics == other.statistics
 
 
+@needs_compilers
 def test_a_law_that_calls_what_only_numba_has_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(compilers, "interface_sources", list)  # the law alone
     (tmp_path / "mine.py").write_text("import math\n\n\ndef mine(rate):\n    return math.gamma(rate)\n")
@@ -120,6 +123,7 @@ def test_a_law_that_calls_what_only_numba_has_is_refused(tmp_path, monkeypatch):
         compilers.link(nothing, tmp_path / "kernel.so", HOST, tmp_path / "mine.ll")
 
 
+@needs_compilers
 def test_all_long_chains_share_a_kernel():
     assert kernel_library(30) == kernel_library(1000) != kernel_library(4)
 
@@ -160,6 +164,7 @@ def stand_in(tmp_path, monkeypatch):
     return both
 
 
+@needs_compilers
 def test_the_kernel_is_lowered_once_and_linked_for_the_usual_numbers_of_links_and_for_any(stand_in):
     said = []
     first = kernel_library(2, notify=said.append)
@@ -172,6 +177,7 @@ def test_the_kernel_is_lowered_once_and_linked_for_the_usual_numbers_of_links_an
     assert len(said) == 4
 
 
+@needs_compilers
 def test_for_a_release_it_is_linked_for_each_number_of_links_up_to_ten(stand_in, monkeypatch):
     monkeypatch.setenv(ready.RELEASE, "1")
     for links in (3, ready.LARGEST_EXACT, ready.LARGEST_EXACT + 1):
@@ -179,6 +185,7 @@ def test_for_a_release_it_is_linked_for_each_number_of_links_up_to_ten(stand_in,
     assert [links for _, links, _ in stand_in.compiled] == [3, ready.LARGEST_EXACT, None]
 
 
+@needs_compilers
 def test_a_kernel_with_derivatives_is_another_one_for_any_number_of_links(stand_in):
     plain, other = kernel_library(3), kernel_library(3, derivatives=True, portable=False)
     assert (plain.read_text(), other.read_text()) == ("a module", "a module with derivatives")
@@ -192,12 +199,14 @@ def test_a_kernel_with_derivatives_is_another_one_for_any_number_of_links(stand_
     assert stand_in.linked[-1] is None
 
 
+@needs_compilers
 def test_each_platform_has_its_library(stand_in):
     linux, windows = kernel_library(3, "linux64"), kernel_library(3, "win64")
     assert (linux.suffix, windows.suffix) == (".so", ".dll")
     assert len(stand_in.lowered) == 1
 
 
+@needs_compilers
 def test_a_law_is_linked_to_it(stand_in, tmp_path):
     files = [tmp_path / "one" / "mine.py", tmp_path / "two" / "mine.py"]
     for file, force in zip(files, ("1.0", "2.0"), strict=True):
@@ -213,6 +222,7 @@ def test_a_law_is_linked_to_it(stand_in, tmp_path):
     ]
 
 
+@needs_compilers
 def test_laws_share_a_kernel_for_a_number_of_links_a_platform_and_a_processor(stand_in, tmp_path):
     for links, platform, settings in (
         (2, "linux64", {}),
@@ -256,6 +266,7 @@ def test_without_a_compiler_one_sentence_says_what_to_install(
     assert stand_in.lowered == []
 
 
+@needs_compilers
 @pytest.mark.parametrize(("step", "finished"), [("compile_kernel", []), ("link", ["kernel-any-linux64.o"])])
 def test_a_compiler_that_fails_leaves_nothing_behind(stand_in, monkeypatch, tmp_path, step, finished):
     def fails(_, output, *__, **___):

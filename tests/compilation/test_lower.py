@@ -14,6 +14,9 @@ from chain_impact.compilation import compilers, library
 from chain_impact.compilation.collecting import IDLE, Library
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import PACKAGE
+from tests.tiers import needs_compilers
+
+pytestmark = needs_compilers
 
 
 @pytest.fixture(scope="module")
@@ -21,19 +24,16 @@ def module():
     return library._lowered_kernel(library.KERNEL, lambda _: None)
 
 
-@pytest.mark.full("takes long")
 def test_sizes_are_left_open(module):
     for name in ("chain_links", "chain_candidates", "user_law_present", "user_law_force"):
         assert re.search(rf"^declare .*@{name}\(", module, re.M)
     assert "target triple" not in module
 
 
-@pytest.mark.full("takes long")
 def test_no_address_of_the_process_is_in_it(module):
     assert "inttoptr" not in module
 
 
-@pytest.mark.full("takes long")
 @pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
 def test_no_path_and_nothing_pickled_is_in_it(what):
     """numba pickles the exceptions of its functions with the files that raise them."""
@@ -43,7 +43,6 @@ def test_no_path_and_nothing_pickled_is_in_it(what):
         assert path not in module
 
 
-@pytest.mark.full("takes long")
 def test_no_path_is_in_a_law_that_could_raise(tmp_path):
     """Powers to the size of an integer raise in numba, as does a range by steps of 0."""
     law = tmp_path / "mine.py"
@@ -58,7 +57,6 @@ def test_no_path_is_in_a_law_that_could_raise(tmp_path):
     assert ".py" not in module
 
 
-@pytest.mark.full("takes long")
 def test_the_same_sources_give_the_same_bytes_wherever_they_are(tmp_path, monkeypatch):
     """Of a law here; `.ci/run` compares whole kernels that two environments have lowered."""
     law = tmp_path / "mine.py"
@@ -72,7 +70,6 @@ def test_the_same_sources_give_the_same_bytes_wherever_they_are(tmp_path, monkey
     assert (tmp_path / "elsewhere.ll").read_text() == (tmp_path / "here.ll").read_text()
 
 
-@pytest.mark.full("takes long")
 def test_other_files_and_settings_of_the_user_do_not_matter(tmp_path, monkeypatch):
     """Another chain_impact in the present folder would be lowered in place of this one."""
     (tmp_path / "chain_impact").mkdir()
@@ -87,7 +84,6 @@ def test_other_files_and_settings_of_the_user_do_not_matter(tmp_path, monkeypatc
     assert (tmp_path / "one.ll").read_text() == (tmp_path / "two.ll").read_text()
 
 
-@pytest.mark.full("takes long")
 def test_sources_that_change_meanwhile_are_refused(tmp_path, monkeypatch):
     law = tmp_path / "mine.py"
     law.write_text("def mine(rate):\n    return 2.0 * rate\n")
@@ -109,7 +105,6 @@ def test_every_library_is_collected_once():
     assert sorted(map(id, found)) == sorted(map(id, (top, one, two, leaf)))
 
 
-@pytest.mark.full("takes long")
 def test_numba_has_what_is_replaced_and_left_out():
     """A name that is gone would be replaced in vain."""
     steps = {
@@ -121,7 +116,6 @@ def test_numba_has_what_is_replaced_and_left_out():
     assert callable(arrayobj.fix_integer_index)
 
 
-@pytest.mark.full("takes long")
 def test_an_index_is_not_compared_with_zero(module):
     """As numba does to count negative ones from the end: one comparison for each subscript."""
     compared = len(re.findall(r"icmp slt i64 %\S+, 0$", module, re.M))

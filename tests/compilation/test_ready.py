@@ -16,6 +16,7 @@ from chain_impact.compilation import browser, compilers, ready
 from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.system import HOST, PLATFORMS
+from tests.tiers import needs_compilers
 
 ROOT = Path(__file__).parents[2]
 
@@ -69,6 +70,7 @@ def made(tmp_path, monkeypatch, said):
     ready._usable.cache_clear()
 
 
+@needs_compilers
 def test_a_second_wheel_of_the_same_sources_takes_no_compiler(made, tmp_path, monkeypatch):
     monkeypatch.setattr(compilers, "lower", None)
     monkeypatch.setattr(compilers, "link", None)
@@ -78,6 +80,7 @@ def test_a_second_wheel_of_the_same_sources_takes_no_compiler(made, tmp_path, mo
     assert first == second
 
 
+@needs_compilers
 def test_there_is_a_kernel_for_every_chain(made):
     assert ready.find(ready.library_name(ready.exact(64), "linux64")).read_text() == "a module for None"
     assert ready.find(ready.library_name(3, "linux64")) is None
@@ -90,6 +93,7 @@ def test_there_is_a_kernel_for_every_chain(made):
     assert not [path for path in made.iterdir() if path.is_dir()]
 
 
+@needs_compilers
 def test_it_is_said_what_is_done(made, said):
     """pip shows these lines: none is long after the one before."""
     assert said[:2] == [
@@ -99,6 +103,7 @@ def test_it_is_said_what_is_done(made, said):
     assert len(said) == 4 + len(ready.FIRST_SIZES)
 
 
+@needs_compilers
 def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
     said = []
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
@@ -115,6 +120,7 @@ def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
     assert said[:2] == ["compiling kernel, for any number of links", "still at work"]
 
 
+@needs_compilers
 @pytest.mark.parametrize("wide", [compilers.WIDE_CPU, None])
 def test_derivatives_take_no_compiler(made, monkeypatch, wide):
     """On newer processors, too: the kernel for any processor takes the place of the one for these."""
@@ -126,6 +132,7 @@ def test_derivatives_take_no_compiler(made, monkeypatch, wide):
         assert kernel_library(4, derivatives=True, portable=portable) == found
 
 
+@needs_compilers
 def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, tmp_path, monkeypatch):
     """And one with derivatives for newer processors; what is cached already is not made again."""
     said = []
@@ -166,6 +173,7 @@ def test_a_wheel_has_kernels_for_wide_vectors_where_they_can_be_used(platform, k
     assert [kind for kind, _ in ready._wanted(platform, True).values()] == ["kernel"] * len(plain) + kinds
 
 
+@needs_compilers
 def test_kernels_of_other_sources_are_not_used(made):
     """As when somebody changes the kernel where it is installed."""
     (made / ready.MADE_FROM).write_text("of before")
@@ -194,6 +202,7 @@ def backend(program, **settings):
     return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
 
 
+@needs_compilers
 def test_the_build_backend_asks_for_compilers_only_where_they_are_needed(tmp_path):
     program = (
         "import backend;"
@@ -205,6 +214,7 @@ def test_the_build_backend_asks_for_compilers_only_where_they_are_needed(tmp_pat
     assert not set(ready.REQUIREMENTS) & set(editable)
 
 
+@needs_compilers
 def test_a_wheel_for_release_needs_compilers_where_only_the_first_kernels_are_cached(made, tmp_path):
     program = "import backend; print(backend.get_requires_for_build_wheel())"
     for release in "01":

@@ -13,6 +13,9 @@ from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance, spans_of
 from chain_impact.variables.model import Model
 from tests.plain import Plain
+from tests.tiers import needs_compilers
+
+pytestmark = needs_compilers
 
 TABLE = TABLES["instance"]
 LAYOUT = {"instance": lambda dtype: dtype, "tangent": tangent_dtype}
@@ -83,7 +86,6 @@ def chain():
     return scene_from_dict(table | {"box": {"x_min": 0.0, "y_min": 0.0}, "inputs": inputs}, "chain")
 
 
-@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(
     "changes",
     [

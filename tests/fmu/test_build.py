@@ -89,7 +89,7 @@ def test_what_is_wrong_besides_names_is_said(native, tmp_path, wrong):
     assert any(wrong in text for text in validate_fmu(tmp_path / "x.fmu"))
 
 
-@pytest.mark.full("more cases", but=24)
+@pytest.mark.full("more cases", but=4)
 @every_model
 def test_an_fmu_is_named_after_its_model_and_small(fmus, model):
     path = Path(fmus[model])

@@ -45,8 +45,11 @@ def ended(guard, clean_python, all_fmus):
             f"{function.__name__}({fmus!r})",
         )
         command = [clean_python, "-I", "-c", "\n".join(lines)]
-        environment = os.environ | {"LD_PRELOAD": str(preload)}
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        # The value is a list that spaces separate, and a temporary folder may have one in its name.
+        environment = os.environ | {"LD_PRELOAD": preload and f"./{guard.name}"}
+        done = subprocess.run(
+            command, cwd=guard.parent, env=environment, capture_output=True, text=True, check=False
+        )
         return done.returncode, done.stdout
 
     return ended

@@ -48,6 +48,7 @@ def test_the_dropped_rod_is_complete_if_enough_are_shown(fmus, target, tmp_path)
     same(some, expected[np.isin(expected["onset"], some["onset"])])
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize(("seed", "stop"), [(9000193, 0.25), (8000264, 0.0625), (9000359, 0.125)])
 def test_impacts_do_not_depend_on_the_communication_step(target, tmp_path, seed, stop):
     """Dry friction, stops and rigid walls; the times are binary fractions, which no step rounds."""

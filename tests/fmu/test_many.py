@@ -76,7 +76,8 @@ def growth(fmu, warm_up, cycles):
 
     def memory():
         gc.collect()
-        return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 1024
+        pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[1]
+        return int(pages) * resource.getpagesize() / 1024
 
     one = Instance(fmu)
     for k in range(warm_up + cycles):

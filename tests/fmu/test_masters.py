@@ -14,6 +14,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.scene.models import models_folder
 from chain_impact.variables.model import Model
+from tests.tiers import needs_interop
 
 RUN = """
 import json, sys
@@ -93,7 +94,7 @@ def refused(fmu, when):
     )
 
 
-@pytest.mark.full("more cases", but=3)
+@needs_interop
 @pytest.mark.parametrize("when", ["start", "run"])
 def test_libcosim_says_which_value_was_refused(fmi2, when):
     done = refused(fmi2["rod_drop"], when)
@@ -101,6 +102,7 @@ def test_libcosim_says_which_value_was_refused(fmi2, when):
     assert sentence in done.stdout + done.stderr
 
 
+@needs_interop
 def test_libcosim_lives_on_after_a_value_that_was_refused_during_the_run(fmi2):
     """And runs the FMU again; before the first step its threads catch no error, and it ends the process."""
     done = refused(fmi2["rod_drop"], "run")

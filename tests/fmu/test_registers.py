@@ -13,6 +13,7 @@ from tests.fmu.importer import Instance
 from tests.fmu.interface import Binary
 from tests.fmu.zig import WARNINGS, zig
 from tests.registers import TRAPS, WITHOUT_TRAPS, make_library
+from tests.tiers import needs_compilers
 
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux" or platform.machine() != "x86_64", reason="registers.c is for x86-64 and Linux"
@@ -58,6 +59,7 @@ def ways(request, strict, hosts):
     return {registers: (int(stack), values) for registers, stack, *values in lines}
 
 
+@needs_compilers
 def test_the_bits_are_the_same_whatever_a_host_has_set(ways):
     """The program itself ends if a call ends with other registers than before, or in a signal."""
     assert len(ways) == WAYS
@@ -67,6 +69,7 @@ def test_the_bits_are_the_same_whatever_a_host_has_set(ways):
         assert values == usual, registers
 
 
+@needs_compilers
 def test_the_stack_of_a_thread_that_the_docs_tell_is_enough(ways):
     (told,) = re.findall(r"a stack of (\d+) KiB", (ROOT / "docs" / "fmu.md").read_text(encoding="utf-8"))
     assert max(stack for stack, _ in ways.values()) < 1024 * int(told)
@@ -93,6 +96,7 @@ def rows_with(fmu, library, ways, step, steps):
     return rows
 
 
+@needs_compilers
 def test_an_fmu_in_a_host_in_python_gives_the_same_bits(fmus, clean, tmp_path):
     library = make_library(tmp_path)
     ways = [*WITHOUT_TRAPS, TRAPS]

@@ -6,6 +6,7 @@ import pytest
 
 from tests.fmu.planted_faults import BINARY, SUFFIX, said, spoiled
 from tests.fmu.zig import zig
+from tests.tiers import needs_compilers
 
 SOURCE = """
 #include <stdlib.h>
@@ -37,6 +38,7 @@ NAMES = re.findall(
 )
 
 
+@needs_compilers
 @pytest.mark.parametrize(
     ("body", "timeout", "sentence"),
     [
@@ -56,6 +58,7 @@ def test_a_binary_that_does_not_come_back_is_found(native, tmp_path, body, timeo
     assert said(path, timeout=timeout) == [f"{BINARY}: {sentence}"]
 
 
+@needs_compilers
 def test_a_state_that_does_not_restore_is_found(native, tmp_path):
     """Each value is the number of steps, which no restored state changes."""
     functions = "".join(f"int {name}(void) {{ return 0; }}\n" for name in NAMES if name not in COUNTED)

@@ -23,6 +23,7 @@ from tests.fmu.planted_faults import BINARIES, BINARY, FMI2, FMI3, XML, edited, 
 # --- sound FMUs ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("model", ["rod_drop", "kneed_leg", "controlled_arm"])
 def test_nothing_is_found_in_an_fmu_of_ours(fmus, model):
     found = validation(fmus[model])
@@ -30,6 +31,7 @@ def test_nothing_is_found_in_an_fmu_of_ours(fmus, model):
     assert [note.split(",")[0] for note in found.notes] == ["experiment default: passed"]
 
 
+@pytest.mark.full("takes long")
 def test_the_workflow_of_the_docs_finds_what_is_wrong(native, tmp_path):
     page = (Path(__file__).parents[2] / "docs" / "check_fmus.md").read_text(encoding="utf-8")
     script = textwrap.dedent(re.search(r"```yaml.*?        run: \|\n(.*?)```", page, re.DOTALL)[1])
@@ -57,6 +59,7 @@ def test_the_workflow_of_the_docs_finds_what_is_wrong(native, tmp_path):
 # --- faults of each kind of FMU ---------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=4)
 @pytest.mark.parametrize("fault", ["guid", "no binary", "garbage", "no resources"])
 def test_faults_of_the_whole_are_found(fmus, target, tmp_path, fault):
     binary = BINARIES.get(target, BINARY)
@@ -86,6 +89,7 @@ def test_faults_of_the_whole_are_found(fmus, target, tmp_path, fault):
 FAULTS = [(kind, *entry) for kind, table in (("native", FMI2), ("fmi3", FMI3)) for entry in table.items()]
 
 
+@pytest.mark.full("more cases", but=10)
 @pytest.mark.parametrize(
     ("kind", "fault", "case"), FAULTS, ids=[f"{kind} {name}" for kind, name, _ in FAULTS]
 )

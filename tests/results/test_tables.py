@@ -11,6 +11,7 @@ from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.tables import IMPACT_UNITS
 from tests.friction import pendulum, sled
 from tests.problems import default_scene
+from tests.tiers import needs_interop
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +42,7 @@ def test_a_result_without_impacts_has_an_empty_table():
     assert len(simulate(default_scene(), 0.1).impact_table()) == 0
 
 
+@needs_interop
 def test_a_dataset_has_dimensions_and_units(result):
     data = result.to_xarray()
     assert dict(data.sizes) == {"time": 601, "point": 5, "axis": 2, "link": 4, "contact": 20}
@@ -56,6 +58,7 @@ def test_a_dataset_has_dimensions_and_units(result):
     assert chosen.contact_point.values.tolist() == [0, 1, 2, 3, 4]
 
 
+@needs_interop
 def test_in_a_dataset_what_was_left_out_is_not_a_number():
     data = simulate(default_scene(), 0.1, output=["point[4].x", "energy.total"]).to_xarray()
     assert set(data.data_vars) == {"position", "energy.total"}
@@ -73,6 +76,7 @@ def test_without_the_package_the_extra_is_named(result, monkeypatch, package, me
         getattr(result, method)()
 
 
+@needs_interop
 def test_a_dataset_of_a_scene_with_dry_friction_has_the_friction_of_each_contact():
     result = simulate(sled(), 0.5)
     data = result.to_xarray()
@@ -84,6 +88,7 @@ def test_a_dataset_of_a_scene_with_dry_friction_has_the_friction_of_each_contact
     np.testing.assert_array_equal(data["energy.friction"], result["energy.friction"])
 
 
+@needs_interop
 def test_a_dataset_has_the_friction_of_joints_by_its_name():
     result = simulate(pendulum(), 0.5)
     data = result.to_xarray()

@@ -122,6 +122,7 @@ def taplo(*files):
     return subprocess.run([*command, *files], capture_output=True, text=True, check=False)
 
 
+@pytest.mark.full("needs taplo")
 def test_an_editor_finds_the_schema_in_the_first_line_of_a_model(tmp_path):
     files = [models_folder() / model / SCENE_FILE for model in model_names()]
     said = taplo(*files)

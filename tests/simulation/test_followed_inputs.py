@@ -168,7 +168,7 @@ def test_a_table_in_a_function_is_as_good_as_samples():
     assert np.abs(motion(followed)[-1] - motion(joined)[-1]).max() < 1e-10
 
 
-@pytest.mark.full("more cases", but=3)
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(
     "torque",
     [

@@ -8,6 +8,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.simulation.instance import Instance, spans_of
 from tests.registers import FLUSH, ON_X86, TRAPS, USUAL, WITHOUT_TRAPS, make_library, registers
+from tests.tiers import needs_compilers
 
 pytestmark = ON_X86
 MODELS = ["four_link_box", "kneed_leg", "sliding_rod"]
@@ -24,6 +25,7 @@ def whole_run(model):
     return [result.points.tobytes(), result.energy.tobytes(), result.impacts.tobytes()]
 
 
+@needs_compilers
 @pytest.mark.parametrize("value", [USUAL | FLUSH, TRAPS], ids=["no denormal numbers", "traps"])
 @pytest.mark.parametrize("model", MODELS)
 def test_simulate_gives_the_same_bits(library, model, value):
@@ -33,6 +35,7 @@ def test_simulate_gives_the_same_bits(library, model, value):
     assert found == usual
 
 
+@needs_compilers
 @pytest.mark.parametrize("model", MODELS)
 def test_a_kernel_gives_the_same_bits_whatever_rounds_its_caller(library, model):
     """It is given the same record and times: Python itself rounds as the process does."""

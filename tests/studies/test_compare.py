@@ -15,6 +15,7 @@ from chain_impact.studies.compare import free_impact, realised_restitution
 from tests.problems import ball, default_scene, flat_rod, of_law, own_law, struck_ball
 from tests.reference import exact_damping_factor, point_impact
 from tests.reference import realised_restitution as exact_restitution
+from tests.tiers import needs_compilers
 
 compare_module = import_module("chain_impact.studies.compare")
 OTHER_EXPONENT = [law for law in CONTACT_LAWS.values() if not law.allows_exponent(1.5)]
@@ -138,6 +139,7 @@ def test_without_an_impact_there_is_nothing_to_compare(changes, reason):
         compare(with_values(default_scene(), changes))
 
 
+@needs_compilers
 def test_a_users_law_is_compared_too():
     comparison = compare(with_law(ball(height=0.01), own_law()))
     assert [run.law for run in comparison.runs] == [*CONTACT_LAWS, "mine"]

@@ -27,9 +27,8 @@ angles = [0.4]
 
 
 def command_of(path):
-    return json.loads(re.search(r'<script id="data"[^>]*>(.*?)</script>', path.read_text(), re.DOTALL)[1])[
-        "command"
-    ]
+    text = path.read_text(encoding="utf-8")
+    return json.loads(re.search(r'<script id="data"[^>]*>(.*?)</script>', text, re.DOTALL)[1])["command"]
 
 
 @pytest.mark.parametrize(

@@ -228,7 +228,7 @@ def prepare_zig(platform: str) -> None:
     with FileLock(folder / f"{platform}.lock"), TemporaryDirectory() as scratch:
         if not zig_is_prepared(platform):
             something = Path(scratch, "something.c")  # zig crashes at an empty library for macOS
-            something.write_text(STUB.replace("hidden", "default").format("something"))
+            something.write_text(STUB.replace("hidden", "default").format("something"), encoding="utf-8")
             _zig_library(platform, Path(scratch, "library"), something)
             (folder / f"prepared-{platform}").touch()
 

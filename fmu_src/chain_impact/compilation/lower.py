@@ -97,7 +97,7 @@ def main() -> None:
             entries = law_entry(read_law(Path(given[0])))
         else:
             if what == "derivatives":
-                reuse.take(Path(given[0]).read_text())
+                reuse.take(Path(given[0]).read_text(encoding="utf-8"))
             derivatives = what == "derivatives"
             entries = entry_points(derivatives=derivatives)
             # for the C interface, which is given a record by a file
@@ -109,7 +109,7 @@ def main() -> None:
     text = lowered(entries)
     if fingerprint() != expected:
         sys.exit("the sources of the kernel have changed since the program began: run it again")
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

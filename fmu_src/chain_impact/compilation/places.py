@@ -17,7 +17,7 @@ from chain_impact import system
 from chain_impact.compilation.errors import BuildError
 
 READ_ONLY = (errno.EACCES, errno.EPERM, errno.EROFS)
-NO_PLACE = (*READ_ONLY, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR)
+NO_PLACE = (*READ_ONLY, errno.ENOENT, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR)
 LITTLE = 1_000_000  # bytes: a folder with less space is full
 OTHERS = "other users can write there"
 ADVICE = "free space there, or set CHAIN_IMPACT_CACHE to another folder"

@@ -43,7 +43,7 @@ def test_it_is_that_of_the_log(law, kept):
     assert (listed["point"][len(impacts) :] == -1).all()
 
 
-@pytest.mark.full("more cases", but=6)
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("method", ["auto", "implicit"])
 @pytest.mark.parametrize("part", [0.1, 0.4, 0.6, 0.9])
 def test_an_impact_that_lasts_has_its_values_so_far(method, part):

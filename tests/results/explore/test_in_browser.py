@@ -167,7 +167,7 @@ def test_the_command_repeats_the_motion(show, tmp_path, monkeypatch, capsys):
     assert cli.main([*words[1:], "--csv", "a.csv"]) == 0
     with page.expect_download() as download:
         page.get_by_role("button", name="Outputs as CSV").click()
-    texts = (Path(path).read_text() for path in (download.value.path(), "a.csv"))
+    texts = (Path(path).read_text(encoding="utf-8") for path in (download.value.path(), "a.csv"))
     here, there = (list(csv.reader(text.splitlines())) for text in texts)
     assert here[0] == there[0]
     assert [list(map(float, row)) for row in here[1:]] == [list(map(float, row)) for row in there[1:]]

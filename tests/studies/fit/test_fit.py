@@ -219,6 +219,7 @@ def test_the_last_residual_of_a_data_set_is_no_neighbour_of_the_next_ones_first(
     assert len(said(grows.reshape(4, 10))) == len(said(grows.reshape(1, 40))) == 1
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("free", [["contact.restitution"], list(FREE)])
 def test_data_in_another_unit_of_time_are_asked_about(free):
     columns, _ = motion(2.0, count=40)

@@ -17,6 +17,7 @@ from chain_impact.studies.sweep.sweep import sweep
 from tests import random_scenes
 from tests.problems import own_law
 from tests.stops import knee
+from tests.tiers import needs_compilers
 
 FORCES = ("peak_force", "max_penetration")
 AT_STOPS = ("stop.peak_moment", "stop.max_penetration")
@@ -203,6 +204,7 @@ def without_walls():
     return with_values(short(), {("box", wall): None for wall in ("x_min", "x_max", "y_min", "y_max")})
 
 
+@needs_compilers
 def test_a_law_of_ones_own():
     scene = with_law(short("rod_drop", 0.9), own_law())
     found = sweep(scene, {"contact.model": ["hertz", "mine", "newton_impact"]})
