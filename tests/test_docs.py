@@ -173,7 +173,7 @@ def lines_of(text):
     return [line.rstrip() for line in text.strip().splitlines()]
 
 
-@pytest.mark.full("more cases", but=3)
+@pytest.mark.full("needs other tools", but=2)
 @parametrized([page for page in PAGES if any(block.language in ("sh", "python") for block in fenced(page))])
 def test_a_page_runs_from_top_to_bottom(page, folder, run, drawn):
     """Files are written, programs and commands run, in a folder like a reader's; the output is as shown.

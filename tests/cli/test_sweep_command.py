@@ -4,6 +4,8 @@ import csv
 
 import pytest
 
+from tests.tiers import needs_interop
+
 SHORT = ("--set", "simulation.stop_time=0.6", "--set", "solver.tolerance=1e-6")
 
 
@@ -27,8 +29,8 @@ def test_a_grid(run, here):
     assert float(found[1]["point[4].x"]) > 0.0
 
 
+@needs_interop
 def test_a_picture_and_parquet(run, here):
-    pytest.importorskip("pyarrow")
     arguments = ("--vary", "contact.restitution=0.2:0.8:3", "-o", "out.parquet", "--plot", "out.svg")
     code, said, _ = run("sweep", *SHORT, *arguments)
     assert code == 0

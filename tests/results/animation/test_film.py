@@ -15,6 +15,7 @@ from chain_impact.results.animation.film_page import CHAIN, ENERGIES, FORCE, STY
 from chain_impact.results.animation.frames import motion_of
 from chain_impact.results.recording import Recording
 from chain_impact.studies.slow_motion import record_slowly
+from tests.tiers import needs_interop
 
 SIZE = (320, 180)
 
@@ -76,8 +77,10 @@ def test_twice_the_speed_has_half_the_frames(motion, tmp_path):
     assert counts[1] == pytest.approx(counts[0] / 2, abs=1.5)
 
 
+@needs_interop
 def test_an_mp4_is_a_film_that_a_decoder_reads(motion, tmp_path):
-    av = pytest.importorskip("av")
+    import av
+
     done = []
     write_film(motion, tmp_path / "film.mp4", 1.0, (321, 181), done.append)
     with av.open(str(tmp_path / "film.mp4")) as film:

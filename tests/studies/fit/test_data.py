@@ -72,7 +72,6 @@ def test_an_impact_is_found_by_its_number_and_place():
 
 
 def test_the_table_of_impacts_of_a_result_is_one():
-    pytest.importorskip("pandas")
     from chain_impact import simulate
 
     table = simulate(SCENE, stop_time=0.6).impact_table().reset_index()

@@ -5,7 +5,6 @@ import re
 import subprocess
 import sys
 import time
-from importlib.util import find_spec
 from types import SimpleNamespace
 
 import pytest
@@ -17,12 +16,11 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.studies.sweep import cluster
 from chain_impact.studies.sweep.sweep import sweep
+from tests.tiers import needs_interop
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
 VARY = {"contact.restitution": "0.3:0.7:500", "contact.model": "flores,newton_impact"}
-pytestmark = [
-    pytest.mark.skipif(find_spec("distributed") is None, reason="needs dask and distributed"),
-]
+pytestmark = needs_interop
 
 
 class Cluster:
@@ -82,7 +80,6 @@ def test_the_same_rows_as_here(scheduler, tmp_path):
     assert path.read_text().count("\n") == 1001
 
 
-@pytest.mark.full("takes long")
 def test_a_lost_worker_is_replaced_by_the_others(scheduler):
     scheduler.worker()
     doomed = scheduler.worker()
@@ -97,7 +94,6 @@ def test_a_lost_worker_is_replaced_by_the_others(scheduler):
     assert doomed.poll() is not None
 
 
-@pytest.mark.full("takes long")
 def test_no_workers(scheduler):
     with pytest.raises(
         SceneError, match=r"scheduler tcp://.*: it has no workers; start some with: dask worker"
@@ -105,7 +101,6 @@ def test_no_workers(scheduler):
         sweep(SCENE, VARY, scheduler=scheduler.address)
 
 
-@pytest.mark.full("takes long")
 def test_no_workers_left(scheduler, monkeypatch):
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     worker = scheduler.worker()
@@ -142,7 +137,6 @@ def test_a_worker_without_the_package(scheduler, tmp_path):
         sweep(SCENE, VARY, scheduler=scheduler.address)
 
 
-@pytest.mark.full("takes long")
 def test_a_worker_with_another_version(scheduler, monkeypatch):
     scheduler.worker()
     monkeypatch.setattr(cluster, "identity", Other())
@@ -162,14 +156,12 @@ class Other:
     __module__, __qualname__ = cluster.__name__, "identity"
 
 
-@pytest.mark.full("takes long")
 def test_nobody_answers(monkeypatch):
     monkeypatch.setattr(cluster, "CONNECT", 0.5)
     with pytest.raises(SceneError, match=r"scheduler tcp://127.0.0.1:9: no dask scheduler answers there"):
         sweep(SCENE, VARY, scheduler="tcp://127.0.0.1:9")
 
 
-@pytest.mark.full("takes long")
 @pytest.mark.parametrize("address", ["nonsense://", "tcp:", ""])
 def test_an_address_that_is_none(address, monkeypatch):
     monkeypatch.setattr(cluster, "CONNECT", 0.5)
@@ -177,7 +169,6 @@ def test_an_address_that_is_none(address, monkeypatch):
         sweep(SCENE, VARY, scheduler=address)
 
 
-@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(
     "address", ["tcp:", "tls://127.0.0.1:9", "inproc://127.0.0.1/1/1", "tcp://127.0.0.1:9"]
 )
@@ -193,14 +184,12 @@ def test_a_client_that_could_not_connect_is_closed(address, monkeypatch):
     assert [client.status for client in made] == ["closed"]
 
 
-@pytest.mark.full("takes long")
 def test_without_distributed_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(MissingExtraError, match=r"^distributed.*pip install .*\[cluster\]"):
         sweep(SCENE, VARY, scheduler="tcp://127.0.0.1:9")
 
 
-@pytest.mark.full("takes long")
 def test_a_worker_that_can_keep_no_kernel(scheduler):
     scheduler.worker(CHAIN_IMPACT_CACHE="/dev/null/kernels")
     with pytest.raises(BuildError, match=r"nothing can be kept in /dev/null/kernels \(Not a directory\)"):
@@ -221,7 +210,6 @@ def test_a_piece_that_a_worker_cannot_do():
         cluster._result(None, Failed(), (0, 3), job, "tcp://127.0.0.1:9")
 
 
-@pytest.mark.full("takes long")
 def test_the_scheduler_dies(scheduler):
     scheduler.worker()
 

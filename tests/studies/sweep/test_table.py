@@ -11,6 +11,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.studies.sweep.table import CHUNK
+from tests.tiers import needs_interop
 
 SCENE = with_values(
     load_scene("four_link_box"), {("simulation", "stop_time"): 0.6, ("solver", "tolerance"): 1e-6}
@@ -49,8 +50,10 @@ def test_csv_has_all_digits(found, tmp_path):
             assert cell == ("" if value == "nan" else value), name
 
 
+@needs_interop
 def test_parquet_is_the_same_table(found, tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet")
+    from pyarrow import parquet
+
     found.save(tmp_path / "out.parquet")
     table = parquet.read_table(tmp_path / "out.parquet")
     assert tuple(table.column_names) == found.names
@@ -60,9 +63,10 @@ def test_parquet_is_the_same_table(found, tmp_path):
         )
 
 
-@pytest.mark.full("takes long")
+@needs_interop
 def test_long_tables_are_written_in_chunks(tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet")
+    from pyarrow import parquet
+
     runs = CHUNK + 10
     found = sweep(SCENE, {"initial.x": f"0.5:0.6:{runs}"})
     found.save(tmp_path / "out.csv")
@@ -72,7 +76,6 @@ def test_long_tables_are_written_in_chunks(tmp_path):
 
 
 def test_data_frame(found):
-    pytest.importorskip("pandas")
     frame = found.to_dataframe()
     assert list(frame.columns) == list(found.names)
     assert frame.groupby("contact.model")["solver.steps"].max()["flores"] == found["solver.steps"][2]
