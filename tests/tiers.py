@@ -96,17 +96,18 @@ def leave_out(config, items):
     if config.option.full:
         return
     named = [argument for argument in config.args if "::" in argument]
-    seen, left_out = Counter(), []
+    seen, kept, left_out = Counter(), [], []
     for item in items:
-        if (mark := item.get_closest_marker("full")) and not any(is_named(item, name) for name in named):
+        mark = item.get_closest_marker("full")
+        if mark and not any(is_named(item, name) for name in named):
             function = re.sub(r"\[.*", "", item.nodeid)
             seen[function] += 1
-            if seen[function] > first_cases(mark, item):
-                left_out.append(item)
+            (kept if seen[function] <= first_cases(mark, item) else left_out).append(item)
+        else:
+            kept.append(item)
     if left_out:
         config.hook.pytest_deselected(items=left_out)
-        gone = set(left_out)
-        items[:] = [item for item in items if item not in gone]
+        items[:] = kept
 
 
 def is_named(item, name):
