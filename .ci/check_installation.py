@@ -11,6 +11,8 @@ from importlib.metadata import distribution
 from importlib.util import find_spec
 from pathlib import Path
 
+import fmpy
+
 from chain_impact import BuildError, build_fmu, explore, fit, load_scene, simulate
 from chain_impact.compilation import places, ready
 from chain_impact.scene.scene import scene_from_dict, with_values
@@ -45,7 +47,8 @@ rod = load_scene("rod_drop")
 varied = rod.with_values({"outputs.sensitivities": ["contact.stiffness"]})
 for target in ("pythonfmu", "native"):
     fmu = build_fmu(varied, Path(scratch.name, target), target=target)
-    assert "sensitivity.contact.stiffness.point[1].y" in simulate(fmu, stop_time=0.3).names
+    slope = "sensitivity.contact.stiffness.point[1].y"
+    assert fmpy.simulate_fmu(str(fmu), stop_time=rod.simulation.stop_time, output=[slope])[slope].any()
 measured = simulate(rod, stop_time=0.6, output_step=0.01)
 columns = {"time": measured.time, "point[1].y": measured["point[1].y"]}
 found = fit(rod.with_values({"contact.restitution": 0.6}), columns, ["contact.restitution"])
