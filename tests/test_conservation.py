@@ -5,8 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.scene.scene import SOLVER_METHODS, with_values

@@ -10,8 +10,7 @@ from chain_impact.scene.scene import scene_from_dict, scene_to_dict
 from chain_impact.simulation.instance import kernel_for
 from chain_impact.variables.model import Model
 from tests.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
-from tests.random_scenes import RUBBED, SLANTED, SPRUNG, STOPPED
-from tests.random_scenes import scene as random_scene
+from tests.random_scenes import RUBBED, SLANTED, SPRUNG, STOPPED, scene as random_scene
 
 
 def assert_same_impacts(found, expected):

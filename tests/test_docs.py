@@ -27,7 +27,8 @@ ROOT = Path(__file__).parents[1]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
 MADE = {try_it.PAGE, *(notebook.with_suffix(".md") for notebook in NOTEBOOKS)}  # by the build of the site
 DOCS = sorted(page for page in (ROOT / "docs").rglob("*.md") if page not in MADE)
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "models").glob("*.md"), *DOCS])
+PAGES = [*ROOT.glob("*.md"), *(ROOT / "models").glob("*.md"), *DOCS]
+PAGES.sort(key=lambda page: (page != ROOT / "README.md", page))  # the first one is in the quick tier
 # what a page may ask a reader to run, besides scripts of the repository
 KNOWN = re.compile(
     r"(\.venv/bin/)?(chain-impact|python -m pytest|pip|ruff|mypy|lint-imports)\b"
@@ -173,7 +174,7 @@ def lines_of(text):
     return [line.rstrip() for line in text.strip().splitlines()]
 
 
-@pytest.mark.full("needs other tools", but=2)
+@pytest.mark.full("needs compilers and other tools", but=1)
 @parametrized([page for page in PAGES if any(block.language in ("sh", "python") for block in fenced(page))])
 def test_a_page_runs_from_top_to_bottom(page, folder, run, drawn):
     """Files are written, programs and commands run, in a folder like a reader's; the output is as shown.

@@ -10,8 +10,7 @@ from chain_impact.kernel.status import OK, TOO_MUCH_WORK
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance, SimulationError
 from tests.kernel_calls import advance, advance_awhile, initialize
-from tests.random_scenes import drive
-from tests.random_scenes import scene as random_scene
+from tests.random_scenes import drive, scene as random_scene
 from tests.reference import balance
 from tests.turned import turned
 

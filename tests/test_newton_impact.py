@@ -19,8 +19,7 @@ from tests.problems import (
     rod,
     struck_rod,
 )
-from tests.random_scenes import SLANTED, SPRUNG
-from tests.random_scenes import scene as random_scene
+from tests.random_scenes import SLANTED, SPRUNG, scene as random_scene
 from tests.reference import balance, moreau_impact, newton_impact
 from tests.turned import mirrored
 

@@ -1,6 +1,9 @@
 """What users import: everything that the reference names comes from the package itself."""
 
+import ast
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -33,3 +36,20 @@ def test_type_checkers_may_look_inside():
 def test_what_scripts_import_from_sensitivities_is_the_public_one():
     for name in sensitivities.__all__:
         assert getattr(sensitivities, name) is getattr(chain_impact, name)
+
+
+def test_importing_the_package_imports_no_part_of_it():
+    program = (
+        "import sys, chain_impact; print(*(name for name in sys.modules if name.startswith('chain_impact.')))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
+def test_type_checkers_and_programs_find_the_same_names():
+    tree = ast.parse(Path(chain_impact.__file__).read_text(encoding="utf-8"))
+    (static,) = (node for node in tree.body if isinstance(node, ast.If))
+    homes = {alias.asname: node.module for node in static.body for alias in node.names}
+    assert homes == chain_impact._HOMES
+    with pytest.raises(AttributeError, match="no attribute 'simulat'"):
+        chain_impact.simulat  # noqa: B018

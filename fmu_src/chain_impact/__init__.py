@@ -1,82 +1,101 @@
-"""chain-impact: the impact dynamics of planar robotic chains, as an FMU."""
+"""chain-impact: the impact dynamics of planar robotic chains, as an FMU.
 
-from chain_impact.compilation.errors import BuildError
-from chain_impact.extras import MissingExtraError
-from chain_impact.fmu.build import build_fmu, validate_fmu
-from chain_impact.fmu.run import record_fmu
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.laws.registry import ContactLaw
-from chain_impact.results.animation import AnimationError
-from chain_impact.results.impacts import IMPACT_DTYPE, impacts_of
-from chain_impact.results.recording import Recording
-from chain_impact.results.result import Result
-from chain_impact.results.sensitivity import Sensitivities
-from chain_impact.results.stick_slip import STICK_SLIP_DTYPE
-from chain_impact.scene.models import model_names
-from chain_impact.scene.reading import SceneError, SceneWarning, UnknownNameError
-from chain_impact.scene.scene import Scene, load_scene, parse_scene, with_values
-from chain_impact.scene.stiffness import sphere_plane_stiffness
-from chain_impact.simulation.chain import Chain
-from chain_impact.simulation.derivatives import Differentiated, DifferentiatedRun
-from chain_impact.simulation.inputs import Signal
-from chain_impact.simulation.instance import SimulationError
-from chain_impact.simulation.record_scene import RunError
-from chain_impact.simulation.simulate import simulate, with_law
-from chain_impact.studies.animate import animate
-from chain_impact.studies.compare import Comparison, LawRun, compare
-from chain_impact.studies.explore import explore
-from chain_impact.studies.fit.fit import fit
-from chain_impact.studies.fit.result import Fit, LawFit
-from chain_impact.studies.slow_motion import record_slowly
-from chain_impact.studies.sweep.sweep import sweep
-from chain_impact.studies.sweep.table import Sweep
+A name is imported from its module when it is first used: the whole takes long.
+"""
 
-__all__ = [
-    "CONTACT_LAWS",
-    "IMPACT_DTYPE",
-    "STICK_SLIP_DTYPE",
-    "AnimationError",
-    "BuildError",
-    "Chain",
-    "Comparison",
-    "ContactLaw",
-    "Differentiated",
-    "DifferentiatedRun",
-    "Fit",
-    "LawFit",
-    "LawRun",
-    "MissingExtraError",
-    "Recording",
-    "Result",
-    "RunError",
-    "Scene",
-    "SceneError",
-    "SceneWarning",
-    "Sensitivities",
-    "Signal",
-    "SimulationError",
-    "Sweep",
-    "UnknownNameError",
-    "animate",
-    "build_fmu",
-    "compare",
-    "explore",
-    "fit",
-    "impacts_of",
-    "load_scene",
-    "model_names",
-    "parse_scene",
-    "record_fmu",
-    "record_slowly",
-    "simulate",
-    "sphere_plane_stiffness",
-    "sweep",
-    "validate_fmu",
-    "with_law",
-    "with_values",
-]
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from chain_impact.compilation.errors import BuildError as BuildError
+    from chain_impact.extras import MissingExtraError as MissingExtraError
+    from chain_impact.fmu.build import build_fmu as build_fmu, validate_fmu as validate_fmu
+    from chain_impact.fmu.run import record_fmu as record_fmu
+    from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS as CONTACT_LAWS
+    from chain_impact.kernel.laws.registry import ContactLaw as ContactLaw
+    from chain_impact.results.animation import AnimationError as AnimationError
+    from chain_impact.results.impacts import IMPACT_DTYPE as IMPACT_DTYPE, impacts_of as impacts_of
+    from chain_impact.results.recording import Recording as Recording
+    from chain_impact.results.result import Result as Result
+    from chain_impact.results.sensitivity import Sensitivities as Sensitivities
+    from chain_impact.results.stick_slip import STICK_SLIP_DTYPE as STICK_SLIP_DTYPE
+    from chain_impact.scene.models import model_names as model_names
+    from chain_impact.scene.reading import (
+        SceneError as SceneError,
+        SceneWarning as SceneWarning,
+        UnknownNameError as UnknownNameError,
+    )
+    from chain_impact.scene.scene import (
+        Scene as Scene,
+        load_scene as load_scene,
+        parse_scene as parse_scene,
+        with_values as with_values,
+    )
+    from chain_impact.scene.stiffness import sphere_plane_stiffness as sphere_plane_stiffness
+    from chain_impact.simulation.chain import Chain as Chain
+    from chain_impact.simulation.derivatives import (
+        Differentiated as Differentiated,
+        DifferentiatedRun as DifferentiatedRun,
+    )
+    from chain_impact.simulation.inputs import Signal as Signal
+    from chain_impact.simulation.instance import SimulationError as SimulationError
+    from chain_impact.simulation.record_scene import RunError as RunError
+    from chain_impact.simulation.simulate import simulate as simulate, with_law as with_law
+    from chain_impact.studies.animate import animate as animate
+    from chain_impact.studies.compare import Comparison as Comparison, LawRun as LawRun, compare as compare
+    from chain_impact.studies.explore import explore as explore
+    from chain_impact.studies.fit.fit import fit as fit
+    from chain_impact.studies.fit.result import Fit as Fit, LawFit as LawFit
+    from chain_impact.studies.slow_motion import record_slowly as record_slowly
+    from chain_impact.studies.sweep.sweep import sweep as sweep
+    from chain_impact.studies.sweep.table import Sweep as Sweep
+
+_MODULES = {
+    "compilation.errors": ("BuildError",),
+    "extras": ("MissingExtraError",),
+    "fmu.build": ("build_fmu", "validate_fmu"),
+    "fmu.run": ("record_fmu",),
+    "kernel.laws.contact_laws": ("CONTACT_LAWS",),
+    "kernel.laws.registry": ("ContactLaw",),
+    "results.animation": ("AnimationError",),
+    "results.impacts": ("IMPACT_DTYPE", "impacts_of"),
+    "results.recording": ("Recording",),
+    "results.result": ("Result",),
+    "results.sensitivity": ("Sensitivities",),
+    "results.stick_slip": ("STICK_SLIP_DTYPE",),
+    "scene.models": ("model_names",),
+    "scene.reading": ("SceneError", "SceneWarning", "UnknownNameError"),
+    "scene.scene": ("Scene", "load_scene", "parse_scene", "with_values"),
+    "scene.stiffness": ("sphere_plane_stiffness",),
+    "simulation.chain": ("Chain",),
+    "simulation.derivatives": ("Differentiated", "DifferentiatedRun"),
+    "simulation.inputs": ("Signal",),
+    "simulation.instance": ("SimulationError",),
+    "simulation.record_scene": ("RunError",),
+    "simulation.simulate": ("simulate", "with_law"),
+    "studies.animate": ("animate",),
+    "studies.compare": ("Comparison", "LawRun", "compare"),
+    "studies.explore": ("explore",),
+    "studies.fit.fit": ("fit",),
+    "studies.fit.result": ("Fit", "LawFit"),
+    "studies.slow_motion": ("record_slowly",),
+    "studies.sweep.sweep": ("sweep",),
+    "studies.sweep.table": ("Sweep",),
+}
+"""Module → the public names that it has, as above."""
+_HOMES = {name: f"chain_impact.{module}" for module, names in _MODULES.items() for name in names}
+
+__all__ = sorted(_HOMES)  # noqa: PLE0605 - the names of the table
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = found = getattr(import_module(_HOMES[name]), name)
+    return found
 
 
 def __dir__() -> list[str]:
     """The public names only, for those who look for one; the modules can be imported all the same."""
-    return sorted(__all__)
+    return list(__all__)

@@ -6,8 +6,7 @@ import warnings
 import numpy as np
 import pytest
 
-from chain_impact import Chain, SceneWarning, build_fmu, parse_scene, record_fmu
-from chain_impact import cli as command_line
+from chain_impact import Chain, SceneWarning, build_fmu, cli as command_line, parse_scene, record_fmu
 from chain_impact.scene.angles import in_radians, radians_hint
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
 from chain_impact.studies.fit.parameters import parameters_of

@@ -2,8 +2,7 @@
 
 import pytest
 
-from chain_impact import SceneWarning, load_scene, model_names, parse_scene
-from chain_impact import cli as command_line
+from chain_impact import SceneWarning, cli as command_line, load_scene, model_names, parse_scene
 from chain_impact.results.csv_file import read_csv
 from chain_impact.scene.text_file import text_of
 from chain_impact.studies.fit.scene_file import write_scene

@@ -13,8 +13,7 @@ from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import with_values
 from chain_impact.studies.compare import free_impact, realised_restitution
 from tests.problems import ball, default_scene, flat_rod, of_law, own_law, struck_ball
-from tests.reference import exact_damping_factor, point_impact
-from tests.reference import realised_restitution as exact_restitution
+from tests.reference import exact_damping_factor, point_impact, realised_restitution as exact_restitution
 from tests.tiers import needs_compilers
 
 compare_module = import_module("chain_impact.studies.compare")

@@ -15,8 +15,7 @@ from collections.abc import Callable, Container, Iterator
 from functools import partialmethod
 from typing import Any
 
-from llvmlite import binding as llvm
-from llvmlite import ir
+from llvmlite import binding as llvm, ir
 from numba.core import base, callconv, cgutils, codegen, compiler_machinery, cpu, types
 from numba.np import arrayobj
 

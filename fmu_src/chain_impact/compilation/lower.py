@@ -24,8 +24,7 @@ from chain_impact.compilation.law import law_entry
 from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.compilation.record_type import INSTANCE
 from chain_impact.compilation.sources import fingerprint
-from chain_impact.kernel.tangent import blocks
-from chain_impact.kernel.tangent import entry as tangent_entry
+from chain_impact.kernel.tangent import blocks, entry as tangent_entry
 from chain_impact.kernel.tangent.entry import HOOKS
 
 TRIPLE = "x86_64-unknown-linux-gnu"  # what the passes that are run here take for the target

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
-from numpy.lib.recfunctions import repack_fields
 
 from chain_impact.results import summary, tables
 from chain_impact.results.equality import same
@@ -137,9 +136,10 @@ class Result:
         total + dissipated − supplied is constant.
         """
         names = ["kinetic", "potential", "elastic", "dissipated", "supplied", "total"]
+        layout = [(name, np.float64) for name in names]
         if "kinetic" in (self.outputs.dtype.names or ()):
-            return repack_fields(self.outputs[names])
-        energy = np.zeros(len(self.time), [(name, np.float64) for name in names])
+            return self.outputs[names].astype(layout)
+        energy = np.zeros(len(self.time), layout)
         for name in names:
             if name != "supplied" or self.scene.inputs.joint_torques or self.scene.inputs.tip_force:
                 energy[name] = self[f"energy.{name}"]

@@ -43,9 +43,11 @@ _NODES = np.cos(_ANGLES)
 _SERIES = np.cos(np.arange(POINTS)[:, np.newaxis] * _ANGLES) * 2.0 / POINTS
 _SERIES[0] /= 2.0
 # the first of them → coefficients of powers
-_POWERS = np.zeros((DEGREE + 1, DEGREE + 1))
-for _m in range(DEGREE + 1):
-    _POWERS[: _m + 1, _m] = np.polynomial.chebyshev.cheb2poly(np.eye(DEGREE + 1)[_m])[: _m + 1]
+_POWERS = np.eye(DEGREE + 1)
+for _m in range(2, DEGREE + 1):
+    # T_m = 2 x T_{m−1} − T_{m−2}
+    _POWERS[1:, _m] = 2.0 * _POWERS[:-1, _m - 1]
+    _POWERS[:, _m] -= _POWERS[:, _m - 2]
 
 
 class NotSmoothError(Exception):

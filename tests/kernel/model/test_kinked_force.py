@@ -9,8 +9,7 @@ import pytest
 from chain_impact import CONTACT_LAWS
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.laws.contact_laws import damping_factor
-from chain_impact.kernel.model import contact_force as forces
-from chain_impact.kernel.model import contact_law
+from chain_impact.kernel.model import contact_force as forces, contact_law
 from chain_impact.kernel.model.contact_force import (
     TURNED,
     continued_force,

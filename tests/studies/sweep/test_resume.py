@@ -11,8 +11,7 @@ from filelock import FileLock
 
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, with_values
-from chain_impact.studies.sweep import resume
-from chain_impact.studies.sweep import sweep as module
+from chain_impact.studies.sweep import resume, sweep as module
 from chain_impact.studies.sweep.sweep import sweep
 
 SCENE = with_values(
