@@ -1,8 +1,8 @@
 """Names that other people's files use: they may be added to, never removed or changed.
 
-These are the keys of scenes, the variables of FMUs, the contact laws, the commands with their options, and what
-the package exports. All else may change until version 1.0. ``public_api.txt`` has them all, and
-``python tests/test_public_api.py`` adds what is new.
+These are the keys of scenes, variables of FMUs, contact laws, commands and options, and what is exported.
+All else may change until version 1.0. ``public_api.txt`` has them; ``python tests/test_public_api.py`` adds
+new ones.
 """
 
 import argparse
