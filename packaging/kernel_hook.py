@@ -57,9 +57,10 @@ def target() -> str:
 
 
 def say(sentence: str) -> None:
-    """Write a line at once: to the terminal, as pip shows what a build prints only with -v; else to standard error.
+    """Write a line at once to the terminal, or to standard error where there is none.
 
-    A job in the background leaves the terminal alone, which may stop who writes there.
+    What a build writes to standard error, pip shows with -v only. A job in the background leaves the terminal
+    alone, which may stop who writes there.
     """
     line = f"chain-impact: {sentence}\n"
     with suppress(OSError, AttributeError), Path("/dev/tty").open("w", encoding="utf-8") as terminal:
