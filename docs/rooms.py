@@ -4,9 +4,7 @@ import ast
 from collections import defaultdict
 from pathlib import Path
 
-import chain_impact
-
-PACKAGE = Path(chain_impact.__file__).parent
+PACKAGE = Path(__file__).parents[1] / "fmu_src" / "chain_impact"
 KERNEL = PACKAGE / "kernel"
 
 

@@ -109,7 +109,7 @@ def test_build_and_simulate_writes_three_files_and_a_summary(run, here):
 
 
 def test_build_fmu_py_is_build(here, tmp_path):
-    script = models_folder().parent / "build_fmu.py"
+    script = Path(__file__).parents[2] / "build_fmu.py"
     done = subprocess.run(
         [sys.executable, script, "no_scene"], capture_output=True, text=True, check=False, cwd=here
     )
