@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import zipfile
+from pathlib import Path
 from importlib.metadata import version
 
 import matplotlib as mpl
