@@ -5,8 +5,8 @@ import re
 import subprocess
 import sys
 import zipfile
-from pathlib import Path
 from importlib.metadata import version
+from pathlib import Path
 
 import matplotlib as mpl
 import pytest
