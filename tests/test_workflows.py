@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 WORKFLOWS = {file.stem: file for file in (ROOT / ".github" / "workflows").glob("*.yml")}
 TOOLS = {"diff", "echo", "pip", "uv"}  # of the machine, or of the step before
-ON_PYPI = re.compile(r"chain-impact|-.*|dist")  # what pip is asked for, besides the clone
+ON_PYPI = re.compile(r"chain-impact|scipy|tomlkit|-.*|dist")  # what pip is asked for, besides the clone
 
 
 def read(name):
