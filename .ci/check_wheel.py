@@ -12,7 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-SUPPORTED = ["python3.11", "python3.12", "python3.13"]
+SUPPORTED = ["python3.11", "python3.12", "python3.13", "python3.14"]
 UV, PIPX = (Path(sys.executable).with_name(name) for name in ("uv", "pipx"))
 CHECK = "import chain_impact, sys; assert sys.prefix in chain_impact.__file__; print(chain_impact.__file__)"
 

@@ -18,6 +18,7 @@ import try_it
 DOCS = Path(__file__).parent
 SITE = DOCS.parent / "site"
 SHIM = "https://unpkg.com/iframe-worker/shim"
+GITHUB = "https://github.com/"
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
 
 
@@ -31,9 +32,9 @@ def make_pages(notebooks: list[Path], folder: Path) -> None:
 
 
 def repository() -> str:
-    """The address of the repository on GitHub, OWNER/NAME; empty while it has none."""
+    """The name of the repository on GitHub, OWNER/NAME; empty while it has no address."""
     project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))
-    return str(project["tool"]["chain-impact"]["repository"])
+    return str(project["project"]["urls"].get("Source", "")).removeprefix(GITHUB)
 
 
 def add_links(folder: Path, address: str) -> None:
@@ -42,7 +43,7 @@ def add_links(folder: Path, address: str) -> None:
         page = folder / f"{notebook.stem}.md"
         link = f"https://colab.research.google.com/github/{address}/blob/main/docs/notebooks/{notebook.name}"
         title, below = page.read_text(encoding="utf-8").split("\n", 1)
-        install = f"%pip install 'chain-impact @ git+https://github.com/{address}'"
+        install = f"%pip install 'chain-impact @ git+{GITHUB}{address}'"
         said = f"[Open this notebook in Colab]({link}), and run there first: `{install}`"
         page.write_text(f"{title}\n\n{said}\n{below}", encoding="utf-8")
 

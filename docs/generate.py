@@ -14,9 +14,10 @@ from pathlib import Path
 from typing import Any, get_args, get_origin
 
 import rooms
+from command_help import command_line
 from scene_schema import schema
 
-from chain_impact import cli, sphere_plane_stiffness
+from chain_impact import sphere_plane_stiffness
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.kernel.status import STATUS_TEXT
@@ -32,8 +33,6 @@ from chain_impact.variables.variable import Variable
 DOCS = Path(__file__).parent
 SCHEMA = DOCS / "scene.schema.json"
 BLOCK = re.compile(r"(?<=^<!-- generated: )(\w+)( -->\n).*?(?=^<!-- end -->$)", re.MULTILINE | re.DOTALL)
-HELP_WIDTH = 88  # columns
-EVERY = ("  -h, --help ", "  -q, --quiet ")  # options of every command
 RADIUS = 0.02  # m, of the spheres in the table of stiffness
 # Young's modulus [Pa] and Poisson's ratio, as usual for the material
 MATERIALS = {
@@ -307,36 +306,6 @@ def package_rooms() -> str:
 def kernel_rooms() -> str:
     """The rooms of the kernel, and what each imports."""
     return table(["room of the kernel", "imports"], rooms.rows(rooms.KERNEL))
-
-
-def command_line() -> str:
-    """The help of every command."""
-    whole = cli.parser()
-    verbs = next(action.choices for action in whole._actions if isinstance(action.choices, dict))
-    blocks = [_help(whole)]
-    blocks += [f"## {name}\n\n{_help(verb)}" for name, verb in verbs.items()]
-    return "\n\n".join(blocks)
-
-
-def _usage(parser: Any) -> str:
-    """The usage in one line: which arguments there are, and which options are needed."""
-    parts = [parser.prog, "[options]"]
-    for action in parser._actions:
-        name = action.metavar or action.dest.upper()
-        if action.option_strings and action.required:
-            parts.append(f"{action.option_strings[0]} {name}")
-        elif not action.option_strings:
-            shown = {"?": f"[{name}]", "+": f"{name} [{name} ...]", "A...": f"{name} ..."}
-            parts.append(shown.get(action.nargs, name))
-    return " ".join(parts)
-
-
-def _help(parser: Any) -> str:
-    parser.usage = _usage(parser)
-    formatter = parser.formatter_class
-    parser.formatter_class = lambda prog: formatter(prog, width=HELP_WIDTH)
-    lines = [line for line in parser.format_help().rstrip().splitlines() if not line.startswith(EVERY)]
-    return "```text\n" + "\n".join(lines).removesuffix("\noptions:").rstrip() + "\n```"
 
 
 TABLES = {

@@ -14,11 +14,13 @@ if sys.version_info < OLDEST:
 
 from hatchling import build  # noqa: E402
 from hatchling.build import *  # noqa: E402, F403 - the other hooks, of which it has more or fewer under pip
-from kernel_hook import kernels, target  # noqa: E402
+from kernel_hook import kernels, say, target  # noqa: E402
 
 
 def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:
     """What to install for a wheel besides [build-system] requires."""
     ready = kernels()
     compilers = [] if ready.all_cached(target(), release=ready.for_release()) else ready.REQUIREMENTS
+    if compilers:
+        say("the build needs compilers, some hundred megabytes, which are removed after it")
     return [*build.get_requires_for_build_wheel(config_settings), *compilers]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -55,9 +56,19 @@ def target() -> str:
     return given or str(system.HOST)
 
 
-def _say(sentence: str) -> None:
-    """Write a line at once; pip shows it if it is asked to, by -v."""
-    print(f"chain-impact: {sentence}", file=sys.stderr, flush=True)
+def say(sentence: str) -> None:
+    """Write a line at once to the terminal, or to standard error where there is none.
+
+    What a build writes to standard error, pip shows with -v only. A job in the background leaves the terminal
+    alone, which may stop who writes there.
+    """
+    line = f"chain-impact: {sentence}\n"
+    with suppress(OSError, AttributeError), Path("/dev/tty").open("w", encoding="utf-8") as terminal:
+        if os.tcgetpgrp(terminal.fileno()) == os.getpgrp():
+            terminal.write(f"\r\033[K{line}")  # in the place of what an installer has begun there
+            return
+    sys.stderr.write(line)
+    sys.stderr.flush()
 
 
 class KernelHook(BuildHookInterface):
@@ -70,7 +81,10 @@ class KernelHook(BuildHookInterface):
         ready, platform = kernels(), target()
         self.scratch = tempfile.TemporaryDirectory(prefix="chain-impact-")
         folder = Path(self.scratch.name, ready.FOLDER.name)
-        ready.make(folder, platform, release=ready.for_release(), say=_say)
+        cached = ready.all_cached(platform, release=ready.for_release())
+        ready.make(folder, platform, release=ready.for_release(), say=say)
+        if not cached:
+            say("the kernels are ready")
         build_data["force_include"][str(folder)] = f"chain_impact/{ready.FOLDER.name}"
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{TAGS[platform]}"

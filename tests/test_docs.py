@@ -305,6 +305,22 @@ def test_notebooks_link_to_a_service_once_the_repository_has_an_address(tmp_path
     assert build_site.repository().count("/") in (0, 1)
 
 
+def test_the_address_of_the_repository_stands_in_one_place():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    source = project["urls"].get("Source")
+    assert all(source and url.startswith(source) for url in project["urls"].values())
+    files = [*ROOT.glob("*.*"), *(ROOT / ".github").rglob("*"), *(ROOT / "docs").rglob("*")]
+    files += [file for file in (ROOT / "fmu_src").rglob("*") if file.suffix == ".py"]
+    of_ours = re.compile(
+        r"https?://[^\s\"')]*/chain[-_]impact|^(repository-code|repo_url|url):", re.MULTILINE
+    )
+    texts = {".md", ".py", ".yml", ".cff", ".ipynb"}
+    named = [
+        file for file in files if file.suffix in texts if of_ours.search(file.read_text(encoding="utf-8"))
+    ]
+    assert not set(named) - MADE
+
+
 def test_the_page_to_try_has_every_model_and_links_to_its_page(tmp_path, monkeypatch):
     monkeypatch.setattr(try_it, "PAGE", tmp_path / "try_it.md")
     try_it.write_page()

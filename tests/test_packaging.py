@@ -2,9 +2,10 @@
 
 import inspect
 import re
+import subprocess
 import sys
 import zipfile
-from importlib.util import module_from_spec, spec_from_file_location
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import pytest
@@ -76,6 +77,28 @@ def test_a_folder_with_other_files_is_refused(wheels, tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["wheels.py", "-o", str(tmp_path)])
     with pytest.raises(SystemExit, match="must be empty"):
         wheels.main()
+
+
+# --- what a build tells -------------------------------------------------------------------------------------
+
+TELL = [sys.executable, "-c", "import kernel_hook; kernel_hook.say('linking')"]
+AS_PIP = f"import subprocess; subprocess.run({TELL}, capture_output=True, check=True)"
+IN_A_TERMINAL = f"import pty; pty.spawn({[sys.executable, '-c', AS_PIP]})"
+
+
+def telling(*command):
+    """What a program prints that begins in the folder of the build and without a terminal."""
+    settings = {"cwd": PACKAGING, "start_new_session": True, "stdin": subprocess.DEVNULL}
+    return subprocess.run(command, capture_output=True, text=True, check=True, **settings)
+
+
+@pytest.mark.skipif(find_spec("termios") is None, reason="needs terminals as Unix has them")
+def test_a_build_tells_the_terminal_what_it_does_though_pip_keeps_its_output():
+    assert telling(sys.executable, "-c", IN_A_TERMINAL).stdout.endswith("chain-impact: linking\n")
+
+
+def test_without_a_terminal_a_build_tells_standard_error():
+    assert telling(*TELL).stderr == "chain-impact: linking\n"
 
 
 # --- the smoke suite ---------------------------------------------------------------------------------------

@@ -54,6 +54,16 @@ def test_the_list_of_impacts_has_their_peak_forces():
     assert float(first.split()[-1]) == pytest.approx(free.impacts[0].peak_force, rel=1e-3)
 
 
+def test_the_walls_that_were_hit_are_explained():
+    lines = [part for part in summary(record_scene(default_scene(), {})) if isinstance(part, str)]
+    (walls,) = (line for line in lines if line.startswith("wall "))
+    assert "x_max is the right wall" in walls
+    assert "y_min is the floor" in walls
+    assert "x_min" not in walls
+    joint = summary(record_scene(load_scene("kneed_leg"), {}))  # hits a stop only
+    assert not [part for part in joint if isinstance(part, str) and part.startswith(("point", "wall"))]
+
+
 def test_without_impacts_there_is_no_table_of_them():
     head, *lines = summary(record_scene(default_scene(), {"simulation.stop_time": 0.1}))
     assert head.endswith("0 impacts")

@@ -20,7 +20,7 @@ def test_energy_supplied_is_in_the_ledger():
     lines = list(energy_lines({f"energy.{name}": np.array(values) for name, values in columns.items()}))
     assert lines == [
         "energy   1 J at the start + 2.25 J supplied = 3 J left + 0.5 J dissipated",
-        "balance  off by at most 2.5e-01 J",
+        "balance  off by at most 2.5e-01 J, the error of the solver",
     ]
 
 

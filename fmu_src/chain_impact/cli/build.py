@@ -12,6 +12,18 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.system import HOST, PLATFORMS
 
 OLDEST = 2  # version of FMI
+KINDS = {
+    ("pythonfmu", 2): (
+        "runs in Python programs, such as FMPy and PyFMI",
+        "for Simulink, Dymola, OpenModelica and others: --target native",
+    ),
+    ("native", 2): (
+        "runs in tools with FMI 2.0, without Python",
+        "for a step that ends at an impact: --fmi 3",
+    ),
+    ("native", 3): ("runs in tools with FMI 3.0, without Python", "for tools with FMI 2.0 only: --fmi 2"),
+}
+"""For each target and version of FMI, what the FMU is for, and when to take another one."""
 
 
 def add(verbs: Verbs) -> None:
@@ -55,17 +67,15 @@ def run(options: argparse.Namespace) -> int:
     if options.output.is_file():
         raise UsageError(f"-o {options.output} is a file, must be a folder")
     scene = load_scene(options.source)
+    # for FMI 3.0 there is only one
+    target = options.target or (TARGET if options.fmi == OLDEST else "native")
     with progress() as (notify, _):
         fmu = build_fmu(
-            scene,
-            options.output,
-            # for FMI 3.0 there is only one
-            target=options.target or (TARGET if options.fmi == OLDEST else "native"),
-            fmi=options.fmi,
-            platforms=options.platform,
-            notify=notify,
+            scene, options.output, target=target, fmi=options.fmi, platforms=options.platform, notify=notify
         )
     say(f"FMU      {fmu}")
+    for line in KINDS[target, options.fmi]:
+        say(f"{'':9}{line}")
     if options.simulate:
         report(str(fmu), [], fmu.with_suffix(".csv"), fmu.with_suffix(".png"))
     return 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import fields
 from datetime import datetime
 from io import StringIO
 from pathlib import Path
@@ -17,6 +18,7 @@ from chain_impact.results.joint_stops import speed_unit, what
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import phase_cells
 from chain_impact.results.summary import energy_lines, plural
+from chain_impact.scene.tables import Box
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import (
     NOTHING,
@@ -38,6 +40,8 @@ RELATIVE = {
     "impulse": "impulse",
 }
 """Quantities of impacts that are above zero: their changes are told in percent."""
+SIDES = {side.name: side.metadata["description"] for side in fields(Box)}
+"""What the walls of a box are called."""
 
 
 def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
@@ -84,8 +88,18 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     yield f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}"
     if recording.impacts:
         yield table
+    yield from meanings(recording)
     yield from stick_slip_table(recording)
     yield from energy_lines(recording.columns)
+
+
+def meanings(recording: Recording) -> Iterator[str]:
+    """What the columns of points and walls say, for what was hit."""
+    hit = {impact.wall for impact in recording.impacts if not impact.at_stop}
+    if hit:
+        yield "point    0 is the first end of the chain, 1 the end of its first link, and so on"
+    if sides := [f"{wall} is the {side}" for wall, side in SIDES.items() if wall in hit]:
+        yield f"wall     {', '.join(sides)}"
 
 
 def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:

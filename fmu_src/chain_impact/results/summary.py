@@ -35,7 +35,7 @@ def energy_lines(columns: Mapping[str, np.ndarray]) -> Iterator[str]:
     given = f" + {supplied[-1]:.6g} J supplied" if supplied.any() else ""
     rest = f"{total[-1]:.6g} J left + {dissipated[-1]:.6g} J dissipated"
     yield f"energy   {total[0]:.6g} J at the start{given} = {rest}"
-    yield f"balance  off by at most {abs(balance - balance[0]).max():.1e} J"
+    yield f"balance  off by at most {abs(balance - balance[0]).max():.1e} J, the error of the solver"
 
 
 def text(result: Result) -> str:

@@ -1,0 +1,59 @@
+"""The help of every command, for a page of the docs; that of argparse has another form in each Python."""
+
+from __future__ import annotations
+
+import textwrap
+from argparse import Action, ArgumentParser
+from collections.abc import Iterator
+
+from chain_impact import cli
+
+WIDTH, SECOND = 88, 24  # columns of the text, and where the second one begins
+EVERY = {"help", "quiet"}  # options of every command
+
+
+def command_line() -> str:
+    """The help of every command."""
+    whole = cli.parser()
+    verbs = next(action.choices for action in whole._actions if isinstance(action.choices, dict))
+    blocks = [_help(whole)]
+    blocks += [f"## {name}\n\n{_help(verb)}" for name, verb in verbs.items()]
+    return "\n\n".join(blocks)
+
+
+def _help(parser: ArgumentParser) -> str:
+    parts = [f"usage: {_usage(parser)}", parser.description]
+    named = {"arguments": False, "options": True}
+    for title, options in named.items():
+        actions = [one for one in parser._actions if bool(one.option_strings) == options]
+        rows = [row for action in actions if action.dest not in EVERY for row in _rows(parser, action)]
+        parts.append("\n".join([f"{title}:", *rows]) if rows else None)
+    return "```text\n" + "\n\n".join(filter(None, parts)) + "\n```"
+
+
+def _usage(parser: ArgumentParser) -> str:
+    """The usage in one line: which arguments there are, and which options are needed."""
+    parts = [parser.prog, "[options]"]
+    for action in parser._actions:
+        name = action.metavar or action.dest.upper()
+        if action.option_strings and action.required:
+            parts.append(f"{action.option_strings[0]} {name}")
+        elif not action.option_strings:
+            shown = {"?": f"[{name}]", "+": f"{name} [{name} ...]", "A...": f"{name} ..."}
+            parts.append(shown.get(str(action.nargs), str(name)))
+    return " ".join(parts)
+
+
+def _rows(parser: ArgumentParser, action: Action) -> Iterator[str]:
+    """What an argument or option is, in two columns; of the argument COMMAND, what each command is."""
+    if isinstance(action.choices, dict):
+        for verb in action._get_subactions():
+            yield f"  {verb.dest}".ljust(SECOND) + str(verb.help)
+        return
+    choices = "{" + ",".join(map(str, action.choices)) + "}" if action.choices else ""
+    value = [] if action.nargs == 0 else [str(action.metavar or choices or action.dest.upper())]
+    head = "  " + " ".join([", ".join(action.option_strings), *value]).strip()
+    text = parser._get_formatter()._expand_help(action) if action.help else ""
+    below = "\n" + " " * SECOND
+    lines = below.join(textwrap.wrap(text, WIDTH - SECOND, break_on_hyphens=False))
+    yield (head + below + lines if len(head) + 2 > SECOND else head.ljust(SECOND) + lines).rstrip()
