@@ -11,7 +11,6 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "fmu_src" / "chain_impact"
 SLAVE = ROOT / "fmu_src" / "slave.py"
-TESTS = ROOT / "tests"
 LONGEST = 400  # lines of a file
 
 MODULES = sorted(PACKAGE.rglob("*.py"))
@@ -161,11 +160,6 @@ def test_nothing_of_the_process_is_redirected(file):
 @pytest.mark.parametrize("file", [*MODULES, SLAVE], ids=lambda file: file.stem)
 def test_files_are_short(file):
     assert len(file.read_text(encoding="utf-8").splitlines()) < LONGEST
-
-
-def test_files_of_the_tests_are_short():
-    lengths = {file: len(file.read_text(encoding="utf-8").splitlines()) for file in TESTS.rglob("*.py")}
-    assert [file.name for file, length in lengths.items() if length >= LONGEST] == []
 
 
 @pytest.mark.full("more cases", but=234)
