@@ -121,7 +121,7 @@ KERNEL = SimpleNamespace(
 """What a library has, see kernel/entry.py."""
 
 
-def plain_kernel(scene: Any, _notify: Any, *, derivatives: bool) -> SimpleNamespace:
+def plain_kernel(scene: Any, *, derivatives: bool) -> SimpleNamespace:
     """In the place of ``kernel_for``."""
     if derivatives or scene.contact.law_file:
         raise NoDerivativesError

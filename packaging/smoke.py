@@ -105,7 +105,7 @@ def a_process_that_rounds_upwards() -> None:
     scene, blocks = ci.load_scene("four_link_box"), []
     c, kernel = (
         ctypes.CDLL(C_LIBRARY.get(system.HOST, "libm.so.6")),
-        instance.kernel_for(scene, None, derivatives=False),
+        instance.kernel_for(scene, derivatives=False),
     )
     for rounding in (0, UPWARDS.get(system.HOST, 0x400000)):
         block = Model(scene).new_instance()

@@ -159,7 +159,7 @@ def _serve(pipe: Any, memory: Any) -> None:
 
 def _judged(scene: Scene, seed: int, cpu: float, memory: Any) -> Verdict:
     # a kernel that has to be compiled takes seconds, which are not the run's
-    load_kernel(kernel_library(len(scene.chain.links), notify=lambda _: None))
+    load_kernel(kernel_library(len(scene.chain.links)))
     signal.setitimer(signal.ITIMER_PROF, cpu)
     run = oracle.account(scene, seed, memory)
     signal.setitimer(signal.ITIMER_PROF, 0.0)

@@ -183,7 +183,7 @@ def test_random_scenes_have_the_record_of_the_edited_file(kind):
         for variable in model.parameters:
             if variable.name in changes:
                 here.view(np.float64)[model.table_row(variable)[-1]] = changes[variable.name]
-        kernel = kernel_for(before, None, derivatives=False)
+        kernel = kernel_for(before, derivatives=False)
         assert kernel.initialize(here.ctypes.data, 0.0) == kernel.initialize(there.ctypes.data, 0.0)
         assert here.tobytes() == there.tobytes()
         compared += 1

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 import chain_impact
-from chain_impact import sensitivities
 
 ROOT = Path(__file__).parents[1]
 REFERENCE = (ROOT / "docs" / "python_api.md").read_text(encoding="utf-8")
@@ -31,11 +30,6 @@ def test_the_reference_has_what_is_public():
 
 def test_type_checkers_may_look_inside():
     assert (Path(chain_impact.__file__).parent / "py.typed").is_file()
-
-
-def test_what_scripts_import_from_sensitivities_is_the_public_one():
-    for name in sensitivities.__all__:
-        assert getattr(sensitivities, name) is getattr(chain_impact, name)
 
 
 def test_importing_the_package_imports_no_part_of_it():

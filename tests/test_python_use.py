@@ -28,11 +28,11 @@ def test_tab_completion_shows_the_public_names_only():
     assert inspect.ismodule(chain_impact.scene.scene), "the modules can be imported all the same"
 
 
-def test_notify_and_progress_can_be_left_out_or_given():
-    said, done = [], []
-    simulate("bouncing_ball", 0.5, notify=said.append, progress=done.append)
+def test_progress_can_be_left_out_or_given():
+    done = []
+    simulate("bouncing_ball", 0.5, progress=done.append)
     assert done[-1] == 1.0
-    assert simulate("bouncing_ball", 0.5, notify=None, progress=None).time[-1] == 0.5
+    assert simulate("bouncing_ball", 0.5, progress=None).time[-1] == 0.5
 
 
 # --- reprs -----------------------------------------------------------------------------------------------

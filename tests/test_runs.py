@@ -14,6 +14,7 @@ from chain_impact import CONTACT_LAWS, SceneError, load_scene
 from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import record_fmu
+from chain_impact.progress import log_once
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.scene import model_names
 from chain_impact.simulation import instance
@@ -292,22 +293,17 @@ def test_a_missing_file_is_named():
     assert caught.value.filename == "missing.fmu"
 
 
-def test_a_second_run_is_made_only_for_all_outputs(monkeypatch):
-    """As the motion alone takes one run; both tell the same of compiling and of the progress."""
+def test_all_outputs_take_one_run(monkeypatch):
     told, seen, found = [], [], instance.kernel_for
 
-    def kernel_for(scene, notify, **options):
-        told.append(notify)
-        return found(scene, notify, **options)
+    def kernel_for(scene, **options):
+        told.append(scene)
+        return found(scene, **options)
 
     monkeypatch.setattr(instance, "kernel_for", kernel_for)
-
-    def say(_sentence):
-        pass
-
     scene = load_scene("rod_drop")
-    record_scene(scene, {}, say, seen.append)
-    assert told == [say]
+    record_scene(scene, {}, seen.append)
+    assert told == [scene]
     assert (seen, seen[-1]) == (sorted(seen), 1.0)
 
 
@@ -320,14 +316,14 @@ def test_too_many_rows_are_refused_before_the_first_run(monkeypatch):
         record_scene(scene, settings)
 
 
-def test_a_scene_says_when_it_has_to_compile(monkeypatch):
-    def kernel_library(*_, notify, **__):
-        notify("compiling")
+def test_a_scene_says_when_it_has_to_compile(monkeypatch, caplog):
+    def kernel_library(*_, **__):
+        log_once("compiling", 17.0)
         raise BuildError("out of luck")
 
-    said = []
+    caplog.set_level("INFO", "chain_impact")
     monkeypatch.setattr(instance, "kernel_library", kernel_library)
     monkeypatch.setattr(instance, "_loaded", {})
     with pytest.raises(BuildError, match="out of luck"):
-        record_scene(load_scene("rod_drop"), {}, said.append)
-    assert said == ["compiling"]
+        record_scene(load_scene("rod_drop"), {})
+    assert caplog.messages == ["compiling (about 17 s, then kept)"]

@@ -1,6 +1,6 @@
 """What the tests of progress share."""
 
-from chain_impact.compilation.work import Work
+from chain_impact.progress import log_once
 from chain_impact.simulation import instance
 
 
@@ -8,8 +8,8 @@ def compiling(monkeypatch):
     """Let the cached kernel look as if it had to be compiled."""
     cached = instance.kernel_library
 
-    def kernel_library(*arguments, notify, **_):
-        notify(Work("compiling the kernel", 17.0))
+    def kernel_library(*arguments, **_):
+        log_once("compiling the kernel", 17.0)
         return cached(*arguments)
 
     monkeypatch.setattr(instance, "kernel_library", kernel_library)

@@ -12,7 +12,7 @@ from tests.page_data import data_of
 
 
 def test_a_scene_becomes_a_page(run, here):
-    browser_module(notify=lambda _: None)
+    browser_module()
     code, said, errors = run("explore", "rod_drop")
     assert (code, errors) == (0, "")
     assert re.fullmatch(r"page       explore\.html, 0\.\d+ MB\n", said)

@@ -1,26 +1,40 @@
-"""What is said on standard error while something takes long."""
+"""What is said on standard error, or shown on a terminal, while something takes long."""
 
-import pickle
+import logging
+import time
 
 from chain_impact.cli import progress
-from chain_impact.compilation.work import Part, Work
+from chain_impact.progress import log, log_once
 from tests.cli.terminal import compiling
 
+LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before
 
-def test_a_sentence_about_work_goes_to_another_process():
-    work = pickle.loads(pickle.dumps(Work("compiling", 12.0)))
-    assert (work, work.seconds) == ("compiling", 12.0)
+
+def until(holds):
+    """Wait until something holds, however slow the machine is."""
+    patience = time.monotonic() + 600.0
+    while not holds():
+        assert time.monotonic() < patience
+        time.sleep(0.01)
+
+
+def test_a_library_prints_nothing_and_leaves_the_log_to_its_user(capfd):
+    log_once("compiling", 12.0)
+    assert capfd.readouterr() == ("", "")
+    assert log.level == logging.NOTSET
+    with progress.progress():
+        pass
+    assert (log.level, len(log.handlers)) == (logging.NOTSET, 1)
 
 
 def test_a_line_instead_of_a_bar_in_a_file(run, monkeypatch, terminal):
     text = terminal(False)
     with monkeypatch.context() as patch:
         compiling(patch)
-        _, _, errors = run("simulate", "rod_drop")
-    assert errors == "chain-impact: compiling the kernel (about 17 s, then kept)\n"
-    _, _, errors = run("build", "rod_drop")
-    assert errors == ""  # of what takes a moment nothing is said
-    assert text.getvalue() == ""
+        run("simulate", "rod_drop")
+    assert text.getvalue() == "chain-impact: compiling the kernel (about 17 s, then kept)\n"
+    run("build", "rod_drop")
+    assert text.getvalue().count("\n") == 1  # of what takes a moment nothing is said
 
 
 def test_quiet_still_says_what_is_wrong(run, monkeypatch, terminal):
@@ -36,15 +50,55 @@ def test_quiet_says_nothing_of_compiling(run, monkeypatch, terminal):
     assert text.getvalue() == ""
 
 
-def test_without_a_terminal_long_work_writes_a_line_now_and_then(monkeypatch, terminal, capsys):
+def test_without_a_terminal_long_work_writes_a_line_now_and_then(monkeypatch, terminal):
     now = [0.0]
     monkeypatch.setattr(progress, "monotonic", lambda: now[0])
     monkeypatch.setattr(progress.out, "quiet", False)
-    terminal(False)
-    with progress.progress("sweeping") as (_, advance):
+    text = terminal(False)
+    with progress.progress("sweeping") as advance:
         for done in range(1, 101):
             now[0] += 0.5
-            advance(Part(done, 100))
-    assert capsys.readouterr().err.splitlines() == [
-        f"chain-impact: sweeping, {done} of 100" for done in (20, 40, 60, 80, 100)
+            advance(done / 100)
+    assert text.getvalue().splitlines() == [
+        f"chain-impact: sweeping, {done} %" for done in (20, 40, 60, 80, 100)
     ]
+
+
+def test_a_bar_shows_on_a_terminal_while_something_compiles(run, monkeypatch, terminal):
+    compiling(monkeypatch)
+    text = terminal(True)
+    assert run("simulate", "rod_drop")[0] == 0
+    assert "compiling the kernel (about 17 s" in text.getvalue()
+    assert text.getvalue().endswith("\x1b[2K")  # and is wiped out
+
+
+def test_the_bar_returns_to_the_simulation_after_a_second_compilation(monkeypatch, terminal):
+    monkeypatch.setattr(progress, "BRIEF", 0.0)
+    text = terminal(True)
+    with progress.progress() as advance:
+        advance(0.1)
+        log_once("linking", 3.0)
+        advance(0.5)
+        until(lambda: "simulating, 50 %" in text.getvalue().split("linking")[-1])
+
+
+def test_no_bar_when_nothing_compiles(run, terminal):
+    text = terminal(True)
+    run("simulate", "rod_drop")
+    assert text.getvalue() == ""
+
+
+def test_the_bar_says_what_is_being_done(run, terminal):
+    text = terminal(True)
+    run("build", "rod_drop")
+    assert "packaging the FMU" in text.getvalue()
+    assert "validating the FMU" in text.getvalue()
+
+
+def test_a_fault_below_the_bar_is_still_one_line(run, monkeypatch, terminal):
+    compiling(monkeypatch)
+    text = terminal(True)
+    assert run("simulate", "--set", LITTLE_WORK)[0] == 3
+    assert (
+        text.getvalue().split("\x1b[2K")[-1].startswith("chain-impact: FourLinkBox: the simulation stopped")
+    )

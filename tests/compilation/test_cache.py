@@ -357,7 +357,9 @@ def test_a_compiler_that_fails_on_a_full_disk_is_the_same_sentence(monkeypatch):
 
 def test_who_waits_says_so(monkeypatch):
     monkeypatch.setattr(cache, "PATIENCE", 0.05)
-    begun, told, said = threading.Event(), threading.Event(), []
+    begun, told = threading.Event(), threading.Event()
+    monkeypatch.setattr(cache.log, "debug", lambda sentence: (said.append(sentence), told.set()))
+    said = []
 
     def make(path):
         begun.set()
@@ -367,7 +369,7 @@ def test_who_waits_says_so(monkeypatch):
     one = threading.Thread(target=lambda: made("a.so", make))
     one.start()
     begun.wait()
-    made("a.so", make, lambda sentence: (said.append(sentence), told.set()))
+    made("a.so", make)
     one.join()
     assert said == ["waiting for another process that compiles the kernel"]
 

@@ -21,7 +21,7 @@ pytestmark = needs_compilers
 
 @pytest.fixture(scope="module")
 def module():
-    return library._lowered_kernel(library.KERNEL, lambda _: None)
+    return library._lowered_kernel(library.KERNEL)
 
 
 def test_sizes_are_left_open(module):
@@ -37,7 +37,7 @@ def test_no_address_of_the_process_is_in_it(module):
 @pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
 def test_no_path_and_nothing_pickled_is_in_it(what):
     """numba pickles the exceptions of its functions with the files that raise them."""
-    module = library._lowered_kernel(what, lambda _: None)
+    module = library._lowered_kernel(what)
     assert "pickle" not in module
     for path in (site.getsitepackages()[0], sys.prefix, str(PACKAGE), str(Path.home()), ".py"):
         assert path not in module

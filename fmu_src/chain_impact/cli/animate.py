@@ -83,7 +83,7 @@ def run(options: argparse.Namespace) -> int:
             raise
         recording, fault = error.recording, error
     path = options.output or Path(f"{recording.name}.html")
-    with progress("drawing") as (_, advance):
+    with progress("drawing") as advance:
         animate(
             recording,
             path,
@@ -107,12 +107,12 @@ def record(options: argparse.Namespace) -> Recording:
         return read_table(Path(options.source), options.scene, settings)
     if options.scene:
         raise UsageError(f"--scene {options.scene}: only a CSV file needs it; {options.source} has its walls")
-    with progress() as (notify, advance):
+    with progress() as advance:
         if is_fmu(options.source):
             return record_fmu(Path(options.source), settings, advance)
         scene = with_settings(load_scene(options.source), settings)
         try:
-            return record_slowly(scene, options.impact_time, notify, advance)
+            return record_slowly(scene, options.impact_time, advance)
         except SimulationError as error:
             from chain_impact.results.result import recording_of
 

@@ -69,10 +69,8 @@ def run(options: argparse.Namespace) -> int:
     scene = load_scene(options.source)
     # for FMI 3.0 there is only one
     target = options.target or (TARGET if options.fmi == OLDEST else "native")
-    with progress() as (notify, _):
-        fmu = build_fmu(
-            scene, options.output, target=target, fmi=options.fmi, platforms=options.platform, notify=notify
-        )
+    with progress():
+        fmu = build_fmu(scene, options.output, target=target, fmi=options.fmi, platforms=options.platform)
     say(f"FMU      {fmu}")
     for line in KINDS[target, options.fmi]:
         say(f"{'':9}{line}")

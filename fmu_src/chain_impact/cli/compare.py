@@ -41,16 +41,16 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(options.csv, options.plot, inputs=[options.source])
     check_csv(options.csv)
     scene = with_settings(load_scene(options.source), settings_of(options.set))
-    with progress("comparing") as (notify, advance):
-        comparison = compare(scene, notify, advance, laws=names_in(*options.laws) or None)
+    with progress("comparing") as advance:
+        comparison = compare(scene, advance, laws=names_in(*options.laws) or None)
     if options.csv:
         comparison.save_csv(options.csv)
         say(f"table    {options.csv}")
     if options.plot:
         from chain_impact.studies.compare_plot import plot_comparison
 
-        with progress("drawing") as (notify, advance):
-            plot_comparison(comparison, options.plot, notify, advance)
+        with progress("drawing") as advance:
+            plot_comparison(comparison, options.plot, advance)
         say(f"picture  {options.plot}")
     show(law_table(comparison))
     return 0

@@ -41,8 +41,8 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(file, inputs=[options.source])
     scene = with_settings(load_scene(options.source), settings_of(options.set))
     command = [options.source, *(word for setting in options.set for word in ("--set", setting))]
-    with progress("writing") as (notify, advance):
-        explore(scene, file, command=command, notify=notify)
+    with progress("writing") as advance:
+        explore(scene, file, command=command)
         advance(1.0)
     say(f"page       {file}, {file.stat().st_size / 1e6:.2g} MB")
     if options.output is None and sys.stdout.isatty() and has_screen():

@@ -76,7 +76,7 @@ def run(options: argparse.Namespace) -> int:
     settings = settings_of(options.set)
     scene = with_settings(load_scene(options.source), settings)
     set_each = pairs("--set-each", options.set_each)
-    with progress("fitting") as (notify, advance):
+    with progress("fitting") as advance:
         found = fit(
             scene,
             data,
@@ -88,7 +88,6 @@ def run(options: argparse.Namespace) -> int:
             columns=names_in(options.columns) if options.columns else None,
             laws=options.laws,
             stop_time=scene.simulation.stop_time if STOP_TIME in settings else None,
-            notify=notify,
             progress=advance,
         )
     if options.scene:

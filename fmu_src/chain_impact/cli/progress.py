@@ -1,17 +1,18 @@
-"""What the command line shows of work that takes its time."""
+"""What the command line shows of work that takes its time: the package's log, and how much is done."""
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import monotonic
 
 from rich.console import Console
 
-from chain_impact.compilation.work import Fact, Notify, Part, announce
+from chain_impact.progress import Progress, log, silent
 
+BRIEF = 1.0  # s, for which nobody needs a progress bar
 LINES = 10.0  # s, between two lines of progress where there is no terminal
-Advance = Callable[[float], None]
 out, err = Console(highlight=False), Console(stderr=True, highlight=False)
 
 
@@ -26,40 +27,97 @@ def complain(text: object) -> None:
 
 
 @contextmanager
-def progress(work: str = "simulating") -> Iterator[tuple[Notify, Advance]]:
+def progress(work: str = "simulating") -> Iterator[Progress]:
     """A progress bar, for work that takes long enough to see it.
 
     Where there is no terminal, a line is written about what takes long, and now and then how far it is.
 
-    Yields a function that says what is being done, for as long as it takes, and one that tells the fraction
-    of a simulation that is done.
+    Yields a function that tells the fraction that is done.
     """
-
-    def describe(fraction: float) -> str:
-        """What is done, and how far: in what it counts, else in percent."""
-        if isinstance(fraction, Part):
-            return f"{work}, {fraction.done} of {fraction.of}"
-        return f"{work}, {100 * fraction:.0f} %"
-
     if out.quiet:
-        yield lambda _: None, lambda _: None
+        yield silent
     elif err.is_terminal:
-        from chain_impact.cli.bar import progress_bar
-
-        with progress_bar(work, describe, err) as told:
-            yield told
+        with _bar(work) as advance:
+            yield advance
     else:
-        yield announce, now_and_then(describe)
+        with _listening(logging.INFO, lambda record: complain(record.getMessage())):
+            yield _now_and_then(work)
 
 
-def now_and_then(describe: Callable[[float], str]) -> Advance:
-    """Write what ``describe`` says of a fraction, but not too often."""
+class _Listener(logging.Handler):
+    """Gives the records of a log to a function."""
+
+    def __init__(self, tell: Callable[[logging.LogRecord], None]) -> None:
+        super().__init__()
+        self._tell = tell
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Give it a record."""
+        self._tell(record)
+
+
+@contextmanager
+def _listening(level: int, tell: Callable[[logging.LogRecord], None]) -> Iterator[None]:
+    """Take what the package logs, from a level on."""
+    handler, before = _Listener(tell), log.level
+    log.addHandler(handler)
+    log.setLevel(level)
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.setLevel(before)
+
+
+def _now_and_then(work: str) -> Progress:
+    """Write how far some work is, but not too often."""
     written = monotonic()
 
     def advance(fraction: float) -> None:
         nonlocal written
         if monotonic() >= written + LINES:
-            announce(Fact(describe(fraction)))
+            complain(_described(work, fraction))
             written = monotonic()
 
     return advance
+
+
+def _described(work: str, fraction: float) -> str:
+    return f"{work}, {100 * fraction:.0f} %"
+
+
+@contextmanager
+def _bar(work: str) -> Iterator[Progress]:
+    """A bar for some work, or for what is done before it."""
+    from rich import progress as rich_progress  # takes a while to import
+
+    columns = rich_progress.TextColumn("{task.description}"), rich_progress.BarColumn(pulse_style="cyan")
+    bar = rich_progress.Progress(*columns, rich_progress.TimeElapsedColumn(), console=err, transient=True)
+    started, shown = monotonic(), 0.0
+
+    def begin(sentence: str, total: float | None) -> None:
+        for task in bar.task_ids:
+            bar.remove_task(task)
+        bar.add_task(sentence, total=total)
+        bar.start()
+
+    def tell(record: logging.LogRecord) -> None:
+        if record.levelno < logging.INFO or hasattr(record, "seconds"):
+            begin(record.getMessage(), None)
+        else:
+            complain(record.getMessage())
+
+    def advance(fraction: float) -> None:
+        nonlocal shown
+        if fraction > shown + 0.01 and monotonic() > started + BRIEF:
+            if not any(task.total for task in bar.tasks):
+                begin(work, 1.0)
+            bar.update(bar.task_ids[0], completed=fraction, description=_described(work, fraction))
+            shown = fraction
+
+    try:
+        with _listening(logging.DEBUG, tell):
+            yield advance
+    finally:
+        if bar.task_ids:
+            bar.stop()

@@ -82,10 +82,10 @@ def record(source: str, settings: Sequence[str], sensitivities: Sequence[str] = 
     values = settings_of(settings)
     if sensitivities and is_fmu(source):
         raise UsageError(f"--sensitivity: {source} is an FMU; must be a scene")
-    with progress() as (notify, advance):
+    with progress() as advance:
         if is_fmu(source):
             return record_fmu(Path(source), values, advance)
-        return record_scene(load_scene(source), values, notify, advance, sensitivities or None)
+        return record_scene(load_scene(source), values, advance, sensitivities or None)
 
 
 def with_rows(recording: Recording, source: str, settings: Sequence[str]) -> Recording:
@@ -104,8 +104,8 @@ def with_rows(recording: Recording, source: str, settings: Sequence[str]) -> Rec
         return recording
     scene = with_settings(load_scene(source), settings_of(settings))
     step = scene.simulation.stop_time / ROWS
-    with progress() as (notify, advance):
-        return recording_of(simulate(scene, output_step=step, notify=notify, progress=advance))
+    with progress() as advance:
+        return recording_of(simulate(scene, output_step=step, progress=advance))
 
 
 def show(parts: Iterable[RenderableType]) -> None:

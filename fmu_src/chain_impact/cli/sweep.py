@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
 
         check_picture(len(vary), scene.name)
     try:
-        with progress("sweeping") as (notify, advance):
+        with progress("sweeping") as advance:
             found = sweep(
                 scene,
                 vary,
@@ -88,7 +88,6 @@ def run(options: argparse.Namespace) -> int:
                 path=options.table,
                 threads=options.threads,
                 scheduler=options.scheduler,
-                notify=notify,
                 progress=advance,
             )
     except KeyboardInterrupt:

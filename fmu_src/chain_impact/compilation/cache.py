@@ -24,7 +24,7 @@ from pathlib import Path
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.places import base_folder, explained, stand_in, trusted, writable
 from chain_impact.compilation.sources import COMPILERS, fingerprint
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.progress import log
 from chain_impact.system import removal
 
 UNUSED = 30 * 24 * 3600.0  # s, after which a folder for other sources is removed
@@ -101,13 +101,12 @@ def holds(file: Path) -> bool:
     return any(place in file.parents for place in _places())
 
 
-def made(name: str, make: Callable[[Path], None], notify: Notify = announce) -> Path:
+def made(name: str, make: Callable[[Path], None]) -> Path:
     """Return the file or folder of that name in the cache folder; if it is not there, make it.
 
     Args:
         name: of the file or folder.
         make: writes it to the path that it is given, in a folder for itself.
-        notify: is told when another process is waited for.
 
     Raises:
         BuildError: when the cache is cleared meanwhile, or nothing can be kept in it.
@@ -119,7 +118,7 @@ def made(name: str, make: Callable[[Path], None], notify: Notify = announce) -> 
     folder = base / _present()
     with explained(base):
         folder.mkdir(parents=True, exist_ok=True)
-        with _locked(folder / f".{name}.lock", notify):
+        with _locked(folder / f".{name}.lock"):
             if not find(name):
                 with _scratch(folder, name) as scratch:
                     make(scratch / name)
@@ -131,7 +130,7 @@ def made(name: str, make: Callable[[Path], None], notify: Notify = announce) -> 
 
 
 @contextmanager
-def _locked(path: Path, notify: Notify) -> Iterator[None]:
+def _locked(path: Path) -> Iterator[None]:
     """Hold a lock, which the system gives back when a process is killed."""
     from filelock import FileLock, Timeout
 
@@ -139,7 +138,7 @@ def _locked(path: Path, notify: Notify) -> Iterator[None]:
     try:
         lock.acquire(timeout=PATIENCE)
     except Timeout:
-        notify("waiting for another process that compiles the kernel")
+        log.debug("waiting for another process that compiles the kernel")
         lock.acquire()
     try:
         yield

@@ -11,7 +11,7 @@ from chain_impact.compilation import browser, cache, compilers, ready
 from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, PROCESSORS, WIDE
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.law_file import LawError, UserLaw, read_law
-from chain_impact.compilation.work import Notify, Work, announce
+from chain_impact.progress import log_once
 from chain_impact.system import HOST, nowhere
 
 LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 9.0}  # s
@@ -21,7 +21,6 @@ PREPARING = {"win64": 3.0}  # s, in which zig makes what it links with; on other
 def kernel_library(
     links: int,
     platform: str = HOST,
-    notify: Notify | None = None,
     law_file: str = "",
     *,
     derivatives: bool = False,
@@ -32,7 +31,6 @@ def kernel_library(
     Args:
         links: number of links N.
         platform: of ``compilers.ZIG_TARGETS``.
-        notify: called with a sentence, a ``Work``, before work that takes seconds.
         law_file: the file of a user's law that the kernel shall have, if any.
         derivatives: whether it shall carry derivatives.
         portable: whether it shall run on any processor; else one that carries derivatives is for processors
@@ -44,7 +42,6 @@ def kernel_library(
     """
     if not platform:
         raise BuildError(nowhere())
-    notify = notify or announce
     law = _law(law_file) if law_file else None
     what = DERIVATIVES if derivatives else KERNEL
     exact = ready.exact(links, what)
@@ -55,68 +52,66 @@ def kernel_library(
     if found:
         return found
     ready.require_compilers(_purpose(platform, law_file, derivatives))
-    lowered_law = _lowered_law(law, law_file, notify) if law else None
+    lowered_law = _lowered_law(law, law_file) if law else None
 
     def text() -> str:
-        module = _lowered_kernel(what, notify)
+        module = _lowered_kernel(what)
         prepared = compilers.zig_is_prepared(platform)
         seconds = LINKING[what] + (0.0 if prepared else PREPARING.get(platform, 0.0))
-        notify(Work(f"linking the kernel for {platform}", seconds))
+        log_once(f"linking the kernel for {platform}", seconds)
         return module
 
     def link(file: Path) -> None:
-        compiled = ready.compiled(exact, platform, kind, text, notify)
+        compiled = ready.compiled(exact, platform, kind, text)
         with _about(law_file):
             compilers.link(compiled, file, platform, lowered_law, cpu=PROCESSORS[kind])
 
-    return cache.made(name, link, notify)
+    return cache.made(name, link)
 
 
-def browser_module(notify: Notify | None = None, law_file: str = "") -> Path:
+def browser_module(law_file: str = "") -> Path:
     """Return the kernel for any number of links as a WebAssembly module.
 
     Args:
-        notify: as for ``kernel_library``.
         law_file: likewise.
 
     Raises:
         BuildError: likewise, and when the law calls a function that a browser's kernel does not have.
     """
-    notify = notify or announce
     law = _law(law_file) if law_file else None
     name = f"{_law_name(law)}-{browser.MODULE}" if law else browser.MODULE
     found = ready.find(name) or cache.find(name)
     if found:
         return found
     ready.require_compilers(f"{law_file}: a contact law of one's own" if law_file else "a page that computes")
-    lowered_law = _lowered_law(law, law_file, notify) if law else None
+    lowered_law = _lowered_law(law, law_file) if law else None
 
     def text() -> str:
-        module = _lowered_kernel(KERNEL, notify)
-        notify(Work("linking the kernel for a browser", LINKING[KERNEL]))
+        module = _lowered_kernel(KERNEL)
+        log_once("linking the kernel for a browser", LINKING[KERNEL])
         return module
 
     def link(file: Path) -> None:
-        compiled = ready.compiled_for_browsers(text, notify)
+        compiled = ready.compiled_for_browsers(text)
         with _about(law_file):
             browser.link(compiled, file, lowered_law)
 
-    return cache.made(name, link, notify)
+    return cache.made(name, link)
 
 
-def _lowered_kernel(what: str, notify: Notify) -> str:
+def _lowered_kernel(what: str) -> str:
     """A kernel in LLVM's language, free of sizes."""
 
     def lower(module: Path) -> None:
-        plain = _lowered_kernel(KERNEL, notify) if what == DERIVATIVES else None
-        notify(Work("compiling the kernel", LOWERING[what]))
+        plain = _lowered_kernel(KERNEL) if what == DERIVATIVES else None
+        log_once("compiling the kernel", LOWERING[what])
         compilers.lower(module, plain=plain)
 
     packed = ready.module() if what == KERNEL else None
-    return packed or cache.made(ready.lowered(what), lower, notify).read_text()
+    return packed or cache.made(ready.lowered(what), lower).read_text()
 
 
-def _lowered_law(law: UserLaw, file: str, notify: Notify) -> Path:
+def _lowered_law(law: UserLaw, file: str) -> Path:
     """A user's law in LLVM's language."""
 
     def lower(module: Path) -> None:
@@ -125,7 +120,7 @@ def _lowered_law(law: UserLaw, file: str, notify: Notify) -> Path:
         with _about(file):
             compilers.lower(module, copy)
 
-    return cache.made(f"{_law_name(law)}.ll", lower, notify)
+    return cache.made(f"{_law_name(law)}.ll", lower)
 
 
 def _law(file: str) -> UserLaw:

@@ -21,7 +21,6 @@ from chain_impact.compilation import browser, cache, compilers
 from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, PROCESSORS, WIDE
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import COMPILERS, PACKAGE, fingerprint
-from chain_impact.compilation.work import Notify, announce
 from chain_impact.extras import how_to_install
 from chain_impact.system import HOST, WIDE_PLATFORMS, cores
 
@@ -117,9 +116,7 @@ def lowered(kind: str) -> str:
     return f"{KERNEL if kind == KERNEL else DERIVATIVES}.ll"
 
 
-def compiled(
-    links: int | None, platform: str, kind: str, text: Callable[[], str], notify: Notify = announce
-) -> Path:
+def compiled(links: int | None, platform: str, kind: str, text: Callable[[], str]) -> Path:
     """The kernel of a kind without a user's law, from the cache.
 
     If it is not there, it is compiled from ``text``, which returns the lowered kernel.
@@ -130,12 +127,12 @@ def compiled(
         compilers.compile_kernel(text(), file, platform, links, derivatives=derivatives, cpu=cpu)
 
     name = Path(library_name(links, platform, what=kind)).with_suffix(".o").name
-    return cache.made(name, compile_it, notify)
+    return cache.made(name, compile_it)
 
 
-def compiled_for_browsers(text: Callable[[], str], notify: Notify = announce) -> Path:
+def compiled_for_browsers(text: Callable[[], str]) -> Path:
     """The same for ``browser.link``."""
-    return cache.made(browser.COMPILED, lambda file: browser.compile_kernel(text(), file), notify)
+    return cache.made(browser.COMPILED, lambda file: browser.compile_kernel(text(), file))
 
 
 def _wanted(platform: str, release: bool) -> dict[str, tuple[str, int | None]]:

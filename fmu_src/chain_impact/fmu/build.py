@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import kernel_library
-from chain_impact.compilation.work import Notify, announce
 from chain_impact.fmu import native_target, pythonfmu_target
 from chain_impact.fmu.check_description import description_findings
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.references import reference_files
+from chain_impact.progress import log
 from chain_impact.results.recording import written_whole
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.system import HOST, PLATFORMS, nowhere
@@ -53,7 +53,6 @@ def build_fmu(
     target: str = TARGET,
     fmi: int = 2,
     platforms: Sequence[str] = (HOST,),
-    notify: Notify | None = None,
 ) -> Path:
     """Build ``<name>.fmu``, which appears in the directory only when it is complete and valid.
 
@@ -68,8 +67,6 @@ def build_fmu(
         fmi: 2 or 3, the version of FMI; 3 is for the target ``native`` only.
         platforms: those that the FMU shall run on, by default that of this machine: ``linux64``, ``win64``,
             and of native FMUs ``darwin64``, ``aarch64-linux`` and ``aarch64-darwin``; or just ``all``.
-        notify: called with a sentence before work that takes seconds; by default what is done once
-            and then kept is said on standard error.
 
     Returns:
         The path of the FMU.
@@ -79,7 +76,7 @@ def build_fmu(
         BuildError: when the kernel cannot be compiled or the FMU is not valid.
         OSError: when the FMU cannot be written; then there is nothing of it.
     """
-    scene, notify = scene_of(source), notify or announce
+    scene = scene_of(source)
     if fmi not in VERSIONS:
         raise BuildError(f"fmi = {fmi!r} must be one of {', '.join(map(str, VERSIONS))}")
     if target not in TARGETS:
@@ -97,16 +94,15 @@ def build_fmu(
     directory.mkdir(parents=True, exist_ok=True)
     links, law, varied = len(scene.chain.links), scene.contact.law_file, bool(scene.outputs.sensitivities)
     kernels = {
-        platform: kernel_library(links, platform, notify, law_file=law, derivatives=varied)
-        for platform in platforms
+        platform: kernel_library(links, platform, law_file=law, derivatives=varied) for platform in platforms
     }
     fmu, model = directory / f"{scene.name}.fmu", Model(scene)
     # a scratch folder of its own: that of the path is the user's where the FMU is a link
     with written_whole(fmu) as path, tempfile.TemporaryDirectory(prefix="chain-impact-") as scratch:
-        notify("packaging the FMU")
+        log.debug("packaging the FMU")
         files = TARGETS[target].files[fmi](model, kernels, Path(scratch)) | documents(model, fmi)
-        _pack(files | reference_files(model, notify), path)
-        notify("validating the FMU")
+        _pack(files | reference_files(model), path)
+        log.debug("validating the FMU")
         problems = validate_fmu(path)
         if problems:
             raise BuildError(f"{path.name} is not valid: " + "; ".join(problems))

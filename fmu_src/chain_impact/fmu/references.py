@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify
 from chain_impact.fmu.description import nominal_values
+from chain_impact.progress import log
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.chain import Chain
 from chain_impact.simulation.instance import SimulationError
@@ -97,20 +97,19 @@ class Reference:
     inputs: dict[str, np.ndarray]
 
 
-def reference_files(model: Model, notify: Notify) -> dict[str, bytes]:
+def reference_files(model: Model) -> dict[str, bytes]:
     """The files, by their names in the FMU; none if the results cannot be relied on for any time.
 
     Args:
         model: what the FMU simulates.
-        notify: called with a sentence when there are none.
     """
     try:
-        found = reference(model, notify)
+        found = reference(model)
     except SimulationError as error:
-        notify(f"no reference results in the FMU: {error}")
+        log.info("no reference results in the FMU: %s", error)
         return {}
     if len(found.times) < FEWEST:
-        notify("no reference results in the FMU: they depend too much on the solver's tolerance")
+        log.info("no reference results in the FMU: they depend too much on the solver's tolerance")
         return {}
     scene, name = model.scene, model.scene.name
     files = {
@@ -124,7 +123,7 @@ def reference_files(model: Model, notify: Notify) -> dict[str, bytes]:
     return {f"{FOLDER}/{file}": content for file, content in files.items()}
 
 
-def reference(model: Model, notify: Notify) -> Reference:
+def reference(model: Model) -> Reference:
     """Simulate a scene at a tolerance of 1e-12 and at its own, as far as the second follows the first.
 
     If that is a small part of the scene's time, in shorter steps.
@@ -136,18 +135,18 @@ def reference(model: Model, notify: Notify) -> Reference:
     while True:
         step = shortest * max(1, round(stop / shortest / ROWS))
         count = max(1, math.floor(stop / step * (1 + 1e-12)))
-        found = _compared(model, np.minimum(np.arange(count + 1) * min(step, stop), stop), notify)
+        found = _compared(model, np.minimum(np.arange(count + 1) * min(step, stop), stop))
         if len(found.times) > ROWS / SHORTER or step == shortest:
             return found
         stop /= SHORTER
 
 
-def _compared(model: Model, times: np.ndarray, notify: Notify) -> Reference:
+def _compared(model: Model, times: np.ndarray) -> Reference:
     """The reference with some communication points [s], equally spaced from 0."""
     scene, step = model.scene, float(times[1])
     inputs, chosen = _inputs(model, len(times)), _chosen(model)
     runs = [
-        _Run(scene.with_values({"solver.tolerance": tolerance, "outputs.solver": True}), notify)
+        _Run(scene.with_values({"solver.tolerance": tolerance, "outputs.solver": True}))
         for tolerance in (EXACT, scene.solver.tolerance)
     ]
     for row, time in enumerate(times):
@@ -184,8 +183,8 @@ def _compared(model: Model, times: np.ndarray, notify: Notify) -> Reference:
 class _Run:
     """A chain, and the rows of outputs that it gave."""
 
-    def __init__(self, scene: Scene, notify: Notify) -> None:
-        self.chain = Chain(scene, notify)
+    def __init__(self, scene: Scene) -> None:
+        self.chain = Chain(scene)
         self.rows: list[np.ndarray] = []
         self._links = len(scene.chain.links)
 

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.work import Progress, silent
 from chain_impact.fmu.importer import read_fmu, simulated
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.progress import Progress, silent
 from chain_impact.results.joint_stops import ranges_from
 from chain_impact.results.recording import Recording, impacts_from_outputs
 from chain_impact.results.stick_slip import phases_from_columns

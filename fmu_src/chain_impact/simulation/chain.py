@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify
 from chain_impact.kernel.model.inputs import AT_ONCE
 from chain_impact.kernel.status import OK
 from chain_impact.results.impacts import IMPACT_DTYPE
@@ -70,13 +69,12 @@ class Chain:
         scene: what runs.
     """
 
-    def __init__(self, scene: SceneSource, notify: Notify | None = None) -> None:
+    def __init__(self, scene: SceneSource) -> None:
         """Begin at the start of the scene, t = 0.
 
         Args:
             scene: what to simulate: a scene, or what ``load_scene`` takes. The FMU has inputs
                 when the scene asks for them: ``inputs.tip_force``, ``inputs.joint_torques``.
-            notify: as for ``simulate``.
 
         Raises:
             SimulationError: when the scene cannot start.
@@ -84,7 +82,7 @@ class Chain:
         """
         self.scene: Scene = scene_of(scene)
         model = Model(self.scene)
-        self._instance = Instance(model, notify)
+        self._instance = Instance(model)
         self._reals = self._instance.words
         self._integers = self._reals.view(np.int64)
         self._start = self._reals.copy()

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.trust import (
@@ -54,7 +53,6 @@ class DifferentiatedInstance(Instance):
         self,
         model: Model,
         varied: Sequence[Variable],
-        notify: Notify | None = None,
         driven: Drive | None = None,
     ) -> None:
         """As ``Instance``, for P parameters and inputs.
@@ -71,7 +69,7 @@ class DifferentiatedInstance(Instance):
         self._impact_layout = np.dtype(
             [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES]
         )
-        super().__init__(model, notify, driven, varied)
+        super().__init__(model, driven, varied)
 
     def initialize(self) -> None:
         """Set all to their start.
@@ -226,7 +224,6 @@ class DifferentiatedRun:
         parameters: Sequence[str],
         outputs: Sequence[str],
         inputs: Mapping[str, Any] | None = None,
-        notify: Notify | None = None,
     ) -> None:
         """Make ready for the derivatives of some outputs with respect to some parameters, all by name.
 
@@ -235,7 +232,6 @@ class DifferentiatedRun:
             parameters: of the FMU, P of them: real ones and inputs.
             outputs: of the FMU, W of them.
             inputs: name of an input → its signal over time, as ``simulate`` takes it.
-            notify: as for ``simulate``.
 
         Raises:
             UnknownNameError: when there is none of a name.
@@ -248,7 +244,7 @@ class DifferentiatedRun:
         self._places = [variable.set_place for variable in varied]
         columns = self._model.columns_named(outputs)
         self._words = self._model.output_words[[columns[name] for name in outputs]]
-        self._instance = DifferentiatedInstance(self._model, varied, notify)
+        self._instance = DifferentiatedInstance(self._model, varied)
 
     def run(self, values: np.ndarray, times: np.ndarray) -> Differentiated:
         """Run with some values of the parameters.

@@ -12,8 +12,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from chain_impact.compilation.library import kernel_library
-from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
+from chain_impact.progress import Progress, silent
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.result import Result
 from chain_impact.results.stick_slip import CHANGE_DTYPE
@@ -119,7 +119,6 @@ class Instance:
     def __init__(
         self,
         source: Scene | Model,
-        notify: Notify | None = None,
         driven: Drive | None = None,
         varied: Sequence[Variable] | None = None,
     ) -> None:
@@ -136,7 +135,7 @@ class Instance:
         self.record = self._block[0]
         if driven:
             driven.set(self.record["given"], 0)
-        self._kernel = kernel_for(self.model.scene, notify, derivatives=bool(varied))
+        self._kernel = kernel_for(self.model.scene, derivatives=bool(varied))
         self._address = self._block.ctypes.data
         self.initialize()
 
@@ -294,7 +293,7 @@ _loaded: dict[tuple[int, bool, str | None], ctypes.CDLL] = {}
 """The kernels without a law of the user's: number of links, derivatives, cache folder → kernel."""
 
 
-def kernel_for(scene: Scene, notify: Notify | None, *, derivatives: bool) -> ctypes.CDLL:
+def kernel_for(scene: Scene, *, derivatives: bool) -> ctypes.CDLL:
     """The kernel for a scene and a processor like this one; what is loaded is not looked for again.
 
     Raises:
@@ -305,9 +304,7 @@ def kernel_for(scene: Scene, notify: Notify | None, *, derivatives: bool) -> cty
     known = (links, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
     if not law and known in _loaded:
         return _loaded[known]
-    kernel = load_kernel(
-        kernel_library(links, notify=notify, law_file=law, derivatives=derivatives, portable=False)
-    )
+    kernel = load_kernel(kernel_library(links, law_file=law, derivatives=derivatives, portable=False))
     if not law:
         _loaded[known] = kernel
     return kernel

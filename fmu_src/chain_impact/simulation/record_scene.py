@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from chain_impact.compilation.work import Notify, Progress
+from chain_impact.progress import Progress
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import Result, recording_of
 from chain_impact.scene.scene import Scene
@@ -27,7 +27,6 @@ class RunError(RuntimeError):
 def record_scene(
     scene: Scene,
     settings: Mapping[str, Any],
-    notify: Notify | None = None,
     progress: Progress | None = None,
     sensitivities: Sequence[str] | None = None,
 ) -> Recording:
@@ -36,7 +35,6 @@ def record_scene(
     Args:
         scene: what to simulate.
         settings: name → value, or its text.
-        notify: as for ``simulate``.
         progress: as for ``simulate``.
         sensitivities: as for ``simulate``.
 
@@ -52,7 +50,7 @@ def record_scene(
         return replace(recording_of(result), columns={**result.columns, **slopes})
 
     try:
-        return recording(simulate(scene, sensitivities=sensitivities, notify=notify, progress=progress))
+        return recording(simulate(scene, sensitivities=sensitivities, progress=progress))
     except SimulationError as error:
         partial = recording(error.result) if error.result else None
         raise RunError(f"{scene.name}: {error}", partial) from None

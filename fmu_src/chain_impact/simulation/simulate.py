@@ -11,8 +11,8 @@ import numpy as np
 
 from chain_impact.compilation import cache
 from chain_impact.compilation.law_file import LawError, parse_law, source_of
-from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.status import OK
+from chain_impact.progress import Progress, silent
 from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.stick_slip import NO_PHASES, phases_of
@@ -47,7 +47,6 @@ def simulate(
     inputs: Mapping[str, Signal] | None = None,
     interpolation: Interpolation = "follow",
     sensitivities: Iterable[str] | None = None,
-    notify: Notify | None = None,
     progress: Progress | None = None,
 ) -> Result:
     """Simulate a scene from t = 0.
@@ -87,7 +86,6 @@ def simulate(
             then has the derivatives of its outputs and impacts with respect to each of them, for
             ``Result.sensitivity``. The motion is the same, bit for bit. That with respect to an input is for
             a constant added to it. By default they are those of the scene's ``outputs.sensitivities``.
-        notify: called with a sentence before a kernel is compiled; by default that is said on standard error.
         progress: called with the fraction done, if given.
 
     Warns:
@@ -119,8 +117,8 @@ def simulate(
     driven = drive(model, inputs or {}, interpolation, _times(stop, step))
     if inputs:
         _check_rows(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
-    differentiated = DifferentiatedInstance(model, varied, notify, driven) if varied else None
-    instance = differentiated or Instance(model, notify, driven, ())
+    differentiated = DifferentiatedInstance(model, varied, driven) if varied else None
+    instance = differentiated or Instance(model, driven, ())
     slopes = differentiated.slope_words(words) if differentiated else np.zeros(0, int)
     rows = WordRows(len(driven.times), np.concatenate([words, others, slopes]))
     done, impacts = instance.run(driven, rows, progress or silent)

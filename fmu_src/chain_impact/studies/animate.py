@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from chain_impact.compilation.work import Progress
+from chain_impact.progress import Progress
 from chain_impact.results import animation
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import Result, recording_of

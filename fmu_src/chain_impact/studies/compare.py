@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.progress import Progress, silent
 from chain_impact.results.equality import same
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.recording import written_whole
@@ -174,7 +174,6 @@ def _cell(value: object) -> object:
 
 def compare(
     scene: SceneSource,
-    notify: Notify | None = None,
     progress: Progress | None = None,
     *,
     laws: Sequence[str] | None = None,
@@ -188,7 +187,6 @@ def compare(
 
     Args:
         scene: a scene, or what ``load_scene`` takes; its contact model does not matter.
-        notify: as for ``simulate``.
         progress: called with the fraction done, if given.
         laws: ids of the laws, all by default. The scene's own is added if all others need another exponent.
 
@@ -204,7 +202,7 @@ def compare(
 
     def run(law: str, impact: np.void | None) -> None:
         done = len(found)
-        found[law] = _run(scene, law, impact, notify, lambda part: show((done + part) / len(laws)))
+        found[law] = _run(scene, law, impact, lambda part: show((done + part) / len(laws)))
 
     for law in at_home:
         run(law, None)
@@ -255,14 +253,14 @@ def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
     return chosen if at_home else [*chosen, scene.contact.model]
 
 
-def _run(scene: Scene, law: str, impact: np.void | None, notify: Notify | None, progress: Progress) -> LawRun:
+def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> LawRun:
     changes = law_values(scene, law, impact)
     used = scene.contact if impact is None else with_law(contact_at(scene, impact), law, impact)
     told = f"n = {used.exponent:g}, K = {used.stiffness:.4g} for the same elastic depth"
     notes = [told] if len(changes) > 1 else []
     result, first = None, {}
     try:
-        result = simulate(with_values(scene, changes), notify=notify, progress=progress)
+        result = simulate(with_values(scene, changes), progress=progress)
     except SceneError as error:
         notes.append(str(error).removeprefix(f"{scene.name}: "))
     except SimulationError as error:
@@ -338,7 +336,7 @@ def _against(expected: Result, run: LawRun) -> LawRun:
 # ---- a free impact ----------------------------------------------------------------------------------------
 
 
-def free_impact(contact: Contact, mass: float, speed: float, notify: Notify | None = None) -> np.void:
+def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
     """The impact of a point mass [kg] at a speed [m/s], with no other force: a row of ``Result.impacts``.
 
     Raises:
@@ -359,7 +357,7 @@ def free_impact(contact: Contact, mass: float, speed: float, notify: Notify | No
         "initial": {"position": [0.0, HEIGHT], "angles": [0.0], "velocity": [0.0, -speed]},
         "simulation": {"stop_time": stop, "step_size": stop},
     }
-    impacts = simulate(scene_from_dict(data, "free impact"), notify=notify).impacts
+    impacts = simulate(scene_from_dict(data, "free impact")).impacts
     if not len(impacts):
         raise SceneError(f"free impact: there is none of {mass:g} kg at {speed:g} m/s within {stop:g} s")
     first: np.void = impacts[0]
@@ -369,7 +367,6 @@ def free_impact(contact: Contact, mass: float, speed: float, notify: Notify | No
 def realised_restitution(
     comparison: Comparison,
     prescribed: np.ndarray,
-    notify: Notify | None = None,
     progress: Progress = silent,
 ) -> dict[str, np.ndarray]:
     """Realised over prescribed restitution of each law, in a free impact like the first of the comparison.
@@ -386,7 +383,7 @@ def realised_restitution(
         contact = with_law(at_first, run.law, impact)
         for k, e in enumerate(prescribed):
             try:
-                row = free_impact(replace(contact, restitution=float(e)), mass, speed, notify)
+                row = free_impact(replace(contact, restitution=float(e)), mass, speed)
             except (SceneError, SimulationError):
                 continue
             curve[k] = row["separation_speed"] / row["impact_speed"]

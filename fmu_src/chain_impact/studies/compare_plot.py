@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
-from chain_impact.compilation.work import Notify, Progress, silent
+from chain_impact.progress import Progress, silent
 from chain_impact.results.plots.labels import label_curves, settle, spread_labels
 from chain_impact.results.plots.style import BLACK, GREY, INK, PALETTE, STYLE, headline, number, save
 from chain_impact.studies.compare import Comparison, LawRun, realised_restitution
@@ -36,14 +36,13 @@ Looks = dict[str, dict[str, Any]]
 def plot_comparison(
     comparison: Comparison,
     path: Path,
-    notify: Notify | None = None,
     progress: Progress = silent,
 ) -> None:
     """Draw a comparison into a file; the suffix says which kind (png, svg, pdf).
 
-    ``notify`` and ``progress`` are told of the free impacts that the first panel needs.
+    ``progress`` is told of the free impacts that the first panel needs.
     """
-    curves = realised_restitution(comparison, PRESCRIBED, notify, progress)
+    curves = realised_restitution(comparison, PRESCRIBED, progress)
     save(path, lambda page: fill(page, comparison, curves), SIZE)
 
 

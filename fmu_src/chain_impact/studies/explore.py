@@ -6,7 +6,6 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from chain_impact.compilation.work import Notify
 from chain_impact.results.explore.page import page
 from chain_impact.results.recording import written_whole
 from chain_impact.scene.models import model_names
@@ -21,7 +20,6 @@ def explore(
     path: Path | str,
     *,
     command: Sequence[str] | None = None,
-    notify: Notify | None = None,
 ) -> None:
     """Write a page that simulates a scene with the parameters that its reader chooses.
 
@@ -33,7 +31,6 @@ def explore(
         path: the file to write, for a browser.
         command: what comes after ``chain-impact simulate`` in the command that the page gives to repeat a
             motion; by default the source of the scene, or the name of the model that it is.
-        notify: as for ``simulate``.
 
     Raises:
         SceneError: when the scene cannot be read.
@@ -42,7 +39,7 @@ def explore(
         OSError: when the file cannot be written.
     """
     known = [_source(scene)] if command is None else list(command)
-    text = page(scene_of(scene), known, notify)
+    text = page(scene_of(scene), known)
     with written_whole(Path(path)) as fresh:
         fresh.write_text(text, encoding="utf-8")
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, Progress, silent
+from chain_impact.progress import Progress, silent
 from chain_impact.results.animation.contacts import slow_spans
 from chain_impact.results.animation.pacing import IMPACT_TIME, frame_times
 from chain_impact.results.recording import Recording
@@ -27,7 +27,6 @@ SLOWEST = 1e-6  # m/s, approach speed of a point that comes to rest at a wall
 def record_slowly(
     scene: SceneSource,
     impact_time: float = IMPACT_TIME,
-    notify: Notify | None = None,
     progress: Progress | None = None,
     *,
     inputs: Mapping[str, Signal] | None = None,
@@ -39,7 +38,6 @@ def record_slowly(
     Args:
         scene: what to simulate: a scene, or what ``load_scene`` takes.
         impact_time: what each impact takes on the screen [s], 0 for no slow motion.
-        notify: as for ``simulate``.
         progress: called with the fraction done, if given.
         inputs: as for ``simulate``.
 
@@ -49,7 +47,7 @@ def record_slowly(
         BuildError: when the kernel cannot be compiled.
     """
     scene, show = scene_of(scene), progress or silent
-    result = simulate(scene, inputs=inputs, notify=notify, progress=lambda done: show(done / 2))
+    result = simulate(scene, inputs=inputs, progress=lambda done: show(done / 2))
     stop = float(result.time[-1])
     onsets, speeds = result.impacts["onset"], result.impacts["impact_speed"]
     # an impact takes 2.9 δ/v by Hertz, π δ/v at a linear spring, and longer with losses; then the chain stays
@@ -60,7 +58,7 @@ def record_slowly(
     shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_ROWS)
     others = (onsets[:, None] + (ends - onsets)[:, None] * WITHIN).ravel()[:MOST_ROWS]
     driven = drive(result.model, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
-    instance = Instance(result.model, notify, driven)
+    instance = Instance(result.model, driven)
     rows = WordRows(len(driven.times), result.model.output_words)
     done, _ = instance.run(driven, rows, lambda part: show(0.5 + part / 2))
     return recording_of(

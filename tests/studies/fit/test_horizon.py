@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from chain_impact.compilation.work import announce
 from chain_impact.studies.fit import horizon
 from chain_impact.studies.fit.data import read_measurements
 from chain_impact.studies.fit.horizon import estimate_sigma, search
@@ -18,7 +17,7 @@ from tests.refusal import refusal
 
 def problem(tables, start, sigma=None, free=FREE):
     data = read_measurements(tables, start, sigma or {})
-    return Problem([start], [data], parameters_of([start], free, (), {}), announce)
+    return Problem([start], [data], parameters_of([start], free, (), {}))
 
 
 FAR = [{"K": 1e8 * factor, "e": 0.7 + off, "w": 1.5 * rate}
@@ -100,8 +99,8 @@ def test_refusals():
     columns, _ = motion(0.6, count=10)
     one = {"impact": [1], "peak_force": [2e4]}
     assert refusal(search, problem([columns, one], scene())) == (
-        "data+data: peak_force has one value only, from which its sigma cannot be estimated; give it: "
-        "--sigma peak_force=2%, or a column sigma(peak_force)"
+        "data+data: peak_force has one value only, from which its sigma cannot be estimated: give it, "
+        "sigma of peak_force = 2% for example, or add a column sigma(peak_force)"
     )
     some = columns | {f"sigma({TIP[0]})": [1e-3] + [None] * 9}
     assert "some values of point[4].x have a sigma and others none" in refusal(search, problem(some, scene()))

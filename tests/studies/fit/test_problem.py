@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.compilation.work import announce
 from chain_impact.kernel.status import MASS_MATRIX_SINGULAR
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.fit import problem as module
@@ -20,7 +19,7 @@ QUANTITIES = ("onset", "peak_force", "duration", "separation_speed")
 
 def problem(tables, scenes, free=FREE, each=()):
     data = [read_measurements(table, scenes[0], {}) for table in tables]
-    return Problem(scenes, data, parameters_of(scenes, free, each, {}), announce)
+    return Problem(scenes, data, parameters_of(scenes, free, each, {}))
 
 
 @pytest.fixture(scope="module")

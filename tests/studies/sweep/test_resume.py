@@ -44,9 +44,9 @@ def spans(monkeypatch):
     asked = []
     real = module.run_in_threads
 
-    def spy(job, design, spans, threads, notify):
+    def spy(job, design, spans, threads):
         asked.extend(spans)
-        return real(job, design, spans, threads, notify)
+        return real(job, design, spans, threads)
 
     monkeypatch.setattr(module, "run_in_threads", spy)
     return asked
@@ -185,14 +185,14 @@ def test_ctrl_c_on_the_command_line(tmp_path):
     assert (energies["peak_force"] == whole["peak_force"]).all()
 
 
-def test_what_is_kept_is_said(tmp_path, capsys):
+def test_what_is_kept_is_said(tmp_path, caplog):
+    caplog.set_level("INFO", "chain_impact")
     path = tmp_path / "table.csv"
     part = stopped(path)
-    capsys.readouterr()
     sweep(SCENE, VARY, path=path, threads=1)
     done = round(800 * part)
-    told = f"chain-impact: {done} of 800 runs are kept in {path}.partial, {800 - done} are left"
-    assert told in capsys.readouterr().err.splitlines()
+    told = f"{done} of 800 runs are kept in {path}.partial, {800 - done} are left"
+    assert told in caplog.messages
 
 
 def test_two_sweeps_do_not_write_one_file(tmp_path):

@@ -49,7 +49,7 @@ def test_the_kernel_pauses_within_a_second():
 def test_who_stops_listening_gets_all_threads_back():
     before = threading.active_count()
     job, design = parts({"contact.restitution": "0.3:0.7:100000"})
-    pieces = run_in_threads(job, design, [(0, 100000)], 2, lambda _: None)
+    pieces = run_in_threads(job, design, [(0, 100000)], 2)
     _, rows = next(pieces)
     assert rows["solver.steps"].all()
     pieces.close()
@@ -64,7 +64,7 @@ def test_an_error_in_a_thread_is_raised_here(monkeypatch):
 
     monkeypatch.setattr(Runner, "run", broken)
     with pytest.raises(MemoryError, match="no room"):
-        list(run_in_threads(job, design, [(0, 100)], 2, lambda _: None))
+        list(run_in_threads(job, design, [(0, 100)], 2))
 
 
 @pytest.mark.parametrize("threads", [0, 1.5])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from chain_impact.compilation.work import Progress, silent
+from chain_impact.progress import Progress, silent
 from chain_impact.results.animation.frames import motion_of
 from chain_impact.results.animation.pacing import IMPACT_TIME
 from chain_impact.results.recording import Recording, written_whole

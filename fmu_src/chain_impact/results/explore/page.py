@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from importlib import resources
 
 from chain_impact.compilation.library import browser_module
-from chain_impact.compilation.work import Notify
 from chain_impact.results.animation import page as player
 from chain_impact.results.explore.description import description, packed
 from chain_impact.scene.scene import Scene
@@ -19,18 +18,17 @@ MODULES = ("unpacked", "view", "changes", "engine", "knobs", "ghosts", "handles"
 """Those of the page, after the ones that show a recording."""
 
 
-def page(scene: Scene, command: Sequence[str], notify: Notify | None = None) -> str:
+def page(scene: Scene, command: Sequence[str]) -> str:
     """The page's HTML.
 
     Args:
         scene: what it simulates at first.
         command: what comes after ``chain-impact simulate`` in the command that repeats what it shows.
-        notify: as for ``simulate``.
 
     Raises:
         BuildError: when the module for a browser has to be compiled, and cannot be.
     """
-    module = browser_module(notify, scene.contact.law_file).read_bytes()
+    module = browser_module(scene.contact.law_file).read_bytes()
     return player.assembled(
         _text("index.html"),
         scene.name,

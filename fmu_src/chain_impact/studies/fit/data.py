@@ -228,7 +228,7 @@ class _Book:
         hint = f"the nearest is {near}" if near else f"impacts have {', '.join(QUANTITIES)}"
         return (
             f"is no output that changes over time, and no quantity of an impact; {hint}; "
-            "to leave it out, choose columns with --columns"
+            "to leave it out, name the columns to use"
         )
 
     def _add_sample(self, table: Table, row: int, names: list[str], before: float) -> float:

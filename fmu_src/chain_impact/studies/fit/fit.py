@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 import os
-import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, Progress, silent
+from chain_impact.progress import Progress, silent
 from chain_impact.results.summary import plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
@@ -42,7 +41,6 @@ def fit(
     columns: Sequence[str] | None = None,
     laws: bool = False,
     stop_time: float | None = None,
-    notify: Notify | None = None,
     progress: Progress | None = None,
 ) -> Fit:
     """Estimate parameters of a scene from measurements, by weighted least squares.
@@ -63,7 +61,6 @@ def fit(
         columns: names or patterns of the columns that are used; all by default.
         laws: whether to fit every contact law, and return the fit of the best with the ranking of all.
         stop_time: until when [s] data are used, and that of the fitted scene; all data by default.
-        notify: as for ``simulate``.
         progress: called with the fraction done, if given.
 
     Raises:
@@ -96,7 +93,7 @@ def fit(
     def one(scenes: Sequence[Scene], progress: Progress) -> Fit:
         parameters = parameters_of(scenes, free, free_each, bounds or {})
         try:
-            found = _fit(Problem(scenes, measured, parameters, notify), progress)
+            found = _fit(Problem(scenes, measured, parameters), progress)
         except SceneError as error:
             raise SceneError("; ".join([str(error), *remarks])) from None
         return replace(found, notes=(*remarks, *found.notes))
@@ -311,7 +308,7 @@ def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
         if count < FEW:
             yield (
                 f"{name} has {plural(count, 'value')}: a σ that is estimated from fewer than {FEW} is rough, "
-                f"and so are the intervals. Give it if you know it: --sigma {shlex.quote(f'{name}=…')}"
+                "and so are the intervals. Give its sigma if you know it"
             )
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.compilation.work import Progress, silent
+from chain_impact.progress import Progress, silent
 from chain_impact.scene.reading import SceneError
 from chain_impact.studies.fit.least_squares import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
@@ -161,8 +161,8 @@ def _check(problem: Problem, whole: Evaluation) -> None:
             )
         if mine.sum() < 2:  # noqa: PLR2004
             raise SceneError(
-                f"{sources}: {name} has one value only, from which its sigma cannot be estimated; give it: "
-                f"--sigma {name}=2%, or a column sigma({name})"
+                f"{sources}: {name} has one value only, from which its sigma cannot be estimated: give it, "
+                f"sigma of {name} = 2% for example, or add a column sigma({name})"
             )
     if not whole.there.any():
         fault = problem.fault(whole) or "none of the measured impacts is there"

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from chain_impact.compilation.work import Progress
+from chain_impact.progress import Progress
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.studies.fit.result import Fit, LawFit

@@ -9,7 +9,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
@@ -73,7 +72,6 @@ class Problem:
         scenes: Sequence[Scene],
         data: Sequence[Measurements],
         parameters: Sequence[Parameter],
-        notify: Notify | None,
     ) -> None:
         """Prepare a run for each data set.
 
@@ -97,7 +95,7 @@ class Problem:
         ]
         try:
             self._runs = [
-                DifferentiatedRun(scene, [self.parameters[p].name for p in own], one.outputs, notify=notify)
+                DifferentiatedRun(scene, [self.parameters[p].name for p in own], one.outputs)
                 for scene, one, own in zip(self.scenes, self.data, self.own, strict=True)
             ]
         except SimulationError as error:

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
 from chain_impact.scene.names import SENSITIVITY, Place, nearest
 from chain_impact.scene.reading import SceneError
@@ -102,7 +101,7 @@ def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequ
 class Runner:
     """Runs blocks of a job in the kernel, in one thread: it has one instance to work with."""
 
-    def __init__(self, job: Job, notify: Notify | None = None) -> None:
+    def __init__(self, job: Job) -> None:
         """Load or compile the kernel.
 
         Raises:
@@ -110,7 +109,7 @@ class Runner:
         """
         asks = any(name.startswith(SENSITIVITY) for name in job.columns)
         model, varied = job.model, job.model.varied if asks else []
-        self._kernel = kernel_for(job.scene, notify, derivatives=bool(varied))
+        self._kernel = kernel_for(job.scene, derivatives=bool(varied))
         self._instance = model.new_instance(varied)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns = job.columns

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.compilation.work import Fact, Notify, Part, Progress, announce, silent
+from chain_impact.progress import Progress, log, silent
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.cluster import run_on_cluster
@@ -34,7 +34,6 @@ def sweep(
     path: str | Path | None = None,
     threads: int | None = None,
     scheduler: str | None = None,
-    notify: Notify | None = None,
     progress: Progress | None = None,
 ) -> Sweep:
     """Simulate a scene many times, each time with other values of some parameters.
@@ -59,9 +58,7 @@ def sweep(
         threads: how many runs are made at the same time; as many as there are cores by default.
         scheduler: address of a dask.distributed scheduler, ``tcp://host:port``, whose workers do the runs in
             place of this machine. They need the same version of this package.
-        notify: as for ``simulate``; also called on what an earlier call has left.
-        progress: called, if given, with the fraction done, a number that also has ``done`` and ``of``,
-            counted in runs.
+        progress: called with the fraction done, if given.
 
     Raises:
         SceneError: when an argument is not allowed, which is said before any run; or when another sweep has
@@ -71,7 +68,7 @@ def sweep(
         OSError: when a file cannot be read or written.
         BuildError: when the kernel cannot be compiled.
     """
-    scene, notify, progress = scene_of(scene), notify or announce, progress or silent
+    scene, progress = scene_of(scene), progress or silent
     threads = cores() if threads is None else threads
     if not isinstance(threads, int) or threads < 1:
         raise SceneError(f"{scene.name}: threads = {threads} must be a whole number >= 1")
@@ -90,9 +87,9 @@ def sweep(
         left = sum(end - first for first, end in spans)
         if target and left < len(rows):
             there = f"{len(rows) - left} of {len(rows)} runs are kept in {partial_path(target)}"
-            notify(Fact(f"{there}, {left} are left"))
+            log.info("%s, %s are left", there, left)
         if scheduler is None:
-            pieces = run_in_threads(job, design, spans, threads, notify)
+            pieces = run_in_threads(job, design, spans, threads)
         else:
             pieces = run_on_cluster(job, design, spans, scheduler)
         with closing(pieces):
@@ -100,7 +97,7 @@ def sweep(
                 rows[first : first + len(block)] = block
                 book.keep(first, block)
                 left -= len(block)
-                progress(Part(len(rows) - left, len(rows)))
+                progress(1.0 - left / len(rows))
         found = Sweep(scene, design, rows, job.outputs)
         if target:
             found.save(target)

@@ -9,7 +9,6 @@ from time import perf_counter
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job, Runner
 from chain_impact.studies.sweep.pieces import Pieces, Span
@@ -19,19 +18,19 @@ PIECE = 0.1  # s
 
 
 def run_in_threads(
-    job: Job, design: Design, spans: Sequence[Span], threads: int, notify: Notify | None
+    job: Job, design: Design, spans: Sequence[Span], threads: int
 ) -> Generator[tuple[int, np.ndarray]]:
     """Yield the rows of the runs in some spans, piece by piece as they are done: (first, rows).
 
     Whoever stops listening, by Ctrl-C for one, waits for less than a second until all threads have ended.
     """
-    Runner(job, notify)  # compiles the kernel, here
+    Runner(job)  # compiles the kernel, here
     pieces, enough = Pieces(spans, threads, PIECE), Event()
     finished: SimpleQueue[tuple[int, np.ndarray] | BaseException | None] = SimpleQueue()
 
     def work() -> None:
         try:
-            runner = Runner(job, notify)
+            runner = Runner(job)
             while (piece := pieces.take()) and not enough.is_set():
                 started = perf_counter()
                 rows = runner.run(design.values(*piece), lambda: not enough.is_set())
