@@ -19,7 +19,6 @@ FRICTION_WITH_RIGID_WALLS = 15
 FORCES_NOT_FOUND = 16
 STATIC_BELOW_SLIDING = 17
 STOPS_REVERSED = 18
-LAST_STATUS = STOPS_REVERSED
 LOG_FULL = -1  # not a fault: collect the finished contacts, then continue
 PAUSED = -2  # not a fault: the caller may continue
 ONSET_DUE = -3  # not a fault: contacts begin at the time reached and are not yet applied
@@ -61,28 +60,9 @@ STATUS_TEXT = {
     "at least that, or 0 for the same",
     STOPS_REVERSED: "joint_min is not below joint_max",
 }
-
-STATUS_NAME = {
-    OK: "ok",
-    STEP_TOO_SMALL: "step_too_small",
-    NOT_FINITE: "not_finite",
-    EVENT_STORM: "event_storm",
-    STARTS_INSIDE_WALL: "starts_inside_wall",
-    RESTITUTION_NOT_ALLOWED: "restitution_not_allowed",
-    UNKNOWN_LAW: "unknown_law",
-    UNKNOWN_METHOD: "unknown_method",
-    PARAMETER_OUT_OF_RANGE: "parameter_out_of_range",
-    TOO_MUCH_WORK: "too_much_work",
-    EXPONENT_NOT_ALLOWED: "exponent_not_allowed",
-    RIGID_WHILE_TOUCHING: "rigid_while_touching",
-    ENERGY_NOT_KEPT: "energy_not_kept",
-    MASS_MATRIX_SINGULAR: "mass_matrix_singular",
-    STEP_TOO_LONG: "step_too_long",
-    FRICTION_WITH_RIGID_WALLS: "friction_with_rigid_walls",
-    FORCES_NOT_FOUND: "forces_not_found",
-    STATIC_BELOW_SLIDING: "static_below_sliding",
-    STOPS_REVERSED: "stops_reversed",
-}
+# Status → its name in the tables of sweeps, that of the constant.
+STATUS_NAME = {code: name.lower() for name, code in globals().items() if name[0] != "_" and code in range(99)}
+LAST_STATUS = max(STATUS_TEXT)
 
 
 def set_status(d, status):

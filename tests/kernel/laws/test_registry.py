@@ -25,12 +25,13 @@ def test_a_law_is_registered_under_the_name_of_its_function(options, monkeypatch
         """Likewise."""
         return e
 
-    register = contact_law("Title", "Source", "2e", accurate=(0.25, 0.75), evidence="D", **options)
+    register = contact_law("Title", "2001, Source", "2e", (0.25, 0.75), "D", **options)
     assert register(one) is one
-    contact_law("Other", "Source", "e", accurate=(0.0, 1.0), evidence="E", impulsive=True)(other)
+    contact_law("Other", "Others 2002, Source", "e", (0.0, 1.0), "E", impulsive=True)(other)
     assert list(laws) == ["one", "other"]
     law = laws["one"]
-    assert (law.id, law.number, law.title, law.source, law.formula) == ("one", 1, "Title", "Source", "2e")
+    assert (law.id, law.number, law.title, law.formula) == ("one", 1, "Title", "2e")
+    assert (law.source, laws["other"].source) == ("Title 2001, Source", "Others 2002, Source")
     assert (law.limits, law.evidence) == ("Good for nothing.", "D")
     assert (law.accurate_from, law.accurate_to, law.damping_factor) == (0.25, 0.75, one)
     assert law.allows_zero == ("allows_zero" not in options)

@@ -25,55 +25,31 @@ from chain_impact.kernel.laws.viscoelastic import viscoelastic_factor
 # ---- the Hunt–Crossley family ---------------------------------------------------------------------------
 
 
-@contact_law("Hertz", "Hertz 1881, J Reine Angew Math 92:156", "0", accurate=(1.0, 1.0), evidence="A")
+@contact_law("Hertz", "1881, J Reine Angew Math 92:156", "0", (1.0, 1.0), "A")
 def hertz(e):
     """Elastic: no dissipation, whatever e."""
     return 0.0 * e
 
 
-@contact_law(
-    "Hunt & Crossley",
-    "Hunt & Crossley 1975, J Appl Mech 42:440",
-    "3(1−e)/2",
-    accurate=(0.785, 1.0),
-    evidence="A",
-)
+@contact_law("Hunt & Crossley", "1975, J Appl Mech 42:440", "3(1−e)/2", (0.785, 1.0), "A")
 def hunt_crossley(e):
     """For e near 1: energy lost along the elastic path."""
     return 1.5 * (1.0 - e)
 
 
-@contact_law(
-    "Herbert & McWhannell",
-    "Herbert & McWhannell 1977, J Eng Ind 99:513",
-    "6(1−e)/[(2e−1)²+3]",
-    accurate=(0.66, 1.0),
-    evidence="B",
-)
+@contact_law("Herbert & McWhannell", "1977, J Eng Ind 99:513", "6(1−e)/[(2e−1)²+3]", (0.66, 1.0), "B")
 def herbert_mcwhannell(e):
     """Impact of a gear pair, integrated over the contact."""
     return 6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0)
 
 
-@contact_law(
-    "Lee & Wang",
-    "Lee & Wang 1983, J Mech Transm Autom Des 105:534",
-    "3(1−e)/4",
-    accurate=(0.915, 1.0),
-    evidence="B",
-)
+@contact_law("Lee & Wang", "1983, J Mech Transm Autom Des 105:534", "3(1−e)/4", (0.915, 1.0), "B")
 def lee_wang(e):
     """Half the damping of Hunt and Crossley: for e close to 1."""
     return 0.75 * (1.0 - e)
 
 
-@contact_law(
-    "Lankarani & Nikravesh",
-    "Lankarani & Nikravesh 1990, J Mech Des 112:369",
-    "3(1−e²)/4",
-    accurate=(0.82, 1.0),
-    evidence="B, recomputed",
-)
+@contact_law("Lankarani & Nikravesh", "1990, J Mech Des 112:369", "3(1−e²)/4", (0.82, 1.0), "B, recomputed")
 def lankarani_nikravesh(e):
     """For e near 1: energy lost, from momentum balance, along the elastic path."""
     return 0.75 * (1.0 - e * e)
@@ -83,8 +59,8 @@ def lankarani_nikravesh(e):
     "Gonthier et al.",
     "Gonthier, McPhee, Lange & Piedbœuf 2004, Multibody Syst Dyn 11:209",
     "(1−e²)/e",
-    accurate=(0.0, 1.0),
-    evidence="A",
+    (0.0, 1.0),
+    "A",
     allows_zero=False,
 )
 def gonthier(e):
@@ -94,10 +70,10 @@ def gonthier(e):
 
 @contact_law(
     "Zhang & Sharf",
-    "Zhang & Sharf 2009, J Appl Mech 76:051002",
+    "2009, J Appl Mech 76:051002",
     "root of λ(1+e) = ln[(1+λ)/(1−λe)]",
-    accurate=(0.0, 1.0),
-    evidence="derived; after the paper",
+    (0.0, 1.0),
+    "derived; after the paper",
     allows_zero=False,
 )
 def zhang_sharf(e):
@@ -120,25 +96,14 @@ def zhang_sharf(e):
     return -math.expm1(-s) / e
 
 
-@contact_law(
-    "Zhiying & Qishao",
-    "Zhiying & Qishao 2006, J Dyn Control 4:294",
-    "¾(1−e²)e^{2(1−e)}",
-    accurate=(0.335, 1.0),
-    evidence="B",
-)
+@contact_law("Zhiying & Qishao", "2006, J Dyn Control 4:294", "¾(1−e²)e^{2(1−e)}", (0.335, 1.0), "B")
 def zhiying_qishao(e):
     """Lankarani and Nikravesh, corrected for lower e."""
     return 0.75 * (1.0 - e * e) * math.exp(2.0 * (1.0 - e))
 
 
 @contact_law(
-    "Ye, Li & Zhu",
-    "Ye, Li & Zhu 2009, Earthq Eng Struct Dyn 38:1135",
-    "8(1−e)/(5e)",
-    accurate=(0.54, 1.0),
-    evidence="A",
-    allows_zero=False,
+    "Ye, Li & Zhu", "2009, Earthq Eng Struct Dyn 38:1135", "8(1−e)/(5e)", (0.54, 1.0), "A", allows_zero=False
 )
 def ye(e):
     """Pounding of buildings; the formula that Flores et al. found too."""
@@ -149,8 +114,8 @@ def ye(e):
     "Flores et al.",
     "Flores, Machado, Silva & Martins 2011, Multibody Syst Dyn 25:357",
     "8(1−e)/(5e)",
-    accurate=(0.54, 1.0),
-    evidence="A",
+    (0.54, 1.0),
+    "A",
     allows_zero=False,
 )
 def flores(e):
@@ -158,26 +123,14 @@ def flores(e):
     return 1.6 * (1.0 - e) / e
 
 
-@contact_law(
-    "Gharib & Hurmuzlu",
-    "Gharib & Hurmuzlu 2012, J Appl Mech 79:064506",
-    "1/e",
-    accurate=(0.0, 0.28),
-    evidence="C",
-    allows_zero=False,
-)
+@contact_law("Gharib & Hurmuzlu", "2012, J Appl Mech 79:064506", "1/e", (0.0, 0.28), "C", allows_zero=False)
 def gharib_hurmuzlu(e):
     """For low e only: at e = 1 the realised restitution is 0.594."""
     return 1.0 / e
 
 
 @contact_law(
-    "Hu & Guo",
-    "Hu & Guo 2015, Multibody Syst Dyn 35:131",
-    "3(1−e)/(2e)",
-    accurate=(0.405, 1.0),
-    evidence="C",
-    allows_zero=False,
+    "Hu & Guo", "2015, Multibody Syst Dyn 35:131", "3(1−e)/(2e)", (0.405, 1.0), "C", allows_zero=False
 )
 def hu_guo(e):
     """Energy lost along the damped path."""
@@ -185,11 +138,7 @@ def hu_guo(e):
 
 
 @contact_law(
-    "Carvalho & Martins",
-    "Carvalho & Martins 2019, Mech Mach Theory 139:174",
-    "(3/2)(1−e)(11−e)/(1+9e)",
-    accurate=(0.21, 1.0),
-    evidence="A",
+    "Carvalho & Martins", "2019, Mech Mach Theory 139:174", "(3/2)(1−e)(11−e)/(1+9e)", (0.21, 1.0), "A"
 )
 def carvalho_martins(e):
     """A rational fit to the exact relation, in use down to e ≈ 0.2."""
@@ -203,11 +152,11 @@ def carvalho_martins(e):
     "Kelvin–Voigt",
     "Anagnostopoulos 1988, Earthq Eng Struct Dyn 16:443; 2004, 33:897",
     "2ζ, ζ = −ln e/√(π²+ln²e)",
+    (0.611, 1.0),
+    "C, recomputed",
     exponent=1.0,
     rate_exponent=0.0,
     mass_power=0.5,
-    accurate=(0.611, 1.0),
-    evidence="C, recomputed",
     allows_zero=False,
 )
 def kelvin_voigt(e):
@@ -220,13 +169,13 @@ def kelvin_voigt(e):
 
 @contact_law(
     "Tsuji, Tanaka & Ishida",
-    "Tsuji, Tanaka & Ishida 1992, Powder Technol 71:239; α after Antypov & Elliott 2011, EPL 94:50004",
+    "1992, Powder Technol 71:239; α after Antypov & Elliott 2011, EPL 94:50004",
     "α = −√5 ln e/√(π²+ln²e)",
+    (0.611, 1.0),
+    "C, recomputed",
     exponent=1.5,
     rate_exponent=0.25,
     mass_power=0.5,
-    accurate=(0.611, 1.0),
-    evidence="C, recomputed",
     allows_zero=False,
 )
 def tsuji(e):
@@ -241,14 +190,14 @@ def _logarithmic_damping(scale, e):
 
 @contact_law(
     "Jankowski",
-    "Jankowski 2005, Earthq Eng Struct Dyn 34:595",
+    "2005, Earthq Eng Struct Dyn 34:595",
     "2ξ, ξ = (9√5/2)(1−e²)/{e[e(9π−16)+16]}",
+    (0.164, 1.0),
+    "C, recomputed",
     exponent=1.5,
     rate_exponent=0.25,
     mass_power=0.5,
     approach_only=True,
-    accurate=(0.164, 1.0),
-    evidence="C, recomputed",
     allows_zero=False,
 )
 def jankowski(e):
@@ -258,13 +207,13 @@ def jankowski(e):
 
 @contact_law(
     "Kuwabara & Kono",
-    "Kuwabara & Kono 1987, Jpn J Appl Phys 26:1230",
+    "1987, Jpn J Appl Phys 26:1230",
     "root of e′ = e at 1 m/s",
+    (0.0, 1.0),
+    "derived; after the paper",
     exponent=1.5,
     rate_exponent=0.5,
     mass_power=0.4,
-    accurate=(0.0, 1.0),
-    evidence="derived; after the paper",
     allows_zero=False,
 )
 def kuwabara_kono(e):
@@ -282,10 +231,10 @@ def kuwabara_kono(e):
 
 @contact_law(
     "Newton",
-    "Newton 1687, Principia; Moreau 1988, CISM Courses 302:1",
+    "1687, Principia; Moreau 1988, CISM Courses 302:1",
     "none: u⁺ = −e u⁻",
-    accurate=(0.0, 1.0),
-    evidence="C",
+    (0.0, 1.0),
+    "C",
     impulsive=True,
 )
 def newton_impact(e):

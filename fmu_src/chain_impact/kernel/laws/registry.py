@@ -1,51 +1,32 @@
 """The registry of contact laws: the properties of each, and the order of their numbers in the FMU."""
 
+from dataclasses import dataclass
+
 FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
 POWERS = {0.0: "", 0.25: "δ^¼ ", 0.5: "δ^½ "}
 DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 
 
+@dataclass(frozen=True)
 class ContactLaw:
-    """One entry of the registry: F = max(0, K δⁿ + d δᵖ δ̇), or impulses.
+    """One entry of the registry: F = max(0, K δⁿ + d δᵖ δ̇), or impulses."""
 
-    Attributes:
-        id: its name in scene files and in the FMU.
-        number: its number in the FMU's enumeration, from 1.
-        title: authors, for tables.
-        source: author, year, journal.
-        formula: the factor f(e) as text; λ(e) of the Hunt–Crossley family.
-        limits: its range of use, its limits and known flaws.
-        evidence: how the formula was checked; see docs/contact_laws.md.
-        accurate_from, accurate_to: restitutions for which the rebound is within 5 % of the prescribed one.
-        allows_zero: whether f(0) is finite.
-        exponent: the n for which it is defined; None for any.
-        rate_exponent: p; None for p = n.
-        mass_power: s of d = f K^(1−s) m^s, with the effective mass m; 0 for the family, where d = λ K/v₀.
-        approach_only: whether the damping acts only during compression.
-        impulsive: whether the walls are rigid: impulses instead of a force (kernel/events/impulses.py).
-        damping_factor: f(e), a function of the kernel.
-    """
-
-    id: str
-    number: int
-    title: str
-    source: str
-    formula: str
-    limits: str
-    evidence: str
-    accurate_from: float
+    id: str  # its name in scene files and in the FMU
+    number: int  # in the FMU's enumeration, from 1
+    title: str  # authors, for tables
+    source: str  # author, year, journal
+    formula: str  # the factor f(e) as text; λ(e) of the Hunt–Crossley family
+    limits: str  # its range of use, its limits and known flaws
+    evidence: str  # how the formula was checked; see docs/contact_laws.md
+    accurate_from: float  # restitutions for which the rebound is within 5 % of the prescribed one
     accurate_to: float
-    allows_zero: bool
-    exponent: float | None
-    rate_exponent: float | None
-    mass_power: float
-    approach_only: bool
-    impulsive: bool
-    damping_factor: object
-
-    def __init__(self, **entries: object) -> None:
-        for name, value in entries.items():
-            setattr(self, name, value)
+    damping_factor: object  # f(e), a function of the kernel
+    allows_zero: bool = True  # whether f(0) is finite
+    exponent: float | None = None  # the n for which it is defined; None for any
+    rate_exponent: float | None = None  # p; None for p = n
+    mass_power: float = 0.0  # s of d = f K^(1−s) m^s, m the effective mass; 0 for the family: d = λ K/v₀
+    approach_only: bool = False  # whether the damping acts only during compression
+    impulsive: bool = False  # whether the walls are rigid, see kernel/events/impulses.py
 
     @property
     def restitution_range(self) -> str:
@@ -86,23 +67,10 @@ class ContactLaw:
 CONTACT_LAWS: dict[str, ContactLaw] = {}
 
 
-def contact_law(
-    title,
-    source,
-    formula,
-    *,
-    accurate,
-    evidence,
-    allows_zero=True,
-    exponent=None,
-    rate_exponent=None,
-    mass_power=0.0,
-    approach_only=False,
-    impulsive=False,
-):
+def contact_law(title, source, formula, accurate, evidence, **properties):
     """Register the decorated f(e) as the next contact law, under the function's name.
 
-    Its docstring states the limits of the law.
+    Its docstring states the limits of the law. A source that begins with a year is by whom the title names.
     """
 
     def register(function):
@@ -110,20 +78,15 @@ def contact_law(
             id=function.__name__,
             number=len(CONTACT_LAWS) + 1,
             title=title,
-            source=source,
+            source=f"{title} {source}" if source[0].isdigit() else source,
             formula=formula,
             limits=" ".join(function.__doc__.split()),
             evidence=evidence,
             accurate_from=accurate[0],
             accurate_to=accurate[1],
-            allows_zero=allows_zero,
-            exponent=exponent,
-            rate_exponent=rate_exponent,
-            mass_power=mass_power,
-            approach_only=approach_only,
-            impulsive=impulsive,
             damping_factor=function,
+            **properties,
         )
-        return CONTACT_LAWS[function.__name__].damping_factor
+        return function
 
     return register
