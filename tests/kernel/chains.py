@@ -11,7 +11,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.energy import mechanical_energy
-from chain_impact.kernel.model.geometry import along_normal
+from chain_impact.kernel.model.geometry import along, normal
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene, scene_from_dict
@@ -135,7 +135,7 @@ def touch(d: Plain, candidates: Iterable[int]) -> None:
 
 def press_in(d: Plain, c: int, depth: float) -> None:
     """Put the wall of candidate c where its point, as it is located, is ``depth`` [m] deep in it."""
-    d.candidate.offset[c] = along_normal(d, c, d.work.position) - d.contact.radius + depth
+    d.candidate.offset[c] = along(normal(d, c), d.work.position) - d.contact.radius + depth
 
 
 def struck(rng: np.random.Generator, d: Plain, candidates: Iterable[int], depth: float = 1e-3) -> np.ndarray:

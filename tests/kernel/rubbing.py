@@ -17,7 +17,7 @@ from chain_impact.kernel.model.friction import (
     list_friction,
     set_friction_used,
 )
-from chain_impact.kernel.model.geometry import along_tangent, tangent
+from chain_impact.kernel.model.geometry import tangent, tangential_acceleration, tangential_position
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model
 from tests.kernel.chains import chain, press_in, random_state, touch
@@ -113,7 +113,7 @@ class AtRest:
         d.element.mode[:] = NO_FRICTION
         d.element.mode[self.elements] = rng.choice(MODES, len(self.elements))
         d.element.force[self.elements] = rng.choice((-1.0, 1.0), len(self.elements))
-        d.element.anchor[self.elements] = [along_tangent(d, e, d.work.position) for e in self.elements]
+        d.element.anchor[self.elements] = [tangential_position(d, e) for e in self.elements]
 
     def accelerations(self) -> np.ndarray:
         """t·a of all elements, as the kernel has it at the end of the last step."""
@@ -121,7 +121,7 @@ class AtRest:
         locate_points(d, d.step.state_end)
         located_rate(d, d.step.state_end, rate)
         accelerate_points(d, d.step.state_end, rate)
-        return np.array([along_tangent(d, e, d.work.acceleration) for e in self.elements])
+        return np.array([tangential_acceleration(d, e) for e in self.elements])
 
     @property
     def modes(self) -> tuple[int, ...]:

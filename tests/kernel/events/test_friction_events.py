@@ -22,7 +22,7 @@ from chain_impact.kernel.events.kinds import NONE, ONSET, SLIDING_ENDS, STICKING
 from chain_impact.kernel.events.marks import pending_changes
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.friction import STICKS
-from chain_impact.kernel.model.geometry import along_tangent
+from chain_impact.kernel.model.geometry import tangential_rate
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.model import Model
@@ -62,7 +62,7 @@ def test_a_step_ends_where_a_link_with_a_dry_joint_stops(speed, method):
     assert run_to_change(d, 2.0 * exact.stop) == {joint: SLIDING_ENDS}
     assert d.step.end == pytest.approx(exact.stop, abs=RESOLVED)
     assert d.step.state_end[2] == pytest.approx(exact.turned, abs=RESOLVED)
-    assert abs(along_tangent(d, joint, d.work.velocity)) < RESOLVED
+    assert abs(tangential_rate(d, joint)) < RESOLVED
     assert advance_one_step(d) == OK
     assert (d.element.mode[joint], d.friction.stuck_count) == (STICKS, 1)
     assert d.step.state_end[2] == pytest.approx(exact.turned, abs=RESOLVED)
@@ -131,7 +131,7 @@ def test_both_joints_of_a_symmetric_chain_stop_in_one_step():
     joints = [d.candidates + 1, d.candidates + 2]
     assert run_to_change(d, 2.0) == dict.fromkeys(joints, SLIDING_ENDS)
     for e in joints:
-        assert abs(along_tangent(d, e, d.work.velocity)) < 1e-9
+        assert abs(tangential_rate(d, e)) < 1e-9
     assert advance_one_step(d) == OK
     assert d.element.mode[joints].tolist() == [STICKS, STICKS]
     assert d.changes.count >= 4  # both at the start, and both now
@@ -146,7 +146,7 @@ def test_a_step_ends_where_a_point_stops_on_a_wall(sliding):
     d = started(table)
     assert run_to_change(d, exact.end) == {0: SLIDING_ENDS}
     assert exact.onset < d.step.end < exact.end
-    assert abs(along_tangent(d, 0, d.work.velocity)) < 1e-9
+    assert abs(tangential_rate(d, 0)) < 1e-9
     assert advance_one_step(d) == OK
     assert d.element.mode[0] == STICKS
 
@@ -235,7 +235,7 @@ def test_sliding_has_ended_where_it_is_backward_by_more_than_round_off(rubbing, 
     d, elements = rubbing
     e = elements[0]
     d.element.mode[e] = sign
-    speed = sign * float(along_tangent(d, e, d.work.velocity))
+    speed = sign * float(tangential_rate(d, e))
     assert has_changed(d, e, 1.0) == (speed < 0.0)
     d.element.slack[e] = abs(speed) - 2.0 * rest_speed(d)
     assert has_changed(d, e, 1.0) == (speed < 0.0)

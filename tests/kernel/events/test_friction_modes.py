@@ -12,7 +12,7 @@ from chain_impact.kernel.events.kinds import STICKING_ENDS
 from chain_impact.kernel.events.marks import pending_changes
 from chain_impact.kernel.model.contact import list_touching
 from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, list_sticking
-from chain_impact.kernel.model.geometry import along_tangent
+from chain_impact.kernel.model.geometry import tangential_position, tangential_rate
 from tests.kernel.rubbing import MODES, AtRest, rubbing_chain
 
 CASES = [("free", 2, True), ("free", 3, False), ("pinned", 1, True), ("pinned", 0, True), ("free", 0, True)]
@@ -96,7 +96,7 @@ def test_what_moves_slides_in_the_direction_of_its_motion(jumped):
     _, d, y = rubbing_chain(rng, "free", 3, True)
     d.step.state_end[:] = y
     elements = [int(e) for e in d.element.index[: d.friction.count]]
-    signs = [int(np.sign(along_tangent(d, e, d.work.velocity))) for e in elements]
+    signs = [int(np.sign(tangential_rate(d, e))) for e in elements]
     assert set(signs) == {1, -1}
     d.element.mode[elements] = STICKS if jumped else [-sign for sign in signs]
     update_modes(d, jumped)
@@ -125,8 +125,8 @@ def test_anchors_are_kept_by_what_stuck_before_and_otherwise_set():
     # the state is projected onto all of them
     locate_points(d, d.step.state_end)
     for e in chain.elements:
-        assert along_tangent(d, e, d.work.position) == pytest.approx(d.element.anchor[e], abs=1e-12)
-        assert abs(along_tangent(d, e, d.work.velocity)) < 1e-12
+        assert tangential_position(d, e) == pytest.approx(d.element.anchor[e], abs=1e-12)
+        assert abs(tangential_rate(d, e)) < 1e-12
     d.element.anchor[chain.elements] = moved + 1e-3
     update_modes(d, True)
     assert d.element.anchor[chain.elements] == pytest.approx(moved, abs=1e-8)

@@ -18,7 +18,7 @@ from chain_impact.kernel.integration.last_step import OUTPUTS, accept, ensure_de
 from chain_impact.kernel.integration.methods import attempt
 from chain_impact.kernel.integration.trial import NOT_FINITE, accepted
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.geometry import along_normal
+from chain_impact.kernel.model.geometry import along, gap_acceleration, normal
 from chain_impact.kernel.status import OK
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
@@ -374,12 +374,12 @@ def test_of_several_contacts_a_step_passes_the_first_end_or_covers_half_of_the_w
     gaps, speeds, left = [-1e-3, -1e-3, -1e-5], [0.5, 0.5, -1.0], []
     gaps[first] /= 3.0
     for c, gap, speed in zip((1, 6, 8), gaps, speeds, strict=True):
-        place, normal = d.candidate.place[c], (d.candidate.normal_x[c], d.candidate.normal_y[c])
-        d.candidate.offset[c] = along_normal(d, c, d.work.position) - d.contact.radius - gap
-        d.work.velocity.x[place], d.work.velocity.y[place] = (speed * n for n in normal)
+        place, *n = row = normal(d, c)
+        d.candidate.offset[c] = along(row, d.work.position) - d.contact.radius - gap
+        d.work.velocity.x[place], d.work.velocity.y[place] = speed * np.array(n)
     longest = toward_end(d, 1.0)
     for c, gap, speed in zip((1, 6), gaps[:2], speeds[:2], strict=True):
-        roots = np.roots([0.5 * along_normal(d, c, d.work.acceleration), speed, gap])
+        roots = np.roots([0.5 * gap_acceleration(d, c), speed, gap])
         left.append(min(roots[roots > 0.0]))
     assert np.argmin(left) == first
     assert longest == pytest.approx(BEYOND * min(left), rel=1e-9)

@@ -11,7 +11,7 @@ from chain_impact.kernel.model.compliance import (
     solve_chain,
     solve_contacts,
 )
-from chain_impact.kernel.model.geometry import add_along_normal, clear_loads_of
+from chain_impact.kernel.model.geometry import add_along, clear_loads_of, normal
 from tests.kernel.chain.test_damped import relative_motion
 from tests.kernel.chains import (
     chain,
@@ -58,7 +58,7 @@ def load(d, impulse, joints):
     """Load the points with impulses of the contacts, packed, and the joints with others."""
     clear_loads_of(d, d.work.load)
     for k in range(d.touch.active_count):
-        add_along_normal(d, d.touch.active_index[k], d.work.load, impulse[k])
+        add_along(normal(d, d.touch.active_index[k]), d.work.load, impulse[k])
     d.work.load.joint[:] += joints
 
 

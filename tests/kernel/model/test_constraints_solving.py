@@ -30,7 +30,7 @@ from chain_impact.kernel.model.constraints import (
     solve_equality,
     solve_lcp,
 )
-from chain_impact.kernel.model.geometry import along_normal
+from chain_impact.kernel.model.geometry import along, normal
 from chain_impact.kernel.model.holding import (
     least_impulse,
 )
@@ -69,7 +69,7 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
         d.rigid.impedance[0] = amount
         factorize_contacts(d, d.work.link, d.rigid.impedance, 0.0, d.rigid.factors)
         solve_contacts(d, d.work.link, d.rigid.factors, np.ones(len(d.rigid.impulse)), d.rigid.change)
-        moved = along_normal(d, c, d.work.motion)
+        moved = along(normal(d, c), d.work.motion)
         assert moved == pytest.approx(w[k, k] / (1.0 + amount * w[k, k]), rel=1e-6)
         assert moved < 1e-5 * w[k, k]
         touch(d, CANDIDATES if base == "free" else [c - 1 for c in CANDIDATES])

@@ -32,7 +32,7 @@ from chain_impact.kernel.model.friction import (
     slide,
     suspend_sticking,
 )
-from chain_impact.kernel.model.geometry import along_tangent
+from chain_impact.kernel.model.geometry import tangential_acceleration, tangential_position, tangential_rate
 from tests.kernel.chains import chain, struck
 from tests.kernel.rubbing import MOMENT, MU, MU_S, mobility, rubbing_chain, tangents
 
@@ -119,12 +119,12 @@ def test_what_sticks_has_no_tangential_acceleration(base, contacts, joints):
     found = elements_of(d)
     d.friction.count = d.friction.contact_count = 0
     free = rate_of(d, y)
-    bias = np.array([along_tangent(d, e, d.work.acceleration) for e in found])
+    bias = np.array([tangential_acceleration(d, e) for e in found])
     list_friction(d)
     d.element.mode[found] = STICKS
     list_sticking(d)
     rate = rate_of(d, y)
-    left = [along_tangent(d, e, d.work.acceleration) for e in found]
+    left = [tangential_acceleration(d, e) for e in found]
     np.testing.assert_allclose(left, 0.0, atol=1e-11 * (1.0 + np.abs(bias).max()))
     response, w = mobility(scene, d, y, tangents(scene, d, y, found))
     forces = np.linalg.lstsq(w, -bias, rcond=1e-10)[0]
@@ -138,20 +138,20 @@ def test_what_sticks_has_no_tangential_acceleration(base, contacts, joints):
 def test_a_contact_begins_in_the_direction_of_its_motion():
     _, d, _ = rubbing_chain(np.random.default_rng(4), "free", 1, False)
     c = int(d.touch.active_index[0])
-    speed = along_tangent(d, c, d.work.velocity)
+    speed = tangential_rate(d, c)
     begin_friction(d, c)
     assert d.element.mode[c] == np.sign(speed)
     for vector in (d.work.velocity.x, d.work.velocity.y):
         vector[:] = 0.0
     begin_friction(d, c)
     assert d.element.mode[c] == STICKS
-    assert d.element.anchor[c] == along_tangent(d, c, d.work.position) != 0.0
+    assert d.element.anchor[c] == tangential_position(d, c) != 0.0
 
 
 def test_margins_are_the_least_of_a_step():
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 1, False)
     c = int(d.touch.active_index[0])
-    speed = along_tangent(d, c, d.work.velocity)
+    speed = tangential_rate(d, c)
     d.element.mode[c] = -int(np.sign(speed))
     d.element.margin[c] = 7.0
     clear_margins(d)
@@ -175,7 +175,7 @@ def test_an_anchor_moves_only_where_it_cannot_be_held():
     c = int(d.touch.active_index[0])
     d.element.mode[c] = STICKS
     list_sticking(d)
-    there = along_tangent(d, c, d.work.position)
+    there = tangential_position(d, c)
     near = there + 0.5 * NOT_HELD * d.model.size
     d.element.anchor[c] = near
     keep_anchors(d)
@@ -206,7 +206,7 @@ def test_a_contact_that_begins_has_a_mode_and_is_listed():
     start_contact(d, 1)
     list_touching(d)
     assert elements_of(d) == [1]
-    assert d.element.mode[1] == np.sign(along_tangent(d, 1, d.work.velocity)) != 0.0
+    assert d.element.mode[1] == np.sign(tangential_rate(d, 1)) != 0.0
 
 
 def test_what_a_step_has_noted_of_friction_is_forgotten_with_the_step():

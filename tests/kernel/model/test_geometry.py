@@ -11,22 +11,22 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.geometry import (
     NORMALS,
     WALLS,
-    add_along_normal,
-    add_along_tangent,
+    add_along,
     add_impedance,
-    add_tangential_impedance,
-    along_normal,
-    along_tangent,
+    along,
     clear_loads_of,
     clearance,
     coordinates_size,
+    gap_acceleration,
     impedance_of_joints,
     lever,
+    normal,
     place_side,
     place_slope,
     place_walls,
     speed_bound,
     tangent,
+    tangential_rate,
     to_joints,
 )
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE
@@ -70,17 +70,12 @@ def vectors(d, seed):
     return d.work.motion, values
 
 
-def normal(d, c):
-    """The inward normal of the wall of candidate c."""
-    return d.candidate.normal_x[c], d.candidate.normal_y[c]
-
-
 def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
     scene, d = placed
     planes = list(scene.half_planes.values())
     for c in range(d.candidates):
         expected = planes[c % len(planes)]
-        np.testing.assert_allclose(normal(d, c), expected.normal, rtol=0, atol=3e-16)
+        np.testing.assert_allclose(normal(d, c)[1:], expected.normal, rtol=0, atol=3e-16)
         assert d.candidate.offset[c] == pytest.approx(expected.offset, rel=1e-14, abs=1e-14)
 
 
@@ -91,7 +86,7 @@ def test_the_normals_of_the_box_are_exact():
     assert len(sides) == 4 * 5
     for c in sides:
         wall = d.candidate.wall[c]
-        assert normal(d, c) == NORMALS[wall]
+        assert normal(d, c)[1:] == NORMALS[wall]
         assert abs(d.candidate.offset[c]) == abs(d.model.wall[wall])
 
 
@@ -114,9 +109,9 @@ def test_what_is_added_along_a_normal_is_found_along_it(placed):
     _, d = placed
     for c in range(d.candidates):
         motion, values = vectors(d, c)
-        point, n = d.candidate.point[c], np.array(normal(d, c))
-        assert along_normal(d, c, motion) == pytest.approx(values[point] @ n, abs=1e-15)
-        add_along_normal(d, c, motion, 2.5)
+        point, n = d.candidate.point[c], np.array(normal(d, c)[1:])
+        assert along(normal(d, c), motion) == pytest.approx(values[point] @ n, abs=1e-15)
+        add_along(normal(d, c), motion, 2.5)
         found = np.transpose([motion.x, motion.y])[: d.links + 1]
         values[point] += 2.5 * n
         np.testing.assert_allclose(found, values, rtol=0, atol=1e-15)
@@ -126,8 +121,8 @@ def test_an_impedance_acts_along_the_normal_alone(placed):
     _, d = placed
     total = np.zeros((d.links + 1, 2, 2))
     for c in range(d.candidates):
-        add_impedance(d, c, d.work.impedance, 1.0 + c)
-        total[d.candidate.point[c]] += (1.0 + c) * np.outer(normal(d, c), normal(d, c))
+        add_impedance(normal(d, c), d.work.impedance, 1.0 + c)
+        total[d.candidate.point[c]] += (1.0 + c) * np.outer(normal(d, c)[1:], normal(d, c)[1:])
     impedance = d.work.impedance
     for name, found in (("xx", total[:, 0, 0]), ("xy", total[:, 0, 1]), ("yy", total[:, 1, 1])):
         np.testing.assert_allclose(impedance[name][: d.links + 1], found, rtol=1e-14, atol=1e-13)
@@ -149,11 +144,11 @@ def test_a_candidate_can_be_given_any_wall(c):
     planes = list(scene.half_planes.values())
     for side in range(len(WALLS)):
         place_side(d, c, side)
-        assert normal(d, c) == planes[side].normal
+        assert normal(d, c)[1:] == planes[side].normal
         assert d.candidate.offset[c] == planes[side].offset
     for w, (angle, point) in enumerate(SLOPES):
         place_slope(d, c, w)
-        along, n = np.array([math.cos(angle), math.sin(angle)]), np.array(normal(d, c))
+        along, n = np.array([math.cos(angle), math.sin(angle)]), np.array(normal(d, c)[1:])
         assert along[0] * n[1] - along[1] * n[0] == pytest.approx(1.0, abs=1e-15)  # n is to the left
         for distance in (0.0, 0.7):
             place = np.array(point) - 3.0 * along + distance * n
@@ -215,11 +210,11 @@ def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
     motion = d.work.motion
     bound = speed_bound(d, motion)
     for c in range(d.candidates):
-        speed, force = along_normal(d, c, motion), rng.normal()
+        speed, force = along(normal(d, c), motion), rng.normal()
         assert abs(speed) <= bound
         d.work.load.x[:] = d.work.load.y[:] = d.work.load.joint[:] = 9.0
         clear_loads_of(d, d.work.load)
-        add_along_normal(d, c, d.work.load, force)
+        add_along(normal(d, c), d.work.load, force)
         load, own = d.work.load, d.work.impedance
         assert load.x @ motion.x + load.y @ motion.y == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
         # as moments in the joints and forces on the points
@@ -230,7 +225,7 @@ def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
         own.xx[:] = own.xy[:] = own.yy[:] = own.joint[:] = 9.0
         no_impedance(d, own)
         own.xy[d.links + 1 :] = own.yy[d.links + 1 :] = 0.0  # which nothing reads
-        add_impedance(d, c, own, 2.5)
+        add_impedance(normal(d, c), own, 2.5)
         energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2
         assert energy == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
         impedance_of_joints(d, own)
@@ -238,7 +233,7 @@ def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
             assert own.joint @ turns**2 == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
     # J v by a difference of g
     gaps, h = [], 1e-6
-    moved = [along_normal(d, c, motion) for c in range(d.candidates)]
+    moved = [along(normal(d, c), motion) for c in range(d.candidates)]
     for shift in (h, -h):
         there = y.copy()
         there[:5] += shift * change
@@ -264,7 +259,7 @@ def test_the_acceleration_of_a_joint_is_that_of_its_angle(stopped):
         joint = d.candidate.point[c] - 1
         turn = rate[7 + joint] - (rate[6 + joint] if joint else 0.0)
         expected = d.candidate.stop[c] * d.model.size * turn
-        assert along_normal(d, c, d.work.acceleration) == pytest.approx(expected, rel=1e-12)
+        assert gap_acceleration(d, c) == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("place", range(1, 7))
@@ -335,7 +330,7 @@ def test_the_tangent_of_a_joint_is_its_angle_at_the_arm(rubbing):
     for i in range(n):
         e = d.candidates + i
         assert tangent(d, e) == (n + 1 + i, 1.0, 0.0)
-        speed = along_tangent(d, e, d.work.velocity)
+        speed = tangential_rate(d, e)
         assert speed == pytest.approx(d.model.size * rates[i], rel=1e-12, abs=1e-14)
 
 
@@ -350,11 +345,11 @@ def test_the_motion_and_the_load_along_tangents_are_adjoint(rubbing):
     move_points(d, d.work.link, change, motion)
     turns, points = np.diff(change[2:], prepend=0.0), slice(0, n + 1)
     for e in range(d.elements):
-        speed, force = along_tangent(d, e, motion), rng.normal()
+        speed, force = along(tangent(d, e), motion), rng.normal()
         assert abs(speed) > 0.0 or (d.model.pinned and d.candidate.point[e] == 0)
         clear_loads_of(d, load)
-        add_along_tangent(d, e, load, 0.25 * force)
-        add_along_tangent(d, e, load, 0.75 * force)
+        add_along(tangent(d, e), load, 0.25 * force)
+        add_along(tangent(d, e), load, 0.75 * force)
         power = load.x @ motion.x + load.y @ motion.y
         assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
         to_joints(d, load)
@@ -362,8 +357,8 @@ def test_the_motion_and_the_load_along_tangents_are_adjoint(rubbing):
         assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
         own.xy[:] = own.yy[:] = 0.0  # nothing reads those of joints
         no_impedance(d, own)
-        add_tangential_impedance(d, e, own, 1.0)
-        add_tangential_impedance(d, e, own, 1.5)
+        add_impedance(tangent(d, e), own, 1.0)
+        add_impedance(tangent(d, e), own, 1.5)
         energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2
         assert energy == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
         impedance_of_joints(d, own)

@@ -62,8 +62,11 @@ def test_sliding_that_ends_goes_before_sliding_that_begins(monkeypatch, t, event
 def test_rest_is_late_by_its_speed_over_its_acceleration(monkeypatch, t, ended, acceleration, reasons):
     """Below √tolerance · 9 N/3 kg = 3e-3 m/s² the acceleration may be an error."""
     monkeypatch.setattr(friction, "mean_mass", lambda _t: dual(3.0))
-    along = {"velocity": dual(1e-12, 3.0, -8.0), "acceleration": dual(acceleration, 50.0, 50.0)}
-    monkeypatch.setattr(friction, "along_tangent", lambda _t, e, what: along[what] if e == 2 else None)
+    along = {"rate": dual(1e-12, 3.0, -8.0), "acceleration": dual(acceleration, 50.0, 50.0)}
+    for what, motion in along.items():
+        monkeypatch.setattr(
+            friction, f"tangential_{what}", lambda _t, e, motion=motion: motion if e == 2 else None
+        )
     delay = friction.delay_of_rest(t, 2)
     assert (delay.value, delay.slope.tolist()) == (0.0, [-3.0 / acceleration, 8.0 / acceleration])
     assert ended == reasons
@@ -122,10 +125,10 @@ def test_sliding_that_begins_at_no_certain_time_matters_where_the_force_drops(
 def test_two_that_halt_at_one_moment_must_do_so_for_all_parameters(monkeypatch, t, ended, slope, together):
     """Element 2 halts too if its speed is zero after the delay of 0.5 per unit, by slope + 0.5 · 4 m/s²."""
     t.element.event[1:] = SLIDING_ENDS, SLIDING_ENDS
-    along = {1: {"velocity": dual(0.0), "acceleration": dual(0.0)}}
-    along[2] = {"velocity": dual(0.0, slope, 0.0), "acceleration": dual(4.0)}
+    rates = {1: dual(0.0), 2: dual(0.0, slope, 0.0)}
     monkeypatch.setattr(friction, "DIRECTIONS", 2)
-    monkeypatch.setattr(friction, "along_tangent", lambda _t, e, what: along[e][what])
+    monkeypatch.setattr(friction, "tangential_rate", lambda _t, e: rates[e])
+    monkeypatch.setattr(friction, "tangential_acceleration", lambda _t, e: dual(4.0 * (e - 1)))
     monkeypatch.setattr(friction, "largest", lambda _t, _what: dual(4.0))
     monkeypatch.setattr(friction, "largest_slope", lambda _what, _k: 0.0)
     monkeypatch.setattr(friction, "largest_turn", lambda _t, _k: 0.0)
@@ -170,7 +173,8 @@ def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended,
     mode, known = found
     monkeypatch.setattr(friction, "mean_mass", lambda _t: dual(3.0))
     monkeypatch.setattr(friction, "excess", lambda _t, _e: dual(1e-9))
-    monkeypatch.setattr(friction, "along_tangent", lambda *_: dual(known))
+    monkeypatch.setattr(friction, "tangential_rate", lambda *_: dual(known))
+    monkeypatch.setattr(friction, "tangential_acceleration", lambda *_: dual(known))
     monkeypatch.setattr(friction, "locate_points", lambda *_: None)
     for name in ("list_sticking", "located_rate", "accelerate_points"):
         monkeypatch.setattr(friction, name, lambda *_: None)

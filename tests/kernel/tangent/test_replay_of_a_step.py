@@ -171,11 +171,7 @@ def test_a_contact_that_is_latched_anew_is_late_by_its_speed_over_its_accelerati
     """φ = −ġ − 2 v₀, and φ̇ = −g̈."""
     _, t = instances()
     monkeypatch.setattr(replay, "clearance", lambda _t, _c: (dual(1.0, 7.0, 7.0), dual(-1.0, 3.0, 8.0)))
-    monkeypatch.setattr(
-        replay,
-        "along_normal",
-        lambda _t, c, what: dual(-4.0 * c, 9.0, 9.0) if what == "acceleration" else None,
-    )
+    monkeypatch.setattr(replay, "gap_acceleration", lambda _t, c: dual(-4.0 * c, 9.0, 9.0))
     value, slopes = parts(replay.delay(t, 1, RELATCH))
     assert value == 0.0
     assert slopes == pytest.approx([-(-3.0 - RELATCH_RATIO) / 4.0, -(-8.0 - 2.0 * RELATCH_RATIO) / 4.0])

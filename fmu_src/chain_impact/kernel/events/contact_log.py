@@ -25,7 +25,7 @@ from chain_impact.kernel.model.contact import (
     set_rates,
 )
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.geometry import along_normal, clearance, lever
+from chain_impact.kernel.model.geometry import clearance, gap_acceleration, lever
 from chain_impact.kernel.model.latest import note_impact
 from chain_impact.kernel.work_limit import count_evaluations, counted_work, uncount_work
 
@@ -156,7 +156,7 @@ def rate_of_force(d, c):
     stiffness, damping = contact_slopes(d, c)
     # Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
     _, gap_rate = clearance(d, c)
-    return -(stiffness * gap_rate + damping * along_normal(d, c, d.work.acceleration))
+    return -(stiffness * gap_rate + damping * gap_acceleration(d, c))
 
 
 def maximum_inside(d, c, quantity, time):

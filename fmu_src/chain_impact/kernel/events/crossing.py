@@ -15,6 +15,7 @@ from chain_impact.kernel.integration.bracket import TRIES, next_guess
 from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
 from chain_impact.kernel.integration.methods import bound_curvatures
 from chain_impact.kernel.integration.sundman import NO_CONTACT
+from chain_impact.kernel.model.geometry import normal
 from chain_impact.kernel.work_limit import work_exceeded
 
 RESOLUTION = 1e-15  # of a link length: if φ bends less, the bend is round-off, and no interval is halved
@@ -181,7 +182,7 @@ def motion_bounds(d, c, along_x, along_y):
         else:
             v, a = rate_bounds_along(d.step, first - 1, -1.0, 1.0)
         return arm * v, arm * a
-    nx, ny = own.normal_x[c], own.normal_y[c]
+    _, nx, ny = normal(d, c)
     if nx * ny == 0.0:
         # along an axis the same bounds serve all points and walls
         return abs(nx) * along_x[0] + abs(ny) * along_y[0], abs(nx) * along_x[1] + abs(ny) * along_y[1]

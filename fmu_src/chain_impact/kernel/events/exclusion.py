@@ -17,7 +17,11 @@ from chain_impact.kernel.integration.sundman import (
     time_rate_change,
     time_rate_of,
 )
-from chain_impact.kernel.model.geometry import along_normal, clearance, speed_bound
+from chain_impact.kernel.model.geometry import (
+    clearance,
+    gap_acceleration,
+    speed_bound,
+)
 
 # rad. If a link turns more in a step, the estimated remainder of the interpolant is no bound any more.
 SMALL_TURN = 1.0
@@ -200,8 +204,8 @@ def measure_all(d, y):
     least = math.inf
     for c in range(d.candidates):
         # φ′ = p φ̇,  φ″ = p² φ̈ + p′ φ̇
-        curve = p * p * along_normal(d, c, d.work.acceleration) + change * along_normal(d, c, d.work.velocity)
-        d.search.clear_end_curve[c] = curve
+        _, gap_rate = clearance(d, c)
+        d.search.clear_end_curve[c] = p * p * gap_acceleration(d, c) + change * gap_rate
         least = min(least, math.inf if d.touch.active[c] else d.search.clear_end[c])
     d.search.safe_distance = least
     for k in range(d.touch.compliant_count):

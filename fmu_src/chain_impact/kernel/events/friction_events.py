@@ -13,7 +13,7 @@ from chain_impact.kernel.events.sampling import bisection, first_passage, locate
 from chain_impact.kernel.model.compliance import mean_mass
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.friction import STICKS
-from chain_impact.kernel.model.geometry import along_tangent
+from chain_impact.kernel.model.geometry import tangential_rate
 from chain_impact.kernel.model.holding import project_state
 from chain_impact.kernel.work_limit import count_evaluations
 
@@ -70,7 +70,7 @@ def has_changed(d, e, theta):
     """Whether the mode of element e has ended at the fraction θ of the last step."""
     locate_at(d, theta)
     if d.element.mode[e] != STICKS:
-        return d.element.mode[e] * along_tangent(d, e, d.work.velocity) < -resolution_of(d, e)
+        return d.element.mode[e] * tangential_rate(d, e) < -resolution_of(d, e)
     project_state(d, d.work.y)
     state_rate(d, d.work.y, d.work.rate)
     count_evaluations(d, 1)

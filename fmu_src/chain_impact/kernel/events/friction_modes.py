@@ -28,7 +28,7 @@ from chain_impact.kernel.model.friction import (
     set_friction_used,
     set_mode,
 )
-from chain_impact.kernel.model.geometry import along_tangent
+from chain_impact.kernel.model.geometry import tangential_acceleration, tangential_rate
 from chain_impact.kernel.model.holding import project_state
 from chain_impact.kernel.work_limit import count_evaluations
 
@@ -93,13 +93,13 @@ def set_slack(d, e):
 
     Sliding that begins at rest does so with the error of a speed that has been located to be 0.
     """
-    backward = -d.element.mode[e] * along_tangent(d, e, d.work.velocity)
+    backward = -d.element.mode[e] * tangential_rate(d, e)
     d.element.slack[e] = max(0.0, 2.0 * backward) if d.element.undecided[e] else 0.0
 
 
 def first_guess(d, e, jumped):
     """The mode of element e by its motion; if it is at rest, the one it had, and it is undecided."""
-    speed = along_tangent(d, e, d.work.velocity)
+    speed = tangential_rate(d, e)
     before, event = d.element.before[e], d.element.event[e]
     d.element.undecided[e] = 1
     if event == STICKING_ENDS:
@@ -155,7 +155,7 @@ def is_inconsistent(d, e):
         return False
     if d.element.mode[e] == STICKS:
         return abs(d.element.force[e]) > d.element.limit[e] + 0.5 * excess(d, e)
-    acceleration = d.element.mode[e] * along_tangent(d, e, d.work.acceleration)
+    acceleration = d.element.mode[e] * tangential_acceleration(d, e)
     return acceleration < -unsure_acceleration(d)
 
 
@@ -163,7 +163,7 @@ def unsure_acceleration(d):
     """An acceleration [m/s²] of an element that may be an error: round-off, or as of what sticks."""
     left = 0.0
     for i in range(d.friction.stuck_count):
-        left = max(left, abs(along_tangent(d, d.element.stuck[i], d.work.acceleration)))
+        left = max(left, abs(tangential_acceleration(d, d.element.stuck[i])))
     return AGAINST * (largest(d, d.work.acceleration) + d.model.gravity_size + d.model.size) + 2.0 * left
 
 

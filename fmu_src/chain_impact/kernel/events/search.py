@@ -32,7 +32,7 @@ from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END
 from chain_impact.kernel.integration.trial import NOT_LOCATED, accepted, refuse
 from chain_impact.kernel.model.constraints import any_point_held
-from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.geometry import clearance, gap_acceleration
 
 # Of a link length: an onset is located to round-off, some 1e-15. One found deeper than this is an error of
 # the step; at K = 1e12 N/m^1.5 it would add 1e-11 J.
@@ -135,7 +135,7 @@ def starts_clear(d, lasted):
             sign = -1.0 if d.touch.active[c] else 1.0
             gap, gap_rate = clearance(d, c)
             # φ + φ̇ t + ½ φ̈ t²
-            move = lasted * (gap_rate + 0.5 * lasted * along_normal(d, c, d.work.acceleration))
+            move = lasted * (gap_rate + 0.5 * lasted * gap_acceleration(d, c))
             clear = clear or (sign * gap >= 0.0 and sign * (0.5 * gap + move) > 0.0)
     locate_points(d, d.work.y)
     return clear

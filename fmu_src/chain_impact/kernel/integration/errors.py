@@ -15,7 +15,7 @@ from chain_impact.kernel.chain.state import (
 )
 from chain_impact.kernel.inlining import inlined
 from chain_impact.kernel.model.constraints import any_constraint
-from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.geometry import along, clearance, normal
 
 # The largest relative error of a penetration, however loose the tolerance: with more than some hundredths a
 # point that comes to rest bounces again, and outputs show spurious forces.
@@ -126,7 +126,7 @@ def set_gap_errors(d, row):
     if d.touch.active_count > 0:
         move_points(d, d.work.link, d.work.error[row], d.work.motion)
     for k in range(d.touch.active_count):
-        d.touch.gap_error[row, k] = along_normal(d, d.touch.active_index[k], d.work.motion)
+        d.touch.gap_error[row, k] = along(normal(d, d.touch.active_index[k]), d.work.motion)
 
 
 def penetration_scale(d, c):

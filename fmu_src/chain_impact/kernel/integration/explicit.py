@@ -23,7 +23,7 @@ from chain_impact.kernel.integration.sundman import (
 )
 from chain_impact.kernel.integration.trial import conclude
 from chain_impact.kernel.model.friction import any_sticking
-from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.geometry import clearance, gap_acceleration
 from chain_impact.kernel.work_limit import count_evaluations
 
 STAGES = len(dop853.A)
@@ -88,7 +88,7 @@ def toward_ends(d, h):
         gap, gap_rate = clearance(d, c)
         if gap < 0.0 < gap_rate:
             # g + ġ t + ½ g̈ t² = 0
-            square = gap_rate * gap_rate - 2.0 * gap * along_normal(d, c, d.work.acceleration)
+            square = gap_rate * gap_rate - 2.0 * gap * gap_acceleration(d, c)
             left = min(left, -2.0 * gap / (gap_rate + math.sqrt(max(0.0, square))))
     return up_to(h, left)
 

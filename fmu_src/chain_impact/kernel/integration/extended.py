@@ -23,7 +23,7 @@ from chain_impact.kernel.model.contact import apply_contact, clear_loads
 from chain_impact.kernel.model.contact_force import law_slopes
 from chain_impact.kernel.model.equations import loaded_rate
 from chain_impact.kernel.model.friction import apply_friction
-from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.geometry import clearance, gap_acceleration
 from chain_impact.kernel.model.holding import add_constraint_forces
 from chain_impact.kernel.model.inputs import set_inputs
 
@@ -81,7 +81,7 @@ def clearance_rates(d, z, rate):
     """Set the rates of g and ġ, for accelerated points."""
     for k in range(compliant(d)):
         rate[gap_at(d, k)] = z[rate_at(d, k)]
-        rate[rate_at(d, k)] = along_normal(d, d.touch.active_index[k], d.work.acceleration)
+        rate[rate_at(d, k)] = gap_acceleration(d, d.touch.active_index[k])
 
 
 def extended_rate(d, z, elapsed, rate):

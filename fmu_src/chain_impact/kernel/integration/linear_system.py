@@ -30,12 +30,13 @@ from chain_impact.kernel.integration.impulse import impulse_count
 from chain_impact.kernel.model.compliance import factorize_contacts, holding_impedance, solve_chain
 from chain_impact.kernel.model.constraints import constraint_rows
 from chain_impact.kernel.model.geometry import (
-    add_along_normal,
+    add_along,
     add_impedance,
-    add_tangential_impedance,
-    along_normal,
+    along,
     clear_loads_of,
     impedance_of_joints,
+    normal,
+    tangent,
     to_joints,
 )
 
@@ -64,13 +65,13 @@ def solve_real(d, shift, x):
     for k in range(compliant(d)):
         # D r_ġ + s k r_g
         impulse = own.impedance[k] * x[rate_at(d, k)] + shift * own.stiffness[k] * x[gap_at(d, k)]
-        add_along_normal(d, d.touch.active_index[k], d.work.load, impulse)
+        add_along(normal(d, d.touch.active_index[k]), d.work.load, impulse)
     solve_chain(d, own.link, own.real, change)
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]
         x[j] += shift * x[velocity_at(n) + j]
     for k in range(compliant(d)):
-        x[rate_at(d, k)] -= along_normal(d, d.touch.active_index[k], d.work.motion)
+        x[rate_at(d, k)] -= along(normal(d, d.touch.active_index[k]), d.work.motion)
         x[gap_at(d, k)] += shift * x[rate_at(d, k)]
     for k in range(min(impulse_count(d), compliant(d))):
         x[impulse_at(d, k)] -= shift * (
@@ -93,15 +94,15 @@ def factorize_complex(d, pair, s_r, s_i):
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         if k >= compliant(d):
-            add_impedance(d, c, impedance, holding_impedance(d))
+            add_impedance(normal(d, c), impedance, holding_impedance(d))
         else:
             # D = s c + s² k
             complex_d[re, k] = s_r * own.damping[k] + square_r * own.stiffness[k]
             complex_d[im, k] = s_i * own.damping[k] + square_i * own.stiffness[k]
-            add_impedance(d, c, impedance, complex_d[re, k])
-            add_impedance(d, c, reactance, complex_d[im, k])
+            add_impedance(normal(d, c), impedance, complex_d[re, k])
+            add_impedance(normal(d, c), reactance, complex_d[im, k])
     for i in range(d.friction.stuck_count):
-        add_tangential_impedance(d, d.element.stuck[i], impedance, holding_impedance(d))
+        add_impedance(tangent(d, d.element.stuck[i]), impedance, holding_impedance(d))
     if d.model.jointed:
         impedance_of_joints(d, impedance)
         impedance_of_joints(d, reactance)
@@ -121,8 +122,8 @@ def solve_complex(d, pair, s_r, s_i, x, y):
         c, stiffness = d.touch.active_index[k], own.stiffness[k]
         fast_r, fast_i = times(complex_d[re, k], complex_d[im, k], x[rate_at(d, k)], y[rate_at(d, k)])
         deep_r, deep_i = times(s_r, s_i, x[gap_at(d, k)], y[gap_at(d, k)])
-        add_along_normal(d, c, work.load, fast_r + stiffness * deep_r)
-        add_along_normal(d, c, own.load, fast_i + stiffness * deep_i)
+        add_along(normal(d, c), work.load, fast_r + stiffness * deep_r)
+        add_along(normal(d, c), own.load, fast_i + stiffness * deep_i)
     if d.model.jointed:
         to_joints(d, work.load)
         to_joints(d, own.load)
@@ -135,7 +136,7 @@ def solve_complex(d, pair, s_r, s_i, x, y):
         add_product(x, y, j, s_r, s_i, x[at], y[at])
     for k in range(compliant(d)):
         c, at = d.touch.active_index[k], rate_at(d, k)
-        x[at], y[at] = x[at] - along_normal(d, c, work.motion), y[at] - along_normal(d, c, own_motion)
+        x[at], y[at] = x[at] - along(normal(d, c), work.motion), y[at] - along(normal(d, c), own_motion)
         add_product(x, y, gap_at(d, k), s_r, s_i, x[at], y[at])
     for k in range(min(impulse_count(d), compliant(d))):
         deep, fast = gap_at(d, k), rate_at(d, k)

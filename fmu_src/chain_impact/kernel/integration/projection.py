@@ -7,7 +7,12 @@ projection counts as an error of the step.
 from chain_impact.kernel.chain.state import coordinate_count, velocity_at
 from chain_impact.kernel.integration.extended import compliant, gap_at, rate_at
 from chain_impact.kernel.model.compliance import solve_chain
-from chain_impact.kernel.model.geometry import add_along_normal, clear_loads_of, clearance
+from chain_impact.kernel.model.geometry import (
+    add_along,
+    clear_loads_of,
+    clearance,
+    normal,
+)
 
 # Of a penetration: the allowed difference in a step between the coordinates and the clearance integrated with
 # them. A larger value gives the interpolant of the state an error of this size; a smaller one limits the step
@@ -26,7 +31,7 @@ def project_coordinates(d, y, derivative, change):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
         impulse = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))
-        add_along_normal(d, c, d.work.load, impulse)
+        add_along(normal(d, c), d.work.load, impulse)
     solve_chain(d, own.link, own.real, change)
     for j in range(coordinate_count(d.links)):
         y[first + j] += change[j]

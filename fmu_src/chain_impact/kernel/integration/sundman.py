@@ -22,7 +22,7 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.integration.dense import time_rate
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.geometry import clearance, gap_acceleration
 
 NO_CONTACT = -1  # in step.regularized: the variable of the step is time
 # The lower limit of u in a step. Where u < 0 time runs backwards: the end of the contact has been passed.
@@ -63,10 +63,9 @@ def root_rate(d, u):
 
 def root_curve(d, u, slope):
     """u″ of the contact, for the located and accelerated points and u′."""
-    quotient = 1.0 / (1.0 + u * u)
-    acceleration = -along_normal(d, d.step.regularized, d.work.acceleration)
+    quotient, c = 1.0 / (1.0 + u * u), d.step.regularized
     # u″ = p δ̈/(2 δ* (1 + u²)) − 2 u u′²/(1 + u²)
-    curve = 0.5 * time_rate(u) * acceleration / d.touch.depth_scale[d.step.regularized]
+    curve = 0.5 * time_rate(u) * -gap_acceleration(d, c) / d.touch.depth_scale[c]
     return quotient * (curve - 2.0 * u * slope * slope)
 
 

@@ -14,13 +14,13 @@ from chain_impact.kernel.chain.damped import factorize_damped, solve_damped
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
 from chain_impact.kernel.model.geometry import (
-    add_along_normal,
-    add_along_tangent,
+    add_along,
     add_impedance,
-    add_tangential_impedance,
-    along_normal,
+    along,
     clear_loads_of,
+    constraint,
     impedance_of_joints,
+    normal,
     to_joints,
 )
 
@@ -62,11 +62,8 @@ def held_mobility(d, mobility):
 def factorize_contacts(d, links, impedance, time, factors):
     """Eliminate M + Jᵀ D J + K, with D_k [kg] of the constraints, packed, and K for a ``time`` s [s]."""
     no_impedance(d, d.work.impedance)
-    for k in range(d.touch.active_count):
-        add_impedance(d, d.touch.active_index[k], d.work.impedance, impedance[k])
-    for i in range(d.friction.stuck_count):
-        amount = impedance[d.touch.active_count + i]
-        add_tangential_impedance(d, d.element.stuck[i], d.work.impedance, amount)
+    for k in range(d.touch.active_count + d.friction.stuck_count):
+        add_impedance(constraint(d, k), d.work.impedance, impedance[k])
     joints = d.touch.stop_count + d.friction.stuck_joints
     coupled = joints > 0 or (d.model.resisting and time > 0.0)
     factorize_chain(d, links, time, coupled, factors)
@@ -105,10 +102,8 @@ def solve_chain(d, links, factors, change):
 def solve_contacts(d, links, factors, impulse, change):
     """As ``solve_chain``, for ``impulse`` p_k [N·s] of the constraints, packed."""
     clear_loads_of(d, d.work.load)
-    for k in range(d.touch.active_count):
-        add_along_normal(d, d.touch.active_index[k], d.work.load, impulse[k])
-    for i in range(d.friction.stuck_count):
-        add_along_tangent(d, d.element.stuck[i], d.work.load, impulse[d.touch.active_count + i])
+    for k in range(d.touch.active_count + d.friction.stuck_count):
+        add_along(constraint(d, k), d.work.load, impulse[k])
     solve_chain(d, links, factors, change)
 
 
@@ -118,8 +113,8 @@ def effective_mass(d, c):
     no_impedance(d, work.impedance)
     factorize_chain(d, work.link, 0.0, d.candidate.stop[c] != 0, work.factors)
     clear_loads_of(d, work.load)
-    add_along_normal(d, c, work.load, 1.0)
+    add_along(normal(d, c), work.load, 1.0)
     solve_chain(d, work.link, work.factors, work.change)
     # in a toggle position no impulse moves the point: its mobility is 0
     mobility = LEAST_MOBILITY * d.model.size * d.model.size / d.model.energy
-    return 1.0 / max(mobility, along_normal(d, c, work.motion))
+    return 1.0 / max(mobility, along(normal(d, c), work.motion))

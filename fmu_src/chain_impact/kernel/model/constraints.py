@@ -36,7 +36,7 @@ from chain_impact.kernel.model.compliance import (
     solve_contacts,
 )
 from chain_impact.kernel.model.friction import any_sticking
-from chain_impact.kernel.model.geometry import along_normal, along_tangent
+from chain_impact.kernel.model.geometry import along, constraint
 from chain_impact.kernel.work_limit import count_other_work, work_exceeded
 
 # Near a toggle position 1/W is far more than the mass of a link. If an iteration leaves more than SLOW of the
@@ -155,7 +155,7 @@ def solve_single(d, row):
         own.impulse[k] = 0.0
     own.impulse[row] = 1.0
     solve_contacts(d, d.work.link, d.work.factors, own.impulse, own.change)
-    mobility = along_constraint(d, row, d.work.motion)
+    mobility = along(constraint(d, row), d.work.motion)
     if row >= d.touch.active_count:
         mobility = held_mobility(d, mobility)
     elif mobility * mean_mass(d) < LEAST_SINGLE:
@@ -164,7 +164,7 @@ def solve_single(d, row):
     for j in range(len(own.change)):
         own.change[j] *= impulse
     for k in range(constraint_rows(d)):
-        own.reached[k] = own.start[k] + impulse * along_constraint(d, k, d.work.motion)
+        own.reached[k] = own.start[k] + impulse * along(constraint(d, k), d.work.motion)
     own.impulse[row] = impulse
     count_other_work(d, 1)
     return True
@@ -202,11 +202,11 @@ def correct_impulses(d):
     solve_contacts(d, link, own.factors, own.residual, own.change)
     for k in range(constraint_rows(d)):
         if own.in_active_set[k]:
-            back = own.impedance[k] * along_constraint(d, k, motion)
+            back = own.impedance[k] * along(constraint(d, k), motion)
             own.impulse[k] += own.residual[k] - back
     solve_contacts(d, link, d.work.factors, own.impulse, own.change)
     for k in range(constraint_rows(d)):
-        own.reached[k] = own.start[k] + along_constraint(d, k, motion)
+        own.reached[k] = own.start[k] + along(constraint(d, k), motion)
     count_other_work(d, 2)
 
 
@@ -287,13 +287,6 @@ def any_constraint(d):
 def constraint_rows(d):
     """The number of the active contacts and of what sticks."""
     return d.touch.active_count + d.friction.stuck_count
-
-
-def along_constraint(d, k, vectors):
-    """J v of constraint k for the vectors v of all places."""
-    if k < d.touch.active_count:
-        return along_normal(d, d.touch.active_index[k], vectors)
-    return along_tangent(d, d.element.stuck[k - d.touch.active_count], vectors)
 
 
 def activate_all(d):

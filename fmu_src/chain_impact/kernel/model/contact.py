@@ -21,7 +21,13 @@ from chain_impact.kernel.model.friction import (
     list_friction,
     may_rub,
 )
-from chain_impact.kernel.model.geometry import add_along_normal, clear_loads_of, clearance, lever
+from chain_impact.kernel.model.geometry import (
+    add_along,
+    clear_loads_of,
+    clearance,
+    lever,
+    normal,
+)
 from chain_impact.kernel.model.latest import forget_impacts, list_impact
 
 
@@ -47,7 +53,7 @@ def apply_contact(d, c, gap, gap_rate):
     """Add the force of an active candidate to the load on its point; return the dissipated power [W]."""
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
     keep_force(d, c, force)
-    add_along_normal(d, c, d.work.load, force)
+    add_along(normal(d, c), d.work.load, force)
     # the power that the elastic part does not store is dissipated: (F − K δⁿ) δ̇ ≥ 0
     return (elastic - force) * gap_rate
 

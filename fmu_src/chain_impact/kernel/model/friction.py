@@ -20,7 +20,12 @@ modes in place of the sign of a speed, after Pfeiffer & Glocker 1996, Multibody 
 Contacts.
 """
 
-from chain_impact.kernel.model.geometry import add_along_tangent, along_tangent
+from chain_impact.kernel.model.geometry import (
+    add_along,
+    tangent,
+    tangential_position,
+    tangential_rate,
+)
 
 STICKS, NO_FRICTION = 0, 2  # modes; ±1 slides along ±t
 NOT_HELD = 1e-13  # of a link length: a larger distance from an anchor, after a projection, is not round-off
@@ -60,7 +65,7 @@ def set_mode(d, e, mode):
 
 def set_anchor(d, e):
     """Let element e stick at its located place."""
-    d.element.anchor[e] = along_tangent(d, e, d.work.position)
+    d.element.anchor[e] = tangential_position(d, e)
 
 
 def list_friction(d):
@@ -109,7 +114,7 @@ def any_sticking(d):
 
 def begin_friction(d, c):
     """Set the mode of a contact that begins at located points, until events/friction_modes.py chooses it."""
-    speed = along_tangent(d, c, d.work.velocity)
+    speed = tangential_rate(d, c)
     # The state may be projected before that: what sticks stays where it is.
     set_anchor(d, c)
     set_mode(d, c, STICKS if speed == 0.0 else (1 if speed > 0.0 else -1))
@@ -150,10 +155,10 @@ def apply_friction(d):
 def slide(d, e, size):
     """Add the friction of a ``size`` [N] of element e, which slides; return the dissipated power [W]."""
     sign = float(d.element.mode[e])
-    speed = along_tangent(d, e, d.work.velocity)
+    speed = tangential_rate(d, e)
     d.element.force[e] = -sign * size
     d.element.margin[e] = min(d.element.margin[e], sign * speed)
-    add_along_tangent(d, e, d.work.load, d.element.force[e])
+    add_along(tangent(d, e), d.work.load, d.element.force[e])
     # −F_t v_t
     return sign * size * speed
 
@@ -169,7 +174,7 @@ def keep_static_forces(d):
         e = d.element.stuck[i]
         d.element.force[e] = d.rigid.impulse[first + i]
         d.element.margin[e] = min(d.element.margin[e], d.element.limit[e] - abs(d.element.force[e]))
-        dissipated -= d.element.force[e] * along_tangent(d, e, d.work.velocity)
+        dissipated -= d.element.force[e] * tangential_rate(d, e)
     own.power += dissipated
     return dissipated
 
@@ -182,7 +187,7 @@ def keep_anchors(d):
     own = d.friction
     for i in range(own.stuck_count):
         e = d.element.stuck[i]
-        if abs(along_tangent(d, e, d.work.position) - d.element.anchor[e]) > NOT_HELD * d.model.size:
+        if abs(tangential_position(d, e) - d.element.anchor[e]) > NOT_HELD * d.model.size:
             set_anchor(d, e)
 
 

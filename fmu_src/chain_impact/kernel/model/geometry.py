@@ -7,6 +7,10 @@ normal n of length 1 and n·p = offset for the points p on it. The clearance of 
 
 The normals are computed once, at initialization, so that the code in loops has no branch on the kind of wall.
 
+A row is a place and a direction (n_x, n_y) there: the normal of a contact or stop, the tangent along which
+dry friction acts, or a joint's own angle. Its J takes the vectors of all places to their part along it. How a
+wall moves is for this module only: g, ġ, g̈ and the tangential motion are those relative to the wall.
+
 A stop limits a joint's own angle ψ_i = θ_i − θ_{i−1}. The joint has a place of its own, at x = s ψ_i with the
 longest link s as a lever arm (chain/kinematics.py), and the stop is a wall there. So lengths, speeds, forces
 and masses of stops have the units and the scales of those at walls, and a force F has the moment ±s F.
@@ -63,31 +67,79 @@ def place_stop(d, c):
     own.offset[c] = own.normal_x[c] * d.model.size * limit - d.contact.radius
 
 
-def clearance(d, c):
-    """Clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
-    gap = along_normal(d, c, d.work.position) - d.candidate.offset[c] - d.contact.radius
-    return gap, along_normal(d, c, d.work.velocity)
+def normal(d, c):
+    """The row of candidate c along its normal n."""
+    return d.candidate.place[c], d.candidate.normal_x[c], d.candidate.normal_y[c]
 
 
-def along_normal(d, c, vectors):
-    """n·v of candidate c for the vectors v of all places: J v for motions v."""
-    place = d.candidate.place[c]
-    return d.candidate.normal_x[c] * vectors.x[place] + d.candidate.normal_y[c] * vectors.y[place]
+def tangent(d, e):
+    """The row of element e along t, the direction in which dry friction acts.
+
+    At a wall that is t = (n_y, −n_x). An element after the candidates is a joint: friction acts on its angle,
+    the x of its place, so that a force F is a moment of s F, with the lever arm s of a stop.
+    """
+    if e < d.candidates:
+        return d.candidate.place[e], d.candidate.normal_y[e], -d.candidate.normal_x[e]
+    return d.links + 1 + e - d.candidates, 1.0, 0.0
 
 
-def add_along_normal(d, c, vectors, amount):
-    """Add ``amount`` times n to the vector of the place of candidate c: Jᵀ F for a force F."""
-    place = d.candidate.place[c]
-    vectors.x[place] += d.candidate.normal_x[c] * amount
-    vectors.y[place] += d.candidate.normal_y[c] * amount
+def constraint(d, k):
+    """The row of constraint k: the active contacts, packed, and after them what sticks."""
+    if k < d.touch.active_count:
+        return normal(d, d.touch.active_index[k])
+    return tangent(d, d.element.stuck[k - d.touch.active_count])
 
 
-def add_impedance(d, c, impedance, amount):
-    """Add ``amount`` [kg] times n nᵀ to the impedance at the place of candidate c: Jᵀ D J."""
-    place, nx, ny = d.candidate.place[c], d.candidate.normal_x[c], d.candidate.normal_y[c]
+def along(row, vectors):
+    """J v of a row for the vectors v of all places."""
+    place, nx, ny = row
+    return nx * vectors.x[place] + ny * vectors.y[place]
+
+
+def add_along(row, vectors, amount):
+    """Add Jᵀ F of a row for an ``amount`` F to the vectors of all places."""
+    place, nx, ny = row
+    vectors.x[place] += nx * amount
+    vectors.y[place] += ny * amount
+
+
+def add_impedance(row, impedance, amount):
+    """Add Jᵀ D J of a row for an ``amount`` D [kg] to the impedances of all places."""
+    place, nx, ny = row
     impedance.xx[place] += nx * nx * amount
     impedance.xy[place] += nx * ny * amount
     impedance.yy[place] += ny * ny * amount
+
+
+def clearance(d, c):
+    """Clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
+    row = normal(d, c)
+    return along(row, d.work.position) - d.candidate.offset[c] - d.contact.radius, along(row, d.work.velocity)
+
+
+def gap_acceleration(d, c):
+    """g̈ [m/s²] of candidate c, from the accelerated points."""
+    return along(normal(d, c), d.work.acceleration)
+
+
+def tangential_position(d, e):
+    """The coordinate [m] of element e along t, from the located points."""
+    return along(tangent(d, e), d.work.position)
+
+
+def tangential_rate(d, e):
+    """The speed [m/s] of element e along t, from the located points."""
+    return along(tangent(d, e), d.work.velocity)
+
+
+def tangential_acceleration(d, e):
+    """The acceleration [m/s²] of element e along t, from the accelerated points."""
+    return along(tangent(d, e), d.work.acceleration)
+
+
+def constraint_acceleration(d, k):
+    """The acceleration [m/s²] of constraint k along its row, from the accelerated points."""
+    return along(constraint(d, k), d.work.acceleration)
 
 
 def to_joints(d, load):
@@ -139,35 +191,3 @@ def coordinates_size(d, c, y):
 def lever(d, c):
     """The length [m] by which speeds, forces and masses of candidate c are those of an angle; of a wall 1."""
     return d.model.size if d.candidate.stop[c] != 0 else 1.0
-
-
-def tangent(d, e):
-    """The place of element e, and the direction t along which dry friction acts there.
-
-    At a wall that is t = (n_y, −n_x). An element after the candidates is a joint: friction acts on its angle,
-    the x of its place, so that a force F is a moment of s F, with the lever arm s of a stop.
-    """
-    if e < d.candidates:
-        return d.candidate.place[e], d.candidate.normal_y[e], -d.candidate.normal_x[e]
-    return d.links + 1 + e - d.candidates, 1.0, 0.0
-
-
-def along_tangent(d, e, vectors):
-    """t·v of element e for the vectors v of all places."""
-    place, tx, ty = tangent(d, e)
-    return tx * vectors.x[place] + ty * vectors.y[place]
-
-
-def add_along_tangent(d, e, vectors, amount):
-    """Add ``amount`` times t to the vector of the place of element e."""
-    place, tx, ty = tangent(d, e)
-    vectors.x[place] += tx * amount
-    vectors.y[place] += ty * amount
-
-
-def add_tangential_impedance(d, e, impedance, amount):
-    """Add ``amount`` [kg] times t tᵀ to the impedance at the place of element e."""
-    place, tx, ty = tangent(d, e)
-    impedance.xx[place] += tx * tx * amount
-    impedance.xy[place] += tx * ty * amount
-    impedance.yy[place] += ty * ty * amount

@@ -11,7 +11,6 @@ from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated
 from chain_impact.kernel.model.compliance import mean_mass
 from chain_impact.kernel.model.constraints import (
     activate_all,
-    along_constraint,
     constraint_rows,
     note_moving,
     set_impulse,
@@ -20,7 +19,12 @@ from chain_impact.kernel.model.constraints import (
 )
 from chain_impact.kernel.model.contact import keep_force
 from chain_impact.kernel.model.friction import any_sticking, keep_static_forces
-from chain_impact.kernel.model.geometry import along_tangent, clearance
+from chain_impact.kernel.model.geometry import (
+    clearance,
+    constraint_acceleration,
+    tangential_position,
+    tangential_rate,
+)
 from chain_impact.kernel.model.sticking import add_sticking_force, sticks_alone
 
 # Of a link length: a point that rises less before it falls again has not left. Its clearance could not be
@@ -58,7 +62,7 @@ def start_from_accelerations(d, y, rate):
     """Set ``start`` to the accelerations of all constraints for a rate ẏ; return the largest |a|."""
     accelerate_points(d, y, rate)
     for k in range(constraint_rows(d)):
-        d.rigid.start[k] = along_constraint(d, k, d.work.acceleration)
+        d.rigid.start[k] = constraint_acceleration(d, k)
     return largest(d, d.work.acceleration)
 
 
@@ -124,9 +128,9 @@ def start_sticking(d, derivative):
     for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
         if derivative:
-            own.start[first + i] = along_tangent(d, e, d.work.velocity)
+            own.start[first + i] = tangential_rate(d, e)
         else:
-            own.start[first + i] = along_tangent(d, e, d.work.position) - d.element.anchor[e]
+            own.start[first + i] = tangential_position(d, e) - d.element.anchor[e]
 
 
 def contact_resistance(d):

@@ -8,7 +8,12 @@ from chain_impact.kernel.chain.kinematics import accelerate_points
 from chain_impact.kernel.chain.recursion import set_middle, solve
 from chain_impact.kernel.chain.state import coordinate_count, velocity_at
 from chain_impact.kernel.model.compliance import held_mobility
-from chain_impact.kernel.model.geometry import add_along_tangent, along_tangent, clear_loads_of
+from chain_impact.kernel.model.geometry import (
+    add_along,
+    clear_loads_of,
+    tangent,
+    tangential_acceleration,
+)
 
 
 def sticks_alone(d):
@@ -25,11 +30,11 @@ def add_sticking_force(d, y, rate):
     own, e, kept = d.rigid, d.element.stuck[0], d.work.elimination
     accelerate_points(d, y, rate)
     clear_loads_of(d, d.work.load)
-    add_along_tangent(d, e, d.work.load, 1.0)
+    add_along(tangent(d, e), d.work.load, 1.0)
     set_middle(d, kept, kept.middle_xx, kept.middle_xy, kept.middle_yy)
     mobility = held_mobility(d, solve(d, d.work.link, kept, d.work.load, own.change))
     # λ = −a_t/W_tt
-    force = -along_tangent(d, e, d.work.acceleration) / mobility
+    force = -tangential_acceleration(d, e) / mobility
     for j in range(coordinate_count(d.links)):
         rate[velocity_at(d.links) + j] += force * own.change[j]
     return force

@@ -19,7 +19,7 @@ from chain_impact.kernel.integration.last_step import ensure_points
 from chain_impact.kernel.model.compliance import mean_mass
 from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, list_sticking
-from chain_impact.kernel.model.geometry import along_tangent
+from chain_impact.kernel.model.geometry import tangential_acceleration, tangential_rate
 from chain_impact.kernel.model.holding import RESISTANCE
 from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, slope, value
 from chain_impact.kernel.tangent.trust import (
@@ -67,10 +67,10 @@ def delay_of_change(t):
 
 def delay_of_rest(t, e):
     """−φ′/φ̇ for φ = t·v, which is zero where the sliding of element e ends."""
-    rate = value(along_tangent(t, e, t.work.acceleration))
+    rate = value(tangential_acceleration(t, e))
     if abs(rate) <= value(slow_acceleration(t, e)):
         end_at(t, SLOW_CHANGE, e)
-    return carried(0.0, -1.0 / rate if rate != 0.0 else 0.0, along_tangent(t, e, t.work.velocity))
+    return carried(0.0, -1.0 / rate if rate != 0.0 else 0.0, tangential_rate(t, e))
 
 
 def slow_acceleration(t, e):
@@ -131,7 +131,7 @@ def check_changes(t, time):
     for i in range(t.friction.count):
         e = t.element.index[i]
         if t.element.mode[e] != STICKS:
-            speed = along_tangent(t, e, t.work.velocity)
+            speed = tangential_rate(t, e)
             stops = t.element.event[e] == SLIDING_ENDS or abs(value(speed)) <= value(rest_speed(t))
             if stops and not rests(t, e, speed, time):
                 end_at(t, TOGETHER, e)
@@ -164,7 +164,7 @@ def any_halts(t):
 
 def rests(t, e, speed, time):
     """Whether element e, which has no ``speed`` [m/s], has none after a ``time`` [s] either."""
-    after = speed + value(along_tangent(t, e, t.work.acceleration)) * time
+    after = speed + value(tangential_acceleration(t, e)) * time
     most = value(largest(t, t.work.acceleration))
     for k in range(DIRECTIONS):
         known = largest_slope(t.work.velocity, k) + fastest_speed(t) * largest_turn(t, k)
@@ -211,7 +211,7 @@ def check_onsets_at_rest(t):
     for i in range(t.friction.count):
         e = t.element.index[i]
         if t.element.undecided[e] and t.element.before[e] == NO_FRICTION:
-            speed = along_tangent(t, e, t.work.velocity)
+            speed = tangential_rate(t, e)
             if not rests(t, e, speed, carried(0.0, 0.0, speed)):
                 if t.element.mode[e] == STICKS:
                     t.element.undecided[e] = STOPPED
@@ -250,7 +250,7 @@ def is_open(t, e):
         return False
     if t.element.mode[e] == STICKS:
         return abs(limit - abs(value(t.element.force[e]))) <= errors * limit
-    acceleration = abs(value(along_tangent(t, e, t.work.acceleration)))
+    acceleration = abs(value(tangential_acceleration(t, e)))
     return not force_drops(t, e) and acceleration <= errors * limit / value(mean_mass(t))
 
 

@@ -41,7 +41,7 @@ from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import METHOD_COUNT
 from chain_impact.kernel.integration.trial import begin_trial
 from chain_impact.kernel.model.friction import any_sticking
-from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.geometry import clearance, gap_acceleration
 from chain_impact.kernel.tangent.directions import carried, value
 from chain_impact.kernel.tangent.friction import check_changes, delay_of_change
 from chain_impact.kernel.tangent.implicit_step import make_implicit
@@ -131,7 +131,7 @@ def delay(t, c, kind):
         # φ = −ġ − 2 v₀
         change, rate = (
             -gap_rate - RELATCH_RATIO * t.touch.impact_speed[c],
-            -along_normal(t, c, t.work.acceleration),
+            -gap_acceleration(t, c),
         )
     else:
         change, rate = gap, gap_rate
