@@ -41,7 +41,6 @@ ERRORS = (
     ci.SceneError,
     ci.SimulationError,
 )
-WITH_DERIVATIVES = (ready.DERIVATIVES, ready.WIDE)
 MODELS = ("four_link_box", "rod_drop", "pinned_arm", "ramp")
 SPRING = "def mine(penetration):\n    return 1e6 * penetration\n"
 TABLE = "time,point[4].x\n" + "".join(f"{0.1 * i:.1f},{{}}\n" for i in range(4))
@@ -86,8 +85,8 @@ def kernels() -> str:
 @check
 def all_kinds_of_kernels_give_the_same_bits() -> str:
     scene, blocks = ci.load_scene("four_link_box"), {}
-    for kind, size in ((ready.KERNEL, 4), (ready.KERNEL, None), *((kind, None) for kind in WITH_DERIVATIVES)):
-        found = kernel_of(kind, size)
+    for kind, size in ((ready.KERNEL, 4), (ready.KERNEL, None), (ready.DERIVATIVES, None)):
+        found = ready.find(ready.library_name(size, system.HOST, what=kind))
         if found is None:
             continue
         kernel, block = load_kernel(found), Model(scene).new_instance()
@@ -190,33 +189,7 @@ def derivatives() -> str:
         for step in (1e-5, -1e-5)
     ]
     assert abs((ends[0] - ends[1]) / 2e-5 - exact) < 1e-3 * max(1.0, abs(exact))
-    others = {slope(scene, kind) for kind in WITH_DERIVATIVES}
-    assert len(others - {b""}) <= 1, "kernels for two kinds of processors differ"
     return f"d x/d e = {exact:.6f} m"
-
-
-def kernel_of(kind: str, size: int | None) -> Path | None:
-    """The ready kernel of a kind, for a number of links or any, if it is there and this machine runs it."""
-    if kind == ready.WIDE and not system.has_wide_vectors():
-        return None
-    return ready.find(ready.library_name(size, system.HOST, what=kind))
-
-
-def slope(scene: ci.Scene, kind: str) -> bytes:
-    """The derivative by the ready kernel of a kind; nothing if there is none."""
-    found = kernel_of(kind, None)
-    if found is None:
-        return b""
-    usual, instance._loaded = instance.kernel_library, {}
-    instance.kernel_library = lambda *_, derivatives, **__: found if derivatives else usual(4)
-    try:
-        result = ci.simulate(scene, stop_time=0.6, sensitivities=["contact.restitution"])
-    finally:
-        instance.kernel_library, instance._loaded = usual, {}
-    return bytes(result.sensitivity("point[4].x", "contact.restitution").tobytes())
-
-
-# --- studies -----------------------------------------------------------------------------------------------
 
 
 @check

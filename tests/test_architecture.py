@@ -114,7 +114,7 @@ def test_the_kernel_imports_numbers_numpy_and_itself_only(file):
 def test_only_the_lowering_imports_numba():
     """So that who has ready kernels needs no compiler."""
     users = {file.stem for file in MODULES if any(belongs(m, ("numba", "llvmlite")) for m in imported(file))}
-    others = {"collecting", "dual_numbers", "entry_points", "functions", "law", "record_type", "reuse"}
+    others = {"collecting", "dual_numbers", "entry_points", "functions", "law", "record_type"}
     assert users == {"lower", *others}
 
 

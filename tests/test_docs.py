@@ -15,8 +15,6 @@ import pytest
 import try_it
 
 from chain_impact import cli
-from chain_impact.compilation.library import LINKING, LOWERING
-from chain_impact.compilation.ready import DERIVATIVES, KERNEL
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.scene.models import model_names
@@ -263,32 +261,6 @@ def test_the_table_of_stiffness_has_every_material():
     text = generate.stiffnesses()
     assert "| steel | 207 | 0.3 | 2.145e+10 | 2.145e+10 |" in text
     assert all(f"| {name} |" in text for name in generate.MATERIALS)
-
-
-def test_the_times_of_compilation_are_those_that_are_printed():
-    lower, lower_more = (f"{LOWERING[what]:g}" for what in (KERNEL, DERIVATIVES))
-    link, link_more = (f"{LINKING[what]:g}" for what in (KERNEL, DERIVATIVES))
-    first, first_more = (f"{LOWERING[what] + LINKING[what]:g}" for what in (KERNEL, DERIVATIVES))
-    for page, sentences in {
-        "docs/kernels.md": [
-            f"the kernel once, about {lower} s, then links it, about {link} s",
-            f"about {first_more} s the first time, for all numbers of links",
-            f"the first law takes {link} s more",
-            f"and {lower} s where the kernel without derivatives is not there yet",
-        ],
-        "docs/development/compilation.md": [
-            f"in a process of its own | {lower} |",
-            f"`compilation/reuse.py` | {lower_more} |",
-            f"| {link}; {link_more} with derivatives |",
-        ],
-        "docs/troubleshooting.md": [f"takes {first} s; the first derivatives take {first_more} s"],
-        "docs/fit.md": [f"about {first_more} s"],
-        "docs/sensitivities.md": [f"in about {first_more} s"],
-        "CONTRIBUTING.md": [f"compiles the kernel, {lower} seconds, and links it, {link} seconds"],
-    }.items():
-        text = (ROOT / page).read_text()
-        for sentence in sentences:
-            assert sentence in text
 
 
 def test_notebooks_link_to_a_service_once_the_repository_has_an_address(tmp_path):

@@ -54,38 +54,6 @@ def test_elsewhere_one_sentence_says_what_to_do(monkeypatch, tmp_path):
         build_fmu("rod_drop", tmp_path, platforms=("",))
 
 
-def test_the_processor_of_windows_is_asked_of_windows(monkeypatch):
-    asked = []
-    kernel = SimpleNamespace(IsProcessorFeaturePresent=lambda feature: asked.append(feature) or 1)
-    monkeypatch.setattr(system, "SYSTEM", "Windows")
-    monkeypatch.setattr(system, "HOST", "win64")
-    monkeypatch.setattr(system.ctypes, "CDLL", {"kernel32": kernel}.__getitem__)
-    assert system.has_wide_vectors()
-    assert asked == [40]
-
-
-@pytest.mark.parametrize(
-    ("flags", "wide"), [("avx2 fma", False), (" ".join(sorted(system.WIDE_FLAGS)), True)]
-)
-def test_the_processor_of_linux_is_read_from_a_file(monkeypatch, flags, wide):
-    monkeypatch.setattr(system, "SYSTEM", "Linux")
-    monkeypatch.setattr(system, "HOST", "linux64")
-    monkeypatch.setattr(Path, "read_text", lambda *_, **__: f"model\t: 1\nflags\t: fpu {flags}\nbugs\t:\n")
-    assert system.has_wide_vectors() == wide
-    monkeypatch.setattr(system, "HOST", "aarch64-linux")  # emulated on such a processor
-    assert not system.has_wide_vectors()
-
-
-def test_where_there_is_no_such_file_nothing_is_known(monkeypatch):
-    def missing(*_, **__):
-        raise FileNotFoundError
-
-    monkeypatch.setattr(system, "SYSTEM", "Linux")
-    monkeypatch.setattr(system, "HOST", "linux64")
-    monkeypatch.setattr(Path, "read_text", missing)
-    assert not system.has_wide_vectors()
-
-
 def test_it_runs_on_all_cores_that_it_may_use(monkeypatch):
     assert 1 <= system.cores() <= os.cpu_count()
     monkeypatch.delattr(os, "sched_getaffinity", raising=False)

@@ -6,7 +6,6 @@ C interface of native FMUs (compilation/c_interface/).
 
 from __future__ import annotations
 
-import ctypes
 import io
 import os
 import platform
@@ -75,29 +74,6 @@ def nowhere() -> str:
         f"chain-impact runs on {known}, not on {platform.platform()} ({sysconfig.get_platform()}): use such "
         "a machine, or a container or a virtual machine for one of them"
     )
-
-
-# --- the processor -----------------------------------------------------------------------------------------
-
-# Of processors with vectors of four numbers: Intel's since 2013, AMD's since 2015.
-WIDE_FLAGS = {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "xsave"}
-AVX2 = 40  # PF_AVX2_INSTRUCTIONS_AVAILABLE of Windows; Intel's and AMD's processors with it have the others
-WIDE_PLATFORMS = ("linux64", "win64")
-"""Those on which it is known whether the processor has such vectors."""
-
-
-def has_wide_vectors() -> bool:
-    """Whether this machine has vectors of four numbers; false where that is not known."""
-    if HOST not in WIDE_PLATFORMS:  # an emulator of ARM shows the file of the machine that it runs on
-        return False
-    if SYSTEM == WINDOWS:
-        kernel: Any = ctypes.CDLL("kernel32")
-        return bool(kernel.IsProcessorFeaturePresent(AVX2))
-    try:
-        flags = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace").partition("flags")[2]
-    except OSError:
-        return False
-    return set(flags.partition("\n")[0].split()) >= WIDE_FLAGS
 
 
 def cores() -> int:

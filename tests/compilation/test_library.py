@@ -70,15 +70,14 @@ def test_no_path_of_this_machine_is_in_the_library(one_link):
 @pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
 def test_the_kernel_does_not_allocate(what):
     module = library._lowered_kernel(what)
-    assert "@initialize" in module
+    assert {library.KERNEL: "@initialize", library.DERIVATIVES: "@on_start"}[what] in module
     assert not [name for name in ("NRT_Allocate", "NRT_MemInfo_alloc", "malloc") if name in module]
 
 
 @pytest.mark.full("takes long")
-@pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
-def test_every_function_that_it_offers_computes_with_the_usual_registers(what):
+def test_every_function_that_it_offers_computes_with_the_usual_registers():
     """None of its arithmetic is inlined, as it could be moved to before they are set."""
-    module = library._lowered_kernel(what)
+    module = library._lowered_kernel(library.KERNEL)
     for name in ENTRY_POINTS:
         (body,) = re.findall(rf"^define [^\n]*@{name}\(.*?^\}}", module, re.M | re.S)
         calls = re.findall(r"call [^\n]*@\S+?\(.*", body)
@@ -116,16 +115,16 @@ def test_the_number_of_candidates_is_no_part_of_a_kernel():
 def test_a_law_that_calls_what_only_numba_has_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(compilers, "interface_sources", list)  # the law alone
     (tmp_path / "mine.py").write_text("import math\n\n\ndef mine(rate):\n    return math.gamma(rate)\n")
-    compilers.lower(tmp_path / "mine.ll", tmp_path / "mine.py")
+    compilers.lower(tmp_path / "mine.ll", "law", tmp_path / "mine.py")
     nothing = tmp_path / "nothing.c"
     nothing.touch()
     with pytest.raises(LawError, match=r"^calls gamma, which a kernel does not have$"):
-        compilers.link(nothing, tmp_path / "kernel.so", HOST, tmp_path / "mine.ll")
+        compilers.link([nothing], tmp_path / "kernel.so", HOST, tmp_path / "mine.ll")
 
 
 @needs_compilers
 def test_all_long_chains_share_a_kernel():
-    assert kernel_library(30) == kernel_library(1000) != kernel_library(4)
+    assert kernel_library(30) == kernel_library(1000)
 
 
 # --- where it comes from, with compilers that only write files -------------------------------------------
@@ -135,21 +134,21 @@ class Compilers:
     """Stand in for numba and zig."""
 
     def __init__(self):
-        self.lowered, self.compiled, self.linked = [], [], []
+        self.lowered, self.compiled = [], []
 
-    def lower(self, module, law=None, plain=None):
-        self.lowered.append(law)
-        module.write_text(f"{plain} with derivatives" if plain else "a module")
+    def lower(self, module, what, law=None):
+        self.lowered.append(what)
+        module.write_text(law.name if law else what)
 
-    def compile_kernel(self, module, compiled, platform, links, *, derivatives, cpu=None):
-        assert compiled.name.startswith("derivatives" if derivatives else "kernel")
-        self.compiled.append((platform, links, cpu))
-        compiled.write_text(module)
+    def compile_part(self, module, compiled, platform, what, links):
+        assert module == what
+        assert compiled.name.startswith(what)
+        self.compiled.append((what, platform, links))
+        compiled.write_text(f"{what} for {links}")
 
-    def link(self, compiled, library, platform, law=None, *, cpu=None):
-        assert compiled.stem.endswith(platform)
-        self.linked.append(cpu)
-        library.write_text(compiled.read_text() + (f" with {law.name}" if law else ""))
+    def link(self, parts, library, platform, law=None):
+        assert all(part.stem.endswith(platform) for part in parts)
+        library.write_text(" and ".join(part.read_text() for part in (*parts, *([law] if law else []))))
 
 
 @pytest.fixture
@@ -159,23 +158,21 @@ def stand_in(tmp_path, monkeypatch):
     monkeypatch.delenv(ready.RELEASE, raising=False)
     monkeypatch.setattr(ready, "_usable", lambda: False)
     both = Compilers()
-    for name in ("lower", "compile_kernel", "link"):
+    for name in ("lower", "compile_part", "link"):
         monkeypatch.setattr(compilers, name, getattr(both, name))
     return both
 
 
 @needs_compilers
-def test_the_kernel_is_lowered_once_and_linked_for_the_usual_numbers_of_links_and_for_any(stand_in, caplog):
+def test_the_kernel_is_lowered_and_linked_once_for_any_number_of_links(stand_in, caplog):
     caplog.set_level("INFO", "chain_impact")
     first = kernel_library(2)
     said = [text.partition(" (about")[0] for text in caplog.messages]
     assert said == ["compiling the kernel", "linking the kernel for linux64"]
-    assert kernel_library(2) == first
-    assert kernel_library(4) != first
-    assert kernel_library(3) == kernel_library(64)
-    assert len(stand_in.lowered) == 1
-    assert [links for _, links, _ in stand_in.compiled] == [2, 4, None]
-    assert len(caplog.messages) == 4
+    assert {kernel_library(links) for links in (2, 3, 64)} == {first}
+    assert stand_in.lowered == ["kernel"]
+    assert stand_in.compiled == [("kernel", "linux64", None)]
+    assert len(caplog.messages) == 2
 
 
 @needs_compilers
@@ -183,62 +180,40 @@ def test_for_a_release_it_is_linked_for_each_number_of_links_up_to_ten(stand_in,
     monkeypatch.setenv(ready.RELEASE, "1")
     for links in (3, ready.LARGEST_EXACT, ready.LARGEST_EXACT + 1):
         kernel_library(links)
-    assert [links for _, links, _ in stand_in.compiled] == [3, ready.LARGEST_EXACT, None]
+    assert [links for *_, links in stand_in.compiled] == [3, ready.LARGEST_EXACT, None]
 
 
 @needs_compilers
-def test_a_kernel_with_derivatives_is_another_one_for_any_number_of_links(stand_in):
-    plain, other = kernel_library(3), kernel_library(3, derivatives=True, portable=False)
-    assert (plain.read_text(), other.read_text()) == ("a module", "a module with derivatives")
-    for links in (1, 2, 3, 4):
-        assert kernel_library(links, derivatives=True, portable=False) == other
-    assert kernel_library(3, portable=False) == plain
-    assert len(stand_in.lowered) == 2
-    assert stand_in.compiled == [("linux64", None, None), ("linux64", None, compilers.wide_cpu())]
-    assert stand_in.linked == [None, compilers.wide_cpu()]
-    kernel_library(3, derivatives=True)
-    assert stand_in.linked[-1] is None
+def test_a_kernel_with_derivatives_is_the_same_kernel_with_more_linked_to_it(stand_in):
+    plain, other = kernel_library(3), kernel_library(3, derivatives=True)
+    assert plain.read_text() == "kernel for None"
+    assert other.read_text() == "kernel for None and derivatives for None"
+    assert {kernel_library(links, derivatives=True) for links in (1, 2, 4)} == {other}
+    assert stand_in.lowered == ["kernel", "derivatives"]
+    assert [what for what, *_ in stand_in.compiled] == ["kernel", "derivatives"]
 
 
 @needs_compilers
 def test_each_platform_has_its_library(stand_in):
     linux, windows = kernel_library(3, "linux64"), kernel_library(3, "win64")
     assert (linux.suffix, windows.suffix) == (".so", ".dll")
-    assert len(stand_in.lowered) == 1
+    assert stand_in.lowered == ["kernel"]
 
 
 @needs_compilers
-def test_a_law_is_linked_to_it(stand_in, tmp_path):
+def test_laws_are_linked_to_one_kernel(stand_in, tmp_path):
     files = [tmp_path / "one" / "mine.py", tmp_path / "two" / "mine.py"]
     for file, force in zip(files, ("1.0", "2.0"), strict=True):
         file.parent.mkdir()
         file.write_text(f"def mine(rate):\n    return {force}\n")
     one, two = (kernel_library(2, law_file=str(file)) for file in files)
     assert len({one, two, kernel_library(2)}) == 3
-    assert [law is not None for law in stand_in.lowered] == [True, False, True]
-    assert stand_in.compiled == [("linux64", 2, None)]
-    assert [file.read_text() for file in (one, two)] == [
-        f"a module with {file.stem.removeprefix('kernel-2-').removesuffix('-linux64')}.ll"
-        for file in (one, two)
-    ]
-
-
-@needs_compilers
-def test_laws_share_a_kernel_for_a_number_of_links_a_platform_and_a_processor(stand_in, tmp_path):
-    for links, platform, settings in (
-        (2, "linux64", {}),
-        (4, "linux64", {}),
-        (2, "win64", {}),
-        (2, "linux64", {"derivatives": True}),
-        (2, "linux64", {"derivatives": True, "portable": False}),
-    ):
-        for force in "12":
-            law = tmp_path / "mine.py"
-            law.write_text(f"def mine(rate):\n    return {force}.0\n")
-            kernel_library(links, platform, law_file=str(law), **settings)
-        assert stand_in.compiled[-1][:2] == (platform, None if "derivatives" in settings else links)
-    assert len(stand_in.linked) == 10
-    assert [cpu for _, _, cpu in stand_in.compiled] == [None] * 4 + [compilers.wide_cpu()]
+    varied = kernel_library(2, law_file=str(files[0]), derivatives=True)
+    assert stand_in.lowered == ["law", "kernel", "law", "derivatives"]
+    assert len(stand_in.compiled) == 2
+    for file, parts in ((one, ["kernel"]), (two, ["kernel"]), (varied, ["kernel", "derivatives"])):
+        law = file.stem.removeprefix(f"{parts[-1]}-any-").removesuffix("-linux64")
+        assert file.read_text() == " and ".join([*(f"{part} for None" for part in parts), f"{law}.ll"])
 
 
 @pytest.mark.parametrize(
@@ -268,7 +243,7 @@ def test_without_a_compiler_one_sentence_says_what_to_install(
 
 
 @needs_compilers
-@pytest.mark.parametrize(("step", "finished"), [("compile_kernel", []), ("link", ["kernel-any-linux64.o"])])
+@pytest.mark.parametrize(("step", "finished"), [("compile_part", []), ("link", ["kernel-any-linux64.o"])])
 def test_a_compiler_that_fails_leaves_nothing_behind(stand_in, monkeypatch, tmp_path, step, finished):
     def fails(_, output, *__, **___):
         output.write_text("half")

@@ -51,7 +51,7 @@ def test_no_path_is_in_a_law_that_could_raise(tmp_path):
         "def sum_of(step):\n    total = 0\n    for i in range(0, 9, step):\n        total += i\n"
         "    return total\n"
     )
-    compilers.lower(tmp_path / "mine.ll", law)
+    compilers.lower(tmp_path / "mine.ll", "law", law)
     module = (tmp_path / "mine.ll").read_text()
     assert "pickle" not in module
     assert ".py" not in module
@@ -61,12 +61,12 @@ def test_the_same_sources_give_the_same_bytes_wherever_they_are(tmp_path, monkey
     """Of a law here; `.ci/run` compares whole kernels that two environments have lowered."""
     law = tmp_path / "mine.py"
     law.write_text("def mine(penetration, rate):\n    return 2.0 * penetration ** 1.5 * rate\n")
-    compilers.lower(tmp_path / "here.ll", law)
+    compilers.lower(tmp_path / "here.ll", "law", law)
     package = tmp_path / "elsewhere" / "chain_impact"
     shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__", "ready"))
     monkeypatch.setattr(compilers, "PACKAGE", package)
     monkeypatch.setenv("PYTHONHASHSEED", "4711")
-    compilers.lower(tmp_path / "elsewhere.ll", law)
+    compilers.lower(tmp_path / "elsewhere.ll", "law", law)
     assert (tmp_path / "elsewhere.ll").read_text() == (tmp_path / "here.ll").read_text()
 
 
@@ -76,11 +76,11 @@ def test_other_files_and_settings_of_the_user_do_not_matter(tmp_path, monkeypatc
     (tmp_path / "chain_impact" / "__init__.py").write_text("raise RuntimeError('another one')")
     law = tmp_path / "mine.py"
     law.write_text("def mine(rate):\n    return 2.0 * rate\n")
-    compilers.lower(tmp_path / "one.ll", law)
+    compilers.lower(tmp_path / "one.ll", "law", law)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("NUMBA_BOUNDSCHECK", "1")
     monkeypatch.setenv("NUMBA_DEBUGINFO", "1")
-    compilers.lower(tmp_path / "two.ll", law)
+    compilers.lower(tmp_path / "two.ll", "law", law)
     assert (tmp_path / "one.ll").read_text() == (tmp_path / "two.ll").read_text()
 
 
@@ -89,7 +89,7 @@ def test_sources_that_change_meanwhile_are_refused(tmp_path, monkeypatch):
     law.write_text("def mine(rate):\n    return 2.0 * rate\n")
     monkeypatch.setattr(compilers, "fingerprint", lambda: "as they were")
     with pytest.raises(BuildError, match="the sources of the kernel have changed since the program began"):
-        compilers.lower(tmp_path / "kernel.ll", law)
+        compilers.lower(tmp_path / "kernel.ll", "law", law)
     assert not (tmp_path / "kernel.ll").exists()
 
 

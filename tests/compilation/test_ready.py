@@ -21,17 +21,17 @@ from tests.tiers import needs_compilers
 ROOT = Path(__file__).parents[2]
 
 
-def lower(module, plain=None):
-    module.write_text(f"{plain} with derivatives" if plain else "a module")
+def lower(module, what):
+    module.write_text(what)
 
 
-def compile_kernel(text, compiled, platform, links, *, derivatives, cpu=None):
-    assert derivatives == ("derivatives" in text)
-    compiled.write_text(f"{text} for {links}" + (f" on {cpu}" if cpu else ""))
+def compile_part(text, compiled, platform, what, links):
+    assert text == what
+    compiled.write_text(f"{text} for {links}")
 
 
-def link(compiled, library, platform, *, cpu=None):
-    library.write_text(compiled.read_text())
+def link(parts, library, platform):
+    library.write_text(" and ".join(part.read_text() for part in parts))
 
 
 def compile_for_browsers(text, compiled):
@@ -46,7 +46,7 @@ def replace_compilers(monkeypatch):
     """By some that only write files."""
     monkeypatch.setattr(compilers, "prepare_zig", lambda _: None)
     monkeypatch.setattr(compilers, "lower", lower)
-    monkeypatch.setattr(compilers, "compile_kernel", compile_kernel)
+    monkeypatch.setattr(compilers, "compile_part", compile_part)
     monkeypatch.setattr(compilers, "link", link)
     monkeypatch.setattr(browser, "compile_kernel", compile_for_browsers)
     monkeypatch.setattr(browser, "link", link_for_browsers)
@@ -82,25 +82,23 @@ def test_a_second_wheel_of_the_same_sources_takes_no_compiler(made, tmp_path, mo
 
 @needs_compilers
 def test_there_is_a_kernel_for_every_chain(made):
-    assert ready.find(ready.library_name(ready.exact(64), "linux64")).read_text() == "a module for None"
+    assert ready.find(ready.library_name(ready.exact(64), "linux64")).read_text() == "kernel for None"
     assert ready.find(ready.library_name(3, "linux64")) is None
     assert kernel_library(4) == kernel_library(64) == ready.find(ready.library_name(None, "linux64"))
     assert ready.find(ready.library_name(None, "win64")) is None
-    assert ready.find(browser.MODULE).read_text() == "a module for a browser"
-    assert len(ready.libraries()) == len(ready.FIRST_SIZES) + 2  # with derivatives, and for browsers
-    assert ready.module() == "a module"
-    assert lzma.decompress((made / ready.MODULE).read_bytes()) == b"a module"
+    assert ready.find(browser.MODULE).read_text() == "kernel for a browser"
+    assert len(ready.libraries()) == 3  # with derivatives, and for browsers
+    assert ready.module() == "kernel"
+    assert lzma.decompress((made / ready.MODULE).read_bytes()) == b"kernel"
     assert not [path for path in made.iterdir() if path.is_dir()]
 
 
 @needs_compilers
 def test_it_is_said_what_is_done(made, said):
     """pip shows these lines: none is long after the one before."""
-    assert said[:2] == [
-        f"compiling {kind}, for any number of links" for kind in (ready.KERNEL, ready.DERIVATIVES)
-    ]
+    assert sorted(said[:2]) == [f"compiling {what}, for any number of links" for what in sorted(ready.PARTS)]
     assert "linking derivatives-any-linux64.so, 2 of 3" in said
-    assert len(said) == 4 + len(ready.FIRST_SIZES)
+    assert len(said) == 5
 
 
 @needs_compilers
@@ -110,67 +108,41 @@ def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
     monkeypatch.setattr(ready, "PATIENCE", 0.01)
     replace_compilers(monkeypatch)
 
-    def slow(module, plain=None):
+    def slow(module, what):
         while "still at work" not in said:
             time.sleep(0.01)
-        lower(module, plain)
+        lower(module, what)
 
     monkeypatch.setattr(compilers, "lower", slow)
     ready.make(tmp_path / "ready", say=said.append)
-    assert said[:2] == ["compiling kernel, for any number of links", "still at work"]
+    assert "still at work" in said
 
 
 @needs_compilers
-@pytest.mark.parametrize("wide", [compilers.WIDE_CPU, None])
-def test_derivatives_take_no_compiler(made, monkeypatch, wide):
-    """On newer processors, too: the kernel for any processor takes the place of the one for these."""
-    monkeypatch.setattr(compilers, "wide_cpu", lambda: wide)
+def test_derivatives_take_no_compiler(made, monkeypatch):
     monkeypatch.setattr(ready, "find_spec", lambda _: None)
     found = ready.find(ready.library_name(None, "linux64", what=ready.DERIVATIVES))
-    assert found.read_text() == "a module with derivatives for None"
-    for portable in (True, False):
-        assert kernel_library(4, derivatives=True, portable=portable) == found
+    assert found.read_text() == "kernel for None and derivatives for None"
+    assert kernel_library(4, derivatives=True) == found
 
 
 @needs_compilers
 def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, tmp_path, monkeypatch):
-    """And one with derivatives for newer processors; what is cached already is not made again."""
+    """What is cached already is not made again."""
     said = []
     assert not ready.all_cached(release=True)
     ready.make(tmp_path / "release", release=True, say=said.append)
     assert ready.all_cached(release=True)
-    first = ["any" if size is None else str(size) for size in ready.FIRST_SIZES]
-    assert not [line for line in said if any(f"kernel-{size}-" in line for size in first)]
+    assert not [line for line in said if "kernel-any-" in line]
     monkeypatch.setattr(ready, "FOLDER", tmp_path / "release")
     ready._usable.cache_clear()
-    assert len(ready.libraries()) == len(ready.SIZES) + 3  # two with derivatives, one for browsers
+    assert len(ready.libraries()) == len(ready.SIZES) + 2  # with derivatives, and for browsers
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "nothing"))
-    monkeypatch.setattr(compilers, "wide_cpu", lambda: compilers.WIDE_CPU)
     for links in range(1, ready.LARGEST_EXACT + 1):
-        assert kernel_library(links).read_text() == f"a module for {links}"
-    for links in (4, 9):
-        found = {
-            portable: kernel_library(links, derivatives=True, portable=portable).read_text()
-            for portable in (True, False)
-        }
-        assert found[True] == "a module with derivatives for None"
-        assert found[False] == f"a module with derivatives for None on {compilers.WIDE_CPU}"
-    monkeypatch.setattr(compilers, "wide_cpu", lambda: None)
-    assert (
-        kernel_library(64, derivatives=True, portable=False).read_text()
-        == "a module with derivatives for None"
-    )
-
-
-@pytest.mark.parametrize(
-    ("platform", "kinds"),
-    [("win64", ["derivatives", "derivatives-wide"]), ("aarch64-linux", ["derivatives"])],
-)
-def test_a_wheel_has_kernels_for_wide_vectors_where_they_can_be_used(platform, kinds):
-    plain = [(ready.KERNEL, size) for size in ready.SIZES]
-    first = [(ready.KERNEL, None), (ready.DERIVATIVES, None)]
-    assert list(ready._wanted(platform, False).values()) == first
-    assert [kind for kind, _ in ready._wanted(platform, True).values()] == ["kernel"] * len(plain) + kinds
+        assert kernel_library(links).read_text() == f"kernel for {links}"
+    for links in (4, 64):
+        found = kernel_library(links, derivatives=True).read_text()
+        assert found == "kernel for None and derivatives for None"
 
 
 @needs_compilers

@@ -27,7 +27,9 @@ DONE = {
     hooks.on_observe_trial: ["return_to_kept_state", "refill_motion", "trusted"],
     hooks.on_truncate: ["update_own_to_output_time", "move_end"],
     hooks.indices_valid: ["within_bounds"],
+    hooks.words_behind: [],
 }
+ANSWERS = {hooks.indices_valid: 1, hooks.words_behind: 0}
 
 # those after which derivatives may have ended
 ENDING = {hooks.on_start, hooks.on_reinit, hooks.on_step, hooks.on_truncate}
@@ -38,14 +40,15 @@ def test_a_plain_run_has_hooks_that_do_nothing(function):
     d = Plain(Model(load_scene("four_link_box")).new_instance()[0])
     before = d._record.tobytes()
     answer = function(*[d, 1.5][: len(inspect.signature(function).parameters)])
-    assert answer is (True if function is hooks.indices_valid else None)
+    assert answer == ANSWERS.get(function)
     assert d._record.tobytes() == before
 
 
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: one.__name__)
 def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monkeypatch):
     count, called = len(inspect.signature(function).parameters), []
-    tangents = [SimpleNamespace(**SIZES, output=SimpleNamespace(words=[0.0])) for _ in range(3)]
+    output = SimpleNamespace(words=[0.0])
+    tangents = [SimpleNamespace(**SIZES, output=output, words=[0.0] * 5) for _ in range(3)]
     d = SimpleNamespace(tangents=3, tangent_instances=tangents, **SIZES)
     d.statistics = SimpleNamespace(status=0)
 
@@ -66,7 +69,7 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
     # the earliest end of all gets to the first one, and from there to the others
     pairs = [(first, other) for other in others] + [(other, first) for other in others]
     assert shared == (pairs if function in ENDING else [])
-    assert answer is (True if function is hooks.indices_valid else None)
+    assert answer == {hooks.indices_valid: 1, hooks.words_behind: 15}.get(function)
     assert [(name, id(t)) for name, t, _ in called] == [
         (name, id(t)) for t in tangents for name in DONE[function]
     ]

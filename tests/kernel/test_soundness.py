@@ -259,7 +259,7 @@ def test_a_users_law_is_one_more(monkeypatch):
 def test_a_record_is_sound_with_what_is_beside_it(monkeypatch):
     _, d = chain(np.random.default_rng(0), 1)
     assert sound(d) == 1
-    monkeypatch.setattr(hooks, "indices_valid", lambda d: False)
+    monkeypatch.setattr(hooks, "indices_valid", lambda d: 0)
     assert sound(d) == 0
 
 

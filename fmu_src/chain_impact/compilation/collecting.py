@@ -82,17 +82,18 @@ class Convention(callconv.MinimalCallConv):
         self._return_errcode_raw(builder, callconv.RETCODE_USEREXC)
 
 
-def collect_only(any_python: bool = False) -> None:
+def collect_only(*, any_python: bool, guarded: bool) -> None:
     """Make numba, in this process, lower functions and do nothing else.
 
     Args:
         any_python: whether the functions may use all that numba knows; else what the kernel's use.
+        guarded: whether the C functions set the floating-point registers: those that only the kernel calls
+            need not.
     """
     codegen.JITCPUCodegen._library_class = Library
     codegen.JITCPUCodegen.set_env = _nothing
     cpu.CPUContext.call_conv = property(Convention)
-    # a user's law is called by the kernel only
-    cpu.CPUContext.create_cfunc_wrapper = partialmethod(_entry_point, guarded=not any_python)
+    cpu.CPUContext.create_cfunc_wrapper = partialmethod(_entry_point, guarded=guarded)
     base.BaseContext.get_abi_sizeof = _remembered(base.BaseContext.get_abi_sizeof, lambda _, kind: str(kind))
     types.Function.get_call_type = _remembered(  # type: ignore[method-assign]
         types.Function.get_call_type,
@@ -109,9 +110,7 @@ def _plain_index(context: Any, builder: Any, kind: Any, index: Any, _size: Any) 
     return context.cast(builder, index, kind, types.intp)
 
 
-def _entry_point(
-    context: Any, library: Library, description: Any, *_: Any, guarded: bool = True, **__: Any
-) -> None:
+def _entry_point(context: Any, library: Library, description: Any, *_: Any, guarded: bool, **__: Any) -> None:
     """The C function that returns the result of a function itself, or 0 where Python would raise.
 
     A guarded one computes with the usual floating-point registers, whatever its caller has set.

@@ -1,7 +1,8 @@
 """The two programs that make a library: numba's front end, run once, and zig's C compiler, run for each.
 
 lower.py writes the kernel in LLVM's language, without sizes. The prelude has the sizes; with it the kernel is
-compiled and linked, together with the C interface of native FMUs (c_interface/), the same for every scene.
+compiled. It is linked with the C interface of native FMUs (c_interface/), the same for every scene, and with
+what it leaves open: the hooks, which carry derivatives or do nothing, and a user's contact law, or none.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,7 +20,7 @@ from chain_impact.compilation.cache import linker_folder
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.law_file import LawError
 from chain_impact.compilation.sources import PACKAGE, fingerprint
-from chain_impact.system import HOST, PLATFORMS, has_wide_vectors
+from chain_impact.system import HOST, PLATFORMS
 
 _TARGETS = {
     "linux64": "x86_64-linux-gnu.2.17",
@@ -34,16 +35,14 @@ PORTABLE_CPU = "x86-64-v2"
 BAD_LAW = 3  # exit code of lower.py; what is wrong is on standard error
 # For every x86 processor since 2009 and every 64-bit ARM, so that results are bit-equal on all of a kind.
 CPUS = {"x86_64": "x86_64_v2", "aarch64": "generic"}
-# Where it is there, twice as many numbers fit a vector, and dual numbers are vectors. Values are bit-equal.
-WIDE_CPU = "x86_64_v3"
-KERNEL, DERIVATIVES, WIDE = "kernel", "derivatives", "derivatives-wide"
-"""Kinds of kernels: without derivatives; with them, for any processor; and the same for one like this."""
-PROCESSORS = {KERNEL: None, DERIVATIVES: None, WIDE: WIDE_CPU}
+KERNEL, DERIVATIVES = "kernel", "derivatives"
+"""What is lowered and compiled by itself: the kernel, and the hooks that carry derivatives. Also the kinds of
+libraries: the kernel, and the kernel with these hooks."""
 # ARM's instruction that multiplies and adds is not used: it rounds once where the two of x86 round twice.
 # Without LLVM's loop strength reduction, linking takes a seventh less, and kernels are no slower.
 FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything", "-mllvm", "-disable-lsr")
-# Twice as much as usual is inlined, which makes steps of four links up to 4 % faster. A kernel that carries
-# derivatives does without: it would be no faster, and take a sixth longer to link.
+# Twice as much as usual is inlined, which makes steps of four links up to 4 % faster. Derivatives do without:
+# they would be no faster, and take longer to compile.
 INLINE_MORE = ("-mllvm", "-inline-threshold=500")
 # LLVM's vectors of straight code make runs of one link up to a tenth slower, and those of two a tenth faster.
 SCALAR = ("-fno-slp-vectorize",)
@@ -72,9 +71,28 @@ CONSTANT = """define internal i64 @{name}(ptr %instance) alwaysinline {{
   ret i64 {number}
 }}
 """
-LAW = """declare hidden i64 @user_law_present()
-declare hidden double @user_law_force(double, double, double, double, double, double, double)
-"""
+Open = dict[str, tuple[str, tuple[str, ...], int]]
+"""What a kernel leaves open: C function → LLVM's types of its result and its arguments, and the result of the
+function that stands for it where there is none. In numba, one that returns nothing returns a pointer."""
+LAW: Open = {
+    "user_law_present": ("i64", (), 0),
+    "user_law_force": ("double", ("double",) * 7, 0),
+}
+_ON_INSTANCE = (
+    "on_start",
+    "on_reinit",
+    "on_step",
+    "on_observe",
+    "on_trial",
+    "on_observe_trial",
+    "on_truncate",
+)
+HOOKS: Open = {
+    **dict.fromkeys(_ON_INSTANCE, ("ptr", ("ptr",), 0)),
+    "on_output_time": ("ptr", ("ptr", "double"), 0),
+    "indices_valid": ("i64", ("ptr",), 1),
+    "words_behind": ("i64", ("ptr",), 0),
+}
 REGISTERS = """declare hidden i64 @usual_registers()
 declare hidden void @put_registers_back(i64)
 """
@@ -86,16 +104,12 @@ define internal void @put_registers_back(i64 %registers) alwaysinline {
   ret void
 }
 """
-# C code that is linked to a kernel: the first beside a user's law, the second where there is none
-LAW_IS_PRESENT = "long long user_law_present(void) { return 1; }\n"
-NO_LAW = """long long user_law_present(void) { return 0; }
-double user_law_force(double a, double b, double c, double d, double e, double f, double g) { return 0.0; }
-"""
+C_TYPES = {"i64": "long long", "double": "double", "ptr": "void *"}
 _DECLARED_ABOVE = re.compile(
-    r"^declare .*@(chain_links|chain_candidates|chain_elements|user_law_present|user_law_force"
-    r"|usual_registers|put_registers_back)\(.*$\n",
+    r"^declare .*@(chain_links|chain_candidates|chain_elements|usual_registers|put_registers_back)\(.*$\n",
     re.M,
 )
+_LEFT_OPEN = re.compile(rf"^(declare|define) (?=[^\n]*@({'|'.join([*LAW, *HOOKS])})\()", re.M)
 _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
@@ -112,16 +126,17 @@ def complete(module: str, links: int | None, registers: str = REGISTERS) -> str:
     sizes = HELD.format(name=name, word=0) if links is None else CONSTANT.format(name=name, number=links)
     for word, held in enumerate(("chain_candidates", "chain_elements"), 1):
         sizes += HELD.format(name=held, word=word)
-    return _DECLARED_ABOVE.sub("", module) + sizes + LAW + registers
+    hidden = _LEFT_OPEN.sub(r"\1 hidden ", module)  # private to a library, and called without a table
+    return _DECLARED_ABOVE.sub("", hidden) + sizes + registers
 
 
-def lower(module: Path, law: Path | None = None, plain: str | None = None) -> None:
-    """Write the kernel, one that carries derivatives, or a user's law, in LLVM's language.
+def lower(module: Path, what: str, law: Path | None = None) -> None:
+    """Write a part of a kernel in LLVM's language.
 
     Args:
-        module: the file to write; another one is put beside it.
-        law: the user's law.
-        plain: the plain kernel in LLVM's language, for one that carries derivatives.
+        module: the file to write.
+        what: KERNEL, DERIVATIVES, or "law".
+        law: the file of the user's law, if it is that.
 
     Raises:
         LawError: when the law cannot be compiled.
@@ -130,65 +145,49 @@ def lower(module: Path, law: Path | None = None, plain: str | None = None) -> No
     # numba takes the features of this machine unless told otherwise, and orders by hash
     cpu = CPUS["aarch64"] if HOST.startswith("aarch64") else PORTABLE_CPU
     settings = {"NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
-    what = ["law", str(law)] if law else ["kernel"]
-    if plain is not None:
-        common = module.with_name("plain.ll")
-        common.write_text(plain, encoding="utf-8")
-        what = ["derivatives", str(common)]
-    done = _run("-c", LOWER, str(PACKAGE.parent), fingerprint(), str(module), *what, **settings)
+    given = [str(law)] if law else []
+    done = _run("-c", LOWER, str(PACKAGE.parent), fingerprint(), str(module), what, *given, **settings)
     if done.returncode == BAD_LAW:
         raise LawError(done.stderr.splitlines()[-1])
     _check(done)
 
 
-def compile_kernel(
-    module: str,
-    compiled: Path,
-    platform: str,
-    links: int | None,
-    *,
-    derivatives: bool = False,
-    cpu: str | None = None,
-) -> None:
-    """Compile a lowered kernel. It calls a user's law, whichever that is, or none: ``link`` adds it.
+def compile_part(module: str, compiled: Path, platform: str, what: str, links: int | None) -> None:
+    """Compile a lowered part of a kernel, KERNEL or DERIVATIVES. What it leaves open, ``link`` adds.
 
     Args:
-        module: the kernel in LLVM's language, as lower.py writes it.
+        module: the part in LLVM's language, as lower.py writes it.
         compiled: the file to write; others are put beside it.
         platform: of ``ZIG_TARGETS``.
+        what: the part.
         links: the number of links that it is for; None for any.
-        derivatives: whether the kernel carries derivatives.
-        cpu: zig's name of the processor that it is for; by default that of ``CPUS``.
 
     Raises:
         BuildError: when the compiler fails.
     """
     kernel = compiled.with_name("kernel.ll")
     kernel.write_text(complete(module, links))
-    flags = ["-c", *_tuning(links, derivatives=derivatives)]
+    flags = ["-c", *_tuning(what, links)]
     if "windows" not in ZIG_TARGETS[platform][0]:  # whose code is always so
         flags.append("-fPIC")
-    _zig(platform, compiled, kernel, cpu=cpu, flags=flags)
+    _zig(platform, compiled, kernel, flags=flags)
 
 
-def _tuning(links: int | None, *, derivatives: bool) -> tuple[str, ...]:
-    """What makes a kernel for so many links faster."""
-    if derivatives:
+def _tuning(what: str, links: int | None) -> tuple[str, ...]:
+    """What makes a part of a kernel for so many links faster."""
+    if what == DERIVATIVES:
         return ()
     return (*INLINE_MORE, *SCALAR) if links == 1 else INLINE_MORE
 
 
-def link(
-    compiled: Path, library: Path, platform: str, law: Path | None = None, *, cpu: str | None = None
-) -> None:
+def link(parts: Collection[Path], library: Path, platform: str, law: Path | None = None) -> None:
     """Make the library of a kernel.
 
     Args:
-        compiled: the kernel, as ``compile_kernel`` writes it.
+        parts: the compiled kernel and, in one that carries derivatives, the compiled hooks.
         library: the file to write; others are put beside it.
         platform: of ``ZIG_TARGETS``.
         law: a user's law in LLVM's language, if there is one.
-        cpu: as that of the kernel.
 
     Raises:
         LawError: when the law calls what only numba has.
@@ -196,17 +195,13 @@ def link(
     """
     prepare_zig(platform)
     try:
-        _zig_library(platform, library, compiled, *interface_sources(), law=law, cpu=cpu)
+        beside = write_beside(library, law, derivatives=len(parts) > 1)
+        _zig_library(platform, library, *parts, *interface_sources(), *beside)
     except BuildError as error:
         missing = _OF_NUMBA.search(str(error))
         if law and missing:
             raise LawError(f"calls {missing[1]}, which a kernel does not have") from None
         raise
-
-
-def wide_cpu() -> str | None:
-    """``WIDE_CPU`` if this machine has one."""
-    return WIDE_CPU if has_wide_vectors() else None
 
 
 def zig_is_prepared(platform: str) -> bool:
@@ -238,15 +233,8 @@ def interface_sources() -> list[Path]:
     return sorted(INTERFACE.rglob("*.c"))
 
 
-def _zig_library(
-    platform: str,
-    library: Path,
-    *inputs: Path,
-    law: Path | None = None,
-    cpu: str | None = None,
-) -> None:
+def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
     """Compile what is not compiled yet, and link a library."""
-    inputs += write_beside(library, law)
     target, _ = ZIG_TARGETS[platform]
     options = ["-shared", "-s"]
     if "linux" in target:
@@ -257,27 +245,27 @@ def _zig_library(
     # Without start files and, but for Windows, zig's runtime, which it would first have to build. Nothing
     # calls them.
     libraries = ["-nostdlib", *(_from_windows() if "windows" in target else ["-lm", "-lc"])]
-    _zig(platform, library, *inputs, cpu=cpu, flags=options, libraries=libraries)
+    _zig(platform, library, *inputs, flags=options, libraries=libraries)
 
 
-def write_beside(library: Path, law: Path | None) -> tuple[Path, ...]:
-    """What a kernel needs of others: a user's law, or none, and what stands for Python's functions."""
+def write_beside(library: Path, law: Path | None, *, derivatives: bool = False) -> tuple[Path, ...]:
+    """What a kernel needs of others: a user's law, and functions that do nothing for all that is missing."""
+    missing = ({} if derivatives else HOOKS) | ({"user_law_present": ("i64", (), 1)} if law else LAW)
+    text = "".join(map(STUB.format, PYTHON_SYMBOLS))
+    for name, (result, arguments, nothing) in missing.items():
+        named = ", ".join(f"{C_TYPES[kind]} a{k}" for k, kind in enumerate(arguments)) or "void"
+        text += f"{C_TYPES[result]} {name}({named}) {{ return ({C_TYPES[result]}){nothing}; }}\n"
     beside = library.with_name("beside.c")
-    beside.write_text("".join(map(STUB.format, PYTHON_SYMBOLS)) + (LAW_IS_PRESENT if law else NO_LAW))
+    beside.write_text(text)
     return (law, beside) if law else (beside,)
 
 
 def _zig(
-    platform: str,
-    output: Path,
-    *inputs: Path,
-    cpu: str | None,
-    flags: Iterable[str],
-    libraries: Iterable[str] = (),
+    platform: str, output: Path, *inputs: Path, flags: Iterable[str], libraries: Iterable[str] = ()
 ) -> None:
     """Run zig's C compiler."""
     target, _ = ZIG_TARGETS[platform]
-    options = ["cc", "-target", target, f"-mcpu={cpu or CPUS[target.partition('-')[0]]}", *FLAGS]
+    options = ["cc", "-target", target, f"-mcpu={CPUS[target.partition('-')[0]]}", *FLAGS]
     options += ["-fvisibility=hidden", *flags]
     paths = map(str, (*(f"-I{folder}" for folder in INCLUDES), "-o", output, *inputs))
     run_zig([*options, *paths, *libraries], output)

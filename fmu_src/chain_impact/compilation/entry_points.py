@@ -8,6 +8,7 @@
     int32 observe(instance*)
     int32 sound(instance*)
     int32 follow(instance*)
+    int64 record_words(instance*)
     int64 trajectory(instance*, const double* times, int64 count, const int64* spans, int64 span_count,
                      double* rows, int64 columns)
     int64 run_each(instance*, const int64* places, int64 parameters, const double* values,
@@ -15,7 +16,8 @@
                    double* rows, int32 continuing)
 
 What they do, kernel/entry.py and kernel/advance.py tell. In a kernel that carries derivatives they take the
-instances of dual numbers along that are behind theirs (kernel/tangent/entry.py).
+instances of dual numbers along that are behind theirs: a kernel calls the hooks, which are C functions, too,
+and linked to it (kernel/hooks.py, kernel/tangent/entry.py).
 """
 
 from __future__ import annotations
@@ -25,16 +27,17 @@ from typing import Any
 
 from numba import float64, int32, int64, types
 
-from chain_impact.compilation import functions
+from chain_impact.compilation.functions import HOOK_SIGNATURES
 from chain_impact.compilation.record_type import INSTANCE, matrix, vector
-from chain_impact.kernel import entry
+from chain_impact.kernel import entry, hooks
 from chain_impact.kernel.advance import advance_to_onset, event_update
 from chain_impact.kernel.events.contact_log import update_to_output_time
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.soundness import sound
-from chain_impact.kernel.tangent import entry as tangent_entry
 from chain_impact.kernel.tangent.blocks import words
+from chain_impact.kernel.tangent.entry import HOOKS
 
+_HOOKS: dict[Any, Any] = HOOKS
 Entries = dict[str, tuple[Any, Callable[..., Any]]]
 """C functions: name → (signature, function)."""
 
@@ -43,6 +46,11 @@ def follow(d):
     """Follow the contacts up to the communication point, and log those that last behind the finished ones."""
     update_to_output_time(d)
     return 0
+
+
+def record_words(d):
+    """How many numbers of 8 bytes the record of an instance with these sizes has, and what is behind it."""
+    return len(words(d)) + hooks.words_behind(d)
 
 
 def trajectory(d, times, count, spans, span_count, rows, columns):  # noqa: PLR0917
@@ -67,11 +75,16 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
     )
 
 
-def entry_points(derivatives: bool = False) -> Entries:
-    """Those of the kernel, or of one that carries derivatives, as does all that is compiled after that."""
+def hook_entries() -> Entries:
+    """The hooks that carry derivatives."""
+    return {hook.__name__: (kind, _HOOKS[hook]) for hook, kind in HOOK_SIGNATURES.items()}
+
+
+def entry_points() -> Entries:
+    """Those of the kernel."""
     reals, indices = types.CPointer(float64), types.CPointer(int64)
     runs = (INSTANCE, indices, int64, reals, reals, int64, indices, int64, reals, int32)
-    entries: Entries = {
+    return {
         "initialize": (int32(INSTANCE, float64), initialize),
         "advance": (int32(INSTANCE, float64), entry.advance_to),
         "advance_awhile": (int32(INSTANCE, float64), entry.advance_awhile),
@@ -82,7 +95,6 @@ def entry_points(derivatives: bool = False) -> Entries:
         "follow": (int32(INSTANCE), follow),
         "trajectory": (int64(INSTANCE, reals, int64, indices, int64, reals, int64), trajectory),
         "run_each": (int64(*runs), run_each),
+        # for the C interface, which is given a record by a file
+        "record_words": (int64(INSTANCE), record_words),
     }
-    if derivatives:
-        functions.STAND_INS.update(tangent_entry.HOOKS)
-    return entries

@@ -11,9 +11,10 @@ from numba.core.imputils import lower_constant
 from numba.extending import models, register_model, typeof_impl
 
 import chain_impact.kernel
+from chain_impact.compilation.compilers import HOOKS
 from chain_impact.compilation.dual_numbers import DUAL, Dual
-from chain_impact.compilation.record_type import TANGENT
-from chain_impact.compilation.reuse import Overloads
+from chain_impact.compilation.record_type import INSTANCE, TANGENT
+from chain_impact.kernel import hooks
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.tangent import blocks, directions
 from chain_impact.kernel.tangent.rules import RULES
@@ -25,14 +26,20 @@ OPTIONS = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper
 MODULES = {f"{chain_impact.kernel.__name__}."}
 """Packages and modules, with a dot at the end, whose functions are compiled when another one calls them."""
 LAW_PRESENT, LAW_FORCE = "user_law_present", "user_law_force"
+_TYPES = {"ptr": INSTANCE, "double": float64, "i64": int64}
+HOOK_SIGNATURES: dict[FunctionType, Any] = {
+    getattr(hooks, name): (types.void if result == "ptr" else _TYPES[result])(
+        *(_TYPES[one] for one in arguments)
+    )
+    for name, (result, arguments, _) in HOOKS.items()
+}
 # what a library gets from elsewhere when it is linked
 EXTERNAL: dict[Any, types.Type] = {
     user_law.present: types.ExternalFunction(LAW_PRESENT, int64()),
     user_law.force: types.ExternalFunction(LAW_FORCE, float64(*[float64] * len(user_law.ARGUMENTS))),
+    **{hook: types.ExternalFunction(hook.__name__, kind) for hook, kind in HOOK_SIGNATURES.items()},
 }
 _RULES: dict[Any, Any] = RULES
-STAND_INS: dict[Any, Any] = {}
-"""Function of the kernel → what stands for it where no argument carries derivatives."""
 # what dual_numbers.py and record_type.py have made numba know
 BUILT_IN: set[Any] = {
     *(directions.value, directions.slope, directions.carried, directions.varies),
@@ -43,9 +50,7 @@ BUILT_IN: set[Any] = {
 @cache
 def compiled(function: FunctionType) -> Any:
     """The function as one that numba compiles."""
-    dispatcher = njit(forceinline=getattr(function, "inlined", False), **OPTIONS)(function)
-    dispatcher._cache = Overloads(function)
-    return dispatcher
+    return njit(forceinline=getattr(function, "inlined", False), **OPTIONS)(function)
 
 
 class Function(types.Dispatcher):
@@ -57,8 +62,8 @@ class Function(types.Dispatcher):
 
     def _for(self, arguments: Any) -> types.Dispatcher:
         """The dispatcher that takes these arguments."""
-        others = _RULES if any(carries_derivatives(one) for one in arguments) else STAND_INS
-        return types.Dispatcher(compiled(others.get(self._function, self._function)))
+        rules = _RULES if any(carries_derivatives(one) for one in arguments) else {}
+        return types.Dispatcher(compiled(rules.get(self._function, self._function)))
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
         """The signature for some arguments."""

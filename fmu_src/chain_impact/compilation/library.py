@@ -8,13 +8,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from chain_impact.compilation import browser, cache, compilers, ready
-from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, PROCESSORS, WIDE
+from chain_impact.compilation.compilers import DERIVATIVES, KERNEL
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.law_file import LawError, UserLaw, read_law
 from chain_impact.progress import log_once
 from chain_impact.system import HOST, nowhere
 
-LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 9.0}  # s
+LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 4.0}  # s
 PREPARING = {"win64": 3.0}  # s, in which zig makes what it links with; on other platforms it takes no time
 
 
@@ -24,7 +24,6 @@ def kernel_library(
     law_file: str = "",
     *,
     derivatives: bool = False,
-    portable: bool = True,
 ) -> Path:
     """Return the shared library for chains of N ``links``.
 
@@ -33,8 +32,6 @@ def kernel_library(
         platform: of ``compilers.ZIG_TARGETS``.
         law_file: the file of a user's law that the kernel shall have, if any.
         derivatives: whether it shall carry derivatives.
-        portable: whether it shall run on any processor; else one that carries derivatives is for processors
-            like this one, on which it is faster.
 
     Raises:
         BuildError: when the user's law or a compiler fails, or there is no compiler and no ready kernel, or
@@ -43,10 +40,8 @@ def kernel_library(
     if not platform:
         raise BuildError(nowhere())
     law = _law(law_file) if law_file else None
-    what = DERIVATIVES if derivatives else KERNEL
-    exact = ready.exact(links, what)
-    wide = derivatives and not portable and platform == HOST and compilers.wide_cpu() is not None
-    kind = WIDE if wide else what
+    kind = DERIVATIVES if derivatives else KERNEL
+    exact = ready.exact(links, kind)
     name = ready.library_name(exact, platform, _law_name(law) if law else "", kind)
     found = cache.find(name) if law else ready.best(links, platform, kind) or cache.find(name)
     if found:
@@ -54,17 +49,20 @@ def kernel_library(
     ready.require_compilers(_purpose(platform, law_file, derivatives))
     lowered_law = _lowered_law(law, law_file) if law else None
 
-    def text() -> str:
-        module = _lowered_kernel(what)
-        prepared = compilers.zig_is_prepared(platform)
-        seconds = LINKING[what] + (0.0 if prepared else PREPARING.get(platform, 0.0))
-        log_once(f"linking the kernel for {platform}", seconds)
-        return module
+    def part(what: str) -> Path:
+        def text() -> str:
+            module = _lowered_kernel(what)
+            prepared = compilers.zig_is_prepared(platform)
+            seconds = LINKING[what] + (0.0 if prepared else PREPARING.get(platform, 0.0))
+            log_once(f"linking the kernel for {platform}", seconds)
+            return module
+
+        return ready.compiled(exact, platform, what, text)
 
     def link(file: Path) -> None:
-        compiled = ready.compiled(exact, platform, kind, text)
+        parts = [part(what) for what in ready.PARTS[kind]]
         with _about(law_file):
-            compilers.link(compiled, file, platform, lowered_law, cpu=PROCESSORS[kind])
+            compilers.link(parts, file, platform, lowered_law)
 
     return cache.made(name, link)
 
@@ -103,12 +101,11 @@ def _lowered_kernel(what: str) -> str:
     """A kernel in LLVM's language, free of sizes."""
 
     def lower(module: Path) -> None:
-        plain = _lowered_kernel(KERNEL) if what == DERIVATIVES else None
         log_once("compiling the kernel", LOWERING[what])
-        compilers.lower(module, plain=plain)
+        compilers.lower(module, what)
 
     packed = ready.module() if what == KERNEL else None
-    return packed or cache.made(ready.lowered(what), lower).read_text()
+    return packed or cache.made(f"{what}.ll", lower).read_text()
 
 
 def _lowered_law(law: UserLaw, file: str) -> Path:
@@ -118,7 +115,7 @@ def _lowered_law(law: UserLaw, file: str) -> Path:
         copy = module.with_name(f"{law.id}.py")  # of what was read: the file may be another by now
         copy.write_text(law.source, encoding="utf-8")
         with _about(file):
-            compilers.lower(module, copy)
+            compilers.lower(module, "law", copy)
 
     return cache.made(f"{_law_name(law)}.ll", lower)
 

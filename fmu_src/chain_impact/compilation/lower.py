@@ -1,7 +1,6 @@
-"""Lower a kernel, or a user's law, to LLVM's intermediate language: lower.py FINGERPRINT FILE WHAT [FROM].
+"""Lower a part of a kernel to LLVM's intermediate language: lower.py FINGERPRINT FILE WHAT [LAW].
 
-WHAT is `kernel`, `derivatives`, a kernel that carries them beside the run, or `law`. The last two are made
-FROM a file: the lowered plain kernel, and the source of the law.
+WHAT is `kernel`, `derivatives`, the hooks that carry them beside the run, or `law`, a user's in the file LAW.
 
 It is run in a process of its own, because it changes how numba compiles, and because numba reads the
 processor to compile for when it is imported.
@@ -13,19 +12,15 @@ import sys
 from pathlib import Path
 
 from llvmlite import binding as llvm
-from numba import cfunc, int64
+from numba import cfunc
 
-from chain_impact.compilation import reuse
 from chain_impact.compilation.collecting import Library, collect_only
 from chain_impact.compilation.compilers import BAD_LAW, PORTABLE_CPU
-from chain_impact.compilation.entry_points import Entries, entry_points
+from chain_impact.compilation.entry_points import Entries, entry_points, hook_entries
 from chain_impact.compilation.functions import OPTIONS
 from chain_impact.compilation.law import law_entry
 from chain_impact.compilation.law_file import LawError, read_law
-from chain_impact.compilation.record_type import INSTANCE
 from chain_impact.compilation.sources import fingerprint
-from chain_impact.kernel.tangent import blocks, entry as tangent_entry
-from chain_impact.kernel.tangent.entry import HOOKS
 
 TRIPLE = "x86_64-unknown-linux-gnu"  # what the passes that are run here take for the target
 # Python keeps its frames in blocks of 16 kB, and gets and returns memory each time that calls go to and fro
@@ -42,7 +37,6 @@ def lowered(entries: Entries) -> str:
         callback = cfunc(signature, **OPTIONS)(function)
         libraries |= dict.fromkeys(callback._library.and_those_it_calls())
         names[callback.native_name] = name
-    names |= reuse.names(HOOKS)
     whole = _joined([module for library in libraries for module in library.modules])
     for symbol in (*whole.functions, *whole.global_variables):
         if symbol.name in names:
@@ -90,18 +84,12 @@ def main() -> None:
     """Write the module of WHAT to FILE."""
     expected, file, what, *given = sys.argv[1:]
     path = Path(file)
-    collect_only(any_python=what == "law")
+    collect_only(any_python=what == "law", guarded=what == "kernel")
     try:
         if what == "law":
             entries = law_entry(read_law(Path(given[0])))
         else:
-            if what == "derivatives":
-                reuse.take(Path(given[0]).read_text(encoding="utf-8"))
-            derivatives = what == "derivatives"
-            entries = entry_points(derivatives=derivatives)
-            # for the C interface, which is given a record by a file
-            words = tangent_entry.record_words if derivatives else blocks.record_words
-            entries["record_words"] = (int64(INSTANCE), words)
+            entries = entry_points() if what == "kernel" else hook_entries()
     except LawError as error:
         print(" ".join(str(error).split()), file=sys.stderr)
         sys.exit(BAD_LAW)

@@ -1,8 +1,8 @@
 """The kernels that a wheel carries, so that who installs it needs no compiler.
 
-One for release has more of them, for single numbers of links and for newer processors. They are made when the
-wheel is built (packaging/ at the top of the repository). An editable installation has none: its kernels are
-made when they are needed, and kept in the cache.
+One for release has more of them, for single numbers of links. They are made when the wheel is built
+(packaging/ at the top of the repository). An editable installation has none: its kernels are made when they
+are needed, and kept in the cache.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from pathlib import Path
 from typing import Any
 
 from chain_impact.compilation import browser, cache, compilers
-from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, PROCESSORS, WIDE
+from chain_impact.compilation.compilers import DERIVATIVES, KERNEL
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import COMPILERS, PACKAGE, fingerprint
 from chain_impact.extras import how_to_install
-from chain_impact.system import HOST, WIDE_PLATFORMS, cores
+from chain_impact.system import HOST, cores
 
 FOLDER = PACKAGE / "ready"
 MODULE = f"{KERNEL}.ll.xz"  # the lowered kernel, packed in a wheel
@@ -35,10 +35,10 @@ LARGEST_EXACT = 10
 one that reads the number from the instance: with it, runs of up to ten links take a tenth to three tenths
 longer, with many rows of outputs up to two fifths, and of thirty no longer."""
 
-FIRST_SIZES: tuple[int | None, ...] = (None,)
-"""What every installation has. A further one would take a tenth of the time to install."""
 SIZES: tuple[int | None, ...] = (None, *range(1, LARGEST_EXACT + 1))
-"""What a wheel for release has."""
+"""What a wheel for release has. Every installation has the kernel for any number of links, None."""
+PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
+"""Kind of library → what is compiled and linked for it."""
 REQUIREMENTS = [*(f"{name}=={version}" for name, version in COMPILERS.items()), "numpy>=2.0,<3"]
 """What has to be installed to compile kernels."""
 
@@ -67,9 +67,8 @@ def exact(links: int, kind: str = KERNEL) -> int | None:
 
 def _sizes(kind: str, release: bool) -> tuple[int | None, ...]:
     """The numbers of links that there are kernels of a kind for."""
-    if kind != KERNEL:
-        return (None,)  # with derivatives, one for a number of links is a twentieth faster only
-    return SIZES if release else FIRST_SIZES
+    # with derivatives, one for a number of links is a twentieth faster only
+    return SIZES if release and kind == KERNEL else (None,)
 
 
 def library_name(links: int | None, platform: str, law: str = "", what: str = KERNEL) -> str:
@@ -84,14 +83,8 @@ def find(name: str) -> Path | None:
 
 
 def best(links: int, platform: str, what: str) -> Path | None:
-    """The ready kernel of a kind for this number of links, or else one that can take its place.
-
-    That is the one for any number of links, and for the one for newer processors the one for any processor.
-    """
-    names = [library_name(size, platform, what=what) for size in (links, None)]
-    if what == WIDE:
-        names.append(library_name(None, platform, what=DERIVATIVES))
-    return next(filter(None, map(find, names)), None)
+    """The ready kernel of a kind for this number of links, or else for any."""
+    return next(filter(None, (find(library_name(size, platform, what=what)) for size in (links, None))), None)
 
 
 def module() -> str | None:
@@ -111,23 +104,14 @@ def _usable() -> bool:
     return mark.is_file() and mark.read_text() == fingerprint()
 
 
-def lowered(kind: str) -> str:
-    """The name of a lowered kernel in the cache; both kinds with derivatives are made from one."""
-    return f"{KERNEL if kind == KERNEL else DERIVATIVES}.ll"
+def compiled(links: int | None, platform: str, what: str, text: Callable[[], str]) -> Path:
+    """A compiled part of a kernel, from the cache.
 
-
-def compiled(links: int | None, platform: str, kind: str, text: Callable[[], str]) -> Path:
-    """The kernel of a kind without a user's law, from the cache.
-
-    If it is not there, it is compiled from ``text``, which returns the lowered kernel.
+    If it is not there, it is compiled from ``text``, which returns what is lowered.
     """
-
-    def compile_it(file: Path) -> None:
-        derivatives, cpu = kind != KERNEL, PROCESSORS[kind]
-        compilers.compile_kernel(text(), file, platform, links, derivatives=derivatives, cpu=cpu)
-
-    name = Path(library_name(links, platform, what=kind)).with_suffix(".o").name
-    return cache.made(name, compile_it)
+    name = Path(library_name(links, platform, what=what)).with_suffix(".o").name
+    make = functools.partial(compilers.compile_part, platform=platform, what=what, links=links)
+    return cache.made(name, lambda file: make(text(), file))
 
 
 def compiled_for_browsers(text: Callable[[], str]) -> Path:
@@ -137,12 +121,9 @@ def compiled_for_browsers(text: Callable[[], str]) -> Path:
 
 def _wanted(platform: str, release: bool) -> dict[str, tuple[str, int | None]]:
     """The kernels of a wheel: file name → kind and number of links."""
-    kinds = [KERNEL, DERIVATIVES]
-    if release and platform in WIDE_PLATFORMS:
-        kinds.append(WIDE)
     return {
         library_name(size, platform, what=kind): (kind, size)
-        for kind in kinds
+        for kind in PARTS
         for size in _sizes(kind, release)
     }
 
@@ -166,8 +147,7 @@ def make(
     Args:
         folder: to be made.
         platform: of ``compilers.ZIG_TARGETS``.
-        release: whether to add what a wheel for release has: kernels for single numbers of links, and for
-            newer processors.
+        release: whether to add what a wheel for release has: kernels for single numbers of links.
         say: is told what is done, before it is.
     """
     wanted = _wanted(platform, release)
@@ -185,13 +165,12 @@ def make(
 def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Callable[[str], None]) -> None:
     """See that kernels are in the cache, as many at once as there are cores."""
 
-    def text(name: str) -> str:
+    def text(what: str) -> str:
         def lower(file: Path) -> None:
-            plain = text(lowered(KERNEL)) if name == lowered(DERIVATIVES) else None
-            say(f"compiling {name.removesuffix('.ll')}, for any number of links")
-            compilers.lower(file, plain=plain)
+            say(f"compiling {what}, for any number of links")
+            compilers.lower(file, what)
 
-        return cache.made(name, lower).read_text()
+        return cache.made(f"{what}.ll", lower).read_text()
 
     with ThreadPoolExecutor(cores()) as pool:
 
@@ -202,8 +181,7 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
             return [one.result() for one in running]
 
         preparing = pool.submit(compilers.prepare_zig, platform)
-        names = list(dict.fromkeys(lowered(kind) for kind, _ in wanted.values()))
-        texts = dict(zip(names, each(text, names), strict=True))
+        texts = dict(zip(PARTS, each(text, PARTS), strict=True))
         preparing.result()
 
         names = [*wanted, browser.MODULE]
@@ -212,17 +190,20 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
             def link(file: Path) -> None:
                 say(f"linking {name}, {names.index(name) + 1} of {len(names)}")
                 if name == browser.MODULE:
-                    browser.link(compiled_for_browsers(lambda: texts[lowered(KERNEL)]), file)
+                    browser.link(compiled_for_browsers(lambda: texts[KERNEL]), file)
                     return
                 kind, links = wanted[name]
-                kernel = compiled(links, platform, kind, lambda: texts[lowered(kind)])
-                compilers.link(kernel, file, platform, cpu=PROCESSORS[kind])
+                parts = [
+                    compiled(links, platform, what, functools.partial(texts.__getitem__, what))
+                    for what in PARTS[kind]
+                ]
+                compilers.link(parts, file, platform)
 
             cache.made(name, link)
 
         def pack(file: Path) -> None:
             # a stronger compression takes ten times as long for half of the size
-            file.write_bytes(lzma.compress(texts[lowered(KERNEL)].encode(), preset=1))
+            file.write_bytes(lzma.compress(texts[KERNEL].encode(), preset=1))
 
         cache.made(MODULE, pack)
         each(library, names)

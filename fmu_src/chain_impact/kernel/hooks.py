@@ -1,9 +1,9 @@
 """The hooks: functions that a run calls at fixed points, for work in addition to the plain run.
 
-These functions do nothing. A kernel that carries derivatives is compiled with those of HOOKS in
-kernel/tangent/entry.py in their place. Two more tables replace functions when a kernel is compiled: RULES in
-kernel/tangent/rules.py, for functions of dual numbers, and EXTERNAL in compilation/functions.py, for a
-user's contact law (kernel/laws/user_law.py), which is linked in.
+These functions do nothing. A kernel that carries derivatives is linked with those of HOOKS in
+kernel/tangent/entry.py in their place. One more table replaces functions when a kernel is compiled: RULES in
+kernel/tangent/rules.py, for functions of dual numbers. A user's contact law (kernel/laws/user_law.py) is
+linked as the hooks are: EXTERNAL in compilation/functions.py.
 """
 
 
@@ -40,5 +40,10 @@ def on_truncate(_d):
 
 
 def indices_valid(_d):
-    """Whether all indices in the data of the hooks are valid."""
-    return True
+    """1 if all indices in the data of the hooks are valid, or 0."""
+    return 1
+
+
+def words_behind(_d):
+    """How many numbers of 8 bytes the data of the hooks has, behind the record of the instance."""
+    return 0

@@ -24,7 +24,7 @@ def sound(d):
 
     The caller must ensure that the sizes at the start of the record, such as the number of links, are right.
     """
-    return 1 if within_bounds(d) and hooks.indices_valid(d) else 0
+    return 1 if within_bounds(d) and hooks.indices_valid(d) == 1 else 0
 
 
 def within_bounds(d):

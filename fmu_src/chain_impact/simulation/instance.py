@@ -294,7 +294,7 @@ _loaded: dict[tuple[int, bool, str | None], ctypes.CDLL] = {}
 
 
 def kernel_for(scene: Scene, *, derivatives: bool) -> ctypes.CDLL:
-    """The kernel for a scene and a processor like this one; what is loaded is not looked for again.
+    """The kernel for a scene; what is loaded is not looked for again.
 
     Raises:
         BuildError: when it cannot be compiled.
@@ -304,7 +304,7 @@ def kernel_for(scene: Scene, *, derivatives: bool) -> ctypes.CDLL:
     known = (links, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
     if not law and known in _loaded:
         return _loaded[known]
-    kernel = load_kernel(kernel_library(links, law_file=law, derivatives=derivatives, portable=False))
+    kernel = load_kernel(kernel_library(links, law_file=law, derivatives=derivatives))
     if not law:
         _loaded[known] = kernel
     return kernel

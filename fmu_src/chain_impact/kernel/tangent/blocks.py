@@ -16,11 +16,6 @@ def words(record):
     return record.words
 
 
-def record_words(d):
-    """How many numbers of 8 bytes the record of an instance with the sizes at its start has."""
-    return len(words(d))
-
-
 def copy_values(source, target):
     """Give a part of an instance of dual numbers the values of that part of the instance.
 

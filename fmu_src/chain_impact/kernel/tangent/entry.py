@@ -100,13 +100,18 @@ def truncate_all(d):
 
 
 def all_valid(d):
-    """Whether all sizes and indices of the tangent instances are valid."""
+    """1 if all sizes and indices of the tangent instances are valid, or 0."""
     fits = True
     for b in range(d.tangents):
         t = block(d, b)
         fits = fits and t.links == d.links and t.candidates == d.candidates and t.elements == d.elements
         fits = fits and within_bounds(t)
-    return fits
+    return 1 if fits else 0
+
+
+def words_of_all(d):
+    """How many numbers of 8 bytes all tangent instances have."""
+    return d.tangents * len(words(block(d, 0)))
 
 
 HOOKS = {
@@ -119,10 +124,6 @@ HOOKS = {
     hooks.on_observe_trial: observe_trial_of_all,
     hooks.on_truncate: truncate_all,
     hooks.indices_valid: all_valid,
+    hooks.words_behind: words_of_all,
 }
 """Function of kernel/hooks.py → what it does in a kernel that carries derivatives."""
-
-
-def record_words(d):
-    """How many numbers of 8 bytes the record of an instance and its tangent instances has."""
-    return len(words(d)) + d.tangents * len(words(block(d, 0)))
