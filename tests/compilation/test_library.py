@@ -138,7 +138,7 @@ class Compilers:
 
     def lower(self, module, what, law=None):
         self.lowered.append(what)
-        module.write_text(law.name if law else what)
+        module.write_text(what)
 
     def compile_part(self, module, compiled, platform, what, links):
         assert module == what
@@ -148,7 +148,9 @@ class Compilers:
 
     def link(self, parts, library, platform, law=None):
         assert all(part.stem.endswith(platform) for part in parts)
-        library.write_text(" and ".join(part.read_text() for part in (*parts, *([law] if law else []))))
+        library.write_text(
+            " and ".join([*(part.read_text() for part in parts), *([law.name] if law else [])])
+        )
 
 
 @pytest.fixture
