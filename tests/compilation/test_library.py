@@ -136,7 +136,7 @@ class Compilers:
     def __init__(self):
         self.lowered, self.compiled = [], []
 
-    def lower(self, module, what, law=None):
+    def lower(self, module, what, _law=None):
         self.lowered.append(what)
         module.write_text(what)
 
