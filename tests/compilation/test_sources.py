@@ -73,7 +73,7 @@ def test_what_makes_no_code_does_not_count(copy, source):
 
 
 def test_every_module_of_the_compilation_is_decided():
-    others = {"__init__", "cache", "errors", "library", "places", "ready", "sources", "work"}
+    others = {"__init__", "cache", "errors", "library", "places", "ready", "sources"}
     assert {file.stem for file in (PACKAGE / "compilation").glob("*.py")} == {*MAKERS, *others}
 
 
