@@ -25,6 +25,7 @@ from chain_impact.scene.limits import NO_KEY, keys, quantity
 from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
 from chain_impact.scene.names import STOPS, Place, name_of, parameter_hint, place_in_file
+from chain_impact.scene.numbers import with_numbers
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, keys_of, shown
 from chain_impact.scene.tables import (
     MODEL_NAME,
@@ -274,6 +275,8 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
     scene = scene_of(scene)
+    if (quick := with_numbers(scene, changes)) is not None:
+        return quick
     values = [_place_and_value(scene, change, given) for change, given in changes.items()]
     if all(_is_independent(path) for path, _ in values):
         changed = _with_independent(scene, values)

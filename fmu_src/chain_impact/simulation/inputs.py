@@ -26,6 +26,7 @@ SAME_TIME = 1e-12  # of the stop time: samples and communication points no furth
 LISTED = 8  # names in an error's sentence
 NOTHING = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of no input."""
+AT_START = np.zeros(1, int)
 
 
 @dataclass(frozen=True)
@@ -84,9 +85,11 @@ def drive(model: Model, inputs: Mapping[str, Signal], interpolation: str, times:
     if interpolation not in INTERPOLATIONS:
         allowed = "must be follow, hold or linear"
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed}")
-    run = np.union1d(0.0, times)
+    begins = len(times) > 0 and times[0] == 0.0
+    run = times if begins else np.union1d(0.0, times)
     if not inputs:
-        return Drive(run, np.isin(run, times), (), NOTHING, np.zeros(1, int))
+        asked = np.ones(len(run), bool) if begins else np.isin(run, times)
+        return Drive(run, asked, (), NOTHING, AT_START)
     places = {variable.name: variable.place for variable in model.inputs}
     for name in inputs:
         if name not in places:

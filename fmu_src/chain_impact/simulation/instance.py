@@ -21,7 +21,7 @@ from chain_impact.scene.candidates import places
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import Drive
 from chain_impact.variables.model import Model, model_of
-from chain_impact.variables.table import BEHIND
+from chain_impact.variables.table import BEHIND, WORD, first_word
 from chain_impact.variables.variable import Variable
 
 # words at the start of a record: the numbers of links, candidates, elements and instances of dual numbers
@@ -104,7 +104,10 @@ def structured(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
     """The first columns of rows of numbers, shape (T, W), by the names of a layout: a view, shape (T,)."""
     size = numbers.shape[1] * numbers.itemsize
     whole = np.dtype({"names": ["first"], "formats": [layout], "offsets": [0], "itemsize": size})
-    return numbers.view(whole)[:, 0]["first"] if layout.itemsize else np.zeros(len(numbers), layout)
+    if not layout.itemsize:
+        return np.zeros(len(numbers), layout)
+    found: np.ndarray = np.ndarray(len(numbers), whole, numbers)["first"]
+    return found
 
 
 class Instance:
@@ -152,7 +155,7 @@ class Instance:
     @property
     def words(self) -> np.ndarray:
         """The whole record as numbers, each in its word; a view."""
-        return self._block.view(np.float64)
+        return np.ndarray(self._block.nbytes // WORD, np.float64, self._block)
 
     def observe(self) -> int:
         """Fill the outputs of the record with what holds at the present time; return the status.
@@ -200,14 +203,16 @@ class Instance:
 
     def run(self, driven: Drive, rows: Rows, progress: Progress = silent) -> tuple[int, list[np.ndarray]]:
         """Fill rows at the communication points; return how many, before a fault, and what contacts ended."""
-        done, impacts, ends = 0, [], np.append(driven.first[1:], len(driven.times))
-        while done < len(driven.times) and self.status == OK:
+        done, impacts, last = 0, [], len(driven.times)
+        ends = np.append(driven.first[1:], last) if driven.places else None
+        while done < last and self.status == OK:
             # the inputs are those of one piece at a time
-            end = min(done + rows.at_once, ends[np.searchsorted(ends, done, side="right")])
+            until = last if ends is None else ends[np.searchsorted(ends, done, side="right")]
+            end = min(done + rows.at_once, until)
             driven.set(self.record["given"], done)
             done += rows.fill(self, driven.times[done:end], done)
             impacts.append(self.collect())
-            progress(done / len(driven.times))
+            progress(done / last)
         return done, impacts
 
     def collect(self) -> np.ndarray:
@@ -220,7 +225,7 @@ class Instance:
         # of those that nobody collected in time, the oldest are lost
         count = min(int(log["count"]), len(log["point"]))
         log["count"] = 0
-        return self._impacts(log, np.arange(count))
+        return self._impacts(slice(count))
 
     @property
     def all_changes(self) -> np.ndarray:
@@ -242,7 +247,7 @@ class Instance:
     def open_contacts(self) -> np.ndarray:
         """The contacts that have not ended yet, with their peaks so far; drops what was solved ahead."""
         self._kernel.follow(self._address)
-        return self._impacts(self.record["finished"], self._open_places)
+        return self._impacts(self._open_places)
 
     @property
     def _open_places(self) -> np.ndarray:
@@ -250,11 +255,14 @@ class Instance:
         log = self.record["finished"]
         return (int(log["count"]) + np.arange(int(self.record["touch"]["active_count"]))) % len(log["point"])
 
-    def _impacts(self, columns: Any, places: np.ndarray) -> np.ndarray:
-        """The impacts at some places of columns by name, without impulses if these are not followed."""
-        rows = np.zeros(len(places), IMPACT_DTYPE)
-        for name in IMPACT_DTYPE.names or ():
-            rows[name] = columns[name][places]
+    def _impacts(self, places: np.ndarray | slice) -> np.ndarray:
+        """The impacts at some places of the log, without impulses if these are not followed."""
+        room, columns = len(self.record["finished"]["point"]), len(IMPACT_DTYPE.names or ())
+        # the log has the columns of the table, in the same order, behind a count
+        first = first_word(self._block.dtype, "finished") + 1
+        table = self.words[first : first + columns * room].reshape(columns, room)
+        found = table[:, places].T.copy()
+        rows = np.ndarray(len(found), IMPACT_DTYPE, found)
         if not self.record["impulse"]["wanted"]:
             rows["impulse"] = np.nan
         return rows
@@ -284,8 +292,11 @@ class Instance:
 
 def in_order(parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """The order of contacts by onset, and the contacts in it."""
-    found = np.concatenate(parts)
-    order = np.argsort(found, order=["onset", "point", "wall"])
+    found, start = np.empty(sum(map(len, parts)), IMPACT_DTYPE), 0
+    for part in parts:
+        found[start : start + len(part)] = part
+        start += len(part)
+    order = np.lexsort((found["wall"], found["point"], found["onset"]))
     return order, found[order]
 
 

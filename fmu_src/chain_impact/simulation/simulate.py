@@ -111,7 +111,7 @@ def simulate(
     places = model.output_places if output is None else model.places_named(output)
     # all outputs of the motion are kept in the kernel's own order
     words = model.output_words if output is None else np.array(list(places.motion.values()), int)
-    others = np.array(sorted(word for word, _ in places.stepwise.values()), int)
+    others = places.words
     width, columns = len(words), len(words) * (1 + len(varied)) + len(others)
     check_size(scene.name, stop, step, columns)
     driven = drive(model, inputs or {}, interpolation, _times(stop, step))
@@ -119,8 +119,10 @@ def simulate(
         _check_rows(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
     differentiated = DifferentiatedInstance(model, varied, driven) if varied else None
     instance = differentiated or Instance(model, driven, ())
-    slopes = differentiated.slope_words(words) if differentiated else np.zeros(0, int)
-    rows = WordRows(len(driven.times), np.concatenate([words, others, slopes]))
+    wanted = model.all_words if output is None else np.concatenate([words, others])
+    if differentiated:
+        wanted = np.concatenate([wanted, differentiated.slope_words(words)])
+    rows = WordRows(len(driven.times), wanted)
     done, impacts = instance.run(driven, rows, progress or silent)
     order, found = in_order([*impacts, instance.open_contacts()])
     asked = slice(done) if driven.asked.all() else np.flatnonzero(driven.asked[:done])

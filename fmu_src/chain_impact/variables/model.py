@@ -6,7 +6,6 @@ That is its candidates, the variables of its FMU by name, their places in the in
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
@@ -14,26 +13,21 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.integration.methods import SOLVER_METHODS
-from chain_impact.kernel.integration.sundman import NO_CONTACT
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.model.contact_law import USER_LAW
-from chain_impact.kernel.model.derived import DERIVED
-from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import Place, friction_hint, input_key, parameter_hint
 from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Scene
+from chain_impact.variables.filling import changed_numbers, new_record, with_tangents
 from chain_impact.variables.outputs import all_outputs, shape_of
-from chain_impact.variables.places import OutputPlaces, layout_of, output_places
-from chain_impact.variables.table import BEHIND, WORD, derivatives, first_word, inputs, parameters, word_index
+from chain_impact.variables.places import OutputPlaces, layout_of, output_places, places_of
+from chain_impact.variables.table import WORD, derivatives, first_word, inputs, parameters, word_index
 from chain_impact.variables.variable import Variable, variable_row
 
-LINK_PARAMETERS = (
-    *("length", "mass", "center_of_mass", "inertia"),
-    *("joint_damping", "joint_stiffness", "joint_rest_angle", "joint_friction"),
+SAME = (
+    *("candidates", "sizes", "layout", "row", "parameters", "inputs", "outputs", "_own_outputs", "motion"),
+    *("columns", "output_words", "all_words", "output_places", "parameter_paths", "differentiable"),
 )
+"""The attributes of a model that do not depend on numbers."""
 
 
 class Model:
@@ -47,8 +41,17 @@ class Model:
         row: the record of the outputs, a row of ``Result.outputs``.
     """
 
+    _last: Model | None = None
+    """The one that was made last: one of a scene that differs from its in numbers only has its variables."""
+
     def __init__(self, scene: Scene) -> None:
-        self.scene, self.candidates = scene, candidates(scene)
+        self.scene, before = scene, Model._last
+        Model._last = self
+        if before and changed_numbers(before.scene, scene) is not None:
+            known = vars(before)
+            vars(self).update((name, known[name]) for name in SAME if name in known)
+            return
+        self.candidates = candidates(scene)
         links, pairs = len(scene.chain.links), len(self.candidates)
         self.sizes = links, pairs, links + pairs if scene.has_friction else 0
         self.layout = layout_of(*self.sizes)
@@ -161,6 +164,11 @@ class Model:
         first = first_word(self.layout, "output")
         return np.arange(first, first + self.row.itemsize // WORD)
 
+    @cached_property
+    def all_words(self) -> np.ndarray:
+        """The same of a row, and those of the outputs that change at events and steps only."""
+        return np.concatenate([self.output_words, self.output_places.words])
+
     def varied_by(self, names: str | Iterable[str]) -> list[Variable]:
         """The parameters and inputs of some names, in which ``*`` stands for any text, each of them once.
 
@@ -194,7 +202,7 @@ class Model:
         there = self._own_outputs
         return [there[name] for name in self._named(wanted, there, "no output")]
 
-    @property
+    @cached_property
     def output_places(self) -> OutputPlaces:
         """Where in the record the outputs are."""
         return output_places(shape_of(self.scene), self.sizes)
@@ -205,8 +213,8 @@ class Model:
         Raises:
             UnknownNameError: when there is none of a name, or like a pattern.
         """
-        names, (motion, stepwise) = [one.name for one in self.outputs_named(wanted)], self.output_places
-        return OutputPlaces(
+        names, (motion, stepwise, _) = [one.name for one in self.outputs_named(wanted)], self.output_places
+        return places_of(
             {name: motion[name] for name in names if name in motion},
             {name: stepwise[name] for name in names if name in stepwise},
         )
@@ -239,10 +247,8 @@ class Model:
             varied: with respect to what there are derivatives; by default as in the FMU.
         """
         varied = self.varied if varied is None else varied
-        block = np.zeros(1, self.layout)
-        _fill(block[0], self.scene, self.candidates)
-        block[0]["step"]["regularized"] = NO_CONTACT
-        return _with_tangents(block, [variable.set_place for variable in varied]) if varied else block
+        block = new_record(self.scene, self.candidates, self.sizes)
+        return with_tangents(block, [variable.set_place for variable in varied]) if varied else block
 
     def _named(
         self,
@@ -266,120 +272,3 @@ def elsewhere(name: str) -> str | None:
     if re.match(r"(impact|solver)\b", name):
         return "impacts are in result.impacts, counts of the solver in result.statistics"
     return None
-
-
-def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
-    """Put the parameters of a scene, and its candidates, in their places in a new instance."""
-    links = scene.chain.links
-    d["links"], d["candidates"] = len(links), len(pairs)
-    d["elements"] = len(d["element"]["mode"])
-
-    model = d["model"]
-    model["gravity"] = scene.gravity
-    for i, link in enumerate(links):
-        for name in LINK_PARAMETERS:
-            model[name][i] = getattr(link, name)
-    model["joint_min"], model["joint_max"] = -math.inf, math.inf
-    for w, name in enumerate(WALLS):  # the position of a wall that is not there is never read
-        model["wall"][w] = getattr(scene.box, name) or 0.0
-    if pairs:
-        d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
-    model["pinned"] = scene.chain.base == "pinned"
-    model["driven"] = scene.inputs.joint_torques or scene.inputs.tip_force
-
-    for name in ("exponent", "radius", "minimum_impact_speed"):
-        d["contact"][name] = getattr(scene.contact, name)
-
-    given = d["given"]
-    given["law"] = _law_number(scene.contact.model)
-    for name in ("stiffness", "restitution", "friction", "static_friction"):
-        given[name] = getattr(scene.contact, name)
-
-    initial = d["initial"]
-    initial["position"], initial["velocity"] = scene.initial.position, scene.initial.velocity
-    initial["angle"] = scene.initial.angles
-    initial["angular_velocity"] = scene.initial.angular_velocities
-
-    d["latest"]["kept"] = scene.outputs.impacts
-    asked = scene.outputs
-    d["impulse"]["wanted"] = asked.contacts or asked.impacts > 0 or (scene.has_friction and asked.energies)
-    d["solver"]["method"] = SOLVER_METHODS.index(scene.solver.method) + 1
-    for name in ("tolerance", "work_limit"):
-        d["solver"][name] = getattr(scene.solver, name)
-    _fill_walls(d, scene)
-    if scene.stops.exponent is not None:
-        _fill_stops(d, scene)
-    _fill_given(d, scene)
-
-
-def _fill_walls(d: Any, scene: Scene) -> None:
-    """Put the walls at any angle, and the materials of all walls, in their places."""
-    for name in ("restitution", "friction", "static_friction"):
-        d["walls"][name] = -1.0  # that of `contact`
-    if not scene.contact.points:  # the record has room for walls only where points may touch them
-        return
-    for w, wall in enumerate(scene.walls):
-        for name, value in (("x", wall.point[0]), ("y", wall.point[1]), ("angle", wall.angle)):
-            d["walls"][name][w] = value
-    for w, wall_name in enumerate(scene.wall_names):
-        material = scene.contact.wall.get(wall_name)
-        for name in ("stiffness", "restitution", "friction", "static_friction"):
-            if material and (value := getattr(material, name)) is not None:
-                d["walls"][name][w] = value
-
-
-def _fill_stops(d: Any, scene: Scene) -> None:
-    """Put the stops in joints in their places."""
-    stops, found = scene.stops, scene.chain.stops
-    for joint, ends in scene.chain.joint_ranges.items():
-        d["model"]["joint_min"][joint - 1], d["model"]["joint_max"][joint - 1] = ends
-    d["candidate"]["stop"][-len(found) :] = [1 if stop == "joint_min" else -1 for _, stop in found]
-    d["stops"]["law"] = _law_number(stops.model) if stops.model else 0
-    for name in ("exponent", "restitution", "minimum_impact_speed"):
-        d["stops"][name] = getattr(stops, name)
-    d["given"]["stop_stiffness"] = stops.stiffness
-
-
-def _fill_given(d: Any, scene: Scene) -> None:
-    """Put what is given of the parameters that may be derived in its place; see kernel/model/derived.py."""
-    derived = set(scene.derived_places)
-    for i, link in enumerate(scene.chain.links):
-        for name in ("center_of_mass", "inertia"):
-            is_derived = ("chain", "links", i, name) in derived
-            d["model"][f"given_{name}"][i] = DERIVED if is_derived else getattr(link, name)
-    places = {"exponent": ("stops", "given_exponent"), "restitution": ("given", "stop_restitution")}
-    for name, (part, field) in places.items():
-        d[part][field] = DERIVED if ("stops", name) in derived else getattr(scene.stops, name) or 0.0
-
-
-def _law_number(name: str) -> int:
-    law = CONTACT_LAWS.get(name)
-    return law.number if law else USER_LAW
-
-
-def _with_tangents(block: np.ndarray, places: Sequence[Place]) -> np.ndarray:
-    """An instance, and behind it those of dual numbers, each parameter of these places with a direction."""
-    layout, count = block.dtype, -(-len(places) // DIRECTIONS)
-    names = layout.names or ()
-    behind = (BEHIND, tangent_dtype(layout), (count,))
-    whole = np.zeros(1, np.dtype([*((name, layout[name]) for name in names), behind]))
-    block["tangents"] = count
-    for name in names:
-        whole[name] = block[name]
-    _copy_values(block[0], whole[0][BEHIND])
-    for number, place in enumerate(places):
-        field: Any = whole[0][BEHIND][number // DIRECTIONS]
-        for step in place:
-            field = field[step]
-        field["slope"][number % DIRECTIONS] = 1.0
-    return whole
-
-
-def _copy_values(source: Any, target: np.ndarray) -> None:
-    """Copy the values of a record to each of some records of dual numbers."""
-    for name in source.dtype.names:
-        part = target[name]
-        if source.dtype[name].base.names:
-            _copy_values(source[name], part)
-        else:
-            (part["value"] if part.dtype.names else part)[...] = source[name]

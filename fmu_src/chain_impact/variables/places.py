@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import cache, lru_cache
 from typing import NamedTuple
 
+import numpy as np
+
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.variables.outputs import SHAPES, Shape, outputs_of
 from chain_impact.variables.table import word_index
@@ -18,20 +20,29 @@ class OutputPlaces(NamedTuple):
     Attributes:
         motion: those that change all the time.
         stepwise: those that change at events and steps only, and whether each is a real number.
+        words: the words of these in order.
     """
 
     motion: dict[str, int]
     stepwise: dict[str, tuple[int, bool]]
+    words: np.ndarray
+
+
+def places_of(motion: dict[str, int], stepwise: dict[str, tuple[int, bool]]) -> OutputPlaces:
+    """Places of outputs, with the words of the stepwise ones."""
+    return OutputPlaces(motion, stepwise, np.array(sorted(word for word, _ in stepwise.values()), int))
 
 
 @lru_cache(SHAPES)
 def output_places(shape: Shape, sizes: tuple[int, int, int]) -> OutputPlaces:
     """Of all scenes of a shape, worked out once: that takes as long as a short simulation."""
-    layout, found = layout_of(*sizes), OutputPlaces({}, {})
+    layout = layout_of(*sizes)
+    motion: dict[str, int] = {}
+    stepwise: dict[str, tuple[int, bool]] = {}
     for name, one in outputs_of(shape).items():
         word = word_index(layout, one.place)
         if one.place[0] == "output":
-            found.motion[name] = word
+            motion[name] = word
         else:
-            found.stepwise[name] = word, one.type == "real"
-    return found
+            stepwise[name] = word, one.type == "real"
+    return places_of(motion, stepwise)

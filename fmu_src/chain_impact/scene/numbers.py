@@ -1,0 +1,128 @@
+"""Numbers of a scene on which little else depends: they are changed with the checks of what depends on them.
+
+To read a whole scene anew takes fifty times as long, and more than a short simulation.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import sys
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from chain_impact.scene.angles import radians_hint
+from chain_impact.scene.checks import check_start
+from chain_impact.scene.limits import keeps, keys
+from chain_impact.scene.names import Place, name_of
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.stops import check_joint_angles
+from chain_impact.scene.tables import Contact, Initial, Link, Simulation, Solver
+
+if TYPE_CHECKING:
+    from chain_impact.scene.scene import Scene
+
+LARGEST = sys.float_info.max
+LINKS = 64  # whose numbers are among them
+_KEYS: dict[Place, tuple[Any, tuple[str, ...]]] = {
+    ("contact",): (Contact, ("stiffness", "restitution", "minimum_impact_speed")),
+    ("solver",): (Solver, ("tolerance", "work_limit")),
+    ("simulation",): (Simulation, ("stop_time", "step_size")),
+    **{
+        ("chain", "links", i): (Link, ("mass", "inertia", "joint_damping", "joint_stiffness"))
+        for i in range(LINKS)
+    },
+}
+"""The numbers of tables, by the path of the table; others are entries of lists."""
+_LISTS = {"position": 2, "velocity": 2, "angles": LINKS, "angular_velocities": LINKS}
+"""The lists of the initial state, and how many entries they may have."""
+
+
+@functools.cache
+def _numbers() -> dict[str | Place, tuple[Place, Mapping[str, Any]]]:
+    """Path and rule of each of the numbers, by its path and its name."""
+    found: dict[Place, Mapping[str, Any]] = {}
+    for path, (table, names) in _KEYS.items():
+        rules = {entry.name: entry.metadata for entry in keys(table)}
+        found |= {(*path, name): rules[name] for name in names}
+    lists = {entry.name: entry.metadata for entry in keys(Initial)}
+    found |= {("initial", name, k): lists[name] for name, count in _LISTS.items() for k in range(count)}
+    named = {name_of(path): (path, rule) for path, rule in found.items()}
+    return named | {path: (path, rule) for path, rule in found.items()}
+
+
+def with_numbers(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) -> Scene | None:
+    """The scene with some numbers changed, as ``with_values`` makes it.
+
+    None if that has to read all of it: of other values, and where it finds a fault or a hint.
+    """
+    start, found = scene.initial, None if scene.contact.law_file else scene
+    for name, given in changes.items():
+        found = found and _with_number(found, *_numbers().get(name, ((), {})), given)
+    if found is None or found.simulation.step_size > found.simulation.stop_time:
+        return None
+    moved = (found.initial.position, found.initial.angles) != (start.position, start.angles)
+    return found if not moved or _starts(found) else None
+
+
+def _with_number(scene: Scene, path: Place, rule: Mapping[str, Any], given: Any) -> Scene | None:
+    """The scene with one number changed, which has a rule; None if there is no path, or it breaks its rule."""
+    if not path or isinstance(given, bool) or not isinstance(given, int | float):
+        return None
+    value = float(given) if abs(given) <= LARGEST else math.inf
+    if not math.isfinite(value) or not keeps(value, rule):
+        return None
+    # of a list that is derived, all entries would be given
+    is_derived = path in scene.derived_places or path[:-1] in scene.derived_places
+    return None if is_derived else _changed(scene, path, value)
+
+
+def _changed(scene: Scene, path: Place, value: float) -> Scene | None:
+    """The scene with the number at a path changed; None if others would have to be looked at."""
+    match path:
+        case "chain", "links", int(i), str(key):
+            return _with_link(scene, i, key, value)
+        case "initial", str(key), int(k):
+            numbers = getattr(scene.initial, key)
+            if k >= len(numbers) or (key == "velocity" and scene.chain.base == "pinned"):
+                return None
+            numbers = (*numbers[:k], value, *numbers[k + 1 :])
+            return replace(scene, initial=replace(scene.initial, **{key: numbers}))
+        case "contact", str(key) if value == 0.0 or ("stops", key) in scene.derived_places:
+            return None
+        case str(table), str(key):
+            return replace(scene, **{table: replace(getattr(scene, table), **{key: value})})
+    return None
+
+
+def _with_link(scene: Scene, i: int, key: str, value: float) -> Scene | None:
+    """The scene with a number of a link changed, and the inertia if it follows from that."""
+    links = scene.chain.links
+    if i >= len(links):
+        return None
+    change: dict[str, Any] = {key: value}
+    link = replace(links[i], **change)
+    if key == "mass" and ("chain", "links", i, "inertia") in scene.derived_places:
+        rule = _rules_of_links()["inertia"]["default"]
+        link = replace(link, inertia=rule.value({"mass": link.mass, "length": link.length}))
+    if key in ("mass", "inertia") and not link.inertia > 0.0:
+        return None
+    return replace(scene, chain=replace(scene.chain, links=(*links[:i], link, *links[i + 1 :])))
+
+
+@functools.cache
+def _rules_of_links() -> dict[str, Mapping[str, Any]]:
+    return {entry.name: entry.metadata for entry in keys(Link)}
+
+
+def _starts(scene: Scene) -> bool:
+    """Whether the chain may start so."""
+    if any(radians_hint("", angle, "rad") for angle in scene.initial.angles):
+        return False
+    try:
+        check_start(scene)
+        check_joint_angles(scene)
+    except SceneError:
+        return False
+    return True

@@ -1,0 +1,74 @@
+"""Numbers that are changed without reading the whole scene anew."""
+
+import pytest
+
+from chain_impact import SceneError, load_scene
+from chain_impact.scene import scene as module
+from chain_impact.scene.numbers import with_numbers
+
+MODELS = ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "rod_drop")
+
+
+def slow(scene, changes, monkeypatch):
+    """The same by reading all of it."""
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "with_numbers", lambda *_: None)
+        return scene.with_values(changes)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_every_number_is_as_if_all_were_read_anew(model, monkeypatch):
+    scene, quick = load_scene(model), 0
+    for name, value in scene.values.items():
+        if isinstance(value, float):
+            for new in (1.01 * value + 0.001, 0.0, -1.0, value):
+                found = with_numbers(scene, {name: new})
+                quick += found is not None
+                if found is not None:
+                    assert found == slow(scene, {name: new}, monkeypatch)
+                    assert found.derived_places == scene.derived_places
+    assert quick > 10
+
+
+def test_several_numbers_and_a_path(monkeypatch):
+    scene = load_scene("four_link_box")
+    changes = {"link[2].mass": 2, ("gravity", 1): -1.6, "initial.angle[1]": 0.3, "initial.vx": 1.0}
+    assert scene.with_values(changes) == slow(scene, changes, monkeypatch)
+    simple = {name: value for name, value in changes.items() if name != ("gravity", 1)}
+    assert with_numbers(scene, simple) == slow(scene, simple, monkeypatch)
+
+
+def test_an_inertia_that_is_derived_follows_the_mass():
+    scene = load_scene("four_link_box")
+    changed = with_numbers(scene, {"link[2].mass": 3.0})
+    assert ("chain", "links", 1, "inertia") in scene.derived_places
+    assert changed.chain.links[1].inertia == pytest.approx(3.0 * changed.chain.links[1].length ** 2 / 12)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"contact.restitution": 1.3},
+        {"contact.restitution": float("nan")},
+        {"contact.restitution": 10**400},
+        {"contact.restitution": "0.5"},
+        {"contact.restitution": True},
+        {"contact.restitution": None},
+        {"link[5].mass": 1.0},
+        {"initial.x": 1e3},
+        {"initial.angle[9]": 0.0},
+        {"initial.angle[1]": 7.0},
+        {"simulation.step_size": 1e3},
+    ],
+    ids=str,
+)
+def test_what_is_not_so_simple_is_left_to_who_reads_all(changes):
+    assert with_numbers(load_scene("four_link_box"), changes) is None
+
+
+def test_faults_are_told_as_ever():
+    scene = load_scene("four_link_box")
+    with pytest.raises(SceneError, match=r"contact.restitution = 1.3 must be a finite number >= 0 and <= 1"):
+        scene.with_values({"contact.restitution": 1.3})
+    with pytest.raises(SceneError, match=r"initial: point 0 at .* deep in the wall x_max"):
+        scene.with_values({"initial.x": 1e3})

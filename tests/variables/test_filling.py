@@ -1,0 +1,77 @@
+"""Records of scenes that differ in numbers only: written anew where they differ."""
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene
+from chain_impact.variables import filling
+from chain_impact.variables.model import Model
+
+MODELS = ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "sliding_rod", "controlled_arm")
+
+
+def from_nothing(scene):
+    filling._kept.clear()
+    Model._last = None
+    return Model(scene)
+
+
+def same(found, wanted):
+    assert (found.candidates, found.sizes, found.layout) == (wanted.candidates, wanted.sizes, wanted.layout)
+    assert found.outputs == wanted.outputs
+    assert found.parameters == wanted.parameters
+    assert found.output_places.motion == wanted.output_places.motion
+    assert found.new_instance().tobytes() == wanted.new_instance().tobytes()
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_record_is_the_one_of_a_scene_that_stands_alone(model):
+    scene = load_scene(model)
+    for name, value in scene.values.items():
+        # of gravity, links, contacts, the start and the solver
+        if not isinstance(value, float) or name in ("contact.friction", "contact.static_friction"):
+            continue
+        changes = {name: 0.99 * value if "position" not in name and "angle" not in name else value + 1e-9}
+        try:
+            changed = scene.with_values(changes)
+        except ValueError:
+            continue
+        wanted = from_nothing(changed)
+        record = wanted.new_instance().tobytes()
+        from_nothing(scene).new_instance()
+        found = Model(changed)
+        assert found.new_instance().tobytes() == record, name
+        same(found, wanted)
+
+
+@pytest.mark.parametrize(
+    ("model", "changes"),
+    [
+        ("four_link_box", {"contact.friction": 0.3}),
+        ("four_link_box", {"contact.model": "flores"}),
+        ("four_link_box", {"contact.points": [4]}),
+        ("four_link_box", {"box.x_max": None}),
+        ("four_link_box", {"chain.base": "pinned", "initial.velocity": [0.0, 0.0], "contact.points": [1, 2]}),
+        ("four_link_box", {"link[2].joint_friction": 0.1}),
+        ("four_link_box", {"link[2].inertia": 0.1}),
+        ("four_link_box", {"inputs.tip_force": True}),
+        ("four_link_box", {"outputs.impacts": 2}),
+        ("pinned_arm", {"link[1].joint_min": -3.0}),
+        ("ramp", {"walls": [{"name": "ramp", "point": [0.0, 0.0], "angle": -0.2}]}),
+    ],
+    ids=str,
+)
+def test_what_is_more_than_a_number_makes_another_model(model, changes):
+    scene = load_scene(model)
+    changed = scene.with_values(changes)
+    wanted = from_nothing(changed)
+    wanted.new_instance()
+    from_nothing(scene).new_instance()
+    same(Model(changed), wanted)
+
+
+def test_a_record_is_ones_own():
+    scene = load_scene("four_link_box")
+    first = Model(scene).new_instance()
+    first.view(np.uint8)[:] = 1
+    assert Model(scene).new_instance().tobytes() != first.tobytes()
