@@ -7,9 +7,14 @@ prints and for errors. The line that it answers is the exit code, or minus the n
 
 import gc
 import json
+import linecache
 import os
 import sys
+import traceback
 from importlib import import_module
+from typing import Any
+
+LONGEST = 300  # characters of a line that is printed
 
 
 def redirect(printed: str, errors: str) -> None:
@@ -18,6 +23,12 @@ def redirect(printed: str, errors: str) -> None:
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC if mode is None else mode)
         os.dup2(file, descriptor)
         os.close(file)
+
+
+def with_values(*error: Any) -> None:
+    """Print what was raised, with the values of each function's names, as pytest does."""
+    for text in traceback.TracebackException(*error, capture_locals=True).format():
+        print(*(line[:LONGEST] for line in text.splitlines()), sep="\n", file=sys.stderr)
 
 
 def main() -> None:
@@ -30,7 +41,10 @@ def main() -> None:
         child = os.fork()
         if child == 0:
             redirect(printed, errors)
-            exec(source, names)
+            if source:
+                linecache.cache["test"] = (len(source), None, source.splitlines(keepends=True), "test")
+                sys.excepthook = with_values
+                exec(compile(source, "test", "exec"), names)
             result = names[function](*arguments)
             if source:  # the result is on a line of its own after whatever importer and FMU have printed
                 print("\n" + json.dumps(result))

@@ -11,9 +11,13 @@ from typing import Any
 
 import pytest
 
+from chain_impact import Scene, load_scene
 from chain_impact.fmu.build import build_fmu
+from tests.derived_scenes import finger
+from tests.friction import thrown
 from tests.processes import Processes, make_environment
 from tests.shared import once, shared_folder
+from tests.stops import knee
 
 Clean = Callable[..., Any]
 
@@ -26,15 +30,34 @@ KINDS = {
 """The kinds of FMU → how to build one. The first two are for FMI 2.0."""
 
 
+SCENES = {
+    "knee": knee,
+    "thrown": thrown,
+    "finger": finger,
+    "pushed_leg": lambda: load_scene("kneed_leg").with_values({"inputs.tip_force": True}),
+    "pushed_rigid_arm": lambda: load_scene("falling_arm").with_values(
+        {"inputs.tip_force": True, "contact.model": "newton_impact", "contact.restitution": 0.0}
+    ),
+}
+"""Scenes of tests, by the name under which their FMUs are among those of the models."""
+
+
+def scene_of(name: str) -> Scene:
+    """The scene of an FMU."""
+    return SCENES[name]() if name in SCENES else load_scene(name)
+
+
 class OnDemand(dict[str, str]):
-    """The FMU of each model, built when a test first asks for it: name of the model → path."""
+    """The FMU of each scene, built when a test first asks for it: name of the scene → path."""
 
     def __init__(self, kind: str, folder: Path) -> None:
         self.kind, self.folder = kind, folder
         folder.mkdir(exist_ok=True)
 
     def __missing__(self, name: str) -> str:
-        folder = once(self.folder / name, lambda folder: build_fmu(name, folder, **KINDS[self.kind]))
+        folder = once(
+            self.folder / name, lambda folder: build_fmu(scene_of(name), folder, **KINDS[self.kind])
+        )
         (fmu,) = folder.glob("*.fmu")
         self[name] = str(fmu)
         return self[name]

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import ctypes
+import math  # noqa: F401, as struct and zlib, for the functions of tests
+import struct  # noqa: F401
 import tempfile
 import zipfile
+import zlib  # noqa: F401
 from collections.abc import Callable, Iterable, Mapping
 from ctypes import CFUNCTYPE, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
@@ -352,3 +355,39 @@ def calls() -> dict[str, Callable[[Component], int]]:
         "fmi2GetBooleanStatus": status("fmi2GetBooleanStatus", TERMINATED_STATUS, whole),
         "fmi2GetStringStatus": status("fmi2GetStringStatus", PENDING_STATUS, text),
     }
+
+
+ALWAYS = set(PHASES)
+KINDS = ("", "Real", "Integer", "Boolean", "String")
+STATES = ("Get", "Set", "Free", "DeSerialize", "Serialize")
+ALLOWED = {
+    **{f"fmi2{verb}FMUstate": ALWAYS for verb in STATES},
+    "fmi2SerializedFMUstateSize": ALWAYS,
+    "fmi2SetDebugLogging": ALWAYS,
+    "fmi2Reset": ALWAYS,
+    "fmi2SetupExperiment": {"instantiated"},
+    "fmi2EnterInitializationMode": {"instantiated"},
+    "fmi2ExitInitializationMode": {"initialization mode"},
+    "fmi2Terminate": {"step complete", "step failed"},
+    "fmi2GetReal": ALWAYS - {"instantiated"},
+    "fmi2GetInteger": ALWAYS - {"instantiated"},
+    "fmi2SetReal": {"instantiated", "initialization mode", "step complete"},
+    "fmi2SetInteger": {"instantiated", "initialization mode", "step complete"},
+    "fmi2DoStep": {"step complete"},
+    "fmi2CancelStep": set(),
+    **{f"fmi2Get{kind}Status": {"step complete", "step failed", "terminated"} for kind in KINDS},
+}
+"""The table of section 4.2.4, without steps in progress; the rest is not supported: with no variables, a call
+to it can be made at any time."""
+LIMITS = {
+    "fmi2Terminate": {"instantiated", "initialization mode", "terminated"},
+    "fmi2GetReal": {"instantiated"},
+    "fmi2GetInteger": {"instantiated"},
+    "fmi2GetStatus": {"step complete", "terminated"},
+    **{f"fmi2Get{kind}Status": {"instantiated", "initialization mode"} for kind in KINDS[1:]},
+    "fmi2GetDirectionalDerivative": ALWAYS,
+    "fmi2SetRealInputDerivatives": ALWAYS,
+    "fmi2GetRealOutputDerivatives": ALWAYS,
+}
+"""Where pythonfmu's wrapper answers otherwise: it accepts what it should refuse, or refuses what it does not
+support, though nothing is asked for. docs/fmu.md says so."""

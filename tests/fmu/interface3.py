@@ -195,3 +195,20 @@ NEVER = (
     *("GetNumberOfEventIndicators", "GetNumberOfContinuousStates", "ActivateModelPartition"),
 )
 """Functions that this FMU has not: the model description says so."""
+ALWAYS = set(PHASES)
+SETTING = ALWAYS - {"step failed", "terminated"}
+ALLOWED = {
+    "EnterInitializationMode": {"instantiated"},
+    "ExitInitializationMode": {"initialization mode"},
+    "EnterEventMode": {"step mode"},
+    "EnterStepMode": {"event mode"},
+    "UpdateDiscreteStates": {"event mode"},
+    "DoStep": {"step mode"},
+    "Terminate": {"event mode", "step mode", "step failed"},
+    "GetFloat64": ALWAYS - {"instantiated"},
+    "GetInt64": ALWAYS - {"instantiated"},
+    "SetFloat64": SETTING,
+    "SetInt64": SETTING,
+    **{name: set() for name in NEVER},
+}
+"""The state machine; all else can be called at any time: of types that no variable has, for nothing."""

@@ -1,0 +1,45 @@
+"""Makes a test of a function that runs in a clean process, which has an importer and not this package."""
+
+from collections.abc import Callable
+from functools import partial
+from inspect import Parameter, Signature, signature
+from typing import Any
+
+
+def in_clean(*models: str, kinds: str, module: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """The function's first arguments are the FMUs of models, of each of some kinds; the rest are pytest's.
+
+    Without models, it is one FMU, that of pytest's parameter ``model``.
+    ``kinds`` is a fixture with FMUs, or one of KINDS of conftest.py. All that the function uses is what it
+    imports and the names of the module.
+    """
+    of_all = kinds in ("pythonfmu", "native", "fmi3")
+
+    def decorated(function: Callable[..., None]) -> Callable[..., None]:
+        rest = [*signature(function).parameters][len(models) or 1 :]
+
+        def test(clean: Callable[..., Any], **given: Any) -> None:
+            fmus = given["all_fmus"][kinds] if of_all else given[kinds]
+            paths = [fmus[model] for model in models or (given["model"],)]
+            clean(function, *paths, *(given[name] for name in rest), module=module)
+
+        names = dict.fromkeys(
+            ("clean", "all_fmus" if of_all else kinds, *([] if models else ["model"]), *rest)
+        )
+        test.__signature__ = Signature([Parameter(name, Parameter.KEYWORD_ONLY) for name in names])
+        test.__name__, test.__doc__, test.__module__ = (
+            function.__name__,
+            function.__doc__,
+            function.__module__,
+        )
+        return test
+
+    return decorated
+
+
+importing = partial(in_clean, kinds="fmus", module="importer")
+"""A test in a process that has importer.py, on all kinds of FMU."""
+calling = partial(in_clean, kinds="native", module="interface")
+"""A test in a process that has interface.py, on native FMUs."""
+calling3 = partial(in_clean, kinds="fmi3", module="interface3")
+"""A test in a process that has interface3.py."""
