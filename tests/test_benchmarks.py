@@ -2,6 +2,8 @@
 
 import ast
 import ctypes
+import importlib
+import json
 import os
 import re
 import runpy
@@ -9,10 +11,13 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import chain_impact
+from chain_impact.results.plots.style import STYLE
 from tests.tiers import needs_compilers
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
@@ -45,19 +50,17 @@ def names_of(module):
     return names
 
 
-@pytest.mark.full("more cases", but=42)
-@pytest.mark.parametrize(
-    "file", [file for file in FILES if file.name != OTHER_REVISION], ids=lambda file: file.stem
-)
-def test_what_a_benchmark_imports_is_there(file):
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in ("chain_impact", "tests"):
-            names = names_of(node.module)
-            for alias in node.names:
-                assert alias.name in names or find_spec(f"{node.module}.{alias.name}"), (
-                    node.module,
-                    alias.name,
-                )
+def test_what_benchmarks_import_is_there():
+    asked = {
+        (file.name, node.module, alias.name)
+        for file in FILES
+        if file.name != OTHER_REVISION
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in ("chain_impact", "tests")
+        for alias in node.names
+    }
+    found = {module: names_of(module) for _, module, _ in asked}
+    assert [one for one in asked if one[2] not in found[one[1]] and not find_spec(".".join(one[1:]))] == []
 
 
 @needs_compilers
@@ -76,15 +79,82 @@ def test_functions_for_other_solvers_are_lowered_and_linked(tmp_path, monkeypatc
     assert ctypes.CDLL(str(tmp_path / "library.so")).links(ctypes.c_void_p(instance.ctypes.data)) == 7
 
 
-def test_times_that_a_busy_machine_has_stretched_are_levelled(monkeypatch):
-    monkeypatch.setattr(sys, "path", [*sys.path])
-    monkeypatch.setattr(os, "environ", os.environ.copy())
-    levelled = runpy.run_path(str(BENCHMARKS / "common.py"))["levelled"]
-    monkeypatch.setitem(levelled.__globals__, "interleave", lambda *_: {(1,): [5.0, 2.0, 2.1], (2,): [3.0]})
-    rows = [
-        {"links": 1, "seconds": 2.1, "times_ours": {"median": 1.0}},
-        {"links": 2, "seconds": 6.0, "times_ours": {"median": 1.0}},  # twice as slow meanwhile
-        {"links": 2, "seconds": 24.0, "times_ours": {"median": 4.0}},
-        {"links": 2, "failed": "no use"},
-    ]
-    assert [row.get("seconds") for row in levelled(rows, ("links",), {})] == [2.1, 3.0, 12.0, None]
+# --- the charts of the docs, drawn from the stored figures --------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def charts():
+    """Imports a module of the benchmarks by its name; leaves path, modules and environment as they were."""
+    environment, modules = dict(os.environ), set(sys.modules)
+    sys.path.insert(0, str(BENCHMARKS))
+
+    def load(name):
+        module = importlib.import_module(name)
+        os.environ.clear()  # common.py sets what numba compiles for
+        os.environ.update(environment)
+        return module
+
+    yield load
+    sys.path.remove(str(BENCHMARKS))
+    for name in set(sys.modules) - modules:
+        if BENCHMARKS in Path(getattr(sys.modules[name], "__file__", None) or "/").parents:
+            del sys.modules[name]
+
+
+def stored(name):
+    return json.loads((BENCHMARKS / "results" / f"{name}.json").read_text(encoding="utf-8"))
+
+
+def message(module, record):
+    with mpl.rc_context(STYLE):
+        page = Figure(figsize=getattr(module, "SIZE", (9.5, 5.0)), layout="constrained")
+        module.draw(page, record)
+        page.draw_without_rendering()
+    return page.get_suptitle() or page.texts[0].get_text(), page
+
+
+@pytest.mark.full("more cases", but=2)
+@pytest.mark.parametrize("name", ["engines", "fmu_cost", "rest", "rhs", "scaling", "stability", "stiffness"])
+def test_a_chart_is_drawn_with_a_message(charts, name):
+    module = charts(name if name != "stability" else "stability_chart")
+    assert re.search(r"\d", message(module, stored(name))[0])
+
+
+def test_the_factors_of_speed_are_those_of_the_stored_figures(charts):
+    """Against numbers of their own: two runs of each around the error, and a straight line between them."""
+    module, record = charts("work_precision_chart"), stored("work_precision")
+    said, page = message(module, record)
+
+    def time(name):
+        problem, stop = module.SHOWN
+        runs = [
+            (row["error"], row["seconds"])
+            for row in record["results"]["rows"]
+            if (row["problem"], row["stop"], row["name"]) == (problem, stop, name) and row.get("onsets_right")
+        ]
+        errors, seconds = np.log(sorted(runs)).T
+        return np.exp(np.interp(np.log(module.AT), errors, seconds))
+
+    ours, texts = time("ours"), {text.get_text() for text in page.axes[0].texts}
+    for name, label in module.NAMED.items():
+        assert name == "ours" or f"{label}: {time(name) / ours:.3g}×" in texts
+    peers = [time(name) / ours for name in module.NAMED if name != "ours"]
+    factors = [float(found) for found in re.findall(r"([\d.]+) times faster", said)]
+    assert factors == [float(f"{min(peers):.2g}"), round(time("scipy DOP853") / ours)]
+
+
+def test_the_factors_of_friction_are_those_of_the_stored_figures(charts):
+    """With numbers of their own: where MuJoCo errs more than our loosest run, against that run."""
+    module, record = charts("friction_chart"), stored("friction")
+
+    def factor(part):
+        rows = {(row["name"], row["setting"]): row for row in record["results"][part]["rows"]}
+        theirs, loosest = rows["MuJoCo Euler, defaults", 1e-3], rows["ours", 1e-2]
+        assert theirs["error"] > loosest["error"]
+        mine = [row["seconds"] for (name, _), row in rows.items() if name == "ours"]
+        return theirs["seconds"] / min(mine[:2])
+
+    found = re.search(r"takes ([\d.]+) to ([\d.]+) times", message(module, record)[0]).groups()
+    assert [float(one) for one in found] == pytest.approx(
+        sorted(map(factor, ("moving", "resting"))), rel=0.05
+    )

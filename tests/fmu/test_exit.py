@@ -4,18 +4,13 @@ pythonfmu's wrapper releases its state twice at the end of a process, the second
 the slave has released it before.
 """
 
-import inspect
 import os
-import shutil
 import signal
 import subprocess
-import sys
 from pathlib import Path
 
-import fmpy
 import pytest
 
-from tests.fmu.importer import Instance, refused
 from tests.fmu.zig import zig
 
 pytestmark = pytest.mark.full("takes long")
@@ -31,97 +26,47 @@ def guard(tmp_path_factory):
     return folder / "guard.so"
 
 
-@pytest.fixture
-def ended(guard, clean_python, all_fmus):
-    """How a process ends, guarded, that calls ``function(paths of two FMUs)``: code, output."""
-    fmus = [all_fmus["pythonfmu"][model] for model in ("rod_drop", "pinned_arm")]
-
-    def ended(function, preload=guard):
-        lines = (
-            "import shutil, sys",
-            f"sys.path.insert(0, {str(HERE)!r})",
-            "from importer import *",
-            inspect.getsource(function),
-            f"{function.__name__}({fmus!r})",
-        )
-        command = [clean_python, "-I", "-c", "\n".join(lines)]
-        # The value is a list that spaces separate, and a temporary folder may have one in its name.
-        environment = os.environ | {"LD_PRELOAD": preload and f"./{guard.name}"}
-        done = subprocess.run(
-            command, cwd=guard.parent, env=environment, capture_output=True, text=True, check=False
-        )
-        return done.returncode, done.stdout
-
-    return ended
+FREED = "Instance(one).start().close()"
+SEVERAL = """
+instances = [Instance(path).start() for path in (one, other) * 2]
+instances.append(Instance(one, folder=instances[0].folder).start())
+instances.pop(1).close()
+Instance(other).start().close()
+for instance in instances[1:]:
+    instance.fmu.freeInstance()
+instances[0].fmu.fmi2FreeInstance(instances[0].fmu.component)
+"""
+KEPT = """
+instances = [Instance(path).start() for path in (one, other)]
+for instance in instances:
+    shutil.rmtree(instance.folder)
+"""
+CYCLES = "for path in (one, other) * 5: fmpy.simulate_fmu(path, stop_time=0.01)"
+REFUSED = 'assert "not > 0" in refused(one, Instance.start, lambda i: i.fmu.doStep(0.0, -1.0))'
+RAISING = 'instance = Instance(one).start(); print("right", flush=True); sys.exit(1)'
+NOT_RELEASED = f"{FREED}; import atexit; atexit._clear()"  # as it would be without the slave's doing
 
 
-# Each of these runs in a process of its own, which ends after it.
-
-
-def freed(fmus):
-    Instance(fmus[0]).start().close()
-    print("right")
-
-
-def several(fmus):
-    """Two FMUs, each unpacked several times, and once made twice from a folder."""
-    instances = [Instance(path).start() for path in fmus * 2]
-    instances.append(Instance(fmus[0], folder=instances[0].folder).start())
-    instances.pop(1).close()
-    Instance(fmus[1]).start().close()
-    for instance in instances[1:]:
-        instance.fmu.freeInstance()
-    instances[0].fmu.fmi2FreeInstance(instances[0].fmu.component)
-    print("right")
-
-
-def kept(fmus):
-    """Nobody frees them, and their folders are gone."""
-    global instances  # noqa: PLW0603
-    instances = [Instance(path).start() for path in fmus]
-    for instance in instances:
-        shutil.rmtree(instance.folder)
-    print("right")
-
-
-def cycles(fmus):
-    for path in fmus * 5:
-        fmpy.simulate_fmu(path, stop_time=0.01)
-    print("right")
-
-
-def refused_step(fmus):
-    print(
-        "right"
-        if "not > 0" in refused(fmus[0], Instance.start, lambda i: i.fmu.doStep(0.0, -1.0))
-        else "wrong"
+@pytest.mark.parametrize(
+    ("program", "code"),
+    [
+        *((program, 0) for program in (FREED, SEVERAL, KEPT, CYCLES, REFUSED)),
+        (RAISING, 1),
+        (NOT_RELEASED, -signal.SIGSEGV),
+    ],
+    ids=["freed", "several", "kept", "cycles", "refused", "raising", "not_released"],
+)
+def test_a_process_ends_well_and_the_guard_sees_where_it_does_not(
+    guard, clean_python, all_fmus, program, code
+):
+    """Guarded, in a process of its own."""
+    one, other = (all_fmus["pythonfmu"][model] for model in ("rod_drop", "pinned_arm"))
+    lines = ["import shutil, sys", f"sys.path.insert(0, {str(HERE)!r})", "from importer import *"]
+    lines += [f"one, other = {one!r}, {other!r}", program, 'print("right")']
+    # The value is a list that spaces separate, and a temporary folder may have one in its name.
+    environment = os.environ | {"LD_PRELOAD": f"./{guard.name}"}
+    command = [clean_python, "-I", "-c", "\n".join(lines)]
+    done = subprocess.run(
+        command, cwd=guard.parent, env=environment, capture_output=True, text=True, check=False
     )
-
-
-def raising(fmus):
-    global instance  # noqa: PLW0603
-    instance = Instance(fmus[0]).start()
-    print("right")
-    sys.exit(1)
-
-
-def not_released(fmus):
-    """As it would be without the slave's doing."""
-    import atexit
-
-    Instance(fmus[0]).start().close()
-    atexit._clear()
-    print("right")
-
-
-@pytest.mark.parametrize("host", [freed, several, kept, cycles, refused_step])
-def test_a_process_ends_well(ended, host):
-    assert ended(host) == (0, "right\n")
-
-
-def test_a_process_ends_as_it_would_after_an_error(ended):
-    assert ended(raising) == (1, "right\n")
-
-
-def test_the_guard_sees_a_state_that_is_released_twice(ended):
-    assert ended(not_released) == (-signal.SIGSEGV, "right\n")
+    assert (done.returncode, done.stdout) == (code, "right\n"), done.stderr[-2000:]

@@ -1,10 +1,14 @@
-"""Many instances in a process: of several FMUs, one after the other, in threads."""
+"""Many instances in a process: of several FMUs, one after the other, in threads; and in several processes."""
 
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
+from chain_impact.fmu.build import build_fmu
+from chain_impact.scene.scene import scene_from_dict
+from tests.fmu.clean import importing
 from tests.fmu.importer import CALLBACKS, Instance
 
 FOREIGN = '''
@@ -35,7 +39,7 @@ def foreign(tmp_path_factory):
     return str(folder / "Foreign.fmu")
 
 
-# The functions before each test run in the clean process: they hold all that they use.
+# The functions without an assertion run in the clean process: they hold all that they use.
 
 
 def in_turns(fmus, lots):
@@ -103,13 +107,13 @@ def test_pythonfmu_instances_leave_no_more_behind_than_those_of_an_empty_slave(a
     assert empty > 3.0  # so the measure sees what is left behind
 
 
-def in_threads(fmu):
+@importing("rod_drop")
+def test_instances_in_threads_give_what_they_give_one_by_one(fmu):
     """Four threads, in each the lives of three instances; then the same one after the other."""
     import sys
     from concurrent.futures import ThreadPoolExecutor
 
     sys.setswitchinterval(1e-5)
-    heights = [0.7, 0.8, 0.9, 1.0]
     first = Instance(fmu)  # the others share its folder, and thus its binary
     instances = [first, *(Instance(fmu, f"instance {n}", first.folder) for n in (1, 2, 3))]
 
@@ -118,30 +122,24 @@ def in_threads(fmu):
         for _ in range(3):
             one.fmu.fmi2FreeInstance(one.fmu.component)
             one.fmu.instantiate(callbacks=CALLBACKS, loggingOn=True)
-            one.start(**{"initial.y": heights[n]})
+            one.start(**{"initial.y": 0.7 + 0.1 * n})
             rows.append(one.run([0.005 * (i + 1) for i in range(200)]))
         return rows
 
     with ThreadPoolExecutor(len(instances)) as pool:
         together = list(pool.map(lives, range(len(instances))))
     one_by_one = [lives(n) for n in range(len(instances))]
-    return [together == one_by_one, len({str(rows) for rows in one_by_one})]
+    assert together == one_by_one
+    assert len({str(rows) for rows in one_by_one}) == len(instances)
 
 
-def test_instances_in_threads_give_what_they_give_one_by_one(fmus, clean):
-    assert clean(in_threads, fmus["rod_drop"]) == [True, 4]
-
-
-def while_one_is_held(fmu):
-    """The importer holds one instance inside a call; whether another one lives a whole life meanwhile."""
+@importing("rod_drop", kinds="native")
+def test_no_native_instance_waits_for_another(fmu):
+    """The importer holds one instance inside a call; another one lives a whole life meanwhile."""
     from threading import Event, Thread
 
     from fmpy.fmi1 import calloc, free
-    from fmpy.fmi2 import (
-        fmi2CallbackAllocateMemoryTYPE,
-        fmi2CallbackFreeMemoryTYPE,
-        fmi2CallbackFunctions,
-    )
+    from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE, fmi2CallbackFreeMemoryTYPE, fmi2CallbackFunctions
 
     hold, inside, go_on, in_time = False, Event(), Event(), []
 
@@ -170,8 +168,65 @@ def while_one_is_held(fmu):
     other.fmu.terminate()
     go_on.set()
     thread.join()
-    return in_time
+    assert in_time == [True]
 
 
-def test_no_native_instance_waits_for_another(native, clean):
-    assert clean(while_one_is_held, native["rod_drop"]) == [True]
+# --- one scene in all kinds of FMU, and in several processes -----------------------------------------------
+
+
+def whole_scene(fmu, stop, step):
+    """All outputs at each step, without a parameter set; and what the process has imported."""
+    import sys
+
+    import fmpy
+
+    fmpy.read_model_description(fmu)  # what fmpy itself imports late
+    before = set(sys.modules)
+    instance = Instance(fmu).start()
+    rows = instance.run([i * step for i in range(round(stop / step) + 1)])
+    return [rows, sorted(set(sys.modules) - before)]
+
+
+def test_all_kinds_give_the_same_bits(all_fmus, clean):
+    rows, imported = clean(whole_scene, all_fmus["native"]["four_link_box"], 2.0, 1e-3)
+    for other in ("pythonfmu", "fmi3"):
+        others, _ = clean(whole_scene, all_fmus[other]["four_link_box"], 2.0, 1e-3)
+        assert np.array(rows).tobytes() == np.array(others).tobytes()
+    assert len(rows) == 2001
+    assert not [name for name in imported if name.startswith(("chain_impact", "pythonfmu"))]
+
+
+def state_of(fmu, data=None):
+    """Steps of 10 ms to 0.6 s and a saved state, or from a saved state to 1.2 s."""
+    instance = Instance(fmu)
+    if data is None:
+        instance.start()
+        instance.run([0.01 * (i + 1) for i in range(60)])
+        return instance.fmu.serializeFMUstate(instance.fmu.getFMUstate()).hex()
+    instance.fmu.setFMUstate(instance.fmu.deSerializeFMUstate(bytes.fromhex(data)))
+    instance.time = 0.01 * 60
+    return instance.run([0.01 * (i + 1) for i in range(60, 120)])
+
+
+def test_a_state_goes_on_in_another_process(native, clean):
+    restored = clean(state_of, native["four_link_box"], clean(state_of, native["four_link_box"]))
+    rows, _ = clean(whole_scene, native["four_link_box"], 1.2, 0.01)
+    assert restored == rows[61:]
+
+
+@pytest.mark.full("takes long")
+def test_a_long_chain(tmp_path, clean):
+    """With the kernel for any number of links."""
+    scene = {"name": "Long", "chain": {"links": [{"length": 0.2, "mass": 0.3}] * 12}, "box": {"y_min": 0.0}}
+    scene["initial"] = {"position": [0.1, 0.3], "angles": [0.01 * i for i in range(12)]}
+    rows, others = (
+        clean(
+            whole_scene,
+            str(build_fmu(scene_from_dict(scene, "long"), tmp_path / kind, target=kind)),
+            0.3,
+            1e-2,
+        )[0]
+        for kind in ("native", "pythonfmu")
+    )
+    assert rows == others
+    assert rows[0] != rows[-1]

@@ -16,9 +16,11 @@ from chain_impact.fmu.references import EXACT, FOLDER, MANIFEST, NAMESPACE, ROWS
 from chain_impact.results.result import recording_of
 from chain_impact.scene.scene import model_names
 from chain_impact.variables.model import Model
+from tests.fmu.planted_faults import spoiled
 
 every_model = pytest.mark.parametrize("model", model_names())
-OUT, EXPERIMENTS = f"{FOLDER}/FourLinkBox_out.csv", f"{FOLDER}/FourLinkBox.exp"
+FILES = {"manifest": MANIFEST}
+FILES |= {"out": f"{FOLDER}/FourLinkBox_out.csv", "experiments": f"{FOLDER}/FourLinkBox.exp"}
 
 
 def said(path):
@@ -31,22 +33,15 @@ def said(path):
 def spoil(native, tmp_path):
     """Change files of the FMU of four_link_box: name → function of the text, or None to leave it out."""
 
-    def spoiled(**changes):
-        changes = {name: changes[key] for key, name in FILES.items() if key in changes}
-        with zipfile.ZipFile(native["four_link_box"]) as old, zipfile.ZipFile(tmp_path / "x.fmu", "w") as new:
-            for name in old.namelist():
-                change = changes.get(name, lambda text: text)
-                content = old.read(name)
-                if name in changes:
-                    content = change(content.decode()).encode() if change else None
-                if content is not None:
-                    new.writestr(name, content)
-        return tmp_path / "x.fmu"
+    def change(name, content, changes):
+        key = next((key for key in changes if FILES[key] == name), None)
+        if key is None:
+            return content
+        return changes[key](content.decode()).encode() if changes[key] else None
 
-    return spoiled
-
-
-FILES = {"manifest": MANIFEST, "experiments": EXPERIMENTS, "out": OUT}
+    return lambda **changes: spoiled(
+        native["four_link_box"], tmp_path / "x.fmu", lambda *file: change(*file, changes)
+    )
 
 
 # --- what is written -------------------------------------------------------------------------------------
@@ -54,15 +49,10 @@ FILES = {"manifest": MANIFEST, "experiments": EXPERIMENTS, "out": OUT}
 
 @pytest.mark.full("more cases", but=8)
 @every_model
-def test_every_model_keeps_to_its_reference(fmus, model):
+def test_every_model_keeps_to_its_reference_which_is_small_and_where_the_draft_has_it(fmus, model):
     passed, text = said(fmus[model])
     assert passed, text
     assert re.match(r"experiment default: passed, outputs: 1\d, times: \d+, until ", text)
-
-
-@pytest.mark.full("more cases", but=24)
-@every_model
-def test_the_files_are_small_and_found_where_the_draft_has_them(fmus, model):
     with zipfile.ZipFile(fmus[model]) as fmu:
         sizes = {entry.filename: entry.compress_size for entry in fmu.infolist()}
         manifest = ElementTree.fromstring(fmu.read(MANIFEST))
@@ -98,25 +88,23 @@ def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, mo
     assert columns["impact.count"].tolist() == begun
 
 
-def test_no_row_is_close_to_the_begin_or_end_of_a_contact():
+def test_the_times_are_those_that_can_be_relied_on():
+    """None is close to the begin or end of a contact; of 1000 s that amplify every error some 2 are left."""
     scene = load_scene("four_link_box")
-    found, impacts = reference(Model(scene)), simulate(scene).impacts
+    usual, long, fine, coarse = (
+        reference(Model(scene.with_values(changes)))
+        for changes in (
+            {},
+            {"simulation.stop_time": 1000.0},
+            {"solver.tolerance": 1e-10},
+            {"solver.tolerance": 1e-4},
+        )
+    )
+    impacts = simulate(scene).impacts
     edges = np.concatenate([impacts["onset"], impacts["end"]])
-    assert np.nanmin(np.abs(found.times[:, None] - edges)) > 1e-6
-
-
-def test_a_long_run_has_a_short_experiment():
-    """Of 1000 s of a chain that amplifies every error, two can be relied on."""
-    scene = load_scene("four_link_box").with_values({"simulation.stop_time": 1000.0})
-    found = reference(Model(scene))
-    assert 1.0 < found.times[-1] < 10.0
-    assert ROWS / 10 < len(found.times) <= ROWS + 1
-
-
-def test_a_coarse_tolerance_has_a_short_experiment():
-    scene = load_scene("four_link_box")
-    scenes = (scene.with_values({"solver.tolerance": tolerance}) for tolerance in (1e-10, 1e-4))
-    fine, coarse = (reference(Model(one)) for one in scenes)
+    assert np.nanmin(np.abs(usual.times[:, None] - edges)) > 1e-6
+    assert 1.0 < long.times[-1] < 10.0
+    assert ROWS / 10 < len(long.times) <= ROWS + 1
     assert coarse.times[-1] < fine.times[-1]
 
 
@@ -157,76 +145,63 @@ def test_a_result_that_was_changed_is_found(spoil):
 def test_another_model_is_found(native, tmp_path):
     """The FMU of a softer wall with the results of the right one: the first row after the first impact."""
     soft = load_scene("four_link_box").with_values({"contact.stiffness": 0.99e8})
-    with (
-        zipfile.ZipFile(build_fmu(soft, tmp_path, target="native")) as other,
-        zipfile.ZipFile(native["four_link_box"]) as right,
-        zipfile.ZipFile(tmp_path / "x.fmu", "w") as new,
-    ):
-        for name in other.namelist():
-            new.writestr(name, (right if name.startswith(FOLDER) else other).read(name))
-    passed, text = said(tmp_path / "x.fmu")
+    with zipfile.ZipFile(native["four_link_box"]) as right:
+        path = spoiled(
+            build_fmu(soft, tmp_path, target="native"),
+            tmp_path / "x.fmu",
+            lambda name, content: right.read(name) if name.startswith(FOLDER) else content,
+        )
+    passed, text = said(path)
     assert not passed
-    time = float(re.search(r"at t = (\S+) s", text)[1])
     first = simulate(soft).impacts["onset"][0]
-    assert first < time < first + 0.1
+    assert first < float(re.search(r"at t = (\S+) s", text)[1]) < first + 0.1
 
 
 def test_inputs_that_do_not_arrive_are_found(native, tmp_path):
-    with zipfile.ZipFile(native["controlled_arm"]) as old, zipfile.ZipFile(tmp_path / "x.fmu", "w") as new:
-        for name in old.namelist():
-            content = old.read(name)
-            if name.endswith(".exp"):
-                content = re.sub(rb"<Stimuli [^>]*/>", b"", content)
-            new.writestr(name, content)
-    passed, text = said(tmp_path / "x.fmu")
+    def change(name, content):
+        return re.sub(rb"<Stimuli [^>]*/>", b"", content) if name.endswith(".exp") else content
+
+    passed, text = said(spoiled(native["controlled_arm"], tmp_path / "x.fmu", change))
     assert not passed
     assert "outputs deviate" in text
 
 
+def with_other(old, new):
+    return lambda text: re.sub(old, new, text, flags=re.DOTALL)
+
+
 @pytest.mark.parametrize(
-    ("changes", "sentence"),
+    ("file", "change", "sentence"),
     [
-        ({"out": None}, "FourLinkBox_out.csv is not in the FMU"),
-        ({"experiments": None}, "FourLinkBox.exp is not in the FMU"),
-        ({"experiments": lambda text: text[:200]}, "FourLinkBox.exp is no XML"),
-        ({"manifest": lambda text: text[:200]}, "fmi-ls-manifest.xml is no XML"),
-        (
-            {"out": lambda text: text.replace("point[4].x", "point[9].x")},
-            "the FMU has no variable point[9].x",
-        ),
-        ({"out": lambda text: text.replace("time,", "t,")}, "must be a table with a column time"),
-        ({"out": lambda text: text + "1,2\n"}, "rows of equal length"),
-        ({"out": lambda text: ""}, "must be a table"),
-        ({"out": lambda text: text.replace("\n0.02,", "\nsoon,")}, "increasing numbers"),
-        ({"experiments": lambda text: text.replace('stopTime="', 'stopTime="x')}, "must be a finite number"),
-        (
-            {"experiments": lambda text: text.replace('stepSize="0.02"', 'stepSize="-1"')},
-            "cannot be simulated",
-        ),
+        ("out", None, "FourLinkBox_out.csv is not in the FMU"),
+        ("experiments", None, "FourLinkBox.exp is not in the FMU"),
+        ("experiments", lambda text: text[:200], "FourLinkBox.exp is no XML"),
+        ("manifest", lambda text: text[:200], "fmi-ls-manifest.xml is no XML"),
+        ("out", with_other(r"point\[4\]\.x", "point[9].x"), "the FMU has no variable point[9].x"),
+        ("out", with_other("time,", "t,"), "must be a table with a column time"),
+        ("out", lambda text: f"{text}1,2\n", "rows of equal length"),
+        ("out", lambda text: "", "must be a table"),
+        ("out", with_other("\n0.02,", "\nsoon,"), "increasing numbers"),
+        ("experiments", with_other('stopTime="', 'stopTime="x'), "must be a finite number"),
+        ("experiments", with_other('stepSize="0.02"', 'stepSize="-1"'), "cannot be simulated"),
     ],
 )
-def test_what_is_wrong_is_said(spoil, changes, sentence):
-    first = check_references(spoil(**changes))[0]
+def test_what_is_wrong_is_said(spoil, file, change, sentence):
+    first = check_references(spoil(**{file: change}))[0]
     assert not first.passed
     assert sentence in first.text
 
 
 @pytest.mark.parametrize(
-    ("change", "sentence"),
+    ("old", "new", "sentence"),
     [
-        (
-            lambda text: text.replace("<References", '<Parameters source="a.ssv"/><References'),
-            "sets of parameters",
-        ),
-        (
-            lambda text: text.replace("<References", '<References type="application/hdf5"'),
-            "hdf5 is not supported",
-        ),
-        (lambda text: re.sub("<References.*</References>", "", text, flags=re.S), "no reference results"),
+        ("<References", '<Parameters source="a.ssv"/><References', "sets of parameters"),
+        ("<References", '<References type="application/hdf5"', "hdf5 is not supported"),
+        ("<References.*</References>", "", "no reference results"),
     ],
 )
-def test_what_is_not_supported_is_no_fault(spoil, change, sentence):
-    outcome = check_references(spoil(experiments=change))[0]
+def test_what_is_not_supported_is_no_fault(spoil, old, new, sentence):
+    outcome = check_references(spoil(experiments=with_other(old, new)))[0]
     assert outcome.passed
     assert "not run: " in outcome.text
     assert sentence in outcome.text
@@ -234,40 +209,26 @@ def test_what_is_not_supported_is_no_fault(spoil, change, sentence):
 
 @pytest.mark.full("takes long")
 def test_an_fmu_for_another_platform_is_not_run(tmp_path):
-    path = build_fmu("rod_drop", tmp_path, target="native", platforms=["win64"])
-    passed, text = said(path)
+    passed, text = said(build_fmu("rod_drop", tmp_path, target="native", platforms=["win64"]))
     assert passed
     assert "no binary for linux64" in text
 
 
-def test_results_without_an_experiment_are_those_of_the_default_one(spoil):
-    """As the Reference-FMUs have them; with rows that do not state how exact they are."""
-
-    def without_experiment(manifest):
-        return re.sub(r"<Related [^>]*\.exp[^>]*/>", "", manifest)
-
-    path = spoil(manifest=without_experiment)
-    passed, text = said(path)
+def test_what_others_write_is_read(spoil):
+    """No experiment, nor how exact results are; times in an element of their own; columns of text."""
+    passed, text = said(spoil(manifest=with_other(r"<Related [^>]*\.exp[^>]*/>", "")))
     assert passed, text
     assert text.startswith("results FourLinkBox_out.csv: passed")
     assert text.endswith("within 0.1% of the range where no tolerance is stated")
 
-
-def test_times_in_an_element_of_their_own_are_read(spoil):
-    """As the schema of the experiments format has them since the summer of 2026."""
-
     def moved(text):
-        times = " ".join(re.findall(r'(?:startTime|stopTime|stepSize)="[^"]*"', text))
-        text = re.sub(r' (?:startTime|stopTime|stepSize)="[^"]*"', "", text)
-        return text.replace("<References", f"<TransientSimulation {times}/><References")
+        pattern = r' (?:startTime|stopTime|stepSize)="[^"]*"'
+        element = f"<TransientSimulation{''.join(re.findall(pattern, text))}/><References"
+        return re.sub(pattern, "", text).replace("<References", element)
 
-    passed, text = said(spoil(experiments=moved))
-    assert passed, text
-
-
-def test_text_and_empty_columns_are_left_out(spoil):
-    def change(table):
+    def with_text(table):
         head, *rows = table.splitlines()
         return "\n".join([f"{head},description", *(f"{row},text" for row in rows)])
 
-    assert said(spoil(out=change))[0]
+    for passed, text in (said(spoil(experiments=moved)), said(spoil(out=with_text))):
+        assert passed, text

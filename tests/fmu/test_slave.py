@@ -11,25 +11,20 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu import pythonfmu_target
 from chain_impact.fmu.build import build_fmu
 from chain_impact.fmu.pythonfmu_target import slave_source
-from chain_impact.scene.scene import with_values
+from tests.fmu.clean import importing
 from tests.fmu.importer import Instance, refused
+from tests.fmu.planted_faults import spoiled
+
+in_python = {"kinds": "pythonfmu"}
 
 
-@pytest.fixture(scope="session")
-def fmus(all_fmus):
-    """Those of pythonfmu."""
-    return all_fmus["pythonfmu"]
+@pytest.fixture
+def path(all_fmus):
+    return all_fmus["pythonfmu"]["rod_drop"]
 
 
-def test_another_value_makes_another_script(fmus, tmp_path):
-    scene = with_values(load_scene("rod_drop"), {("contact", "stiffness"): 2e8})
-    other = str(build_fmu(scene, tmp_path))
-    scripts = [set(zipfile.ZipFile(path).namelist()) for path in (other, fmus["rod_drop"])]
-    assert not {name for name in scripts[0] & scripts[1] if name.startswith("resources/chain_impact")}
-
-
-def test_only_the_files_that_are_needed(fmus):
-    names = zipfile.ZipFile(fmus["rod_drop"]).namelist()
+def test_only_the_files_that_are_needed_and_another_script_for_another_value(path, tmp_path):
+    names = zipfile.ZipFile(path).namelist()
     rest = [name for name in names if not name.startswith(("resources/pythonfmu/", "extra/"))]
     script, slave = sorted((name for name in rest if name.endswith(".py")), key=len)
     assert slave == script.replace(".py", "_slave.py")
@@ -37,6 +32,8 @@ def test_only_the_files_that_are_needed(fmus):
     expected = {f"resources/{name}" for name in resources}
     expected |= {"documentation/index.html", "documentation/licenses/license.txt", "model.png"}
     assert set(rest) == expected | {"modelDescription.xml", "binaries/linux64/RodDrop.so", script, slave}
+    other = build_fmu(load_scene("rod_drop").with_values({"contact.stiffness": 2e8}), tmp_path)
+    assert not {script, slave} & set(zipfile.ZipFile(other).namelist())
 
 
 def test_the_slave_imports_the_standard_library_and_pythonfmu_only():
@@ -50,7 +47,7 @@ def test_the_slave_imports_the_standard_library_and_pythonfmu_only():
     assert {name.partition(".")[0] for name in imported} <= sys.stdlib_module_names | {"pythonfmu"}
 
 
-def test_what_the_builder_says_is_passed_on(tmp_path, monkeypatch, fmus):
+def test_what_the_builder_says_is_passed_on(tmp_path, monkeypatch, path):
     monkeypatch.setattr(pythonfmu_target, "slave_source", lambda: b"raise RuntimeError('broken')\n")
     with pytest.raises(BuildError, match="RuntimeError: broken"):
         build_fmu("rod_drop", tmp_path)
@@ -60,19 +57,16 @@ def test_what_the_builder_says_is_passed_on(tmp_path, monkeypatch, fmus):
 @pytest.mark.full("takes long")
 def test_an_fmu_for_both_platforms(tmp_path):
     fmu = build_fmu("rod_drop", tmp_path, platforms=("linux64", "win64"))
-    names = zipfile.ZipFile(fmu).namelist()
-    binaries = [name for name in names if name.startswith("binaries")]
-    assert binaries == ["binaries/linux64/RodDrop.so", "binaries/win64/RodDrop.dll"]
     with zipfile.ZipFile(fmu) as archive:
+        binaries = [name for name in archive.namelist() if name.startswith("binaries")]
+        assert binaries == ["binaries/linux64/RodDrop.so", "binaries/win64/RodDrop.dll"]
         assert archive.read("resources/kernel-linux64.so").startswith(b"\x7fELF")
         assert archive.read("resources/kernel-win64.dll").startswith(b"MZ")
     assert fmu.stat().st_size < 2e6
 
 
-# The functions before each test run in the clean process: they hold all that they use.
-
-
-def process(fmu):
+@importing("four_link_box", **in_python)
+def test_it_needs_the_standard_library_only(fmu):
     import sys
 
     import fmpy
@@ -82,27 +76,23 @@ def process(fmu):
     instance = Instance(fmu).start()
     instance.step(0.25)
     instance.get(instance.outputs)
-    return [sorted(set(sys.modules) - before), instance["solver.steps"]]
-
-
-def test_it_needs_the_standard_library_only(fmus, clean):
-    modules, steps = clean(process, fmus["four_link_box"])
-    assert steps > 0
+    modules = set(sys.modules) - before
     own = {name for name in modules if name.startswith("chain_impact")}
     assert len(own) == 2
-    rest = {name.partition(".")[0] for name in modules} - own
-    assert rest <= sys.stdlib_module_names | {"pythonfmu"}
+    assert {name.partition(".")[0] for name in modules - own} <= sys.stdlib_module_names | {"pythonfmu"}
+    assert instance["solver.steps"] > 0
 
 
-def after_faults(fmu):
-    """Refuse 100 times; the number of slaves and of references to their class before and after."""
+@importing("rod_drop", **in_python)
+def test_an_instance_can_be_freed_after_a_fault(fmu):
+    """Of 100 that refuse no slave is left."""
     import gc
     import sys
 
     def references():
         slave = next(module for name, module in sys.modules.items() if name.endswith("_slave"))
-        slaves = [one for one in gc.get_objects() if isinstance(one, slave.ChainImpact)]
-        return len(slaves), sys.getrefcount(slave.ChainImpact)
+        assert not [one for one in gc.get_objects() if isinstance(one, slave.ChainImpact)]
+        return sys.getrefcount(slave.ChainImpact)
 
     calls = [
         lambda i: i.start(**{"initial.y": -1.0}),
@@ -114,19 +104,13 @@ def after_faults(fmu):
     for call in calls:
         refused(fmu, call)
     before = references()
-    for _ in range(20):
-        for call in calls:
-            refused(fmu, call)
-    return [before, references()]
+    for call in 20 * calls:
+        refused(fmu, call)
+    assert references() - before == 100  # the wrapper keeps one for each instance, with or without a fault
 
 
-def test_an_instance_can_be_freed_after_a_fault(fmus, clean):
-    before, after = clean(after_faults, fmus["rod_drop"])
-    assert before[0] == after[0] == 0
-    assert after[1] - before[1] == 100  # the wrapper keeps one for each instance, with or without a fault
-
-
-def without_a_log(fmu):
+def raised(fmu, values):
+    """What fmpy raises, and what is said where the importer does not log."""
     import contextlib
     import io
 
@@ -135,57 +119,33 @@ def without_a_log(fmu):
     said = io.StringIO()
     with contextlib.redirect_stderr(said):
         try:
-            fmpy.simulate_fmu(fmu, start_values={"initial.y": -1.0})
-        except fmpy.fmi1.FMICallException as error:
-            return [str(error), said.getvalue()]
-    return ["", said.getvalue()]
-
-
-def test_a_fault_is_seen_where_the_importer_does_not_log(fmus, clean):
-    error, said = clean(without_a_log, fmus["rod_drop"])
-    assert "status 4 (fatal)" in error
-    beyond = "a contact point starts beyond a wall, or a joint beyond a stop"
-    assert said == f"RodDrop: the simulation cannot start: {beyond}: point 0 at the wall y_min\n"
-
-
-def with_damaged_start(fmu, folder):
-    """A start that was edited by hand, in an FMU that is otherwise whole."""
-    import contextlib
-    import io
-    import zipfile
-
-    import fmpy
-
-    damaged = f"{folder}/RodDrop.fmu"
-    with zipfile.ZipFile(fmu) as whole, zipfile.ZipFile(damaged, "w") as other:
-        for name in whole.namelist():
-            content = whole.read(name)
-            if name == "resources/instance.bin":
-                content = content[:5000] + bytes([content[5000] ^ 1]) + content[5001:]
-            other.writestr(name, content)
-    said = io.StringIO()
-    with contextlib.redirect_stderr(said):
-        try:
-            fmpy.simulate_fmu(damaged)
+            fmpy.simulate_fmu(fmu, start_values=values)
         except Exception as error:
             return [str(error), said.getvalue()]
     return ["", said.getvalue()]
 
 
-def test_a_damaged_start_is_refused(fmus, clean, tmp_path):
-    error, said = clean(with_damaged_start, fmus["rod_drop"], str(tmp_path))
+def test_a_fault_is_seen_where_the_importer_does_not_log(path, clean, tmp_path):
+    def change(name, content):
+        """A start that was edited by hand, in an FMU that is otherwise whole."""
+        if name == "resources/instance.bin":
+            return content[:5000] + bytes([content[5000] ^ 1]) + content[5001:]
+        return content
+
+    error, said = clean(raised, path, {"initial.y": -1.0})
+    assert "status 4 (fatal)" in error
+    beyond = "a contact point starts beyond a wall, or a joint beyond a stop"
+    assert said == f"RodDrop: the simulation cannot start: {beyond}: point 0 at the wall y_min\n"
+    error, said = clean(raised, str(spoiled(path, tmp_path / "RodDrop.fmu", change)), {})
     assert "instantiate" in error
     assert said == "RodDrop: the FMU's file resources/instance.bin is damaged\n"
 
 
-def escaped(fmu):
-    """What the wrapper takes for a printf format."""
+@importing("rod_drop", **in_python)
+def test_percent_and_hash_are_escaped(fmu):
+    """As the wrapper takes what it is told for a printf format."""
     import sys
 
     Instance(fmu)
     slave = next(module for name, module in sys.modules.items() if name.endswith("_slave"))
-    return repr(slave.SlaveError("100 % of #1"))
-
-
-def test_percent_and_hash_are_escaped(fmus, clean):
-    assert clean(escaped, fmus["rod_drop"]) == "100 %% of ##1"
+    assert repr(slave.SlaveError("100 % of #1")) == "100 %% of ##1"

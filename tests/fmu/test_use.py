@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 
-from chain_impact import CONTACT_LAWS, Chain, load_scene, simulate
+from chain_impact import CONTACT_LAWS, Chain, cli, load_scene, simulate
 from chain_impact.fmu.run import record_fmu
 from tests.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 from tests.fmu.clean import importing
@@ -637,3 +637,13 @@ def test_the_tolerance_is_the_parameter(fmu):
     for one in (instance, plain):
         one.step(1.0)
     assert instance.get(plain.outputs) == plain.get(plain.outputs)
+
+
+def test_why_a_native_fmu_cannot_start_or_go_on_is_seen_on_the_command_line(native, capsys):
+    """With what it gave until then."""
+    assert cli.main(["simulate", native["rod_drop"], "--set", "initial.y=-1"]) == 3
+    assert "the simulation cannot start: a contact point starts beyond a wall" in capsys.readouterr().err
+    assert cli.main(["simulate", native["four_link_box"], "--set", "solver.work_limit=2000"]) == 3
+    said = capsys.readouterr()
+    assert "a second of simulated time takes more evaluations than solver.work_limit allows" in said.err
+    assert "FourLinkBox" in said.out
