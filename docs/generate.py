@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
+import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, get_args, get_origin
@@ -29,6 +30,10 @@ from chain_impact.scene.scene import WALLS, load_scene, model_names, scene_keys,
 from chain_impact.variables.model import Model
 from chain_impact.variables.units import UNITS
 from chain_impact.variables.variable import Variable
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from tests.fmu.planted_faults import FMI2, FMI3, FMPY_BREAKS, FMPY_FINDS, WHOLE
 
 DOCS = Path(__file__).parent
 SCHEMA = DOCS / "scene.schema.json"
@@ -298,6 +303,25 @@ def sensitivity_limits() -> str:
     return "\n".join(f"- {reason}" for reason in (REASONS | REASONS_OF_FRICTION).values())
 
 
+def planted_faults() -> str:
+    """What FMPy does with the faults that the tests plant, each of which ``validate`` finds."""
+    kinds = {"native": [*FMI2, *WHOLE], "fmi3": [*FMI3, *WHOLE]}
+    found = {kind: (set(FMPY_FINDS[kind]), set(FMPY_BREAKS[kind])) for kind in kinds}
+    rows = []
+    for what, chosen in (
+        ("finds", lambda kind, name: name in found[kind][0]),
+        ("ends in an error of its own", lambda kind, name: name in found[kind][1]),
+        ("does not find", lambda kind, name: not any(name in names for names in found[kind])),
+    ):
+        those = [[name for name in names if chosen(kind, name)] for kind, names in kinds.items()]
+        rows.append((what, *(f"{len(names)}: {', '.join(names)}" for names in those)))
+    counts = [len(names) for names in kinds.values()]
+    return (
+        f"The tests plant {counts[0]} faults in an FMU for FMI 2.0 and {counts[1]} in one for FMI 3.0, "
+        "each alone. `validate` finds all of them.\n\n" + table(("FMPy", "FMI 2.0", "FMI 3.0"), rows)
+    )
+
+
 def package_rooms() -> str:
     """The rooms of the package, and what each imports."""
     return table(["room", "imports"], rooms.rows(rooms.PACKAGE))
@@ -319,6 +343,7 @@ TABLES = {
         contact_laws,
         stiffnesses,
         sensitivity_limits,
+        planted_faults,
         command_line,
         package_rooms,
         kernel_rooms,

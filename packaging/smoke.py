@@ -3,13 +3,15 @@
 It calls every public function once, and the command line, in a temporary folder, and needs no other file of
 the repository. What needs a package that is not there must say so. The kernels of all kinds must give the
 same bits. ``--write FILE`` keeps the results, and ``--compare FILE`` says by how much those of another
-machine differ.
+machine differ. With ``--traps``, which needs Linux on x86-64, an invalid operation, a division by zero or an
+overflow ends the process, as in a host that unmasks these exceptions.
 """
 
 from __future__ import annotations
 
 import argparse
 import ctypes
+import faulthandler
 import math
 import os
 import subprocess
@@ -18,6 +20,8 @@ import tempfile
 import time
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -48,6 +52,12 @@ TABLE = "time,point[4].x\n" + "".join(f"{0.1 * i:.1f},{{}}\n" for i in range(4))
 # C's functions for the rounding, and its number for upwards
 C_LIBRARY = {"win64": "ucrtbase", "darwin64": "libSystem.B.dylib", "aarch64-darwin": "libSystem.B.dylib"}
 UPWARDS = {"win64": 0x200, "linux64": 0x800, "darwin64": 0x800}
+
+
+# C's numbers of the exceptions on x86-64: invalid operation, division by zero, overflow
+TRAPPED = 0x1 | 0x4 | 0x8
+# PyYAML, which dask imports, makes its infinity by an overflow as it is imported
+TRAPPING_IMPORTS = ("pandas", "xarray", "dask.base")
 
 
 def check(function: Callable[[], str | None]) -> Callable[[], str | None]:
@@ -304,6 +314,16 @@ def compared(file: Path) -> str:
     return ", ".join(found)
 
 
+def trap() -> None:
+    """End the process at a floating-point exception, but for those of other packages' imports."""
+    for package in TRAPPING_IMPORTS:
+        with suppress(ImportError):
+            import_module(package)
+    faulthandler.enable()  # says where it ended
+    assert ctypes.CDLL("libm.so.6").feenableexcept(TRAPPED) == 0
+    print("with traps; but for the command line, whose processes start with registers of their own")
+
+
 def main() -> int:
     """Call all checks; return how many failed."""
     parser = argparse.ArgumentParser(
@@ -311,10 +331,13 @@ def main() -> int:
     )
     parser.add_argument("--write", type=Path, metavar="FILE", help="keep the results (npz)")
     parser.add_argument("--compare", type=Path, metavar="FILE", help="with results of another machine")
+    parser.add_argument("--traps", action="store_true", help="end at a floating-point exception")
     options = parser.parse_args()
     system.prepare_console()
     os.environ.setdefault("MPLBACKEND", "Agg")
     files = [file.absolute() if file else None for file in (options.write, options.compare)]
+    if options.traps:
+        trap()
     failed, here = 0, Path.cwd()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as scratch:
         os.chdir(scratch)

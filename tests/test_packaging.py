@@ -1,7 +1,9 @@
 """What a release is made with: the wheels, the smoke suite, the container."""
 
 import inspect
+import platform
 import re
+import signal
 import subprocess
 import sys
 import zipfile
@@ -143,6 +145,30 @@ def test_a_check_that_fails_is_told(monkeypatch, capsys):
     printed = capsys.readouterr().out
     assert "ValueError: why" in printed
     assert printed.endswith("1 of 2 checks failed\n")
+
+
+ON_LINUX = pytest.mark.skipif(
+    sys.platform != "linux" or platform.machine() != "x86_64", reason="these are the traps of Linux on x86-64"
+)
+
+
+@ON_LINUX
+@pytest.mark.full("takes long")
+def test_the_smoke_suite_passes_in_a_process_that_traps_floating_point_exceptions():
+    done = run_python(PACKAGING / "smoke.py", "--traps")
+    assert done.stdout.splitlines()[-1].startswith("0 of "), done.stdout + done.stderr
+    assert done.returncode == 0
+
+
+@ON_LINUX
+def test_the_traps_of_the_smoke_suite_end_a_process():
+    code = "import smoke; smoke.TRAPPING_IMPORTS = (); smoke.trap(); math = smoke.math; print(math.nan < 0.0)"
+    done = run_python("-c", f"import sys; sys.path.insert(0, {str(PACKAGING)!r}); {code}")
+    assert done.returncode == -signal.SIGFPE, done.stdout + done.stderr
+
+
+def run_python(*arguments):
+    return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, check=False)
 
 
 # --- the container -----------------------------------------------------------------------------------------

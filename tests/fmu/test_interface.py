@@ -302,6 +302,22 @@ def test_the_memory_of_states(fmu):
     refused("DeSerialize", buffer.raw[: size.value], size, byref(c_void_p()), why="no memory for a state")
 
 
+@calling("rod_drop", kinds="pythonfmu")
+def test_the_wrapper_of_pythonfmu_has_the_faults_that_the_docs_tell(fmu):
+    """If one is mended, it goes from docs/fmu.md. A second release, and a longer buffer, end the process."""
+    one = Component(Library(fmu)).start()
+    one.step(0.0, 0.3)
+    state, size = one.state(), c_size_t()
+    one.call("fmi2SerializedFMUstateSize", state, byref(size))
+    half = size.value // 2
+    buffer = ctypes.create_string_buffer(size.value)
+    assert one.call("fmi2SerializeFMUstate", state, buffer, c_size_t(half)) == OK
+    assert buffer.raw[:half] != bytes(half)
+    assert buffer.raw[half:] == bytes(size.value - half)
+    assert one.call("fmi2FreeFMUstate", byref(state)) == OK
+    assert state.value is not None
+
+
 @calling("rod_drop", kinds="fmus")
 def test_steps_can_be_taken_back(fmu, target):
     """As by a master that controls its step: each from a state that it keeps."""

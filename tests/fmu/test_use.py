@@ -561,7 +561,11 @@ def test_calls_out_of_order_are_refused(fmu, target):
             {"initial.y": -1.0},
             "a contact point starts beyond a wall, or a joint beyond a stop: point 0",
         ),
-        ("rod_drop", {"contact.restitution": 0.0}, "the contact law does not allow this restitution"),
+        (
+            "rod_drop",
+            {"contact.restitution": 0.0},
+            "the contact law does not allow this restitution: point 0 at the wall y_min",
+        ),
         ("kneed_leg", {"initial.angle[3]": 3.0}, "joint 3 at its joint_max"),
         ("sliding_rod", {"wall.y_min.friction": 0.5, "wall.y_min.static_friction": 0.4}, "the wall y_min"),
         ("ramp", {"wall.stop.x": -2.5}, "a contact point starts beyond a wall"),
@@ -594,6 +598,21 @@ def test_a_law_that_cannot_go_on_is_told_with_the_time(fmu):
 
     said = refused(fmu, set_late, lambda i: i.step(0.5))
     assert "stopped at t = 0.25 s: the contact law does not allow this restitution" in said
+
+
+@importing("sliding_rod")
+def test_static_friction_below_that_of_sliding_is_refused_during_a_run(fmu):
+    def later(one):
+        one.start()
+        one.step(0.3)
+        one.set({"wall.y_min.static_friction": 0.01})
+        one.get(["energy.total"])
+        one.step(0.6)
+
+    said = refused(fmu, later)
+    assert "what has been set cannot act: static_friction is below friction" in said
+    assert "the simulation stopped at t = 0.3 s: static_friction is below friction" in said
+    assert said.count("point 0 at the wall y_min") == 2
 
 
 @importing("rod_drop")

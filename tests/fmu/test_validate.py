@@ -1,5 +1,6 @@
 """Faults planted in FMUs of ours, each of which is found with its place; and no fault in sound ones."""
 
+import itertools
 import os
 import re
 import shutil
@@ -14,11 +15,29 @@ import pytest
 
 from chain_impact.fmu import archive
 from chain_impact.fmu.build import validate_fmu
+from chain_impact.fmu.check_description import description_findings
+from chain_impact.fmu.check_lists import NAMES
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.validate import validation
 from chain_impact.scene.reading import SceneError
 from chain_impact.system import HOST
-from tests.fmu.planted_faults import BINARIES, BINARY, FMI2, FMI3, XML, edited, said, spoiled
+from tests.fmu.planted_faults import (
+    BINARIES,
+    BINARY,
+    BROKEN,
+    FMI2,
+    FMI3,
+    FMPY_BREAKS,
+    FMPY_FINDS,
+    FOUND,
+    MISSED,
+    WHOLE,
+    XML,
+    by_fmpy,
+    edited,
+    said,
+    spoiled,
+)
 
 # --- sound FMUs ------------------------------------------------------------------------------------------
 
@@ -60,24 +79,28 @@ def test_the_workflow_of_the_docs_finds_what_is_wrong(native, tmp_path):
 
 
 @pytest.mark.full("more cases", but=4)
-@pytest.mark.parametrize("fault", ["guid", "no binary", "garbage", "no resources"])
+@pytest.mark.parametrize("fault", WHOLE)
 def test_faults_of_the_whole_are_found(fmus, target, tmp_path, fault):
     binary = BINARIES.get(target, BINARY)
 
     def change(name, content):
-        if fault == "guid" and name == XML:
+        if fault == "another GUID" and name == XML:
             return re.sub(rb'((guid|instantiationToken)=")........', rb"\g<1>00000000", content)
-        if name == binary and fault in ("no binary", "garbage"):
+        if name == binary and fault in ("no binary", "a binary that is none"):
             return None if fault == "no binary" else b"garbage"
         return None if fault == "no resources" and name.startswith("resources/") else content
 
-    (line,) = said(spoiled(fmus["rod_drop"], tmp_path / "x.fmu", change))
-    in_table = fault == "guid" and target == "pythonfmu"
+    path = spoiled(fmus["rod_drop"], tmp_path / "x.fmu", change)
+    (line,) = said(path)
+    assert by_fmpy(path, names=False) == MISSED
+    in_table = fault == "another GUID" and target == "pythonfmu"
     assert line.startswith("modelDescription.xml: guid: guid = 00000000-" if in_table else f"{binary}: ")
     sentence = {
-        "guid": "is not that of resources/model.json" if in_table else "Instantiate gives no instance: ",
+        "another GUID": "is not that of resources/model.json"
+        if in_table
+        else "Instantiate gives no instance: ",
         "no binary": f"so there is no binary for {HOST}: it has no binary at all",
-        "garbage": "the loader fails: ",
+        "a binary that is none": "the loader fails: ",
         # pythonfmu's wrapper reads a file without a look whether it is there
         "no resources": "crashes the process: " if target == "pythonfmu" else "gives no instance: ",
     }
@@ -95,10 +118,109 @@ FAULTS = [(kind, *entry) for kind, table in (("native", FMI2), ("fmi3", FMI3)) f
 )
 def test_a_planted_fault_is_found_with_its_place(all_fmus, tmp_path, kind, fault, case):
     pairs, sentence = case
-    lines = said(spoiled(all_fmus[kind]["rod_drop"], tmp_path / "x.fmu", edited(*pairs)))
+    path = spoiled(all_fmus[kind]["rod_drop"], tmp_path / "x.fmu", edited(*pairs))
+    lines = said(path)
     assert any(sentence in line for line in lines), lines
     assert all(re.match(r"(modelDescription\.xml|binaries/\S+): \S", line) for line in lines)
     assert all(len(line.split()) > 4 for line in lines)
+    expected = FOUND if fault in FMPY_FINDS[kind] else BROKEN if fault in FMPY_BREAKS[kind] else MISSED
+    assert by_fmpy(path, names=fault.startswith("a name")) == expected
+
+
+DATA = ("constant", "fixed", "tunable")
+VARIABILITIES = (*DATA, "discrete", "continuous")
+SETTLED, GUESSED, ANY = ("exact",), ("calculated", "approx"), ("calculated", "exact", "approx")
+# FMI 2.0.4, table in 2.2.7, and FMI 3.0, table 22: the initials that can be given, the usual one first
+INITIALS = (
+    {("parameter", one): SETTLED for one in DATA[1:]}
+    | {("calculatedParameter", one): GUESSED for one in DATA[1:]}
+    | {(kind, "constant"): SETTLED for kind in ("output", "local")}
+    | {("local", one): GUESSED for one in DATA[1:]}
+    | {(kind, one): ANY for kind in ("output", "local") for one in VARIABILITIES[3:]}
+)
+CAUSALITIES = ("parameter", "calculatedParameter", "input", "output", "local", "independent")
+HEAD = (
+    '<fmiModelDescription fmiVersion="{version}.0" modelName="m" {token}="0">'
+    '<CoSimulation modelIdentifier="m"/>'
+    "<ModelVariables>{variables}</ModelVariables><ModelStructure/></fmiModelDescription>"
+)
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("causality", CAUSALITIES)
+def test_causality_variability_initial_and_start_are_those_of_the_standard(tmp_path, version, causality):
+    for variability, initial, start in itertools.product(VARIABILITIES, (None, *ANY), (True, False)):
+        allowed = INITIALS.get((causality, variability), ())
+        needed = allowed and (initial or allowed[0]) != "calculated"
+        good = (initial is None or initial in allowed) and bool(allowed)
+        if causality == "input" and variability in VARIABILITIES[3:]:
+            good, needed = initial is None or (version == 3 and initial == "exact"), True
+        if causality == "independent" and variability == "continuous":
+            good, needed = initial is None, False
+        attributes = f'name="v" valueReference="1" causality="{causality}" variability="{variability}"'
+        attributes += f' initial="{initial}"' if initial else ""
+        value = ' start="1"' if start else ""
+        two, three = (
+            f"<ScalarVariable {attributes}><Real{value}/></ScalarVariable>",
+            f"<Float64 {attributes}{value}/>",
+        )
+        text = HEAD.format(
+            version=version,
+            token="guid" if version == 2 else "instantiationToken",
+            variables=two if version == 2 else three,
+        )
+        with zipfile.ZipFile(tmp_path / "x.fmu", "w") as fmu:
+            fmu.writestr(XML, text)
+        found = [one for one in description_findings(tmp_path / "x.fmu") if one.variable == "v"]
+        assert bool(found) == (not good or bool(needed) != start), (variability, initial, start, found)
+
+
+def test_names_are_those_of_the_structured_convention():
+    allowed = NAMES["structured"]
+    for name in ("a", "_a1.b[1,2].c", "der(a)", "der(a[3].'x y',2)", "'motor #2'", r"'a\'b'", "'!#$%'.x[1]"):
+        assert allowed.fullmatch(name), name
+    for name in (
+        "",
+        "1",
+        "a[1,]",
+        "[1]",
+        "a..b",
+        "a[1]..b",
+        "'",
+        "'a",
+        "der(a",
+        "der(a,b)",
+        "a b",
+        "ä",
+        r"'\z'",
+        "a.",
+        "''",
+    ):
+        assert not allowed.fullmatch(name), name
+
+
+@pytest.mark.parametrize("folder", ["terminalsAndIcons", "icons"])
+def test_terminals_name_variables_that_are_there(native, tmp_path, folder):
+    path = spoiled(native["rod_drop"], tmp_path / "x.fmu", lambda name, content: content)
+    file = f"{folder}/terminalsAndIcons.xml"
+    member = '<TerminalMemberVariable variableName="{}" memberName="{}" variableKind="signal"/>'
+    stream = '<TerminalStreamMemberVariable inStreamVariableName="time" outStreamVariableName="gravity.y"/>'
+    inner = member.format("gravity.x", "x") + member.format("gravity.w", "x") + stream
+    terminal = f'<Terminal name="t" matchingRule="plug">{inner}</Terminal>'
+    with zipfile.ZipFile(path, "a") as fmu:
+        fmu.writestr(
+            file, f"<fmiTerminalsAndIcons><Terminals>{terminal * 2}</Terminals></fmiTerminalsAndIcons>"
+        )
+    lines = validate_fmu(path)
+    assert all(line.startswith(f"{file}: ") for line in lines)
+    for sentence in (
+        "Terminals: name = 't' stands there 2 times",
+        "t: memberName = 'x' stands there 2 times",
+        "TerminalMemberVariable: variableName = 'gravity.w' must be the name of a variable",
+        "TerminalStreamMemberVariable: inStreamVariableName = 'time' must be the name of a variable",
+    ):
+        assert any(line.endswith(sentence) for line in lines), lines
 
 
 def test_an_alias_is_no_fault(native, tmp_path):

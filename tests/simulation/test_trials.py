@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact import Chain, load_scene
+from chain_impact import Chain, SimulationError, load_scene
 from chain_impact.scene.reading import SceneError
 from tests.random_scenes import scene as random_scene
 
@@ -84,3 +84,18 @@ def test_a_parameter_that_is_set_back_leaves_no_trace():
     for chain in (tried, alone):
         chain.step(0.5)
     assert bits(tried, list(tried.names)) == bits(alone, list(alone.names))
+
+
+def test_static_friction_below_that_of_sliding_is_refused_wherever_it_is_set():
+    name, value = "wall.y_min.static_friction", 0.01
+    with pytest.raises(SceneError, match=r"static_friction .*0\.01"):
+        load_scene("sliding_rod").with_values({name: value})
+    chain = Chain("sliding_rod")
+    chain.step(0.3)
+    chain.set(name, value)
+    with pytest.raises(SceneError, match=r"static_friction is below friction.*point 0 at the wall y_min"):
+        chain.get("energy.total")
+    with pytest.raises(
+        SimulationError, match=r"static_friction is below friction.*point 0 at the wall y_min"
+    ):
+        chain.step(0.4)

@@ -10,17 +10,15 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from chain_impact.fmu.archive import archive_findings
-from chain_impact.fmu.check_structure import structure_findings
+from chain_impact.fmu.check_lists import TERMINALS, list_findings, terminal_findings
+from chain_impact.fmu.check_structure import Structure
 from chain_impact.fmu.check_variables import variable_findings, variables_of
 from chain_impact.fmu.findings import DESCRIPTION, Finding
 
 TABLE = "resources/model.json"
 VERSIONS = ("2.0", "3.0")
-_PART = r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?"
-PLAIN_NAME = re.compile(rf"{_PART}(\.{_PART})*", re.ASCII)
-"""Names of the structured convention; but for derivatives and what is quoted, which are allowed, too."""
 _NAMED = re.compile(r'[Vv]ariable (?:name )?"([^"]+)"')  # in fmpy's sentences
-_TWICE = ("unit", "displayUnit", "valueReference")  # what fmpy looks at, too
+_TWICE = ("unit", "displayUnit", "valueReference", "declaredType")  # what fmpy looks at, too
 
 
 def description_findings(path: Path) -> list[Finding]:
@@ -35,6 +33,9 @@ def description_findings(path: Path) -> list[Finding]:
     with zipfile.ZipFile(path) as fmu:
         try:
             root = ElementTree.fromstring(fmu.read(DESCRIPTION))
+            terminals = {
+                name: ElementTree.fromstring(fmu.read(name)) for name in TERMINALS if name in fmu.namelist()
+            }
             own_guid = _own_guid(fmu)
         except ElementTree.ParseError as error:
             return [Finding(f"is no XML: {error}")]
@@ -45,12 +46,17 @@ def description_findings(path: Path) -> list[Finding]:
         said = f"fmiVersion = {version!r} must be one of {', '.join(VERSIONS)}: nothing else was checked"
         return [Finding(said, attribute="fmiVersion")]
     variables = variables_of(root)
-    # fmpy ends in an IndexError or a KeyError where a reference leads nowhere
-    if broken := structure_findings(root, variables):
-        return broken
-    own = variable_findings(root, variables)
+    own = [*list_findings(root, variables), *variable_findings(root, variables)]
+    names = {one.name for one in variables} | {alias.get("name", "") for alias in root.iter("Alias")}
+    for file, content in terminals.items():
+        own += terminal_findings(content, names, file)
     if own_guid not in (None, root.get("guid")):
         own.append(Finding(f"guid = {root.get('guid')} is not that of {TABLE}, {own_guid}", attribute="guid"))
+    # fmpy ends in an IndexError or a KeyError where a reference leads nowhere
+    structure = Structure(root, variables)
+    if lost := list(structure.lost()):
+        return lost + own
+    own += structure.findings()
     return own + _of_fmpy(path, own)
 
 
@@ -61,29 +67,25 @@ def _own_guid(fmu: zipfile.ZipFile) -> str | None:
 
 
 def _of_fmpy(path: Path, known: list[Finding]) -> list[Finding]:
-    """What fmpy finds, but for what is known of the same variable.
-
-    fmpy takes 10 ms for the grammar of each name, so it is asked for what is wrong only.
-    """
+    """What fmpy finds, but for what is known of the same variable."""
     from fmpy.model_description import ValidationError, read_model_description  # takes a second
 
     try:
-        description = read_model_description(str(path), validate_model_structure=True)
-        if description.variableNamingConvention == "structured" and all(
-            PLAIN_NAME.fullmatch(variable.name) for variable in description.modelVariables
-        ):
-            return []
-        read_model_description(str(path), validate_variable_names=True)
+        read_model_description(str(path))
     except ValidationError as error:
-        found = []
-        for problem in map(str, error.problems):
-            named = _NAMED.search(problem)
-            name = named[1] if named else ""
-            if not any(one.variable == name and one.attribute in _TWICE for one in known if name):
-                found.append(Finding(" ".join(problem.split()), variable=name))
-        return found
-    except Exception as error:  # of lxml, or of what the schema lets pass
-        if known:
+        problems = [str(problem) for problem in error.problems]
+    except Exception as error:
+        # fmpy has no class for its own sentences; others come of what the schema lets pass
+        plain = type(error) is Exception
+        if known and not plain:
             return []
-        return [Finding(f"fmpy cannot read it: {type(error).__name__}: {error}")]
-    return []
+        problems = [str(error) if plain else f"fmpy cannot read it: {type(error).__name__}: {error}"]
+    else:
+        return []
+    found = []
+    for problem in problems:
+        named = _NAMED.search(problem)
+        name = named[1] if named else ""
+        if not any(one.variable == name and one.attribute in _TWICE for one in known if name):
+            found.append(Finding(" ".join(problem.split()), variable=name))
+    return found

@@ -1,69 +1,156 @@
-"""The references within a model description: each must lead to what is there."""
+"""The references within a model description, and what its model structure lists: FMI 2.0.4, 2.2.8."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from itertools import pairwise
 from xml.etree.ElementTree import Element
 
 from chain_impact.fmu.check_variables import Variable
 from chain_impact.fmu.findings import Finding
 
-
-def structure_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
-    """References of a model description that lead nowhere."""
-    second = root.get("fmiVersion") == "2.0"
-    known = {str(i) for i in range(1, len(variables) + 1)} if second else {one.reference for one in variables}
-    what = f"an index from 1 to {len(variables)}" if second else "the value reference of a variable"
-    found = [*_types(root, variables)]
-    for one in variables:
-        target = one.attributes.get("derivative")
-        if target is not None and target not in known:
-            found.append(
-                Finding(f"derivative = {target!r} must be {what}", variable=one.name, attribute="derivative")
-            )
-        for dimension in one.node.iter("Dimension"):
-            size = dimension.get("valueReference")
-            if size is not None and size not in known:
-                said = f"valueReference = {size!r} must be {what}"
-                found.append(Finding(said, variable=one.name, attribute="Dimension"))
-    found += _unknowns(root, "index" if second else "valueReference", known, what)
-    return found
+NAMED = 5  # variables in one sentence
+OUTPUTS, DERIVATIVES, INITIAL = "Outputs", "Derivatives", "InitialUnknowns"
+_THIRD = {OUTPUTS: "Output", DERIVATIVES: "ContinuousStateDerivative", INITIAL: "InitialUnknown"}
+"""The list of FMI 2.0 → the element of FMI 3.0."""
+_FROM_OUTSIDE = ("input", "independent", "parameter", "structuralParameter")
 
 
-def _unknowns(root: Element, key: str, known: set[str], what: str) -> Iterator[Finding]:
-    """References of the model structure."""
-    structure = root.find("ModelStructure")
-    groups: dict[str, list[Element]] = {}
-    for node in structure.iter() if structure is not None else ():
-        if key == "index":
-            if node.tag != "Unknown" and len(node):
-                groups[node.tag] = list(node.iter("Unknown"))
-        elif node.get(key) is not None:
-            groups.setdefault(node.tag, []).append(node)
-    groups.pop("ModelStructure", None)
-    for tag, nodes in groups.items():
-        place = f"ModelStructure/{tag}"
-        for target, count in Counter(node.get(key, "") for node in nodes).items():
-            if target not in known:
-                yield Finding(f"{key} = {target!r} must be {what}", attribute=place)
-            elif count > 1:
-                yield Finding(f"{key} = {target!r} stands there {count} times", attribute=place)
-        for node in nodes:
-            depends = (node.get("dependencies") or "").split()
-            place_of = f"{place}, {key} {node.get(key)}, dependencies"
-            for target in sorted({one for one in depends if one not in known}):
-                yield Finding(f"{target!r} must be {what}", attribute=place_of)
-            kinds = node.get("dependenciesKind")
-            if kinds is not None and len(kinds.split()) != len(depends):
-                said = f"there are {len(depends)} dependencies, and {len(kinds.split())} in dependenciesKind"
-                yield Finding(said, attribute=place_of)
+class Structure:
+    """The references of a model description: by index in FMI 2.0, by value reference in FMI 3.0."""
+
+    def __init__(self, root: Element, variables: Sequence[Variable]) -> None:
+        """Read it."""
+        self.variables = variables
+        self.second = root.get("fmiVersion") == "2.0"
+        self.key = "index" if self.second else "valueReference"
+        numbers = map(str, range(1, len(variables) + 1))
+        references = numbers if self.second else [one.reference for one in variables]
+        self.known = dict(zip(references, variables, strict=True))
+        self.lists: dict[str, list[Element]] = {}
+        for node in root.findall("ModelStructure/*"):
+            unknowns = node.findall("Unknown") if self.second else [node]
+            self.lists.setdefault(node.tag, []).extend(one for one in unknowns if one.get(self.key))
+
+    def listed(self, name: str) -> list[str]:
+        """What a list of the model structure refers to, by its name in FMI 2.0."""
+        nodes = self.lists.get(name if self.second else _THIRD[name], [])
+        return [node.attrib[self.key] for node in nodes]
+
+    def lost(self) -> Iterator[Finding]:
+        """References that lead nowhere."""
+        count = f"an index from 1 to {len(self.known)}"
+        what = count if self.second else "the value reference of a variable"
+        for one in self.variables:
+            rate = [one.attributes["derivative"]] if "derivative" in one.attributes else []
+            for place, key, targets in (
+                ("derivative", "derivative", rate),
+                ("Dimension", "valueReference", _sizes(one)),
+            ):
+                for target in targets:
+                    if target not in self.known:
+                        said = f"{key} = {target!r} must be {what}"
+                        yield Finding(said, variable=one.name, attribute=place)
+        for place, node in self._nodes():
+            if node.attrib[self.key] not in self.known:
+                said = f"{self.key} = {node.attrib[self.key]!r} must be {what}"
+                yield Finding(said, attribute=place.partition(",")[0])
+            for target in sorted(set(_depends(node)) - self.known.keys()):
+                yield Finding(f"{target!r} must be {what}", attribute=place)
+
+    def findings(self) -> Iterator[Finding]:
+        """Unknowns that are missing, that are none, twice or not in order, and what they depend on."""
+        known, derivatives = self.known, set(self.listed(DERIVATIVES))
+        states = {known[one].attributes.get("derivative", "") for one in derivatives} - {""}
+        outputs = {one for one in known if known[one].causality == "output"}
+        start = {one for one in outputs | states | derivatives if not known[one].exact}
+        start |= {one for one in known if known[one].causality == "calculatedParameter"}
+        clocked = {one for one in known if "clocks" in known[one].attributes}
+        rates = {one for one in known if "derivative" in known[one].attributes}
+        yield from self._complete(OUTPUTS, outputs, outputs, "each output")
+        yield from self._complete(DERIVATIVES, (), rates, "variables with the attribute derivative")
+        which = "each output, state and derivative that is calculated at the start, each calculatedParameter"
+        yield from self._complete(INITIAL, start - clocked, start | clocked, which)
+        for name, nodes in self.lists.items():
+            place = f"ModelStructure/{name}"
+            yield from twice((node.attrib[self.key] for node in nodes), self.key, place)
+            if name == INITIAL:  # of FMI 2.0
+                yield from _rising(self.listed(name), place)
+        for place, node in self._nodes():
+            yield from self._dependencies(place, node, states)
+        for one in self.variables:
+            for size in map(known.__getitem__, _sizes(one)):
+                given = {size.causality, size.attributes.get("variability")} & {
+                    "structuralParameter",
+                    "constant",
+                }
+                if size.type != "UInt64" or not given:
+                    said = f"its size is {size.name}, which must be UInt64, constant or a structuralParameter"
+                    yield Finding(said, variable=one.name, attribute="Dimension")
+
+    def _complete(
+        self, name: str, needed: Collection[str], allowed: set[str], what: str
+    ) -> Iterator[Finding]:
+        """What a list lacks, and what it must not have."""
+        listed = set(self.listed(name))
+        for said, wrong in (("lacks", set(needed) - listed), ("must not have", listed - allowed)):
+            if wrong:
+                names = ", ".join(self.known[one].name for one in sorted(wrong, key=int)[:NAMED])
+                more = f" and {len(wrong) - NAMED} more" if len(wrong) > NAMED else ""
+                text = f"{said} {names}{more}: it lists {what}, and nothing else"
+                yield Finding(text, attribute=f"ModelStructure/{name if self.second else _THIRD[name]}")
+
+    def _dependencies(self, place: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
+        # for debugging only, so they may depend on outputs, too: FMI 3.0, table 23
+        debugging = node.tag == "EventIndicator"
+        depends, initial = _depends(node), INITIAL[:-1] in place
+        yield from twice(depends, self.key, place)
+        if self.second:
+            yield from _rising(depends, place)
+        for name in depends:
+            one = self.known[name]
+            state = not states or name in states or one.attributes.get("variability") == "discrete"
+            if not (one.causality in _FROM_OUTSIDE or (one.exact if initial else state) or debugging):
+                what = "known at the start" if initial else "an input, a parameter or a state"
+                yield Finding(f"{name} is {one.name}, which is not {what}", attribute=place)
+        kinds = node.get("dependenciesKind")
+        if kinds is not None and len(kinds.split()) != len(depends):
+            said = f"there are {len(depends)} dependencies, and {len(kinds.split())} in dependenciesKind"
+            yield Finding(said, attribute=place)
+        for kind in sorted(set((kinds or "").split()) - {"dependent", "constant"}) if initial else ():
+            yield Finding(f"dependenciesKind = {kind!r} is none at the start", attribute=place)
+
+    def _nodes(self) -> Iterator[tuple[str, Element]]:
+        """All unknowns, with the place of their dependencies."""
+        for name, nodes in self.lists.items():
+            for node in nodes:
+                yield f"ModelStructure/{name}, {self.key} {node.attrib[self.key]}, dependencies", node
 
 
-def _types(root: Element, variables: Sequence[Variable]) -> Iterator[Finding]:
-    types = {node.get("name") for node in root.iterfind("TypeDefinitions/*")}
-    for one in variables:
-        declared = one.attributes.get("declaredType")
-        if declared is not None and declared not in types:
-            said = f"declaredType = {declared!r} must be defined in TypeDefinitions"
-            yield Finding(said, variable=one.name, attribute="declaredType")
+def _sizes(one: Variable) -> list[str]:
+    """The value references of the sizes of an array, but for those that are numbers."""
+    return [
+        size.attrib["valueReference"] for size in one.node.iter("Dimension") if size.get("valueReference")
+    ]
+
+
+def _depends(node: Element) -> list[str]:
+    return (node.get("dependencies") or "").split()
+
+
+def _rising(numbers: Sequence[str], place: str) -> Iterator[Finding]:
+    """The first of some numbers that is smaller than the one before it."""
+    for before, after in pairwise(numbers):
+        if int(after) < int(before):
+            yield Finding(f"{after} must stand before {before}", attribute=place)
+            return
+
+
+def twice(texts: Iterable[str], what: str, place: str) -> list[Finding]:
+    """What stands in a list more than once."""
+    return [
+        Finding(f"{what} = {text!r} stands there {count} times", attribute=place)
+        for text, count in Counter(texts).items()
+        if count > 1
+    ]

@@ -38,6 +38,11 @@ class Variable:
     size: int | None
 
     @property
+    def causality(self) -> str:
+        """Its causality."""
+        return self.attributes.get("causality", "local")
+
+    @property
     def start(self) -> list[str]:
         """The start values as they are written; none if there are none."""
         if given := [entry.get("value", "") for entry in self.node.iter("Start")]:
@@ -50,8 +55,8 @@ class Variable:
     @property
     def exact(self) -> bool:
         """Whether its start is its value at the start, not a guess."""
-        causality, initial = (self.attributes.get(name, "") for name in ("causality", "initial"))
-        given = causality in ("parameter", "structuralParameter", "input")
+        initial = self.attributes.get("initial", "")
+        given = self.causality in ("parameter", "structuralParameter", "input")
         return initial == "exact" or (
             not initial and (given or self.attributes.get("variability") == "constant")
         )
@@ -75,35 +80,35 @@ class Variable:
         return float(self.value(text))
 
 
+def types_of(root: Element) -> list[Variable]:
+    """The types that a model description defines, as if they were variables."""
+    return [_variable(node, {}, 1) for node in root.iterfind("TypeDefinitions/*")]
+
+
 def variables_of(root: Element) -> list[Variable]:
     """The variables of a model description, in its order."""
-    types = {}
-    for node in root.iterfind("TypeDefinitions/*"):
-        inner = node[0] if node.tag == "SimpleType" and len(node) else node
-        shared = {key: text for key, text in inner.attrib.items() if key not in ("name", "description")}
-        values = [item.get("value", "") for item in inner.iter("Item")]
-        choices = [int(value) for value in values if re.fullmatch(r"-?[0-9]+", value)]
-        types[node.get("name", "")] = shared, choices
+    types = {one.name: one for one in types_of(root)}
     nodes = root.findall("ModelVariables/*")
     starts = {node.get("valueReference"): node.get("start", "") for node in nodes}
-    found = []
-    for node in nodes:
-        inner = next((child for child in node if child.tag != "Annotations"), node)
-        inner = inner if node.tag == "ScalarVariable" else node
-        own = {**node.attrib, **inner.attrib}
-        shared, choices = types.get(own.get("declaredType", ""), ({}, []))
-        found.append(
-            Variable(
-                name=node.get("name", ""),
-                reference=node.get("valueReference", ""),
-                type=inner.tag,
-                attributes={**shared, **own},
-                choices=choices,
-                node=inner,
-                size=_size(inner, starts),
-            )
-        )
-    return found
+    return [_variable(node, types, _size(node, starts)) for node in nodes]
+
+
+def _variable(node: Element, types: Mapping[str, Variable], size: int | None) -> Variable:
+    """What an element describes, with what its type says."""
+    nested = node.tag in ("ScalarVariable", "SimpleType")
+    inner = next((child for child in node if nested and child.tag != "Annotations"), node)
+    declared = types.get(inner.get("declaredType", ""))
+    values = [item.get("value", "") for item in inner.iter("Item")]
+    choices = [int(value) for value in values if re.fullmatch(r"-?[0-9]+", value)]
+    return Variable(
+        name=node.get("name", ""),
+        reference=node.get("valueReference", ""),
+        type=inner.tag.removesuffix("Type"),
+        attributes={**(declared.attributes if declared else {}), **node.attrib, **inner.attrib},
+        choices=declared.choices if declared else choices,
+        node=inner,
+        size=size,
+    )
 
 
 def _size(node: Element, starts: Mapping[str | None, str]) -> int | None:
@@ -116,20 +121,51 @@ def _size(node: Element, starts: Mapping[str | None, str]) -> int | None:
 
 
 def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
-    """Starts, limits and units that do not fit, and values that two variables own."""
+    """Attributes, starts, limits, types and units that do not fit, and values that two variables own."""
+    types = {one.name: one.type for one in types_of(root)}
     found = [
         Finding(text, variable=variable.name, attribute=attribute)
         for variable in variables
-        for attribute, text in (*_of_limits(variable), *_of_start(variable))
+        for attribute, text in (
+            *limit_findings(variable),
+            *_of_start(variable),
+            *_of_type(variable, types),
+            *_of_use(variable, root),
+        )
     ]
     found += _units(root, variables)
     return found + (_aliases(variables) if root.get("fmiVersion") == "2.0" else [])
 
 
-def _of_limits(variable: Variable) -> Iterator[tuple[str, str]]:
+def limit_findings(variable: Variable) -> Iterator[tuple[str, str]]:
+    """What is wrong with min and max: the attribute, and a sentence."""
     low, high = variable.bound("min"), variable.bound("max")
     if low > high:
         yield "min", f"min = {low:.9g} must not be above max = {high:.9g}"
+
+
+def _of_type(variable: Variable, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    declared = variable.attributes.get("declaredType")
+    if declared is not None and declared not in types:
+        yield "declaredType", f"declaredType = {declared!r} must be defined in TypeDefinitions"
+    elif declared is not None and types[declared] != variable.type:
+        said = f"is a type of {types[declared]}, and the variable is of {variable.type}"
+        yield "declaredType", f"declaredType = {declared!r} {said}"
+
+
+def _of_use(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
+    """Attributes that this kind of variable, or an FMU of this kind, cannot have."""
+    second, causality = root.get("fmiVersion") == "2.0", variable.causality
+    if second and causality in ("input", "independent") and "initial" in variable.attributes:
+        yield "initial", f"initial must not be given where causality = {causality!r}"
+    if second and causality == "independent" and variable.type != "Real":
+        yield "causality", f"an independent variable must be Real, and this one is {variable.type}"
+    several = "canHandleMultipleSetPerTimeInstant"
+    if several in variable.attributes and causality != "input":
+        yield several, f"{several} is for inputs only"
+    for name in (several, "reinit"):
+        if second and name in variable.attributes and root.find("ModelExchange") is None:
+            yield name, f"{name} is for model exchange only"
 
 
 def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
@@ -178,16 +214,21 @@ def _aliases(variables: Sequence[Variable]) -> list[Finding]:
         other = first.setdefault((base, one.reference), one)
         if other is one:
             continue
-        pairs = [
-            (one.attributes.get(key), other.attributes.get(key)) for key in ("causality", "unit", "start")
+        causality, unit, start, variability = [
+            (one.attributes.get(key), other.attributes.get(key))
+            for key in ("causality", "unit", "start", "variability")
         ]
         reason = ""
-        if all(causality in ("parameter", "input") for causality in pairs[0]):
-            reason = "both can be set"
-        elif None not in pairs[1] and pairs[1][0] != pairs[1][1]:
-            reason = f"their units differ, {pairs[1][0]} and {pairs[1][1]}"
-        elif None not in pairs[2] and one.value(str(pairs[2][0])) != other.value(str(pairs[2][1])):
-            reason = f"their start values differ, {pairs[2][0]} and {pairs[2][1]}"
+        if all(kind in ("parameter", "input", "independent") for kind in causality):
+            reason = "both are given from outside"
+        elif unit[0] != unit[1]:
+            reason = f"their units differ, {unit[0]} and {unit[1]}"
+        elif (variability[0] == "constant") != (variability[1] == "constant"):
+            reason = "one is constant, and one is not"
+        elif None not in start and variability[0] != "constant":
+            reason = "both have a start value"
+        elif None not in start and one.value(str(start[0])) != other.value(str(start[1])):
+            reason = f"their start values differ, {start[0]} and {start[1]}"
         if reason:
             said = f"valueReference = {one.reference} is that of {other.name}, too, and {reason}"
             found.append(Finding(said, variable=one.name, attribute="valueReference"))

@@ -11,7 +11,7 @@ import math
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
@@ -206,15 +206,6 @@ def _text(value: Value) -> str:
     return f"{value:.9g}" if isinstance(value, float) else repr(value)
 
 
-def _tried(path: Path, binary: str, tell: Callable[..., None]) -> Iterator[Finding]:
-    """What a trial of the binary ends with."""
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, listening() as reasons:
-        try:
-            Trial(path, folder, binary, tell).run(reasons)
-        except CallError as error:
-            yield Finding(str(error), binary)
-
-
 def main() -> None:
     """Try the FMU that the command line names."""
     path, binary = Path(sys.argv[1]), sys.argv[3]
@@ -226,8 +217,11 @@ def main() -> None:
             findings += "finding" in what
             print(json.dumps(what), file=report, flush=True)
 
-        for finding in _tried(path, binary, tell):
-            tell(finding=asdict(finding))
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, listening() as reasons:
+            try:
+                Trial(path, folder, binary, tell).run(reasons)
+            except CallError as error:
+                tell(finding=asdict(Finding(str(error), binary)))
         if not findings and "--experiments" in sys.argv:  # what is at fault needs no longer run to be told
             tell(call="the experiments")
             for outcome in check_references(path):

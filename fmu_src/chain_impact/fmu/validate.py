@@ -59,7 +59,8 @@ def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Valida
         root = ElementTree.fromstring(fmu.read(DESCRIPTION))
     modes = [mode for kind in ("CoSimulation", "ModelExchange") for mode in root.iterfind(kind)]
     if not modes:
-        return Validation(findings, [f"not run: it has no CoSimulation or ModelExchange, only {_UNTRIED}"])
+        said = f"not run: it has no CoSimulation or ModelExchange, only {_UNTRIED}"
+        return Validation(findings, [said] if root.find(_UNTRIED) is not None else [])
     binary, missing = _binary(modes[0], names, second=root.get("fmiVersion") == "2.0")
     if missing:
         return Validation([*findings, missing], [])

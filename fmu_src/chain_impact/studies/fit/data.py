@@ -287,9 +287,10 @@ class _Book:
         """The standard deviation of a value: of its row, else of its column; NaN if there is none."""
         column = SIGMA.format(name)
         sigma = table.number(row, column)
-        if math.isnan(sigma):
-            sigma = standard_deviation(name, self._sigma.get(name, math.nan), value)
-        if sigma <= 0.0:
+        if math.isnan(sigma) and name in self._sigma:
+            sigma = standard_deviation(name, self._sigma[name], value)
+        # a comparison with NaN ends the process of a host that traps invalid operations
+        if not math.isnan(sigma) and sigma <= 0.0:
             raise SceneError(f"{table.where(row, column)} = {sigma:g} must be > 0")
         return sigma
 
