@@ -181,6 +181,10 @@ FMI2 = {
         [variable("link[1].mass", '"fixed"', '"constant"')],
         "link[1].mass: The combination causality=",
     ),
+    "an encoding that is not known": (
+        [("encoding='UTF-8'", "encoding='abc'")],
+        "modelDescription.xml: is no XML: unknown encoding: abc",
+    ),
     "broken XML": ([("</ModelStructure>", "")], "modelDescription.xml: is no XML: "),
     "an attribute that is not in the schema": (
         [("<CoSimulation ", '<CoSimulation more="1" ')],
@@ -341,7 +345,7 @@ FMI2 = {
     ),
     "a start of the independent variable": (
         [independent("gravity.x")],
-        '(line 149) has causality="independent" but provides a start value',
+        'has causality="independent" but provides a start value',
     ),
     "two independent variables": (
         [independent(name, without_start=True) for name in ("gravity.x", "gravity.y")],
@@ -528,7 +532,7 @@ FMPY_FINDS = {
     ],
 }
 FMPY_BREAKS = {
-    "native": ["an output that is not there", "broken XML"],
+    "native": ["an output that is not there", "an encoding that is not known", "broken XML"],
     "fmi3": [
         "a size by nothing",
         "an output that is not there",

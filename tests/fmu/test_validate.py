@@ -223,6 +223,19 @@ def test_terminals_name_variables_that_are_there(native, tmp_path, folder):
         assert any(line.endswith(sentence) for line in lines), lines
 
 
+@pytest.mark.parametrize(
+    "faults",
+    [("min > max", "a continuous parameter"), ("an output that is not there", "two units of one name")],
+    ids=str,
+)
+def test_a_fault_does_not_hide_another(native, tmp_path, faults):
+    """FMPy ends at the first of some faults, and with an error of its own at others."""
+    pairs = [pair for fault in faults for pair in FMI2[fault][0]]
+    lines = validate_fmu(spoiled(native["rod_drop"], tmp_path / "x.fmu", edited(*pairs)))
+    for fault in faults:
+        assert any(FMI2[fault][1] in line for line in lines), lines
+
+
 def test_an_alias_is_no_fault(native, tmp_path):
     """Two outputs of one value, with one unit, are what FMI 2.0 calls an alias."""
 

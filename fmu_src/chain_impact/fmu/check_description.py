@@ -37,7 +37,7 @@ def description_findings(path: Path) -> list[Finding]:
                 name: ElementTree.fromstring(fmu.read(name)) for name in TERMINALS if name in fmu.namelist()
             }
             own_guid = _own_guid(fmu)
-        except ElementTree.ParseError as error:
+        except (ElementTree.ParseError, LookupError) as error:  # of an encoding that is not known
             return [Finding(f"is no XML: {error}")]
         except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, EOFError) as error:
             return [Finding(f"cannot be unpacked: {error}")]

@@ -43,15 +43,12 @@ class Structure:
         count = f"an index from 1 to {len(self.known)}"
         what = count if self.second else "the value reference of a variable"
         for one in self.variables:
-            rate = [one.attributes["derivative"]] if "derivative" in one.attributes else []
-            for place, key, targets in (
-                ("derivative", "derivative", rate),
-                ("Dimension", "valueReference", _sizes(one)),
-            ):
-                for target in targets:
-                    if target not in self.known:
-                        said = f"{key} = {target!r} must be {what}"
-                        yield Finding(said, variable=one.name, attribute=place)
+            targets = [("Dimension", "valueReference", size) for size in _sizes(one)]
+            if "derivative" in one.attributes:
+                targets.append(("derivative", "derivative", one.attributes["derivative"]))
+            for place, key, target in targets:
+                if target not in self.known:
+                    yield Finding(f"{key} = {target!r} must be {what}", variable=one.name, attribute=place)
         for place, node in self._nodes():
             if node.attrib[self.key] not in self.known:
                 said = f"{self.key} = {node.attrib[self.key]!r} must be {what}"
@@ -81,11 +78,8 @@ class Structure:
             yield from self._dependencies(place, node, states)
         for one in self.variables:
             for size in map(known.__getitem__, _sizes(one)):
-                given = {size.causality, size.attributes.get("variability")} & {
-                    "structuralParameter",
-                    "constant",
-                }
-                if size.type != "UInt64" or not given:
+                kinds = size.causality, size.attributes.get("variability")
+                if size.type != "UInt64" or not {"structuralParameter", "constant"}.intersection(kinds):
                     said = f"its size is {size.name}, which must be UInt64, constant or a structuralParameter"
                     yield Finding(said, variable=one.name, attribute="Dimension")
 
@@ -96,7 +90,7 @@ class Structure:
         listed = set(self.listed(name))
         for said, wrong in (("lacks", set(needed) - listed), ("must not have", listed - allowed)):
             if wrong:
-                names = ", ".join(self.known[one].name for one in sorted(wrong, key=int)[:NAMED])
+                names = ", ".join([self.known[one].name for one in self.known if one in wrong][:NAMED])
                 more = f" and {len(wrong) - NAMED} more" if len(wrong) > NAMED else ""
                 text = f"{said} {names}{more}: it lists {what}, and nothing else"
                 yield Finding(text, attribute=f"ModelStructure/{name if self.second else _THIRD[name]}")
