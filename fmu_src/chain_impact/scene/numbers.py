@@ -67,7 +67,7 @@ def with_numbers(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any])
 
 
 def _with_number(scene: Scene, path: Place, rule: Mapping[str, Any], given: Any) -> Scene | None:
-    """The scene with one number changed, which has a rule; None if there is no path, or it breaks its rule."""
+    """The scene with one number changed; None if there is no path, or it breaks its rule."""
     if not path or isinstance(given, bool) or not isinstance(given, int | float):
         return None
     value = float(given) if abs(given) <= LARGEST else math.inf
