@@ -1,14 +1,16 @@
 """What a scene refuses and how: values, keys, walls, starts inside walls."""
 
 import math
+from pathlib import Path
 
 import pytest
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.scene.checks import hints
-from chain_impact.scene.scene import load_scene, model_names, scene_to_dict, with_values
+from chain_impact.scene.scene import load_scene, model_names, parse_scene, scene_to_dict, with_values
 from tests.problems import of_law
 from tests.refusal import refusal
+from tests.scene.test_stops import FILE
 
 
 def refused(*changes) -> str:
@@ -18,90 +20,39 @@ def refused(*changes) -> str:
     return message.removeprefix("FourLinkBox: ")
 
 
-LINK_2 = ("chain", "links", 2)
+def table():
+    """Scene, changes and the begin of the message, of the lines of refused.txt."""
+    scene = None
+    for line in Path(__file__).with_name("refused.txt").read_text(encoding="utf-8").splitlines():
+        if line.startswith("["):
+            scene = line.strip("[]")
+        elif line and not line.startswith("#"):
+            changes, message = line.split(" -> ")
+            yield scene, dict(map(change, changes.split("; "))), message
 
 
-@pytest.mark.parametrize(
-    ("path", "value", "message"),
-    [
-        ((*LINK_2, "mass"), -1.0, "link[3].mass = -1.0 must be a finite number > 0 [kg]"),
-        ((*LINK_2, "length"), 0, "link[3].length = 0 must be a finite number > 0 [m]"),
-        ((*LINK_2, "mass"), True, "link[3].mass = True must be a finite number > 0 [kg]"),
-        ((*LINK_2, "mass"), "1", "link[3].mass = '1' must be a finite number > 0 [kg]"),
-        ((*LINK_2, "inertia"), -1.0, "link[3].inertia = -1.0 must be a finite number >= 0 [kg.m2]"),
-        (
-            (*LINK_2, "joint_stiffness"),
-            -1.0,
-            "link[3].joint_stiffness = -1.0 must be a finite number >= 0 [N.m/rad]",
-        ),
-        (
-            (*LINK_2, "joint_rest_angle"),
-            math.inf,
-            "link[3].joint_rest_angle = inf must be a finite number [rad]",
-        ),
-        (("gravity", 1), math.nan, "gravity.y = nan must be a finite number [m/s2]"),
-        (("box", "x_max"), math.inf, "box.x_max = inf must be a finite number [m]"),
-        (("contact", "stiffness"), 10**400, f"contact.stiffness = 1{'0' * 59}... must be a finite number"),
-        (("contact", "restitution"), 1.1, "contact.restitution = 1.1 must be a finite number >= 0 and <= 1"),
-        (("solver", "tolerance"), 1, "solver.tolerance = 1 must be a finite number >= 1e-13 and <= 0.01"),
-        (("chain", "base"), "hinged", 'chain.base = \'hinged\' must be one of "free", "pinned"'),
-        (("solver", "method"), 1, 'solver.method = 1 must be one of "auto", "explicit"'),
-        (("inputs", "tip_force"), 1, "inputs.tip_force = 1 must be true or false"),
-        (("name",), "4 links", "name = '4 links' must be letters, digits and _, not beginning with a digit"),
-        (("name",), "Größe", "name = 'Größe' must be letters, digits and _"),
-        (("name",), None, "name is missing (model name)"),
-        (("description",), "bell\a", r"description = 'bell\x07' must be text without control characters"),
-        (("contact",), [], "contact = [] must be a table"),
-        (("chain", "links"), [], "chain.links has 0 entries, must have 1 to 1000"),
-        (("chain", "links", 1), 7, "link[2] = 7 must be a table"),
-        (("initial", "angles"), [1.0], "initial.angles has 1 value, must have 4, one for each link"),
-        (("initial", "angles"), 1.0, "initial.angles = 1.0 must be a list, expected length 4 "),
-        (
-            ("walls",),
-            {"x_max": 1.0},
-            "walls is one table, must be a list of tables: write [[walls]]; x_max belongs in [box]",
-        ),
-        (
-            ("chain", "links"),
-            {"mass": 1.0},
-            "chain.links is one table, must be a list of tables: write [[chain.links]]",
-        ),
-        (("gravity",), 9.81, "gravity = 9.81 must be a list, expected length 2 (acceleration of gravity)"),
-        (("contact", "points"), [1, 5], "contact.points holds 5, must hold 0 to 4 with a free base, each"),
-        (("contact", "points"), [-1], "contact.points holds -1, must hold 0 to 4 with a free base, each"),
-        (("contact", "points"), [2, 2], "contact.points holds 2, must hold 0 to 4 with a free base, each"),
-        (("contact", "points"), [1.0], "contact.points[1] = 1.0 must be a whole number"),
-        (("chain", "base"), "pinned", "contact.points holds 0, must hold 1 to 4 with a pinned base"),
-        (("box", "x_max"), 0.0, "box.x_max = 0.0 must be > 0.0 [m], which is x_min + 2 contact.radius"),
-        (("contact", "radius"), 1.25, "box.y_max = 2.5 must be > 2.5 [m], which is y_min + 2 contact.radius"),
-        (("chain", "links", 9, "mass"), 1, "('chain', 'links', 9, 'mass') is no path to a value"),
-        ((), 1, "() is no path to a value of the scene"),
-        (5, 1, "5 is no path to a value of the scene"),
-    ],
-)
-def test_a_bad_value_is_refused_by_key_value_and_what_is_allowed(path, value, message):
-    assert refused((path, value)).startswith(message)
+def change(text):
+    """Name or path, and value."""
+    name, value = text.split(" = ", 1)
+    path = tuple(int(part) if part.isdigit() else part for part in name.split("/"))
+    return (path if "." not in name else name), eval(value, {"nan": math.nan, "inf": math.inf})
 
 
-@pytest.mark.parametrize(
-    ("path", "known"),
-    [
-        (("contact", "stifness"), "contact.stiffness"),
-        (("contact", "tolerance"), "solver.tolerance"),  # right key, wrong table
-        (("simulation", "gravity"), "gravity"),
-        (("contcat",), "contact"),
-        (("chain", "links", 3, "lenght"), "chain.links[].length"),
-        (("initial", "angle"), "initial.angles"),  # not wall.angle
-        (("contacts",), "contact"),  # not outputs.contacts
-    ],
-)
-def test_an_unknown_key_names_the_nearest(path, known):
-    assert refused((path, 1.0)).endswith(f"{path[-1]} is unknown; the nearest key is {known}")
+def test_what_is_refused_and_by_which_words():
+    scenes, wrong = {"finger": parse_scene(FILE, "finger.toml")}, []
+    for name, changes, message in table():
+        scene = scenes.setdefault(name, scenes.get(name) or load_scene(name))
+        found = refusal(with_values, scene, changes)
+        if not found.startswith(f"{scene.name}: {message}"):
+            wrong.append((changes, found))
+    assert wrong == []
 
 
-def test_of_a_key_like_no_other_the_keys_of_its_table_are_named():
-    message = refused((("simulation", "duration"), 1.0))
-    assert message == "simulation.duration is unknown; the keys here are stop_time, step_size"
+@pytest.mark.parametrize("path", [(), 5])
+def test_what_is_no_path_is_refused(path):
+    assert refused((path, 1)).startswith(f"{path} is no path to a value of the scene")
+    number = {("contact", "stiffness"): 10**400}
+    assert refused(*number.items()).startswith(f"contact.stiffness = 1{'0' * 59}... must be a finite number")
 
 
 def test_no_rebound_is_refused_by_the_laws_that_divide_by_restitution():
@@ -113,25 +64,6 @@ def test_no_rebound_is_refused_by_the_laws_that_divide_by_restitution():
         else:
             message = refused(*plastic.items())
             assert message == f"contact.restitution = 0.0 must be > 0 for the contact model {law.id}"
-
-
-def test_a_pinned_base_cannot_have_a_velocity():
-    message = refusal(with_values, load_scene("pinned_arm"), {("initial", "velocity"): [0.0, 1e-9]})
-    assert message == "PinnedArm: initial.velocity = [0.0, 1e-09] must be zero for a pinned base"
-
-
-@pytest.mark.parametrize(
-    ("wall", "at", "where"),
-    [
-        ("x_min", 0.7, "point 0 at (0.6, 1.4) m is 0.1 m"),
-        ("y_min", 1.45, "point 0 at (0.6, 1.4) m is 0.05 m"),
-        ("x_max", 2.3, "point 4 at (2.34686, 1.59108) m is 0.0468643 m"),
-        ("y_max", 1.6, "point 3 at (1.85683, 1.69041) m is 0.0904142 m"),
-    ],
-)
-def test_a_start_inside_a_wall_is_refused(wall, at, where):
-    message = refused((("box", wall), at))
-    assert message == f"initial: {where} deep in the wall {wall}; must be outside"
 
 
 def test_the_start_may_touch_a_wall_but_not_by_more_than_round_off():
@@ -162,49 +94,5 @@ def test_a_wall_has_an_angle_or_a_normal_and_keeps_the_angle():
     assert with_values(scene, again).walls[0].angle == 0.0
 
 
-@pytest.mark.parametrize(
-    ("walls", "message"),
-    [
-        ([RAMP], "wall.ramp has neither angle nor normal; must have one of them"),
-        (
-            [RAMP | {"angle": 0.0, "normal": [0.0, 1.0]}],
-            "wall.ramp has both angle and normal; must have",
-        ),
-        ([RAMP | {"normal": [0.0, 0.0]}], "wall.ramp.normal = [0.0, 0.0] must not be zero"),
-        ([RAMP | {"normal": [1.0]}], "wall.ramp.normal has 1 value, must have 2 ("),
-        ([RAMP | {"angle": "up"}], "wall.ramp.angle = 'up' must be a finite number [rad]"),
-        (
-            [RAMP | {"angle": 0.0}] * 2,
-            "walls[2].name = 'ramp' must be none of x_min, x_max, y_min, y_max, ramp",
-        ),
-        (
-            [RAMP | {"angle": 0.0, "name": "y_min"}],
-            "walls[1].name = 'y_min' must be none of x_min, x_max, y_",
-        ),
-        (
-            [RAMP | {"angle": 0.0, "name": "my wall"}],
-            "walls[1].name = 'my wall' must be letters, digits and _",
-        ),
-        ([{"point": [0.0, 0.0], "angle": 0.0}], "walls[1].name is missing"),
-        ([{"name": "ramp", "angle": 0.0}], "wall.ramp.point is missing (a point on the wall)"),
-        ({}, "walls is one table, must be a list of tables: write [[walls]]"),
-        (7, "walls = 7 must be a list"),
-        ([RAMP | {"angel": 0.0}], "wall.ramp.angel is unknown; the nearest key is"),
-    ],
-)
-def test_a_bad_wall_is_refused(walls, message):
-    assert refused((("walls",), walls)).startswith(message)
-
-
-def test_a_start_inside_a_wall_at_a_slant_is_refused():
-    walls = [RAMP | {"normal": [1.0, 1.0], "point": [2.0, 0.25]}]
-    message = refused((("walls",), walls))
-    assert message == (
-        "initial: point 0 at (0.6, 1.4) m is 0.176777 m deep in the wall ramp; must be outside"
-    )
-    with_values(load_scene("four_link_box"), {("walls",): walls, ("contact", "points"): [2, 3, 4]})
-
-
-@pytest.mark.parametrize("model", model_names())
-def test_models_give_no_hints(model):
-    assert hints(load_scene(model)) == []
+def test_models_give_no_hints():
+    assert {name: found for name in model_names() if (found := hints(load_scene(name)))} == {}

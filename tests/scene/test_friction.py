@@ -7,14 +7,8 @@ from chain_impact.scene.friction import coefficients
 from chain_impact.scene.scene import parse_scene, scene_to_dict, with_values
 from chain_impact.scene.tables import Material
 from tests.friction import pendulum, sled
-from tests.refusal import refusal
 
 BOX = load_scene("four_link_box")
-RIGID = (
-    "must be 0 for the contact model newton_impact: Newton's law of impact together with Coulomb's law of "
-    "friction can add energy, and the motion of a rigid body that slides on a rigid wall need neither exist "
-    "nor be unique; choose a law with a force"
-)
 
 
 def test_defaults():
@@ -83,44 +77,6 @@ def test_a_free_base_has_no_joint_1():
     scene = with_values(BOX, {f"link[{i}].joint_friction": 0.2 for i in (1, 3)})
     assert scene.friction_joints == (3,)
     assert not with_values(BOX, {"link[1].joint_friction": 0.2}).has_friction
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (
-            {"contact.friction": 0.5, "contact.static_friction": 0.4},
-            "contact.static_friction = 0.4 must be >= 0.5, the coefficient of sliding friction, or 0 for the "
-            "same",
-        ),
-        (
-            {"wall.y_min.friction": 0.5, "wall.y_min.static_friction": 0.4},
-            "wall.y_min.static_friction = 0.4 must be >= 0.5, the coefficient of sliding friction, or 0 for "
-            "the same",
-        ),
-        (
-            {"contact.friction": 0.5, "wall.y_min.static_friction": 0.4},
-            "wall.y_min.static_friction = 0.4 must be >= 0.5, the coefficient of sliding friction, or 0 for "
-            "the same",
-        ),
-        ({"contact.friction": -0.5}, "contact.friction = -0.5 must be a finite number >= 0"),
-        (
-            {"link[2].joint_friction": -0.5},
-            "link[2].joint_friction = -0.5 must be a finite number >= 0 [N.m]",
-        ),
-        ({"contact.model": "newton_impact", "contact.friction": 0.3}, f"contact.friction = 0.3 {RIGID}"),
-        (
-            {"contact.model": "newton_impact", "contact.static_friction": 0.3},
-            f"contact.static_friction = 0.3 {RIGID}",
-        ),
-        (
-            {"contact.model": "newton_impact", "wall.y_max.friction": 0.3},
-            f"wall.y_max.friction = 0.3 {RIGID}",
-        ),
-    ],
-)
-def test_what_is_refused(changes, message):
-    assert refusal(with_values, BOX, changes) == f"FourLinkBox: {message}"
 
 
 def test_rigid_walls_and_rigid_stops_may_have_friction_in_joints_beside():

@@ -127,13 +127,6 @@ def test_a_count_stands_for_so_many_equal_links():
     assert [link.mass for link in heavier.chain.links] == [1.0, 1.0, 1.0, 1.0, 2.0, 1.0]
 
 
-@pytest.mark.parametrize("count", [0, 1001, 2.0, True])
-def test_a_bad_count_is_refused(count):
-    changes = {("chain", "links", 1, "count"): count}
-    message = refusal(with_values, load_scene("four_link_box"), changes).removeprefix("FourLinkBox: ")
-    assert message == f"count in entry 2 of [[chain.links]] = {count} must be a whole number >= 1 and <= 1000"
-
-
 def test_an_error_names_the_entry_of_the_file_where_entries_are_not_links():
     text = MINIMAL.replace(
         "[{length = 2.0, mass = 3.0}]", "[{length = 2.0, mass = 3.0, count = 3}, {mass = 1.0}]"

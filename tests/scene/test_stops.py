@@ -58,14 +58,6 @@ def test_keys_and_their_defaults():
     assert scene.contact.wall["y_max"].stiffness is None
 
 
-def test_a_scene_without_stops_and_materials_has_no_more_keys():
-    scene = load_scene("four_link_box")
-    assert scene.stops.stiffness is None
-    assert scene.wall_names == ("x_min", "x_max", "y_min", "y_max")
-    assert "stops" not in scene_to_dict(scene)
-    assert "wall" not in scene_to_dict(scene)["contact"]
-
-
 def test_the_scene_as_data_is_the_same_scene():
     scene = finger()
     data = scene_to_dict(scene)
@@ -103,76 +95,6 @@ def test_equal_links_have_equal_stops():
         (3, "joint_max"),
         (4, "joint_max"),
     )
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (
-            {"link[2].joint_min": 2.0},
-            "link[2].joint_max = 2.0 must be > 2.0 [rad], which is link[2].joint_min",
-        ),
-        (
-            {"link[2].joint_min": "2 rad"},
-            "link[2].joint_min = '2 rad' must be a finite number [rad], or text",
-        ),
-        ({"link[2].joint_min": -math.inf}, "link[2].joint_min = -inf must be a finite number [rad]"),
-        ({"stop.stiffness": 0.0}, "stop.stiffness = 0.0 must be a finite number > 0 [N.m/rad^exponent]"),
-        ({"stop.restitution": 1.5}, "stop.restitution = 1.5 must be a finite number >= 0 and <= 1"),
-        ({"stops.exponent": 0.5}, "stop.exponent = 0.5 must be a finite number >= 1 and <= 3"),
-        ({"stops.model": "rubber"}, "stops.model = 'rubber' must be one of"),
-        (
-            {"wall.y_max.stiffness": -1.0},
-            "wall.y_max.stiffness = -1.0 must be a finite number > 0 [N/m^expon",
-        ),
-        (
-            {"stops.model": "flores", "stop.restitution": 0.0},
-            "stops.restitution = 0.0 must be > 0 for the contact model flores",
-        ),
-        (
-            {"contact.model": "flores", "wall.x_max.restitution": 0.0},
-            "wall.x_max.restitution = 0.0 must be > 0 for the contact model flores",
-        ),
-        (
-            {"stops.model": "kelvin_voigt"},
-            "stops.exponent = 2.0 must be 1.0 for the contact model kelvin_voigt",
-        ),
-        (
-            {"initial.angle[1]": -1.75},
-            "initial: joint 1 at -1.75 rad is 0.179204 rad beyond its joint_min = -1.5708 rad; must be ",
-        ),
-        (
-            {"initial.angle[2]": -6.0},
-            "initial: joint 2 at -6 rad is 6 rad beyond its joint_min = 0 rad; must be within; "
-            "whole turns count, and 0.283185 rad is the same direction",
-        ),
-        (
-            {"initial.angle[1]": -1.0, "initial.angle[2]": 1.5},
-            "initial: joint 2 at 2.5 rad is 0.5 rad beyond its joint_max = 2 rad; must be within",
-        ),
-        (
-            {"chain.base": "free"},
-            "link[1].joint_min = -1.5707963267948966 must be left out: a free base has no joint 1; "
-            "of equal links, link 1 needs an entry of its own",
-        ),
-        (
-            {("walls",): [{"name": "joint_max", "point": [0.0, -9.0], "angle": 0.0}]},
-            "walls[1].name = 'joint_max' must be none of joint_min, joint_max, as joints have stops",
-        ),
-        (
-            {("box", "y_max"): None},
-            "contact.wall = 'y_max' is no wall of the scene; must be one of x_max",
-        ),
-        ({("contact", "wall"): 3.0}, "contact.wall = 3.0 must be a table of tables"),
-        ({("contact", "wall"): {"y_max": 3.0}}, "contact.wall.y_max = 3.0 must be a table"),
-        (
-            {"link[2].joint_min": None, "link[2].joint_max": None, "link[1].joint_min": None},
-            "stops.stiffness = 5",
-        ),
-    ],
-)
-def test_what_cannot_be_is_refused(changes, message):
-    assert refusal(with_values, finger(), changes).startswith(f"Finger: {message}")
 
 
 @pytest.mark.parametrize(
@@ -214,13 +136,6 @@ def test_materials_of_a_scene_without_walls():
     assert (
         message == "finger.toml: contact.wall = 'y_max' is no wall of the scene; must be empty: "
         "the scene has no walls"
-    )
-
-
-def test_stops_without_a_joint_that_has_one():
-    message = refusal(with_values, load_scene("rod_drop"), {"stop.restitution": 0.5})
-    assert (
-        message == "RodDrop: stops.restitution = 0.5 must be left out: no link has a joint_min or joint_max"
     )
 
 
