@@ -58,6 +58,7 @@ def test_what_came_before_a_fault_is_shown(run, here):
     [
         (["rod_drop", "-o", "a.avi"], r"a\.avi must end in \.html, \.gif, \.mp4"),
         (["rod_drop", "--size", "big"], "big must be WIDTHxHEIGHT"),
+        (["rod_drop", "--size", "axb"], "axb must be WIDTHxHEIGHT"),
         (["rod_drop", "--size", "10x10"], "width and height must be 160 … 4096"),
         (["rod_drop", "--speed", "0"], "speed = 0 must be"),
         (["rod_drop", "-o", "no/a.html"], r"no/a\.html: No such folder"),

@@ -1,6 +1,7 @@
 """The command line: what each command does, and what it says when that goes wrong on the way."""
 
 import csv
+import os
 import re
 import subprocess
 import sys
@@ -366,11 +367,15 @@ def test_an_interrupt_is_no_traceback(run, monkeypatch):
     assert run("simulate") == (130, "", "chain-impact: interrupted\n")
 
 
-def test_the_module_can_be_run(here):
-    command = [sys.executable, "-m", "chain_impact.cli", "simulate", "--set", "a=1"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert re.fullmatch(r"chain-impact: FourLinkBox: a is no parameter.*\n", done.stderr)
+def test_the_module_can_be_run_where_the_console_has_few_signs(here):
+    """As main() prepares the console: what it does not have becomes a question mark."""
+    text = (models_folder() / "rod_drop" / "scene.toml").read_text(encoding="utf-8")
+    (here / "odd.toml").write_text(re.sub('description = ".*"', 'description = "λ = 3"', text), "utf-8")
+    few = os.environ | {"PYTHONIOENCODING": "ascii:strict"}
+    command = [sys.executable, "-m", "chain_impact.cli", "info", "odd.toml"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=few)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("RodDrop  ? = 3\n")
 
 
 def test_a_picture_of_a_scene_has_rows_of_its_own(run, here, monkeypatch):

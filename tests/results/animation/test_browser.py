@@ -184,6 +184,12 @@ def test_arrow_keys_step_in_time_on_the_screen(show):
     page = show()
     assert press(page, "ArrowRight") == pytest.approx(1 / 30, rel=0.01)
     assert press(page, "ArrowLeft") == 0.0
+    # nothing is kept of steps beyond either end: the next one back is seen at once
+    assert [press(page, "ArrowLeft") for _ in range(3)] == [0.0] * 3
+    assert press(page, "ArrowRight") == pytest.approx(1 / 30, rel=0.01)
+    end = press(page, "End")
+    assert [press(page, "ArrowRight") for _ in range(3)] == [end] * 3
+    assert press(page, "ArrowLeft") < end
 
 
 def test_the_slider_and_the_chart_go_to_a_time(show):

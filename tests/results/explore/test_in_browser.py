@@ -16,6 +16,7 @@ from chain_impact.results.animation.frames import motion_of
 from chain_impact.results.explore.description import description
 from chain_impact.studies.slow_motion import record_slowly
 from tests.results.explore.conftest import DESK, PHONE, packed_module
+from tests.stops import knee
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -207,9 +208,9 @@ def motions(worker):
             """async ([text, scene]) => {
               const kernel = await Kernel.load(await compiled(text), scene);
               const { parts, status } = runThrough(motion(kernel, {}));
-              const { time, view, anchor, pin, energies, forces, stops, radius } = parts;
+              const { time, view, anchor, pin, energies, forces, stops, radius, peakForce } = parts;
               return { status, time: [...time], view, anchor, pin, energies: Object.keys(energies), radius,
-                stops, forces: forces.map(({ point, wall }) => [point, wall]) };
+                stops, peakForce, forces: forces.map(({ point, wall }) => [point, wall]) };
             }""",
             [packed_module(), given],
         )
@@ -218,10 +219,15 @@ def motions(worker):
 
 
 @pytest.mark.parametrize(
-    "model", ["four_link_box", "pinned_arm", "kneed_leg", "ramp", "sliding_rod", "bouncing_ball"]
+    "scene",
+    [
+        load_scene(name)
+        for name in ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "sliding_rod", "bouncing_ball")
+    ]
+    + [knee()],
+    ids=lambda scene: scene.name,
 )
-def test_the_page_shows_what_an_animation_shows(motions, model):
-    scene = load_scene(model)
+def test_the_page_shows_what_an_animation_shows(motions, scene):
     found, known = motions(scene), motion_of(record_slowly(scene))
     size = np.ptp(known.view, axis=0).max()
     np.testing.assert_allclose(found["view"], known.view, atol=0.01 * size)
@@ -233,6 +239,9 @@ def test_the_page_shows_what_an_animation_shows(motions, model):
     assert {(point, wall) for point, wall in found["forces"]} == forces
     assert found["radius"] == pytest.approx(known.radius, abs=1e-9)
     assert [one["joint"] for one in found["stops"]] == list(known.stops)
+    # of walls only: moments of stops are drawn on a scale of their own
+    peaks = [one.peak_force for one in known.contacts if one.peak_force is not None and one.arm is None]
+    assert found["peakForce"] == pytest.approx(max(peaks, default=0.0), rel=1e-3, abs=1e-200)
     assert (found["time"][0], found["time"][-1]) == (known.time[0], known.time[-1])
     assert (np.diff(found["time"]) > 0).all()
     assert 0.5 < len(found["time"]) / len(known.time) < 2.0

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact import SceneError, fit, load_scene, simulate
+from chain_impact.studies.fit import horizon
 from chain_impact.studies.fit.fit import _not_random
 from tests.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene
 from tests.refusal import refusal
@@ -55,6 +56,15 @@ def test_the_fitted_scene_runs_and_follows_the_data(found):
     assert residuals.ravel() == pytest.approx(found.residuals, abs=1e-5)
     assert found.scene.values["contact.stiffness"] == found.values["contact.stiffness"]
     assert found.scene.with_values(dict(zip(FREE, TRUE, strict=True))) == scene()
+
+
+def test_a_search_that_ends_too_early_says_so(found, monkeypatch):
+    assert not [note for note in found.notes if "converge" in note]
+    for name in ("ROUGH_STEPS", "FINE_STEPS"):
+        monkeypatch.setattr(horizon, name, 1)
+    short = fit(START, motion(0.9)[0], FREE, sigma=SIGMA)
+    assert not short.converged
+    assert short.notes[0].startswith("The search did not converge in 1 steps: ")
 
 
 def test_an_estimated_standard_deviation_widens_the_intervals():

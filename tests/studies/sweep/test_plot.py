@@ -108,6 +108,16 @@ def test_maps_are_the_columns_with_ordered_axes():
     assert mesh.get_cmap()(np.ma.masked) == pytest.approx((float(FAILED_COLOUR),) * 3 + (1.0,), abs=0.01)
 
 
+def test_axes_are_logarithmic_where_values_are_or_spread_far():
+    """In clouds of samples, which have an axis for each number, and along one number that is below 1."""
+    stiff = {"contact.stiffness": "1e6:1e9:log", "contact.restitution": "0.2:0.8"}
+    cloud = drawn(sweep(SCENE, stiff, samples=4)).axes
+    scales = {axes.get_xlabel(): axes.get_xscale() for axes in cloud if axes.get_xlabel()}
+    assert scales == {"contact.stiffness [N/m^exponent]": "log", "contact.restitution": "linear"}
+    assert drawn(sweep(SCENE, {"solver.tolerance": "1e-9,1e-6,1e-4"})).axes[0].get_xscale() == "log"
+    assert drawn(sweep(SCENE, {"solver.tolerance": "1e-6,2e-6,4e-6"})).axes[0].get_xscale() == "linear"
+
+
 def test_a_law_of_which_every_run_failed_is_named_so():
     page = drawn(sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": "hertz,kelvin_voigt"}))
     assert [text.get_text() for text in page.legends[0].get_texts()] == ["hertz", "kelvin_voigt (failed)"]
