@@ -74,7 +74,7 @@ class Processes:
         ready, _, _ = select.select([parent.stdout], [], [], PATIENCE)
         answer = parent.stdout.readline() if ready else ""
         assert answer, self.failure(module, "has died" if ready else f"gave no answer in {PATIENCE:g} s")
-        return int(answer), *(file.read_text(errors="replace") for file in files)
+        return int(answer), *(file.read_text(encoding="utf-8", errors="replace") for file in files)
 
     def failure(self, module: str, what: str) -> str:
         """What is wrong with the process that imports a module; it is ended, the next call starts anew."""

@@ -126,7 +126,7 @@ def is_known(command):
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     """Run Python in a folder: (exit code, standard output, standard error)."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "fmu_src"), "MPLBACKEND": "Agg"}
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "fmu_src"), "MPLBACKEND": "Agg", "PYTHONUTF8": "1"}
     printed = tmp_path_factory.mktemp("printed")
     processes = Processes(printed, ROOT / "tests", sys.executable, "-W", "error", env=environment)
     yield lambda folder, *arguments: processes.call(["", "program", [str(folder), *arguments]], "reader")

@@ -94,9 +94,10 @@ def test_a_kernel_that_windows_holds_is_not_removed(monkeypatch):
     assert caught.value.filename == "kernel.dll"
 
 
-def test_signs_that_the_console_does_not_have_do_not_end_the_program(monkeypatch):
+@pytest.mark.parametrize("errors", ["strict", "surrogateescape"])
+def test_signs_that_the_console_does_not_have_do_not_end_the_program(monkeypatch, errors):
     for name in ("stdout", "stderr"):
-        monkeypatch.setattr(sys, name, io.TextIOWrapper(io.BytesIO(), encoding="cp1252"))
+        monkeypatch.setattr(sys, name, io.TextIOWrapper(io.BytesIO(), encoding="cp1252", errors=errors))
     system.prepare_console()
     print("λ = 3 …")
     sys.stdout.flush()

@@ -43,11 +43,11 @@ def test_a_fit(run, data):
         "picture  fit.svg",
         "FourLinkBox  zhang_sharf, 404 values, 2 free parameters",
     ]
-    assert (data / "fit.svg").read_text().rstrip().endswith("</svg>")
+    assert (data / "fit.svg").read_text(encoding="utf-8").rstrip().endswith("</svg>")
     fitted = load_scene(data / "fitted.toml").values
     assert fitted["contact.stiffness"] == pytest.approx(1e8, rel=0.02)
     assert fitted["contact.restitution"] == pytest.approx(0.7, abs=0.01)
-    assert "# N/m^exponent" in (data / "fitted.toml").read_text()
+    assert "# N/m^exponent" in (data / "fitted.toml").read_text(encoding="utf-8")
     assert run("simulate", "fitted.toml", "--stop-time", "0.1", "-q")[0] == 0
 
 

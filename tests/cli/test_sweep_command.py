@@ -35,7 +35,7 @@ def test_a_picture_and_parquet(run, here):
     code, said, _ = run("sweep", *SHORT, *arguments)
     assert code == 0
     assert said.splitlines()[:2] == ["table    out.parquet", "picture  out.svg"]
-    assert (here / "out.svg").read_text().rstrip().endswith("</svg>")
+    assert (here / "out.svg").read_text(encoding="utf-8").rstrip().endswith("</svg>")
     assert (here / "out.parquet").read_bytes()[:4] == b"PAR1"
 
 

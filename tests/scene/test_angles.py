@@ -127,7 +127,7 @@ def test_on_the_command_line(tmp_path, monkeypatch, capsys):
     settings = "--set", f"{ANGLE}=-60 deg", "--set", 'initial.angular_velocities=["15 deg/s", 0]'
     assert command_line.main(["simulate", "arm.toml", *settings, "--csv", "arm.csv"]) == 0
     assert not capsys.readouterr().err
-    head, row, *_ = (tmp_path / "arm.csv").read_text().splitlines()
+    head, row, *_ = (tmp_path / "arm.csv").read_text(encoding="utf-8").splitlines()
     first = dict(zip(head.split(","), map(float, row.split(",")), strict=True))
     assert (first["link[1].angle"], first["link[1].angular_velocity"]) == (-math.pi / 3, math.pi / 12)
 

@@ -35,4 +35,4 @@ def test_the_fitted_scene_as_a_file(found, tmp_path):
     found.save(tmp_path / "like.toml", scene_path("four_link_box"))
     found.save(tmp_path / "plain.toml")
     assert load_scene(tmp_path / "like.toml") == load_scene(tmp_path / "plain.toml") == found.scene
-    assert "# Four equal rods" in (tmp_path / "like.toml").read_text()
+    assert "# Four equal rods" in (tmp_path / "like.toml").read_text(encoding="utf-8")

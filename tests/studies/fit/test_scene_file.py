@@ -104,7 +104,7 @@ def test_a_law_of_ones_own_is_found_from_another_folder(tmp_path):
     scene = load_scene(tmp_path / "ball.toml").with_values({"contact.stiffness": 2e7})
     write_scene(scene, tmp_path / "deep" / "fitted.toml", tmp_path / "ball.toml")
     assert load_scene(tmp_path / "deep" / "fitted.toml").contact.stiffness == 2e7
-    assert 'law_file = "../spring.py"' in (tmp_path / "deep" / "fitted.toml").read_text()
+    assert 'law_file = "../spring.py"' in (tmp_path / "deep" / "fitted.toml").read_text(encoding="utf-8")
 
 
 def springy(penetration, stiffness):
@@ -122,7 +122,7 @@ def test_a_law_that_only_the_cache_has_is_written_beside_the_scene(tmp_path, mon
     loaded = load_scene(file)
     assert loaded.contact.law_file == str(tmp_path / "springy.py")
     assert loaded == scene.with_values({"contact.law_file": str(tmp_path / "springy.py")})
-    assert 'law_file = "springy.py"' in file.read_text()
+    assert 'law_file = "springy.py"' in file.read_text(encoding="utf-8")
 
 
 def test_the_file_of_another_law_is_not_replaced(tmp_path, monkeypatch):
@@ -133,7 +133,7 @@ def test_the_file_of_another_law_is_not_replaced(tmp_path, monkeypatch):
     taken.write_text("mine")
     with pytest.raises(SceneError, match=r"springy\.py: is another file than the contact law springy"):
         write_scene(scene, tmp_path / "three.toml")
-    assert taken.read_text() == "mine"
+    assert taken.read_text(encoding="utf-8") == "mine"
     assert not (tmp_path / "three.toml").exists()
 
 

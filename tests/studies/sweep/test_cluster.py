@@ -50,8 +50,8 @@ class Cluster:
 
     def said(self, log, pattern):
         until = time.monotonic() + 600.0
-        while not (found := re.search(pattern, log.read_text())):
-            assert time.monotonic() < until, log.read_text()
+        while not (found := re.search(pattern, log.read_text(encoding="utf-8"))):
+            assert time.monotonic() < until, log.read_text(encoding="utf-8")
             time.sleep(0.05)
         return found[1]
 
@@ -77,7 +77,7 @@ def test_the_same_rows_as_here(scheduler, tmp_path):
     assert found.rows.tobytes() == sweep(SCENE, VARY).rows.tobytes()
     assert told[-1] == 1.0
     assert len(told) > 4
-    assert path.read_text().count("\n") == 1001
+    assert path.read_text(encoding="utf-8").count("\n") == 1001
 
 
 def test_a_lost_worker_is_replaced_by_the_others(scheduler):

@@ -70,7 +70,7 @@ def test_long_tables_are_written_in_chunks(tmp_path):
     runs = CHUNK + 10
     found = sweep(SCENE, {"initial.x": f"0.5:0.6:{runs}"})
     found.save(tmp_path / "out.csv")
-    assert (tmp_path / "out.csv").read_text().count("\n") == runs + 1
+    assert (tmp_path / "out.csv").read_text(encoding="utf-8").count("\n") == runs + 1
     found.save(tmp_path / "out.parquet")
     assert (parquet.read_table(tmp_path / "out.parquet")["initial.x"].to_numpy() == found["initial.x"]).all()
 
