@@ -171,7 +171,7 @@ def has_screen() -> bool:
 def prepare_console() -> None:
     """Let what an encoding does not have be printed as a question mark, where it would end the program.
 
-    In the locale POSIX, standard output lets bytes of file names through, and other signs end the program, too.
+    In the locale POSIX, standard output lets bytes of file names through, and other signs end the program.
     """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
