@@ -11,7 +11,7 @@ from numba import float64, int32, types
 from chain_impact.compilation.entry_points import Entries
 from chain_impact.compilation.functions import compiled
 from chain_impact.compilation.record_type import INSTANCE
-from chain_impact.kernel.events.kinds import END, NONE, ONSET, RELATCH
+from chain_impact.kernel.events.marks import END, NONE, ONSET, RELATCH
 from chain_impact.kernel.events.table import apply_events
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.last_step import reset_step

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact.kernel import advance as loop
 from chain_impact.kernel.entry import UNLIMITED
-from chain_impact.kernel.events.kinds import ONSET
+from chain_impact.kernel.events.marks import ONSET
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.trial import NOT_LOCATED, UNBALANCED, conclude, refuse

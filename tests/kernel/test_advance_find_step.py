@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import advance as loop
-from chain_impact.kernel.events.kinds import KINK, NONE, ONSET
+from chain_impact.kernel.events.marks import KINK, NONE, ONSET
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import SAFETY

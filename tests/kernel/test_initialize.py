@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.events.kinds import NONE
+from chain_impact.kernel.events.marks import NONE
 from chain_impact.kernel.initialize import (
     OVERLAP,
     check_links,

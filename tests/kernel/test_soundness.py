@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact.kernel import hooks, soundness
 from chain_impact.kernel.events.exclusion import FAR
-from chain_impact.kernel.events.kinds import NEIGHBOUR
+from chain_impact.kernel.events.marks import NEIGHBOUR
 from chain_impact.kernel.integration.last_step import SOLVER
 from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
 from chain_impact.kernel.integration.sundman import NO_CONTACT

@@ -10,8 +10,7 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.events.contact_log import update_extremes, update_to_output_time
 from chain_impact.kernel.events.friction_modes import reinit_modes
 from chain_impact.kernel.events.impulses import end_changed_contacts, update_active_set
-from chain_impact.kernel.events.kinds import KINK, NONE
-from chain_impact.kernel.events.marks import drop_events, ends_in_onset, pending_changes
+from chain_impact.kernel.events.marks import KINK, NONE, drop_events, ends_in_onset, pending_changes
 from chain_impact.kernel.events.search import find_event, onset_fraction
 from chain_impact.kernel.events.table import apply_events, bends_force
 from chain_impact.kernel.initialize import first_size

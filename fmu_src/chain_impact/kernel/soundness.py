@@ -6,7 +6,7 @@ number may be wrong: it leads to a fault status, never to an access outside the 
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.events.exclusion import FAR
-from chain_impact.kernel.events.kinds import NEIGHBOUR
+from chain_impact.kernel.events.marks import NEIGHBOUR
 from chain_impact.kernel.integration.last_step import SOLVER
 from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
 from chain_impact.kernel.integration.sundman import NO_CONTACT

@@ -23,7 +23,7 @@ from chain_impact.kernel.events.contact_log import (
     update_to_output_time,
     value_at,
 )
-from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET
+from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
 from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.contact_force import set_damping

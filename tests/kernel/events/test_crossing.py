@@ -19,7 +19,7 @@ from chain_impact.kernel.events.crossing import (
     measure,
 )
 from chain_impact.kernel.events.exclusion import keep_start, suspect_all
-from chain_impact.kernel.events.kinds import END, NONE, ONSET
+from chain_impact.kernel.events.marks import END, NONE, ONSET
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.model.geometry import clearance
 from tests.kernel.chains import chain, touch

@@ -7,19 +7,17 @@ import pytest
 
 from chain_impact.kernel.advance import advance_one_step
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.events import friction_events
-from chain_impact.kernel.events.friction_events import (
+from chain_impact.kernel.events import sampled
+from chain_impact.kernel.events.marks import NONE, ONSET, SLIDING_ENDS, STICKING_ENDS, pending_changes
+from chain_impact.kernel.events.sampled import (
     AT_REST,
     EXCESS,
     excess,
     find_mode_change,
-    has_changed,
-    mark_changes,
+    mode_margin,
     resolution_of,
     rest_speed,
 )
-from chain_impact.kernel.events.kinds import NONE, ONSET, SLIDING_ENDS, STICKING_ENDS
-from chain_impact.kernel.events.marks import pending_changes
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.friction import STICKS
 from chain_impact.kernel.model.geometry import tangential_rate
@@ -180,8 +178,8 @@ def changes(monkeypatch):
         asked.append((e, end))
         return at[e] if e in at and at[e] <= end else -1.0
 
-    monkeypatch.setattr(friction_events, "_first_change", first_change)
-    monkeypatch.setattr(friction_events, "has_changed", lambda _d, e, theta: at.get(e, 2.0) <= theta)
+    monkeypatch.setattr(sampled, "_first_change", first_change)
+    monkeypatch.setattr(sampled, "mode_margin", lambda _d, e, theta: -1.0 if at.get(e, 2.0) <= theta else 1.0)
     return at, asked
 
 
@@ -224,9 +222,12 @@ def test_the_first_change_ends_the_step(rubbing, changes, case):
     assert d.touch.event[3] == (NONE if marked else ONSET)
 
 
-def test_an_element_that_was_found_is_marked_whatever_round_off_says(rubbing, changes):
+def test_an_element_that_was_found_is_marked_whatever_round_off_says(rubbing, changes, monkeypatch):
     d, elements = rubbing
-    mark_changes(d, elements[2], 0.5)
+    changes[0][elements[2]] = 0.5
+    monkeypatch.setattr(sampled, "mode_margin", lambda _d, _e, _theta: 1.0)
+    d.element.margin[elements] = -1.0
+    assert find_mode_change(d, -1.0) == 0.5
     assert np.flatnonzero(d.element.event).tolist() == [elements[2]]
 
 
@@ -236,11 +237,11 @@ def test_sliding_has_ended_where_it_is_backward_by_more_than_round_off(rubbing, 
     e = elements[0]
     d.element.mode[e] = sign
     speed = sign * float(tangential_rate(d, e))
-    assert has_changed(d, e, 1.0) == (speed < 0.0)
+    assert (mode_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
     d.element.slack[e] = abs(speed) - 2.0 * rest_speed(d)
-    assert has_changed(d, e, 1.0) == (speed < 0.0)
+    assert (mode_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
     d.element.slack[e] = abs(speed)
-    assert not has_changed(d, e, 1.0)
+    assert mode_margin(d, e, 1.0) > 0.0
 
 
 def test_sticking_has_ended_where_the_force_is_beyond_the_limit():
@@ -251,7 +252,7 @@ def test_sticking_has_ended_where_the_force_is_beyond_the_limit():
     for offset, ended in ((1e-7, False), (-1e-7, True)):
         d.step.state[2:4] = d.step.state_end[2:4] = angle + offset
         d.element.anchor[joint] = 0.0
-        assert has_changed(d, joint, 1.0) == has_changed(d, joint, 0.0) == ended
+        assert [mode_margin(d, joint, theta) < 0.0 for theta in (1.0, 0.0)] == [ended, ended]
     assert d.statistics.rhs_evaluations == evaluations + 4
 
 

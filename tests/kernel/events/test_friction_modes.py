@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import largest, locate_points
-from chain_impact.kernel.events.friction_events import excess
 from chain_impact.kernel.events.friction_modes import AGAINST, against, update_modes
-from chain_impact.kernel.events.kinds import STICKING_ENDS
-from chain_impact.kernel.events.marks import pending_changes
+from chain_impact.kernel.events.marks import STICKING_ENDS, pending_changes
+from chain_impact.kernel.events.sampled import excess
 from chain_impact.kernel.model.contact import list_touching
 from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, list_sticking
 from chain_impact.kernel.model.geometry import tangential_position, tangential_rate

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.events import friction_modes
-from chain_impact.kernel.events.friction_events import excess, rest_speed
 from chain_impact.kernel.events.friction_modes import (
     AGAINST,
     against,
@@ -18,8 +17,8 @@ from chain_impact.kernel.events.friction_modes import (
     set_slack,
     update_modes,
 )
-from chain_impact.kernel.events.kinds import NONE, SLIDING_ENDS, STICKING_ENDS
-from chain_impact.kernel.events.marks import pending_changes
+from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS, pending_changes
+from chain_impact.kernel.events.sampled import excess, rest_speed
 from chain_impact.kernel.model.constraints import ROUNDS, UNSOLVED
 from chain_impact.kernel.model.friction import NO_FRICTION, STICKS
 from tests.kernel.rubbing import AtRest, rubbing_chain

@@ -23,7 +23,7 @@ from chain_impact.kernel.events.impulses import (
     release_contacts,
     update_active_set,
 )
-from chain_impact.kernel.events.kinds import NEIGHBOUR, NONE, ONSET, RELEASE
+from chain_impact.kernel.events.marks import NEIGHBOUR, NONE, ONSET, RELEASE
 from chain_impact.kernel.events.table import apply_events
 from chain_impact.kernel.model.constraints import SIGN_TOLERANCE
 from chain_impact.kernel.model.contact import begin_contact

@@ -6,7 +6,7 @@ import pytest
 from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.kernel.advance import advance
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.events.kinds import KINK
+from chain_impact.kernel.events.marks import KINK
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.contact import kink_height
 from chain_impact.kernel.model.contact_force import elastic_force

@@ -1,6 +1,7 @@
 """Events at samples of a step: kinks of forces and contacts to latch anew, on motions in closed form."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,10 +9,9 @@ import pytest
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import sampling
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.kinds import END, KINK, NONE, RELATCH
-from chain_impact.kernel.events.kinks import crossed, find_kink, find_kink_root, first_crossing
-from chain_impact.kernel.events.relatch import find_relatch, is_fast
-from chain_impact.kernel.events.sampling import bisection, first_passage, locate_at
+from chain_impact.kernel.events.marks import END, KINK, NONE, RELATCH
+from chain_impact.kernel.events.sampled import find_force_event, own_side, own_side_at, slowness
+from chain_impact.kernel.events.sampling import first_passage, locate_at
 from chain_impact.kernel.model.contact import begin_contact, set_kink_sides
 from tests.kernel.chains import chain, located, touch
 from tests.kernel.steps import points_of, set_step, translation, wall_at, walls_away
@@ -49,33 +49,49 @@ def falling(height, law="jankowski", size=1.0, touching=(1,)):
 # --- where a function comes true ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("size", [1.0, 10.0])
+STEP = SimpleNamespace(step=SimpleNamespace(size=10.0))
+
+
+@pytest.mark.parametrize(("resolution", "halvings"), [(0.0, 50), (1e-12, 44)])
+@pytest.mark.parametrize("shape", ["linear", "curved", "step"])
 @pytest.mark.parametrize("end", [1.0, 0.6])
-@pytest.mark.parametrize("place", [0.05, 0.3, 0.59])
-def test_the_first_passage_is_where_a_function_comes_true(place, end, size):
-    _, d = chain(np.random.default_rng(0), 1)
-    d.step.size, asked = size, []
+@pytest.mark.parametrize("place", [0.05, 0.31, 0.59])
+def test_the_first_passage_is_where_a_function_falls_below_zero(place, end, shape, resolution, halvings):
+    asked = []
 
-    def comes_true(record, c, theta):
-        assert (record, c) == (d, 7)
+    def function(record, c, theta):
+        assert (record, c) == (STEP, 7)
         asked.append(theta)
-        return theta >= place
+        if shape == "step":
+            return 1.0 if theta < place else -1e-9
+        return place - theta if shape == "linear" else place**3 - theta**3
 
-    found = first_passage(comes_true, 4, bisection(comes_true))(d, 7, end)
-    assert 0.0 <= (found - place) * size <= sampling.RESOLUTION
+    found = first_passage(function, 4, resolution)(STEP, 7, end)
+    assert found == pytest.approx(place, abs=max(2.0 * sampling.RESOLUTION, resolution / 10.0))
     assert max(asked) <= end
-    assert len(asked) <= 4 + math.ceil(math.log2(size / 4 / sampling.RESOLUTION)) + 1
+    # four samples, and the start of a bracket; then the fast method, or halving where it is of no use
+    assert len(asked) <= (18 if shape != "step" else 5 + 20 + halvings)
 
 
-def test_what_comes_true_at_no_sample_is_not_found_and_the_first_that_does_is():
-    _, d = chain(np.random.default_rng(0), 1)
-    d.step.size = 1.0
+def test_what_is_below_zero_at_no_sample_is_not_found_and_the_first_that_is_is():
+    def found(place, *others):
+        below = (place, *others)
 
-    def found(comes_true):
-        return first_passage(comes_true, 4, bisection(comes_true))(d, 0, 1.0)
+        def sign(_d, _c, x):
+            return -1.0 if any(a < x < b for a, b in below) else 1.0
 
-    assert found(lambda *a: 0.3 < a[2] < 0.4) == -1.0
-    assert found(lambda *a: 0.2 < a[2] < 0.3 or a[2] > 0.7) == pytest.approx(0.2, abs=1e-11)
+        return first_passage(sign, 4, 0.0)(STEP, 0, 1.0)
+
+    assert found((0.3, 0.4)) == -1.0
+    assert found((0.2, 0.3), (0.7, 2.0)) == pytest.approx(0.2, abs=1e-14)
+
+
+def test_a_bracket_that_begins_below_zero_is_its_own_root():
+    d, _ = falling([0.0, 1.0, 0.5])
+    d.touch.beyond_kink[1] = 0
+    assert first_passage(own_side_at, 1, 0.0)(d, 1, 0.6) == 0.0
+    d, _ = falling([0.0, -1.0, 1.0])
+    assert first_passage(own_side_at, 1, 0.0)(d, 1, 0.9) == pytest.approx(0.5, abs=1e-14)
 
 
 @pytest.mark.parametrize("theta", [0.0, 0.4, 1.0])
@@ -107,7 +123,7 @@ def test_a_turn_is_found_where_the_point_turns(size):
     """Damping of approach alone ends where δ̇ = 0: h = −t + t² turns at ½ s."""
     d, _ = falling([0.0, -1.0, 1.0], size=size)
     d.touch.event[:] = 7
-    found = find_kink(d, -1.0)
+    found = find_force_event(d, -1.0)
     assert found * size == pytest.approx(0.5, abs=1e-14)
     assert d.touch.event.tolist() == [int(c == 1) * KINK for c in range(d.candidates)]
     # the points are there
@@ -132,7 +148,7 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
     assert d.touch.beyond_kink[1] == 0
     end = 0.55
     locate_at(d, end)
-    found = find_kink(d, end)
+    found = find_force_event(d, end)
     assert found == pytest.approx(low, abs=1e-14)
     # the points are there, and not where it was searched for others
     height = np.polynomial.polynomial.polyval(found, [0.0, -0.1, 0.05, 1.5])
@@ -148,13 +164,14 @@ def test_a_contact_on_one_side_of_its_kink_has_crossed_it_on_the_other(beyond):
     for theta in (0.2, 0.5, 0.8):
         locate_at(d, theta)
         d.work.velocity.y[:] = np.round(d.work.velocity.y, 9)
-        assert crossed(d, 1) == (theta < 0.5 if beyond else theta > 0.5)
+        assert np.sign(own_side(d, 1)) == np.sign(theta - 0.5 if beyond else 0.5 - theta)
 
 
 def test_a_kink_is_crossed_first_where_a_sample_shows_it():
     """h = −t + 4 t² − 4 t³ has δ̇ < 0 from 1/6 … ½ s; and from the other side it comes back at ½ s."""
     height = [0.0, -1.0, 4.0, -4.0]
     d, _ = falling(height)
+    first_crossing = first_passage(own_side_at, 8, 0.0)
     assert first_crossing(d, 1, 1.0) == pytest.approx(1.0 / 6.0, abs=1e-14)
     assert first_crossing(d, 1, 0.16) == -1.0
     d.touch.beyond_kink[1] = 1
@@ -162,26 +179,16 @@ def test_a_kink_is_crossed_first_where_a_sample_shows_it():
     assert first_crossing(d, 1, 1.0) == 0.0
 
 
-def test_a_bracket_that_begins_beyond_the_kink_is_its_own_root():
-    d, _ = falling([0.0, 1.0, 0.5])
-    d.touch.beyond_kink[1] = 0
-    locate_at(d, 0.6)
-    assert find_kink_root(d, 1, 0.2, 0.6) == 0.2
-    d, _ = falling([0.0, -1.0, 1.0])
-    locate_at(d, 0.9)
-    assert find_kink_root(d, 1, 0.1, 0.9) == pytest.approx(0.5, abs=1e-14)
-
-
 def test_the_first_of_several_kinks_counts_and_those_at_one_moment_are_one_event():
     d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
-    found = find_kink(d, -1.0)
+    found = find_force_event(d, -1.0)
     assert found == pytest.approx(0.5, abs=1e-14)
     assert d.touch.event[[1, 5, 9]].tolist() == [KINK] * 3
     # a contact that is on its own side is none of it
     d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
     d.touch.beyond_kink[5] = 1
     d.touch.kink_crossed[:] = 0
-    assert find_kink(d, -1.0) == pytest.approx(0.5, abs=1e-14)
+    assert find_force_event(d, -1.0) == pytest.approx(0.5, abs=1e-14)
     assert d.touch.event[[1, 5, 9]].tolist() == [KINK, NONE, KINK]
 
 
@@ -192,7 +199,7 @@ def test_a_kink_comes_after_the_event_that_was_found_before():
         d.touch.event[4] = END
         d.touch.kink_crossed[:] = 1  # a stage was beyond it
         locate_at(d, touched)
-        assert find_kink(d, touched) == pytest.approx(found, abs=1e-14)
+        assert find_force_event(d, touched) == pytest.approx(found, abs=1e-14)
         assert d.touch.event[4] == (END if found == touched else NONE)
         assert d.touch.event[1] == (NONE if found == touched else KINK)
 
@@ -201,8 +208,8 @@ def test_a_kink_comes_after_the_event_that_was_found_before():
 def test_a_kink_that_only_a_stage_has_shown_is_looked_for(stage):
     """δ̇ < 0 between 0.3 and 0.45 s, and inward again at the end."""
     d, _ = falling([0.0, -0.135, 0.375, -1.0 / 3.0])
-    d.touch.kink_crossed[1] = stage
-    found = find_kink(d, -1.0)
+    d.touch.kink_crossed[1], d.touch.impact_speed[1] = stage, 1.0
+    found = find_force_event(d, -1.0)
     if stage:
         assert found == pytest.approx(0.3, abs=1e-13)
         assert d.touch.event[1] == KINK
@@ -218,11 +225,10 @@ def test_a_contact_is_latched_anew_where_it_is_pushed_in_at_twice_its_speed():
     """h = −t² reaches 2 v₀ at t = v₀."""
     d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf")
     d.touch.impact_speed[1], d.touch.event[:] = 0.37, 7
-    assert not is_fast(d, 1, 0.369)
-    assert is_fast(d, 1, 0.371)
+    assert slowness(d, 1, 0.369) > 0.0 > slowness(d, 1, 0.371)
     assert RELATCH_RATIO == 2.0
     locate_at(d, 1.0)
-    assert find_relatch(d, -1.0) == pytest.approx(0.37, abs=2e-12)
+    assert find_force_event(d, -1.0) == pytest.approx(0.37, abs=2e-12)
     assert d.touch.event.tolist() == [int(c == 1) * RELATCH for c in range(d.candidates)]
     # the points are there
     assert d.work.position.y[0] == pytest.approx(-(0.37**2), abs=1e-11)
@@ -234,7 +240,7 @@ def test_only_what_happens_before_counts(touched, expected):
     d.touch.impact_speed[1] = 0.37 if touched > 0.0 else 1.5
     d.touch.event[4], d.touch.speed[1] = END, 10.0  # so that it is looked at
     locate_at(d, abs(touched))
-    assert find_relatch(d, touched) == pytest.approx(expected, abs=2e-12)
+    assert find_force_event(d, touched) == pytest.approx(expected, abs=2e-12)
     assert d.touch.event[4] == (NONE if expected == 0.37 else END)
 
 
@@ -243,16 +249,16 @@ def test_the_first_of_two_contacts_that_are_fast_is_latched_anew():
         d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf", touching=(1, 5))
         d.touch.impact_speed[slower], d.touch.impact_speed[faster] = 0.6, 0.25
         locate_at(d, 1.0)
-        assert find_relatch(d, -1.0) == pytest.approx(0.25, abs=2e-12)
+        assert find_force_event(d, -1.0) == pytest.approx(0.25, abs=2e-12)
         assert d.touch.event[[slower, faster]].tolist() == [NONE, RELATCH]
 
 
 def test_an_excess_between_the_ends_is_found_if_an_end_is_nearly_fast():
     """δ̇ = 1 + 4 t − 6 t² is 1.67 at the most, and 1 and −1 at the ends."""
     d, _ = falling([0.0, -1.0, -2.0, 2.0], law="zhang_sharf")
-    d.touch.impact_speed[1], d.touch.speed[1] = 0.8, 1.0
+    d.touch.impact_speed[1], d.touch.speed[1], d.touch.damping[1] = 0.8, 1.0, 0.0
     locate_at(d, 1.0)
-    assert find_relatch(d, -1.0) == -1.0
+    assert find_force_event(d, -1.0) == -1.0
     d.touch.speed[1] = 1.21
     expected = (4.0 - math.sqrt(16.0 - 24.0 * 0.6)) / 12.0
-    assert find_relatch(d, -1.0) == pytest.approx(expected, abs=2e-12)
+    assert find_force_event(d, -1.0) == pytest.approx(expected, abs=2e-12)

@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.events.marks import (
+    END,
+    KINK,
+    NONE,
+    ONSET,
+    SLIDING_ENDS,
+    STICKING_ENDS,
     copy_marks,
     drop_changes,
     drop_contact_events,

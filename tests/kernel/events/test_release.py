@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.events.kinds import END, NONE, RELEASE
-from chain_impact.kernel.events.release import (
+from chain_impact.kernel.events.marks import END, NONE, RELEASE
+from chain_impact.kernel.events.sampled import (
     PULL,
     SHORT,
     find_release,
+    least_force,
     mark_pulling,
     pull_limit,
-    pulls,
     strongest,
 )
 from chain_impact.kernel.integration.trial import ACCEPTED, NOT_LOCATED
@@ -93,7 +93,7 @@ def test_the_strongest_force_is_that_of_gravity_and_of_turning_links(omega, alph
 )
 def test_a_wall_pulls_from_there_on(theta, expected):
     d, _ = released()
-    assert pulls(d, -1, theta) == expected
+    assert (least_force(d, -1, theta) < 0.0) == expected
     d, c = released()
     mark_pulling(d, theta)
     assert d.touch.event[c] == (RELEASE if expected else NONE)
@@ -104,6 +104,6 @@ def test_a_pull_by_round_off_is_none():
     for times in (0.5, 2.0):
         limit = pull_limit(released()[0])
         d, c = released(force=(-times * limit,))
-        assert pulls(d, -1, 0.5) == (times > 1.0)
+        assert (least_force(d, -1, 0.5) < 0.0) == (times > 1.0)
         mark_pulling(d, 0.5)
         assert d.touch.event[c] == (RELEASE if times > 1.0 else NONE)

@@ -7,7 +7,7 @@ from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.events import search
 from chain_impact.kernel.events.crossing import measure
 from chain_impact.kernel.events.exclusion import FAR, NOTHING, VALUES, known_clearances, remember_clearances
-from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELEASE
+from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELEASE
 from chain_impact.kernel.events.search import (
     DEEP,
     EARLY,

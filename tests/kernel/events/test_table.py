@@ -6,7 +6,7 @@ import pytest
 from chain_impact.kernel.chain.joint_rate import joint_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import table
-from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, RELEASE
+from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.events.table import (
     LEFT,
     apply_events,

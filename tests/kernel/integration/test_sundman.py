@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.advance import begin_step
-from chain_impact.kernel.events.kinds import ONSET
+from chain_impact.kernel.events.marks import ONSET
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.last_step import OUTPUTS, accept, ensure_dense

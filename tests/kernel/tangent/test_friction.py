@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from chain_impact.kernel.events.kinds import NONE, SLIDING_ENDS, STICKING_ENDS
+from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.tangent import friction
 from chain_impact.kernel.tangent.trust import AT_LIMIT, SLOW_CHANGE, TOGETHER, TRUSTED
 from tests.kernel.tangent.dual import Dual

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, SLIDING_ENDS
-from chain_impact.kernel.events.relatch import RELATCH_RATIO
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, SLIDING_ENDS
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.tangent import replay
 from tests.kernel.tangent.dual import Dual

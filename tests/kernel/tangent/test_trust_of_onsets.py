@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from chain_impact.kernel.events.kinds import END, NONE, ONSET
+from chain_impact.kernel.events.marks import END, NONE, ONSET
 from chain_impact.kernel.tangent import trust
 from chain_impact.kernel.tangent.trust import (
     AT_FLOOR,

@@ -4,8 +4,7 @@ import math
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.events.kinds import KINK, NONE, ONSET
-from chain_impact.kernel.events.marks import drop_changes, mark
+from chain_impact.kernel.events.marks import KINK, NONE, ONSET, drop_changes, mark
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.impulse import commit_impulses
 from chain_impact.kernel.integration.last_step import (

@@ -11,9 +11,8 @@ as fewer and fewer do, else only the last. An element keeps its mode if that is 
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
-from chain_impact.kernel.events.friction_events import excess, rest_speed
-from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
-from chain_impact.kernel.events.marks import drop_changes
+from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, drop_changes
+from chain_impact.kernel.events.sampled import excess, rest_speed
 from chain_impact.kernel.integration.last_step import reset_step
 from chain_impact.kernel.model.constraints import MAX_STALLED_PIVOTS, ROUNDS, count_stalls, note_unsolved
 from chain_impact.kernel.model.equations import located_rate

@@ -25,8 +25,7 @@ from chain_impact.kernel.chain.kinematics import largest, locate_points
 from chain_impact.kernel.chain.state import velocity_at
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.friction_modes import update_modes
-from chain_impact.kernel.events.kinds import NEIGHBOUR, ONSET, RELEASE
-from chain_impact.kernel.events.marks import drop_contact_events, mark
+from chain_impact.kernel.events.marks import NEIGHBOUR, ONSET, RELEASE, drop_contact_events, mark
 from chain_impact.kernel.integration.impulse import give_impulses
 from chain_impact.kernel.integration.last_step import dissipate
 from chain_impact.kernel.model.constraints import (

@@ -1,9 +1,12 @@
 """The marks of events that the search has found in the last step: ``touch.event`` and ``element.event``.
 
 Only this module sets them. They stay until the next step applies them (table.py, friction_modes.py).
+table.py and sampled.py describe the kinds.
 """
 
-from chain_impact.kernel.events.kinds import NONE, ONSET
+NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5
+NEIGHBOUR = 6  # not found by the search: a point near a wall that takes part in the impact of another point
+SLIDING_ENDS, STICKING_ENDS = 1, 2  # changes of modes
 
 
 def mark(d, c, kind):

@@ -1,76 +1,59 @@
-"""Events found by sampling a step: where a condition first becomes true."""
+"""Events found by sampling a step: where a function of the motion first falls below zero."""
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.integration.bracket import TRIES, next_guess
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.work_limit import count_other_work
 
-RESOLUTION = 1e-12  # s of the step's variable, the same as the interval in which onsets are one event
+RESOLUTION = 1e-15  # fraction of a step: nothing is located better
 
 
-def first_passage(comes_true, samples, root):
-    """Make the search for the first θ in a step at which a condition, a function of (d, c, θ), becomes true.
+def first_passage(function, samples, resolution):
+    """Make the search for the first θ in a step at which a function of (d, c, θ) falls below zero.
 
     Args:
-        comes_true: the condition, for candidate c at the fraction θ of the last step.
+        function: the value for candidate or element c at the fraction θ of the last step.
         samples: number of samples of the step.
-        root: function (d, c, low, high) that returns the θ where it becomes true, between two samples.
+        resolution: [s of the step's variable], to which θ is located.
 
     Returns:
-        A function of (d, c, end) that returns the θ ≤ ``end``, or −1 if the condition is true at no sample.
+        A function of (d, c, end) that returns the θ ≤ ``end``, or −1 if no sample is below zero.
     """
 
     def passage(d, c, end):
         low = 0.0
         for sample in range(1, samples + 1):
             high = end * sample / samples
-            if comes_true(d, c, high):
-                return root(d, c, low, high)
+            value = function(d, c, high)
+            if value < 0.0:
+                return root(d, c, low, high, value)
             low = high
         return -1.0
 
-    return passage
-
-
-def bisection(comes_true):
-    """Make the ``root`` of ``first_passage`` for a condition, a function of (d, c, θ), by bisection."""
-
-    def root(d, c, low, high):
-        while (high - low) * d.step.size > RESOLUTION:
-            middle = 0.5 * (low + high)
-            if comes_true(d, c, middle):
-                high = middle
+    def root(d, c, low, high, at_high):
+        # The rule of false position in its Illinois form (Dowell & Jarratt 1971, BIT 11:168).
+        at_low, last, width = function(d, c, low), 0, max(RESOLUTION, resolution / d.step.size)
+        if at_low < 0.0:
+            return low
+        for tries in range(TRIES):
+            if high - low <= width:
+                break
+            theta = next_guess(low, high, high - at_high * (high - low) / (at_high - at_low), tries)
+            value = function(d, c, theta)
+            if value == 0.0:
+                return theta
+            if value < 0.0:
+                high, at_high = theta, value
+                at_low *= 0.5 if last > 0 else 1.0
+                last = 1
             else:
-                low = middle
+                low, at_low = theta, value
+                at_high *= 0.5 if last < 0 else 1.0
+                last = -1
         return high
 
-    return root
-
-
-def first_contact(suspected, passage):
-    """Make the search for the active contact with a force law for which a condition becomes true first.
-
-    Args:
-        suspected: function (d, c): whether it may become true; the points are at the first θ found so far.
-        passage: function (d, c, end) that returns the θ ≤ ``end`` where it becomes true, or −1.
-
-    Returns:
-        A function of (d, end) that returns the candidate and its θ, or −1 and ``end``; the points are then
-        located at that θ.
-    """
-
-    def search(d, end):
-        found, first = -1, end
-        for k in range(d.touch.compliant_count):
-            c = d.touch.active_index[k]
-            if suspected(d, c):
-                theta = passage(d, c, first)
-                if theta >= 0.0:
-                    found, first = c, theta
-                locate_at(d, first)
-        return found, first
-
-    return search
+    return passage
 
 
 def locate_at(d, theta):

@@ -20,12 +20,8 @@ from chain_impact.kernel.events.exclusion import (
     remember_clearances,
     suspect_all,
 )
-from chain_impact.kernel.events.friction_events import find_mode_change
-from chain_impact.kernel.events.kinds import END, NONE, ONSET
-from chain_impact.kernel.events.kinks import find_kink
-from chain_impact.kernel.events.marks import mark
-from chain_impact.kernel.events.relatch import find_relatch
-from chain_impact.kernel.events.release import find_release
+from chain_impact.kernel.events.marks import END, NONE, ONSET, mark
+from chain_impact.kernel.events.sampled import find_force_event, find_mode_change, find_release
 from chain_impact.kernel.events.sampling import locate_at
 from chain_impact.kernel.integration.dense import interpolate, interpolate_component
 from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
@@ -97,7 +93,7 @@ def find_sampled_event(d, theta):
         if d.touch.compliant_count > 0:
             locate_at(d, theta if theta >= 0.0 else 1.0)
     if d.touch.compliant_count > 0 and accepted(d):
-        theta = find_kink(d, find_relatch(d, theta))
+        theta = find_force_event(d, theta)
     if d.friction.count > 0 and accepted(d):
         theta = find_mode_change(d, theta)
     return theta

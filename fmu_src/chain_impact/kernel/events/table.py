@@ -1,19 +1,10 @@
-"""The table of events: what can happen to a contact within a step, and which function handles it.
+"""The table of events: which function handles what can happen to a contact within a step.
 
-    kind      function of the motion                              changes sign   found by      handler
-    ONSET     clearance of a point that is apart                  falling        crossing.py   handle_onset
-    END       penetration of one in contact, or u of the
-              regularized contact                                 falling        crossing.py   handle_end
-    RELATCH   δ̇ − 2 v₀ of a point in contact                      rising         relatch.py    handle_relatch
-    RELEASE   force with which a rigid wall holds a point         falling        release.py    handle_impact
-    KINK      force before it is cut off, or δ̇ of a law that
-              damps on approach only                              either way     kinks.py      handle_kink
-
-Crossings of clearances are found with bounds, so that none is missed; the other events by sampling a step
-(sampling.py), because to find one of them late does no harm. A handler takes (d, c), with the points located,
-and returns whether a force has jumped. v₀ is latched, which means fixed at the onset of the contact. For
-rigid walls, handle_impact handles all simultaneous events together (impulses.py). If a point arrives at one,
-the simultaneous onsets of contacts with a force wait for the impulses.
+Crossings of clearances, ONSET and END, are found with bounds, so that none is missed (crossing.py); the other
+events by sampling a step, because to find one of them late does no harm (sampled.py, which lists them). A
+handler takes (d, c), with the points located, and returns whether a force has jumped. For rigid walls,
+handle_impact handles all simultaneous events together (impulses.py). If a point arrives at one, the
+simultaneous onsets of contacts with a force wait for the impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -22,8 +13,7 @@ from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.friction_modes import update_modes
 from chain_impact.kernel.events.impulses import handle_impact, rigid_onset
-from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, RELEASE
-from chain_impact.kernel.events.marks import mark, pending_changes
+from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE, mark, pending_changes
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import MEASURES_START

@@ -5,7 +5,7 @@ and its exponents. A user's law (user_law.py) defines the whole force.
 
 The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. A step
 keeps its order because it continues the force of one side of the kink smoothly until the kink has been
-located (events/kinks.py); ``touch.beyond_kink`` holds the side. Outputs and peaks use the true force.
+located (events/sampled.py); ``touch.beyond_kink`` holds the side. Outputs and peaks use the true force.
 """
 
 import math

@@ -34,7 +34,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("stop_count", INTEGER),  # of them, stops
         ("active_index", INTEGER, (candidates,)),  # the candidates in contact, packed
         ("active", INTEGER, (candidates,)),  # 1: in contact
-        ("event", INTEGER, (candidates,)),  # at `step.end` and not yet applied, see kernel/events/kinds.py
+        ("event", INTEGER, (candidates,)),  # at `step.end` and not yet applied, see kernel/events/marks.py
         ("onset", REAL, (candidates,)),  # s
         ("onset_speed", REAL, (candidates,)),  # m/s, normal approach speed at onset
         ("impact_speed", REAL, (candidates,)),  # m/s, v0 of the force law
@@ -216,7 +216,7 @@ def element_dtype(elements: int) -> np.dtype:
         ("index", INTEGER, (elements,)),  # the elements with friction, packed
         ("stuck", INTEGER, (elements,)),  # those that stick, packed
         ("mode", INTEGER, (elements,)),  # 0: sticks, ±1: slides along ±t; 2: no friction now
-        ("event", INTEGER, (elements,)),  # at `step.end` and not yet applied, see kernel/events/kinds.py
+        ("event", INTEGER, (elements,)),  # at `step.end` and not yet applied, see kernel/events/marks.py
         ("before", INTEGER, (elements,)),  # its mode before the last choice
         ("chosen", INTEGER, (elements,)),  # its mode in the primal run, for a tangent instance
         (

@@ -2,7 +2,7 @@
 
 The modes are those of the primal run. Sliding ends where t·v = 0, sticking where µ_s F_n − |F_t| = 0, at
 times that depend on the parameters. Where friction does not jump as sticking ends, its time has no effect but
-for the small excess of the force at which the end is found (events/friction_events.py).
+for the small excess of the force at which the end is found (events/sampled.py).
 
 There are no derivatives where a small change of the parameters changes the order of such events, or whether
 they occur.
@@ -11,10 +11,9 @@ they occur.
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
-from chain_impact.kernel.events.friction_events import excess, rest_speed
 from chain_impact.kernel.events.friction_modes import begins
-from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
-from chain_impact.kernel.events.marks import pending_changes
+from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, pending_changes
+from chain_impact.kernel.events.sampled import excess, rest_speed
 from chain_impact.kernel.integration.last_step import ensure_points
 from chain_impact.kernel.model.compliance import mean_mass
 from chain_impact.kernel.model.equations import located_rate

@@ -20,8 +20,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.dispatch import dispatch
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.kinds import END, ONSET, RELATCH
-from chain_impact.kernel.events.marks import copy_marks, pending_changes
+from chain_impact.kernel.events.marks import END, ONSET, RELATCH, copy_marks, pending_changes
 from chain_impact.kernel.integration import explicit
 from chain_impact.kernel.integration.impulse import (
     friction_count,

@@ -7,7 +7,7 @@ equations for the derivatives could not be solved.
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.events.kinds import ONSET
+from chain_impact.kernel.events.marks import ONSET
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.model.contact_force import uncut_force
 from chain_impact.kernel.model.contact_law import USER_LAW

@@ -1,0 +1,243 @@
+"""The events that are found by sampling a step: each is where a function of the motion falls below zero.
+
+    KINK             δ̇ or the uncut force, in the direction of the other side of the kink
+    RELATCH          RELATCH_RATIO v₀ − δ̇ of a contact with a force
+    RELEASE          force with which a rigid wall holds a point, the least of all
+    SLIDING_ENDS     s t·v
+    STICKING_ENDS    µ_s F_n − |F_t|
+
+The stages of a step, and its ends, show which of them to look for. To find one late does no harm but a little
+energy of its error.
+
+KINK: the force of a contact is continuous where it is cut off at 0 or, for a law that damps on approach only,
+at δ̇ = 0, and its slopes are not, so that a step across would lose its order. A step is computed with the
+force of one side, continued smoothly beyond the kink. If a stage or the end is beyond it, the step is
+repeated so as to end there, and the next step uses the force of the other side. A point without force that is
+still inside the wall moves as in flight until it leaves, or until the wall pushes again.
+
+RELATCH: a second impact, or an onset so slow that gravity soon makes δ̇ much larger. With the v₀ latched
+(fixed) at the onset of the contact, λ δ̇/v₀ and the force would grow without bound.
+"""
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import omega_at
+from chain_impact.kernel.events.crossing import SIMULTANEOUS
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO, nearly_fast
+from chain_impact.kernel.events.marks import (
+    KINK,
+    NONE,
+    RELATCH,
+    RELEASE,
+    SLIDING_ENDS,
+    STICKING_ENDS,
+    drop_events,
+    mark,
+    mark_change,
+)
+from chain_impact.kernel.events.sampling import first_passage, locate_at
+from chain_impact.kernel.integration.dense import interpolate
+from chain_impact.kernel.integration.trial import NOT_LOCATED, refuse
+from chain_impact.kernel.model.compliance import mean_mass
+from chain_impact.kernel.model.contact import kink_height
+from chain_impact.kernel.model.contact_force import note_crossing
+from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.friction import STICKS
+from chain_impact.kernel.model.geometry import clearance, tangential_rate
+from chain_impact.kernel.model.holding import least_impulse, project_state
+from chain_impact.kernel.work_limit import count_evaluations
+
+# Samples of a step in which a stage has shown an event, its end included. Of a new latch there are fewer: if
+# a short excess is missed, v₀ stays as it was.
+SAMPLES, FEW_SAMPLES = 8, 4
+# Relative to the chain's mass times (gravity + one link length per s²): a smaller pull is round-off.
+PULL = 1e-11
+SHORT = 1e-9  # s. A shorter step is not refused for the sake of a release.
+# Of a link length per second: a tangential speed that is rest.
+AT_REST = 1e-12
+# Of the limit of friction, and of the weight of a link that falls and turns by 1 rad per second squared: an
+# excess of the static friction that is round-off.
+EXCESS = 1e-10
+
+
+# ---- contacts with a force --------------------------------------------------------------------------------
+
+
+def find_force_event(d, touch):
+    """θ of the event at ``touch`` (−1: none), or of an earlier kink or new latch; marks its candidates.
+
+    The points are located at that event, or at the end of the step.
+    """
+    first, found, kind = touch if touch >= 0.0 else 1.0, -1, NONE
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        fast, kinked = nearly_fast(d, c), has_crossed(d, c)
+        theta = _first_fast(d, c, first) if fast else -1.0
+        if theta >= 0.0:
+            first, found, kind = theta, c, RELATCH
+        theta = _first_kink(d, c, first) if kinked else -1.0
+        if theta >= 0.0:
+            first, found, kind = theta, c, KINK
+        if fast or kinked:
+            locate_at(d, first)
+    if found < 0:
+        return touch
+    drop_events(d)
+    mark(d, found, kind)
+    if kind == KINK:
+        # a symmetric chain crosses several kinks at the same time, up to round-off
+        locate_at(d, min(touch if touch >= 0.0 else 1.0, first + SIMULTANEOUS / d.step.size))
+        for k in range(d.touch.compliant_count):
+            if own_side(d, d.touch.active_index[k]) < 0.0:
+                mark(d, d.touch.active_index[k], KINK)
+        locate_at(d, first)
+    return first
+
+
+def own_side(d, c):
+    """By how much contact c is on the side of its kink that the step assumes, for the located points."""
+    height = kink_height(d, c)
+    return -height if d.touch.beyond_kink[c] else height
+
+
+def has_crossed(d, c):
+    """Whether a stage of the last step, or the located points, have been on the other side of the kink."""
+    note_crossing(d, c, kink_height(d, c))
+    return d.touch.kink_crossed[c] != 0
+
+
+def own_side_at(d, c, theta):
+    """``own_side`` at the fraction θ of the last step."""
+    locate_at(d, theta)
+    return own_side(d, c)
+
+
+def slowness(d, c, theta):
+    """RELATCH_RATIO times v₀, less δ̇, of candidate c at the fraction θ of the last step [m/s]."""
+    locate_at(d, theta)
+    _, gap_rate = clearance(d, c)
+    return RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate
+
+
+_first_kink = first_passage(own_side_at, SAMPLES, 0.0)
+_first_fast = first_passage(slowness, FEW_SAMPLES, SIMULTANEOUS)
+
+
+# ---- release by rigid walls -------------------------------------------------------------------------------
+
+
+def find_release(d, touch):
+    """θ of the event at ``touch`` (−1: none) or of an earlier release; marks the contacts that would pull.
+
+    The step is refused, and the result is −1, if a stage has passed a configuration where forces go to
+    infinity.
+    """
+    least = 0.0
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        least = min(least, d.rigid.least_force[d.touch.active_index[k]])
+    if not least < -pull_limit(d):
+        return touch
+    if least < -strongest(d) and d.step.size > SHORT:
+        refuse(d, NOT_LOCATED)
+        return -1.0
+    theta = _first_pull(d, -1, touch if touch >= 0.0 else 1.0)
+    if theta < 0.0:
+        return touch
+    mark_pulling(d, theta)
+    return theta
+
+
+def pull_limit(d):
+    """The force [N] with which a held contact may pull, because it is round-off."""
+    return PULL * d.model.energy / (d.model.size * d.model.size) * (d.model.gravity_size + d.model.size)
+
+
+def strongest(d):
+    """The largest plausible force [N], from gravity and the motion at the start of the last step.
+
+    A stage in which a wall pulls by more has passed a toggle position, where forces go to infinity: the step
+    is wrong, and so is its time of release.
+    """
+    first, turning = omega_at(d.links), 1.0
+    for i in range(d.links):
+        omega, alpha = d.step.state[first + i], d.work.rate_start[first + i]
+        turning = max(turning, omega * omega + abs(alpha))
+    size = d.model.size
+    return d.model.energy / (size * size) * (d.model.gravity_size + d.links * size * turning)
+
+
+def least_force(d, _c, theta):
+    """The least force of the held contacts at the fraction θ of the last step, plus what is round-off [N]."""
+    interpolate(d.step, theta, d.work.y)
+    # stiff joints would turn the constraint error of the interpolant into a force
+    locate_points(d, d.work.y)
+    project_state(d, d.work.y)
+    state_rate(d, d.work.y, d.work.rate)
+    count_evaluations(d, 1)
+    return least_impulse(d) + pull_limit(d)
+
+
+def mark_pulling(d, theta):
+    """Mark the held contacts that pull at θ as RELEASE, and drop all other events."""
+    least_force(d, -1, theta)
+    drop_events(d)
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        if d.rigid.impulse[k] + pull_limit(d) <= 0.0:
+            mark(d, d.touch.active_index[k], RELEASE)
+
+
+_first_pull = first_passage(least_force, SAMPLES, SIMULTANEOUS)
+
+
+# ---- changes of the modes of dry friction -----------------------------------------------------------------
+
+
+def find_mode_change(d, found):
+    """θ of the event ``found`` (−1: none) or of an earlier change of a mode; marks its elements.
+
+    The stages have recorded the least value of each function (model/friction.py).
+    """
+    first, which = found if found >= 0.0 else 1.0, -1
+    for i in range(d.friction.count):
+        e = d.element.index[i]
+        if d.element.margin[e] < -resolution_of(d, e):
+            theta = _first_change(d, e, first)
+            if theta >= 0.0:
+                first, which = theta, e
+    if which < 0:
+        return found
+    drop_events(d)
+    # and all others whose mode ends then: symmetric chains have such
+    for i in range(d.friction.count):
+        e = d.element.index[i]
+        if e == which or mode_margin(d, e, first) < 0.0:
+            mark_change(d, e, STICKING_ENDS if d.element.mode[e] == STICKS else SLIDING_ENDS)
+    return first
+
+
+def resolution_of(d, e):
+    """By how much the function of element e may be negative, because that is round-off: m/s or N."""
+    return excess(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
+
+
+def rest_speed(d):
+    """The tangential speed [m/s] that counts as rest."""
+    return AT_REST * d.model.size
+
+
+def excess(d, e):
+    """The force [N] by which the friction of element e may exceed its limit."""
+    return EXCESS * (d.element.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.size))
+
+
+def mode_margin(d, e, theta):
+    """How far the mode of element e is from its end at the fraction θ of the last step: m/s or N."""
+    locate_at(d, theta)
+    if d.element.mode[e] != STICKS:
+        return d.element.mode[e] * tangential_rate(d, e) + resolution_of(d, e)
+    project_state(d, d.work.y)
+    state_rate(d, d.work.y, d.work.rate)
+    count_evaluations(d, 1)
+    return d.element.limit[e] - abs(d.element.force[e]) + resolution_of(d, e)
+
+
+_first_change = first_passage(mode_margin, SAMPLES, SIMULTANEOUS)
