@@ -8,7 +8,7 @@ def test_validate_of_a_good_fmu(run, fmu):
     code, said, errors = run("validate", fmu)
     first, second = said.splitlines()
     assert (code, first, errors) == (0, f"{fmu}: no problems found", "")
-    assert second.startswith(f"{fmu}: experiment default: passed, ")
+    assert second.startswith(f"{fmu}: reference results: passed, ")
 
 
 def test_validate_names_each_problem(run, here, fmu):
@@ -30,7 +30,7 @@ def test_validate_says_as_json_what_it_says_in_words(run, here, fmu):
     code, said, errors = run("validate", fmu, "--json")
     found = json.loads(said)
     assert (code, errors, found["fmu"], found["findings"]) == (0, "", str(fmu), [])
-    assert found["notes"][0].startswith("experiment default: passed, ")
+    assert found["notes"][0].startswith("reference results: passed, ")
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile("odd.fmu", "w") as new:
         for name in old.namelist():
             new.writestr(name, old.read(name).replace(b'unit="kg"', b'unit="stone"'))

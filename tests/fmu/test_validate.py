@@ -47,7 +47,7 @@ from tests.fmu.planted_faults import (
 def test_nothing_is_found_in_an_fmu_of_ours(fmus, model):
     found = validation(fmus[model])
     assert list(found.findings) == []
-    assert [note.split(",")[0] for note in found.notes] == ["experiment default: passed"]
+    assert [note.split(",")[0] for note in found.notes] == ["reference results: passed"]
 
 
 @pytest.mark.full("takes long")

@@ -17,7 +17,7 @@ from chain_impact.scene.reading import SceneError
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
     validate = verbs.add_parser(
-        "validate", help="check an FMU against the FMI standard, and run it and its experiments"
+        "validate", help="check an FMU against the FMI standard, and run it, with its reference results"
     )
     validate.add_argument("fmu", metavar="FMU", type=Path)
     validate.add_argument("--json", action="store_true", help="print findings and notes as JSON")

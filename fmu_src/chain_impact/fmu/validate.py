@@ -32,7 +32,7 @@ class Validation:
 
     Attributes:
         findings: what is wrong.
-        notes: experiments that passed, and what was not checked.
+        notes: what passed, and what was not checked.
     """
 
     findings: Sequence[Finding]
@@ -64,7 +64,7 @@ def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Valida
     binary, missing = _binary(modes[0], names, second=root.get("fmiVersion") == "2.0")
     if missing:
         return Validation([*findings, missing], [])
-    tried = _tried(path, binary, timeout, experiments=not findings)
+    tried = _tried(path, binary, timeout, references=not findings)
     return Validation([*findings, *tried.findings], tried.notes)
 
 
@@ -84,14 +84,14 @@ def _binary(mode: Element, names: set[str], *, second: bool) -> tuple[str, Findi
     return "", Finding(said, wanted)
 
 
-def _tried(path: Path, binary: str, timeout: float, *, experiments: bool) -> Validation:
+def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Validation:
     """Run the binary in a process of its own."""
     with tempfile.TemporaryDirectory(prefix="chain-impact-", ignore_cleanup_errors=True) as folder:
         report, errors = Path(folder, "report"), Path(folder, "errors")
         command = [sys.executable, "-P", "-m", "chain_impact.fmu.trial", str(path), str(report), binary]
         with errors.open("wb") as stream:
             process = subprocess.Popen(
-                [*command, *(["--experiments"] if experiments else [])],
+                [*command, *(["--references"] if references else [])],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=stream,
