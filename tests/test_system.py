@@ -3,13 +3,11 @@
 import io
 import os
 import signal
-import stat
 import subprocess
 import sys
 import time
 from pathlib import Path
 from queue import Empty
-from types import SimpleNamespace
 
 import pytest
 from filelock import FileLock, Timeout
@@ -58,15 +56,6 @@ def test_it_runs_on_all_cores_that_it_may_use(monkeypatch):
     assert 1 <= system.cores() <= os.cpu_count()
     monkeypatch.delattr(os, "sched_getaffinity", raising=False)
     assert system.cores() == os.cpu_count()
-
-
-def test_users_are_told_apart_without_numbers_too(monkeypatch):
-    monkeypatch.setattr(system, "SYSTEM", "Windows")
-    monkeypatch.delattr(os, "getuid", raising=False)
-    monkeypatch.setenv("USERNAME", "somebody")
-    assert system.user() == "somebody"
-    assert system.only_ours(SimpleNamespace(st_mode=stat.S_IFDIR | 0o777))
-    assert not system.only_ours(SimpleNamespace(st_mode=stat.S_IFREG | 0o600))
 
 
 @pytest.mark.parametrize("name", ["Linux", "Windows"])

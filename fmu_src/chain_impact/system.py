@@ -96,22 +96,6 @@ def cache_folder() -> Path:
     return Path(platformdirs.user_cache_dir("chain-impact", appauthor=False))
 
 
-def user() -> str:
-    """What tells this user from the others of this machine."""
-    return os.environ.get("USERNAME", "") if SYSTEM == WINDOWS else str(os.getuid())
-
-
-def only_ours(found: os.stat_result) -> bool:
-    """Whether a folder for temporary files is this user's, and nobody else can write in it.
-
-    In Windows, each user has a folder for temporary files that is closed to the others.
-    """
-    if SYSTEM == WINDOWS:
-        return stat.S_ISDIR(found.st_mode)
-    ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
-    return ours and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
-
-
 def others_can_write(found: os.stat_result) -> bool:
     """Whether a user of this machine other than this one and root can put files into a folder.
 

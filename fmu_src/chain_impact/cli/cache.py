@@ -20,9 +20,7 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> int:
     """Say what is in the cache of compiled kernels, or remove it."""
     if options.clear:
-        where = dict.fromkeys([places.base_folder(), *(entry.path.parent for entry in cache.entries())])
-        text = f"removed {cache.clear() / 1e6:.1f} MB from {' and '.join(map(str, where))}"
-        say(text)
+        say(f"removed {cache.clear() / 1e6:.1f} MB from {places.base_folder()}")
         return 0
     for line in cache_report(ready.libraries(), cache.entries(), cache.cache_folder()):
         say(line)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from chain_impact.cli.completers import laws, names
 from chain_impact.cli.options import (
     Verbs,
     add_csv,
@@ -28,7 +29,8 @@ def add(verbs: Verbs) -> None:
     compare = verbs.add_parser("compare", help="simulate a scene with every contact law, side by side")
     add_scene(compare, "scene")
     add_set(compare)
-    add_repeated(compare, "--laws", "NAMES", "compare these laws only, as hertz,flores; default: all")
+    what = "compare these laws only, as hertz,flores; default: all"
+    add_repeated(compare, "--laws", "NAMES", what, names(laws, separator=","))
     add_plot(compare, "restitution, first impact and energy")
     add_csv(compare, "the table")
     compare.set_defaults(run=run)

@@ -8,6 +8,7 @@ from errno import ENOENT
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chain_impact.cli.completers import Completer, completed, names, scenes, settings
 from chain_impact.scene.models import scene_path
 
 if TYPE_CHECKING:
@@ -25,18 +26,20 @@ class UsageError(ValueError):
 
 def add_scene(command: argparse.ArgumentParser, what: str) -> None:
     """Add the scene, or what else can be given in its place."""
-    command.add_argument(
+    source = command.add_argument(
         "source",
         nargs="?",
         default=DEFAULT_SCENE,
         metavar=what.upper().replace(" OR ", "|"),
         help=f"{what}: a file, a folder with scene.toml, or a model's name; default: {DEFAULT_SCENE}",
     )
+    completed(source, scenes)
 
 
 def add_set(command: argparse.ArgumentParser) -> None:
     """Add ``--set``, and a short form of one."""
-    add_repeated(command, "--set", "NAME=VALUE", "set a value by a name that `info` lists")
+    what = "set a value by a name that `info` lists"
+    add_repeated(command, "--set", "NAME=VALUE", what, names(settings, "="))
     command.add_argument(
         "--stop-time",
         action="append",
@@ -47,11 +50,14 @@ def add_set(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_repeated(command: argparse.ArgumentParser, option: str, metavar: str, what: str) -> None:
+def add_repeated(
+    command: argparse.ArgumentParser, option: str, metavar: str, what: str, completer: Completer
+) -> None:
     """Add an option that can be given several times."""
-    command.add_argument(
+    added = command.add_argument(
         option, action="append", default=[], metavar=metavar, help=f"{what}; can be repeated"
     )
+    completed(added, completer)
 
 
 class Once(argparse.Action):

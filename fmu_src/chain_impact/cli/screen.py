@@ -149,12 +149,9 @@ def law_table(comparison: Comparison) -> Iterator[RenderableType]:
 def cache_report(ready: Sequence[Path], entries: Sequence[Entry], present: Path) -> Iterator[str]:
     """What there is of compiled kernels: ready ones, and the folders of the cache, of which one is in use."""
     yield "ready    " + (f"{len(ready)} kernels in {ready[0].parent}" if ready else NOTHING)
-    for place in dict.fromkeys([present.parent, *(entry.path.parent for entry in entries)]):
-        there = [entry for entry in entries if entry.path.parent == place]
-        kind = "cache   " if place == present.parent else "stand-in"
-        yield f"{kind} {place}, {sum(entry.size for entry in there) / 1e6:.1f} MB"
-        for entry in there:
-            what = "of the linker" if entry.path.name.startswith(LINKER) else ", ".join(entry.files)
-            used = datetime.fromtimestamp(entry.used).strftime("%Y-%m-%d")
-            mark = " (in use)" if entry.path.name == present.name else ""
-            yield f"  {entry.path.name}  {entry.size / 1e6:5.1f} MB  last used {used}{mark}: {what}"
+    yield f"cache    {present.parent}, {sum(entry.size for entry in entries) / 1e6:.1f} MB"
+    for entry in entries:
+        what = "of the linker" if entry.path.name.startswith(LINKER) else ", ".join(entry.files)
+        used = datetime.fromtimestamp(entry.used).strftime("%Y-%m-%d")
+        mark = " (in use)" if entry.path.name == present.name else ""
+        yield f"  {entry.path.name}  {entry.size / 1e6:5.1f} MB  last used {used}{mark}: {what}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
+from chain_impact.cli.completers import names, parameters
 from chain_impact.cli.options import Verbs, add_csv, add_plot, add_repeated, add_scene, add_set, names_in
 from chain_impact.cli.report import report
 from chain_impact.simulation.record_scene import RunError
@@ -24,6 +25,7 @@ def add(verbs: Verbs) -> None:
         "NAMES",
         "also find the derivatives with respect to these parameters, and draw them in place of the motion: "
         "contact.stiffness,link[*].mass",
+        names(parameters, separator=","),
     )
     simulate.add_argument("--show", action="store_true", help="open a window with the picture")
     add_plot(simulate, "motion, energy and impacts")
@@ -34,8 +36,8 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> int:
     """Simulate a scene or an FMU; print a summary, and write what was asked for."""
     window = open_window() if options.show else None
-    names = names_in(*options.sensitivity)
-    report(options.source, options.set, options.csv, options.plot, names, window=window)
+    chosen = names_in(*options.sensitivity)
+    report(options.source, options.set, options.csv, options.plot, chosen, window=window)
     if window:
         from matplotlib import pyplot
 

@@ -1,8 +1,7 @@
 """The cache of compiled kernels: a folder for these sources and these compilers.
 
 One process makes a file while others that need it wait. A file appears when it is whole, with its checksum
-beside it: what is cut or damaged later is made again. Where the folder can only be read, what is made is kept
-in a temporary one; where others can write, nothing is read (places.py).
+beside it: what is cut or damaged later is made again. Where others can write, nothing is read (places.py).
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from chain_impact.compilation.errors import BuildError
-from chain_impact.compilation.places import base_folder, explained, stand_in, trusted, writable
+from chain_impact.compilation.places import base_folder, explained, trusted, writable
 from chain_impact.compilation.sources import COMPILERS, fingerprint
 from chain_impact.progress import log
 from chain_impact.system import removal
@@ -64,13 +63,13 @@ def _version(compiler: str) -> str:
 
 
 def find(name: str) -> Path | None:
-    """The file or folder of that name in the cache folder, or in what stands in for it, if it is whole."""
-    for folder in (place / _present() for place in _places()):
-        if _is_whole(folder / name):
-            with suppress(OSError):  # somebody else's cache can be read
-                os.utime(folder)  # it is in use
-            return folder / name
-    return None
+    """The file or folder of that name in the cache folder, if it is whole and nobody else can write there."""
+    folder = cache_folder()
+    if not trusted(folder.parent) or not _is_whole(folder / name):
+        return None
+    with suppress(OSError):  # somebody else's cache can be read
+        os.utime(folder)  # it is in use
+    return folder / name
 
 
 def _is_whole(path: Path) -> bool:
@@ -90,15 +89,9 @@ def _checksum(file: Path) -> bytes:
     return b"%08x" % zlib.crc32(file.read_bytes())
 
 
-def _places() -> list[Path]:
-    """The user's cache, and what stands in for it, each if it is there and nobody else can write in it."""
-    base = base_folder()
-    return [*filter(trusted, [base]), *filter(None, [stand_in(base)])]
-
-
 def holds(file: Path) -> bool:
-    """Whether a file is in the cache, or in what stands in for it, and so may be removed from there."""
-    return any(place in file.parents for place in _places())
+    """Whether a file is in the cache, and so may be removed from there."""
+    return base_folder() in file.parents
 
 
 def made(name: str, make: Callable[[Path], None]) -> Path:
@@ -192,15 +185,16 @@ class Entry:
 
 
 def entries() -> list[Entry]:
-    """What is in the cache and its stand-in: folders for some sources and compilers, and the linker's own."""
-    folders = [path for place in _places() if place.is_dir() for path in sorted(place.iterdir())]
+    """What is in the cache: folders for some sources and compilers, and the linker's own."""
+    base = base_folder()
+    folders = sorted(base.iterdir()) if trusted(base) else []
     return [_entry(path) for path in folders if path.is_dir() and _OURS.fullmatch(path.name)]
 
 
 def clear() -> int:
     """Remove all that is in the cache; return how many bytes that were."""
     found = entries()
-    for entry in reversed(found):  # the stand-in first: the cache itself can perhaps only be read
+    for entry in found:
         with removal():
             shutil.rmtree(entry.path)
     return sum(entry.size for entry in found)

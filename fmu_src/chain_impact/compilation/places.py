@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import functools
-import hashlib
 import os
 import shutil
 import tempfile
@@ -16,8 +15,10 @@ from typing import Any
 from chain_impact import system
 from chain_impact.compilation.errors import BuildError
 
-READ_ONLY = (errno.EACCES, errno.EPERM, errno.EROFS)
-NO_PLACE = (*READ_ONLY, errno.ENOENT, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR)
+NO_PLACE = (
+    *(errno.EACCES, errno.EPERM, errno.EROFS),
+    *(errno.ENOENT, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR),
+)
 LITTLE = 1_000_000  # bytes: a folder with less space is full
 OTHERS = "other users can write there"
 ADVICE = "free space there, or set CHAIN_IMPACT_CACHE to another folder"
@@ -36,22 +37,6 @@ def base_folder() -> Path:
         raise BuildError(f"no place to keep kernels: {error}; set CHAIN_IMPACT_CACHE to a folder") from None
 
 
-def stand_in_path(base: Path) -> Path:
-    """Where the temporary folder of this user lies that stands in for one that can only be read."""
-    digest = hashlib.sha256(f"{system.user()} {base}".encode()).hexdigest()[:16]
-    return Path(tempfile.gettempdir(), f"chain-impact-{digest}")
-
-
-def stand_in(base: Path) -> Path | None:
-    """That folder, if it is there and nobody else can write in it: kernels are run."""
-    path = stand_in_path(base)
-    try:
-        found = path.lstat()
-    except OSError:
-        return None
-    return path if system.only_ours(found) else None
-
-
 def trusted(base: Path) -> bool:
     """Whether the folder of the cache is there, and nobody else can put kernels into it: they are run."""
     try:
@@ -62,30 +47,18 @@ def trusted(base: Path) -> bool:
 
 @functools.cache
 def writable(base: Path) -> Path:
-    """The folder, made if need be; or its stand-in where it can only be read.
+    """The folder, made if need be.
 
     Raises:
-        BuildError: when nothing can be kept in it for another reason.
+        BuildError: when nothing can be kept in it, or others can write there.
     """
     with explained(base):
-        try:
-            with suppress(FileExistsError):
-                base.mkdir(mode=0o700, parents=True)
-            tempfile.TemporaryFile(dir=base).close()
-        except OSError as error:
-            if error.errno not in READ_ONLY:
-                raise
-        else:
-            if not trusted(base):
-                raise PermissionError(errno.EACCES, OTHERS, str(base))
-            return base
-    folder = stand_in_path(base)
-    with explained(folder):
         with suppress(FileExistsError):
-            folder.mkdir(mode=0o700)
-        if not stand_in(base):
-            raise PermissionError(errno.EACCES, OTHERS, str(folder))
-        return folder
+            base.mkdir(mode=0o700, parents=True)
+        tempfile.TemporaryFile(dir=base).close()
+        if not trusted(base):
+            raise PermissionError(errno.EACCES, OTHERS, str(base))
+    return base
 
 
 @contextmanager

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import struct
-import zlib
+import io
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.metadata import distribution
-from itertools import pairwise
 
 import numpy as np
+from PIL import Image, ImageDraw
 
 from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import STATUS_TEXT
@@ -17,7 +16,9 @@ from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
-SIZE, MARGIN, EDGE = 128, 0.12, 1.5  # of the picture: pixels, a part of it, half a wall in pixels
+SHOWN, FINER = 128, 4  # of the picture: pixels, and how many times as many are drawn, for smooth edges
+SIZE, MARGIN = SHOWN * FINER, 0.12  # pixels that are drawn, a part of the picture
+EDGE, BAR, KNOB = 1.5 * FINER, 5 * FINER, 3.0 * FINER  # half a wall, a link, half a joint, in pixels
 WALL, LINK, JOINT, PAPER = (150, 150, 150), (31, 119, 180), (214, 39, 40), (255, 255, 255)
 PICTURES = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
 """Version of FMI → where it wants the picture (2.3 of FMI 2.0, 2.5.1 of FMI 3.0)."""
@@ -138,34 +139,12 @@ def picture(scene: Scene) -> bytes:
             [plane.normal[0] * x + plane.normal[1] * y - plane.offset for plane in planes], axis=0
         )
         image[np.abs(clearance) * scale <= EDGE] = WALL
-    pixels = (corner + scale * (joints - low)) * (1, -1) + (0, SIZE)
-    for start, end in pairwise(pixels):
-        _draw(image, start, end, 2.5, LINK)
-    for joint in pixels:
-        _draw(image, joint, joint, 3.0, JOINT)
-    return _png(image)
-
-
-def _draw(
-    image: np.ndarray, start: np.ndarray, end: np.ndarray, radius: float, colour: Sequence[int]
-) -> None:
-    """Colour the pixels within a radius of a line."""
-    y, x = np.mgrid[0:SIZE, 0:SIZE] + 0.5
-    along = end - start
-    part = ((x - start[0]) * along[0] + (y - start[1]) * along[1]) / max(float(along @ along), 1e-12)
-    part = np.clip(part, 0.0, 1.0)
-    near = np.hypot(x - start[0] - part * along[0], y - start[1] - part * along[1]) <= radius
-    image[near] = colour
-
-
-def _png(image: np.ndarray) -> bytes:
-    """An image of 8-bit colours, shape (height, width, 3), as PNG (ISO/IEC 15948)."""
-    height, width, _ = image.shape
-    rows = b"".join(b"\0" + row.tobytes() for row in image)  # no filter
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    body = chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b"")
-    return b"\x89PNG\r\n\x1a\n" + body
+    drawing = Image.fromarray(image)
+    pen = ImageDraw.Draw(drawing)
+    pixels = [(px, SIZE - py) for px, py in (corner + scale * (joints - low)).tolist()]
+    pen.line(pixels, LINK, BAR)
+    for px, py in pixels:
+        pen.ellipse((px - KNOB, py - KNOB, px + KNOB, py + KNOB), JOINT)
+    stream = io.BytesIO()
+    drawing.resize((SHOWN, SHOWN)).save(stream, "png", optimize=True)
+    return stream.getvalue()
