@@ -53,28 +53,6 @@ def test_what_came_before_a_fault_is_shown(run, here):
     assert (here / "a.html").is_file()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "pattern"),
-    [
-        (["rod_drop", "-o", "a.avi"], r"a\.avi must end in \.html, \.gif, \.mp4"),
-        (["rod_drop", "--size", "big"], "big must be WIDTHxHEIGHT"),
-        (["rod_drop", "--size", "axb"], "axb must be WIDTHxHEIGHT"),
-        (["rod_drop", "--size", "10x10"], "width and height must be 160 … 4096"),
-        (["rod_drop", "--speed", "0"], "speed = 0 must be"),
-        (["rod_drop", "-o", "no/a.html"], r"no/a\.html: No such folder"),
-        (["rod_drop", "--scene", "ramp"], "only a CSV file needs it"),
-        (["none.csv"], r"none\.csv: No such file"),
-        (["none.csv", "--set", "box.y_min=0"], "need --scene, too"),
-    ],
-)
-def test_refusals_are_one_line(run, here, arguments, pattern):
-    code, _, errors = run("animate", *arguments)
-    assert code == 2
-    assert re.search(pattern, errors)
-    assert errors.count("\n") == 1
-    assert list(here.iterdir()) == []
-
-
 def test_a_table_of_another_chain_is_refused(run, here):
     run("simulate", "rod_drop", "--csv", "rod.csv")
     code, _, errors = run("animate", "rod.csv", "--scene", "falling_arm", "-o", "rod.html")

@@ -23,6 +23,7 @@ from chain_impact.variables.model import Model
 
 LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before
 PNG = b"\x89PNG\r\n\x1a\n"
+ROD = models_folder() / "rod_drop"
 
 
 def impact_lines(text):
@@ -30,9 +31,21 @@ def impact_lines(text):
 
 
 def read_csv(path):
-    with path.open(newline="") as file:
+    with path.open(newline="", encoding="utf-8") as file:
         names, *rows = csv.reader(file)
     return names, [[float(cell) for cell in row] for row in rows]
+
+
+def program(*arguments, **settings):
+    """Run ``chain-impact`` as a program of its own."""
+    command = [sys.executable, "-m", "chain_impact.cli", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, **settings)
+
+
+@pytest.fixture(params=["scene", "FMU"])
+def source(request, fmu):
+    """The four-link box as a scene and as an FMU."""
+    return fmu if request.param == "FMU" else "four_link_box"
 
 
 # --- build -----------------------------------------------------------------------------------------------
@@ -40,8 +53,9 @@ def read_csv(path):
 
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("option", ["-o", "--output"])
-def test_build_puts_the_fmu_into_the_folder(run, here, option):
-    code, said, errors = run("build", "rod_drop", option, "out/deep")
+@pytest.mark.parametrize("scene", ["rod_drop", ROD, ROD / "scene.toml"], ids=["name", "folder", "file"])
+def test_build_puts_the_fmu_of_a_scene_into_the_folder(run, here, option, scene):
+    code, said, errors = run("build", scene, option, "out/deep")
     assert (code, errors) == (0, "")
     assert said.splitlines()[0] == "FMU      out/deep/RodDrop.fmu"
     assert zipfile.is_zipfile(here / "out" / "deep" / "RodDrop.fmu")
@@ -50,15 +64,6 @@ def test_build_puts_the_fmu_into_the_folder(run, here, option):
 
 def test_build_takes_the_four_link_box_by_default(run, here):
     assert run("build")[1].splitlines()[0] == "FMU      build/FourLinkBox.fmu"
-
-
-@pytest.mark.full("more cases", but=1)
-@pytest.mark.parametrize("kind", ["name", "folder", "file"])
-def test_a_scene_is_a_file_a_folder_or_a_name(run, here, kind):
-    folder = models_folder() / "rod_drop"
-    source = {"name": "rod_drop", "folder": folder, "file": folder / "scene.toml"}[kind]
-    code, said, _ = run("build", source, "-o", ".")
-    assert (code, said.splitlines()[0]) == (0, "FMU      RodDrop.fmu")
 
 
 @pytest.mark.parametrize(
@@ -94,16 +99,10 @@ def test_build_for_another_platform(run, here, monkeypatch):
 def test_build_and_simulate_writes_three_files_and_a_summary(run, here):
     code, said, errors = run("build", "rod_drop", "--simulate")
     assert (code, errors) == (0, "")
-    files = [f"build/RodDrop.{suffix}" for suffix in ("fmu", "csv", "png")]
-    named = [line for line in said.splitlines() if line.endswith(tuple(files))]
-    assert named == [
-        f"{name:9}{file}" for name, file in zip(("FMU", "results", "picture"), files, strict=True)
-    ]
-    assert sorted(path.name for path in (here / "build").iterdir()) == [
-        "RodDrop.csv",
-        "RodDrop.fmu",
-        "RodDrop.png",
-    ]
+    files = {"FMU": "fmu", "results": "csv", "picture": "png"}
+    named = [line for line in said.splitlines() if line.startswith(tuple(files))]
+    assert named == [f"{name:9}build/RodDrop.{suffix}" for name, suffix in files.items()]
+    assert {path.name for path in (here / "build").iterdir()} == {f"RodDrop.{one}" for one in files.values()}
     assert (here / "build" / "RodDrop.png").read_bytes().startswith(PNG)
     assert read_csv(here / "build" / "RodDrop.csv")[1][-1][0] == 2.0
     assert len(impact_lines(said)) == 30
@@ -112,11 +111,10 @@ def test_build_and_simulate_writes_three_files_and_a_summary(run, here):
     assert re.search(r"^balance +off by at most \d\.\de-\d+ J\b", said, re.M)
 
 
-def test_build_fmu_py_is_build(here, tmp_path):
+def test_build_fmu_py_is_build(here):
     script = Path(__file__).parents[2] / "build_fmu.py"
-    done = subprocess.run(
-        [sys.executable, script, "no_scene"], capture_output=True, text=True, check=False, cwd=here
-    )
+    command = [sys.executable, script, "no_scene"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=here)
     assert done.returncode == 2
     assert done.stderr.startswith("chain-impact: no_scene: cannot be read")
 
@@ -147,21 +145,18 @@ def test_simulate_prints_the_same_of_a_scene_and_of_its_fmu(run, fmu):
     assert impact_lines(scene[1]) == impact_lines(of_fmu[1])
 
 
-def test_simulate_writes_nothing_unless_asked(run, here):
-    run("simulate", "rod_drop")
-    assert list(here.iterdir()) == []
-
-
-def test_simulate_runs_once_for_a_table(run, monkeypatch):
+def test_simulate_runs_once_and_writes_nothing_unless_asked(run, here, monkeypatch):
     told, found = [], instance.kernel_for
 
-    def kernel_for(scene, **options):
-        told.append(scene)
-        return found(scene, **options)
+    def kernel_for(*given, **options):
+        told.append(given)
+        return found(*given, **options)
 
     monkeypatch.setattr(instance, "kernel_for", kernel_for)
+    assert run("simulate", "rod_drop", "-q")[0] == 0
+    assert list(here.iterdir()) == []
     assert run("simulate", "rod_drop", "-q", "--csv", "out.csv")[0] == 0
-    assert len(told) == 1
+    assert len(told) == 2
 
 
 @pytest.mark.full("takes long")
@@ -188,9 +183,7 @@ def test_plot_writes_a_picture(run, here, name):
 
 
 @pytest.mark.full("more cases", but=1)
-@pytest.mark.parametrize("kind", ["scene", "FMU"])
-def test_set_changes_parameters(run, fmu, kind):
-    source = fmu if kind == "FMU" else "four_link_box"
+def test_set_changes_parameters(run, source):
     number = CONTACT_LAWS["flores"].number
     first = run("simulate", source, "--set", "contact.model=flores", "--set", "contact.restitution=0.5")
     second = run("simulate", source, "--set", f"contact.model={number}", "--set", "contact.restitution = 0.5")
@@ -200,12 +193,9 @@ def test_set_changes_parameters(run, fmu, kind):
 
 
 @pytest.mark.full("takes long")
-@pytest.mark.parametrize("kind", ["scene", "FMU"])
-def test_a_simulation_that_stops_early_gives_what_it_has(run, here, fmu, kind):
-    source = fmu if kind == "FMU" else "four_link_box"
-    code, said, errors = run(
-        "simulate", source, "--set", LITTLE_WORK, "--csv", "part.csv", "--plot", "part.png"
-    )
+def test_a_simulation_that_stops_early_gives_what_it_has(run, here, source):
+    files = ("--csv", "part.csv", "--plot", "part.png")
+    code, said, errors = run("simulate", source, "--set", LITTLE_WORK, *files)
     assert code == 3
     assert re.fullmatch(r"chain-impact: .*stopped at t = [\d.]+ s: .*work_limit allows: .*\n", errors)
     assert said.startswith("results  part.csv\npicture  part.png\n")
@@ -213,9 +203,6 @@ def test_a_simulation_that_stops_early_gives_what_it_has(run, here, fmu, kind):
     assert 0.0 < rows[-1][0] < 2.0
     assert f"0 … {rows[-1][0]:g} s" in said
     assert (here / "part.png").read_bytes().startswith(PNG)
-
-
-# --- --show ----------------------------------------------------------------------------------------------
 
 
 def test_show_opens_one_window_with_the_picture(run, monkeypatch):
@@ -229,25 +216,36 @@ def test_show_opens_one_window_with_the_picture(run, monkeypatch):
     assert shown == ["RodDrop: 30 impacts dissipate 100 % of the energy in 2 s"]
 
 
+def test_a_picture_and_a_window_have_rows_of_their_own(run, here, fmu, monkeypatch):
+    """At 10 rows a second links would shrink between rows, and rings stand beside the paths."""
+    shown, few = [], ("--set", "simulation.step_size=0.1")
+    code, _, said = run("simulate", fmu, *few, "--plot", "a.png")
+    assert code == 0
+    assert "poses only, one each communication step, and cannot show what is between them" in said
+    monkeypatch.setattr("chain_impact.results.plots.plot", lambda recording, *_: shown.append(recording))
+    assert run("simulate", "four_link_box", *few, "--plot", "a.png", "--csv", "a.csv")[0] == 0
+    assert len((here / "a.csv").read_text(encoding="utf-8").splitlines()) == 22
+    monkeypatch.setattr("chain_impact.cli.simulate.open_window", mpl.figure.Figure)
+    monkeypatch.setattr(pyplot, "show", lambda: None)
+    monkeypatch.setattr("chain_impact.results.plots.fill", lambda _, recording: shown.append(recording))
+    assert run("simulate", "four_link_box", *few, "--show")[0] == 0
+    assert [len(one.time) for one in shown] == [1001, 1001]
+
+
 # --- compare ---------------------------------------------------------------------------------------------
 
 
-def test_compare_prints_a_row_for_each_law_and_advice(run):
+def test_compare_prints_a_row_for_each_law_and_advice_and_writes_what_was_asked_for(run, here):
     code, said, errors = run(
-        "compare", "--set", "contact.restitution=0.5", "--set", "simulation.stop_time=0.6"
-    )
+        "compare", "--set", "contact.restitution=0.5", "--set", "simulation.stop_time=0.6",
+        "--csv", "laws.csv", "--plot", "laws.png",
+    )  # fmt: skip
     assert (code, errors) == (0, "")
-    lines = said.splitlines()
+    table, picture, *lines = said.splitlines()
+    assert [table, picture] == ["table    laws.csv", "picture  laws.png"]
     assert lines[1].startswith("FourLinkBox  e = 0.5, n = 1.5, K = 1e+08; first impact at 0.499446 s with ")
     assert [line.split()[0] for line in lines[3:] if line.split()[0] in CONTACT_LAWS] == list(CONTACT_LAWS)
     assert any(line.startswith("advice   for e = 0.5: zhang_sharf. ") for line in lines)
-
-
-def test_compare_writes_what_was_asked_for(run, here):
-    arguments = ["compare", "--csv", "laws.csv", "--plot", "laws.png", "--set", "simulation.stop_time=0.6"]
-    code, said, errors = run(*arguments)
-    assert (code, errors) == (0, "")
-    assert said.startswith("table    laws.csv\npicture  laws.png\n")
     assert (here / "laws.png").read_bytes().startswith(PNG)
     with (here / "laws.csv").open(newline="", encoding="utf-8") as file:
         assert [row["law"] for row in csv.DictReader(file)] == list(CONTACT_LAWS)
@@ -256,12 +254,39 @@ def test_compare_writes_what_was_asked_for(run, here):
 # --- info ------------------------------------------------------------------------------------------------
 
 
-def check_variables(listing, scene):
-    """Each variable has its line, whole, however narrow the terminal."""
+def info(run, source):
+    """The lines with values, and of the variables; each has its line, whole, however narrow the terminal."""
+    code, said, errors = run("info", source)
+    assert (code, errors) == (0, "")
+    values, listing = said.split("\nVariables of the FMU\n")
     head, *rows = listing.splitlines()
     assert head.split() == ["name", "causality", "variability", "unit", "meaning"]
-    lines = {line.split()[0]: line for line in rows}
-    variables = Model(scene).variables
+    return values, {line.split()[0]: line for line in rows}
+
+
+FACTS = {
+    "pinned_arm": """PinnedArm  Two-link arm pinned at the origin
+  contact.points = [1, 2]  # derived: all that move
+  link[2].mass = 0.6
+  link[2].center_of_mass = 0.2  # derived: length / 2
+  box.x_max = 0.3""",
+    "four_link_box": """FourLinkBox  Four-link chain, free base
+  FMI version = 2.0
+  platforms = linux64
+  simulation.stop_time = 2.0
+  link[2].mass = 1.0
+  contact.model = zhang_sharf""",
+}
+
+
+@pytest.mark.parametrize("scene", FACTS)
+def test_info_has_values_and_every_variable(run, fmu, scene):
+    values, lines = info(run, fmu if scene == "four_link_box" else scene)
+    first, *rest = FACTS[scene].splitlines()
+    assert values.startswith(first)
+    assert {*rest} <= {*values.splitlines()}
+    assert scene != "pinned_arm" or "x_min" not in values
+    variables = Model(load_scene(scene)).variables
     assert lines.keys() == {variable.name for variable in variables}
     for variable in variables:
         line = lines[variable.name]
@@ -269,53 +294,25 @@ def check_variables(listing, scene):
         assert line.endswith(variable.description)
 
 
-def test_info_of_a_scene_has_its_values_and_every_variable(run):
-    code, said, errors = run("info", "pinned_arm")
-    assert (code, errors) == (0, "")
-    values, listing = said.split("\nVariables of the FMU\n")
-    assert values.startswith("PinnedArm  Two-link arm pinned at the origin")
-    assert "\n  link[2].mass = 0.6\n" in values
-    assert "\n  contact.points = [1, 2]  # derived: all that move\n" in values
-    assert "\n  link[2].center_of_mass = 0.2  # derived: length / 2\n" in values
-    assert "\n  box.x_max = 0.3\n" in values
-    assert "x_min" not in values
-    check_variables(listing, load_scene("pinned_arm"))
-
-
-def test_info_of_an_fmu_has_its_values_and_every_variable(run, fmu):
-    code, said, errors = run("info", fmu)
-    assert (code, errors) == (0, "")
-    values, listing = said.split("\nVariables of the FMU\n")
-    assert values.startswith("FourLinkBox  Four-link chain, free base")
-    for fact in (
-        "FMI version = 2.0",
-        "platforms = linux64",
-        "simulation.stop_time = 2.0",
-        "link[2].mass = 1.0",
-    ):
-        assert f"\n  {fact}\n" in values
-    assert "\n  contact.model = zhang_sharf\n" in values
-    check_variables(listing, load_scene("four_link_box"))
-
-
 @pytest.mark.full("more cases", but=1)
-@pytest.mark.parametrize("kind", ["scene", "FMU"])
-def test_what_info_prints_can_be_set(run, fmu, kind):
-    source = fmu if kind == "FMU" else "four_link_box"
-    values = run("info", source)[1].split("\nVariables of the FMU\n")[0].splitlines()[1:]
-    named = [
-        line.strip().replace(" = ", "=", 1) for line in values if "[" in line or "." in line.split("=")[0]
-    ]
+def test_what_info_prints_can_be_set(run, source):
+    lines = info(run, source)[0].splitlines()[1:]
+    named = [line.strip().replace(" = ", "=", 1) for line in lines if re.search(r"[\[.]", line.split("=")[0])]
     settings = [part for setting in named for part in ("--set", setting)]
     assert len(named) > 30
     assert run("simulate", source, *settings) == run("simulate", source)
 
 
-def test_info_prints_brackets_as_they_are(run, here):
-    text = (models_folder() / "rod_drop" / "scene.toml").read_text(encoding="utf-8")
-    text = re.sub('description = ".*"', 'description = "[bold] a [/] b"', text)
+def test_signs_are_printed_as_they_are_or_as_question_marks_where_the_console_has_few(run, here):
+    """As main() prepares the console."""
+    text = re.sub(
+        'description = ".*"', 'description = "[bold] λ [/] b"', (ROD / "scene.toml").read_text("utf-8")
+    )
     (here / "odd.toml").write_text(text, encoding="utf-8")
-    assert run("info", "odd.toml")[1].startswith("RodDrop  [bold] a [/] b\n")
+    assert run("info", "odd.toml")[1].startswith("RodDrop  [bold] λ [/] b\n")
+    done = program("info", "odd.toml", env=os.environ | {"PYTHONIOENCODING": "ascii:strict"})
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("RodDrop  [bold] ? [/] b\n")
 
 
 @pytest.mark.full("takes long")
@@ -331,11 +328,12 @@ def test_info_into_a_closed_pipe_is_quiet(fmu):
 # --- arguments, and what all commands share --------------------------------------------------------------
 
 
-@pytest.mark.parametrize("verb", [None, "build", "simulate", "info", "validate"])
-def test_every_command_has_help(run, verb):
-    code, said, _ = run(*([verb] if verb else []), "--help")
-    assert code == 0
-    assert said.startswith(f"usage: chain-impact {verb or ''}".rstrip())
+def test_every_command_has_help_and_the_program_a_version(run):
+    for verb in ([], ["build"], ["simulate"], ["info"], ["validate"]):
+        code, said, _ = run(*verb, "--help")
+        assert code == 0
+        assert said.startswith(f"usage: {' '.join(['chain-impact', *verb])}")
+    assert run("--version") == (0, f"chain-impact {version('chain-impact')}\n", "")
 
 
 @pytest.mark.full("more cases", but=2)
@@ -347,13 +345,7 @@ def test_quiet_prints_nothing(run, here, verb):
     assert run("info", "rod_drop")[1] != ""
 
 
-def test_version(run):
-    assert run("--version") == (0, f"chain-impact {version('chain-impact')}\n", "")
-
-
-@pytest.mark.parametrize("kind", ["scene", "FMU"])
-def test_the_stop_time_can_be_given(run, fmu, kind):
-    source = fmu if kind == "FMU" else "four_link_box"
+def test_the_stop_time_can_be_given(run, source):
     done = run("simulate", source, "--stop-time", "0.52")
     assert done == run("simulate", source, "--set", "simulation.stop_time=0.52")
     assert "FourLinkBox  0 … 0.52 s, 1 impact\n" in done[1]
@@ -367,39 +359,7 @@ def test_an_interrupt_is_no_traceback(run, monkeypatch):
     assert run("simulate") == (130, "", "chain-impact: interrupted\n")
 
 
-def test_the_module_can_be_run_where_the_console_has_few_signs(here):
-    """As main() prepares the console: what it does not have becomes a question mark."""
-    text = (models_folder() / "rod_drop" / "scene.toml").read_text(encoding="utf-8")
-    (here / "odd.toml").write_text(re.sub('description = ".*"', 'description = "λ = 3"', text), "utf-8")
-    few = os.environ | {"PYTHONIOENCODING": "ascii:strict"}
-    command = [sys.executable, "-m", "chain_impact.cli", "info", "odd.toml"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=few)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.startswith("RodDrop  ? = 3\n")
-
-
-def test_a_picture_of_a_scene_has_rows_of_its_own(run, here, monkeypatch):
-    """At 10 rows a second links would shrink between rows, and rings stand beside the paths."""
-    shown = []
-    monkeypatch.setattr("chain_impact.results.plots.plot", lambda recording, *_: shown.append(recording))
-    code, _, _ = run(
-        "simulate", "four_link_box", "--set", "simulation.step_size=0.1", "--plot", "a.png", "--csv", "a.csv"
-    )
-    assert code == 0
-    assert len((here / "a.csv").read_text(encoding="utf-8").splitlines()) == 22
-    assert len(shown[0].time) == 1001
-
-
-def test_the_window_has_the_rows_of_the_picture(run, monkeypatch):
-    shown = []
-    monkeypatch.setattr("chain_impact.cli.simulate.open_window", mpl.figure.Figure)
-    monkeypatch.setattr(pyplot, "show", lambda: None)
-    monkeypatch.setattr("chain_impact.results.plots.fill", lambda _, recording: shown.append(recording))
-    assert run("simulate", "four_link_box", "--set", "simulation.step_size=0.1", "--show")[0] == 0
-    assert len(shown[0].time) == 1001
-
-
-def test_a_picture_of_an_fmu_says_what_it_cannot_show(run, here, fmu):
-    code, _, said = run("simulate", fmu, "--set", "simulation.step_size=0.1", "--plot", "a.png")
-    assert code == 0
-    assert "poses only, one each communication step, and cannot show what is between them" in said
+def test_the_module_can_be_run(here):
+    done = program("simulate", "--set", "a=1")
+    assert done.returncode == 2
+    assert re.fullmatch(r"chain-impact: FourLinkBox: a is no parameter.*\n", done.stderr)

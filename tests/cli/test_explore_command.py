@@ -52,18 +52,3 @@ def test_settings_are_in_the_page_and_in_its_command(run, here):
         "--set",
         "simulation.stop_time=0.5",
     ]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "pattern"),
-    [
-        (["explore", "nothing"], "nothing: cannot be read"),
-        (["explore", "-o", "a.txt"], "a.txt must end in .html"),
-        (["explore", "-o", "missing/a.html"], "missing/a.html: No such folder"),
-        (["explore", "--set", "contact.restitution=2"], "contact.restitution = 2 must be"),
-    ],
-)
-def test_what_cannot_be_is_refused(run, arguments, pattern):
-    code, said, errors = run(*arguments)
-    assert (code, said) == (2, "")
-    assert re.search(pattern, errors)

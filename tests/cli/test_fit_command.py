@@ -65,24 +65,3 @@ def test_laws(run, data):
     code, said, _ = run("fit", "four_link_box", "motion.csv", "--free", "contact.restitution", "--laws")
     assert code == 0
     assert "ΔAIC" in said
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("motion.csv",), "FourLinkBox: no parameter is free; name at least one"),
-        (("motion.csv", "--free", "contact.stifness"), "the nearest is contact.stiffness"),
-        (("none.csv", *FREE), "none.csv: No such file or directory"),
-        (("motion.csv", *FREE, "--sigma", "x"), "--sigma x: must be NAME=VALUE, for example point[4].x=1e-3"),
-        (("motion.csv", *FREE, "--sigma", "x=1"), "sigma of x: no such column was measured"),
-        (("motion.csv", *FREE, "--set-each", "initial.y=a"), "must be numbers, one for each data set"),
-        (("motion.csv", *FREE, "--bounds", "initial.x=0:1"), "bounds of initial.x, which is not free"),
-        (("motion.csv", *FREE, "-o", "no/fitted.toml"), "no/fitted.toml: No such folder"),
-    ],
-)
-def test_refusals(run, data, arguments, said):
-    code, _, error = run("fit", "four_link_box", *arguments)
-    assert code == 2
-    assert error.startswith("chain-impact: ")
-    assert said in error
-    assert error.count("\n") == 1

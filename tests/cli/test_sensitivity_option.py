@@ -108,32 +108,6 @@ def test_picture_and_table(run, here):
     np.testing.assert_allclose(found[falling], 0.5 * time[falling] ** 2, atol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("names", "said"),
-    [
-        (
-            "contact.stifness",
-            "RodDrop: contact.stifness is no parameter with derivatives; the nearest is contact.stiffness",
-        ),
-        (
-            "gravity.y,contact.model",
-            "RodDrop: contact.model is no parameter with derivatives; it is a choice",
-        ),
-    ],
-)
-def test_a_wrong_name(run, names, said):
-    code, out, errors = run("simulate", "rod_drop", "--sensitivity", names)
-    assert (code, out) == (2, "")
-    assert errors.startswith(f"chain-impact: {said}")
-    assert errors.count("\n") == 1
-
-
-def test_an_fmu_gives_none(run, fmu):
-    code, _, errors = run("simulate", fmu, "--sensitivity", "gravity.y")
-    assert code == 2
-    assert errors == f"chain-impact: --sensitivity: {fmu} is an FMU; must be a scene\n"
-
-
 def test_the_window_shows_them(run, monkeypatch):
     from matplotlib import pyplot
     from matplotlib.figure import Figure

@@ -2,8 +2,6 @@
 
 import csv
 
-import pytest
-
 from tests.tiers import needs_interop
 
 SHORT = ("--set", "simulation.stop_time=0.6", "--set", "solver.tolerance=1e-6")
@@ -39,17 +37,6 @@ def test_a_picture_and_parquet(run, here):
     assert (here / "out.parquet").read_bytes()[:4] == b"PAR1"
 
 
-def test_a_picture_of_too_many_parameters_is_refused_before_any_run(run, here):
-    names = ("x", "y", "vx", "vy", "angle[1]", "angle[2]", "angle[3]")
-    vary = [part for name in names for part in ("--vary", f"initial.{name}=1")]
-    code, _, error = run("sweep", *SHORT, *vary, "-o", "out.csv", "--plot", "out.png")
-    assert (code, error) == (
-        2,
-        "chain-impact: FourLinkBox: 7 parameters vary, must be <= 6 for a picture\n",
-    )
-    assert list(here.iterdir()) == []
-
-
 def test_samples(run, here):
     arguments = ("sweep", *SHORT, "--vary", "contact.stiffness=1e6:1e9:log", "--samples", "8")
     for name, more in (
@@ -64,28 +51,3 @@ def test_samples(run, here):
     a, b, c, d = ((here / f"{name}.csv").read_bytes() for name in "abcd")
     assert a == b
     assert len({a, c, d}) == 3
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ((), "--vary is missing: for example --vary contact.restitution=0.1:0.9:9"),
-        (("--vary", "contact.restitution"), "--vary contact.restitution: must be NAME=VALUE"),
-        (("--vary", "initial.x=1", "--vary", "initial.x=2"), "--vary initial.x=2: initial.x is given twice"),
-        (("--vary", "initial.x=1", "--set", "initial.x=.7"), "--vary initial.x=1: initial.x is given twice"),
-        (("--vary", "initial.x=0:1"), "initial.x = 0:1 is an interval"),
-        (("--vary", "initial.x=0,1", "--output", "point[4].z"), "point[4].z is no output; the nearest is"),
-        (("--vary", "initial.x=0,1", "--samples", "0"), "samples = 0 must be a whole number >= 1"),
-    ],
-)
-def test_refused_in_one_line(run, here, arguments, words):
-    code, said, error = run("sweep", *SHORT, *arguments, "-o", "out.csv")
-    assert (code, said) == (2, "")
-    assert words in error
-    assert error.count("\n") == 1
-    assert list(here.iterdir()) == []
-
-
-def test_a_folder_that_is_not_there(run):
-    code, _, error = run("sweep", "--vary", "initial.x=0,1", "-o", "nowhere/out.csv")
-    assert (code, error) == (2, "chain-impact: nowhere/out.csv: No such folder\n")

@@ -9,13 +9,13 @@ import pytest
 from chain_impact import Chain, load_scene
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.record.outputs import output_dtype
-from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, WALLS, Scene, model_names, with_values
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from chain_impact.variables.units import UNITS
-from tests.friction import pendulum
+from tests.friction import pendulum, sled
 from tests.stops import knee
 
 DRIVEN = {("inputs", "joint_torques"): True, ("inputs", "tip_force"): True}
@@ -44,27 +44,38 @@ def scenes() -> dict[str, Scene]:
 
 
 SCENES = scenes()
-every_scene = pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 
 
 def names(scene: Scene, causality: str) -> list[str]:
     return [variable.name for variable in Model(scene).variables if variable.causality == causality]
 
 
-@every_scene
-def test_names_are_unique_and_structured(scene):
-    found = [variable.name for variable in Model(scene).variables]
-    assert len(set(found)) == len(found)
+LEGAL = {("parameter", "fixed", "exact"), ("parameter", "tunable", "exact"), ("input", "continuous", None)}
+LEGAL |= {("output", "continuous", "calculated"), ("output", "discrete", "calculated")}
+
+
+def test_variables_have_legal_names_words_of_their_own_units_and_descriptions():
+    """Structured names, none twice; parameters, inputs and outputs in this order."""
     part = r"[a-z_]\w*(\[\d+\])?"
-    assert all(re.fullmatch(rf"{part}(\.{part})*", name) for name in found)
-
-
-@every_scene
-def test_each_variable_has_a_word_of_its_own(scene):
-    layout = Model(scene).new_instance().dtype
-    words = [word_index(layout, variable.place) for variable in Model(scene).variables]
-    assert len(set(words)) == len(words)
-    assert 0 <= min(words) <= max(words) < layout.itemsize // 8
+    for scene in SCENES.values():
+        variables = Model(scene).variables
+        found = [variable.name for variable in variables]
+        assert len(set(found)) == len(found)
+        assert all(re.fullmatch(rf"{part}(\.{part})*", name) for name in found)
+        layout = Model(scene).new_instance().dtype
+        words = [word_index(layout, variable.place) for variable in variables]
+        assert len(set(words)) == len(words)
+        assert 0 <= min(words) <= max(words) < layout.itemsize // 8
+        causalities = [variable.causality for variable in variables]
+        assert causalities == sorted(causalities, key=["parameter", "input", "output"].index)
+        for one in variables:
+            assert (one.causality, one.variability, one.initial) in LEGAL
+            assert one.variability != "continuous" or one.type == "real"
+            assert one.description.strip() == one.description != ""
+            assert (one.unit in UNITS) == (one.type == "real")
+            assert bool(one.items) == (one.type == "enumeration")
+    used = {variable.unit for scene in SCENES.values() for variable in Model(scene).variables}
+    assert used - {""} == set(UNITS)
 
 
 def test_word_index_counts_as_numpy_does():
@@ -76,44 +87,16 @@ def test_word_index_counts_as_numpy_does():
     assert word_index(instance.dtype, place) == whole["step"]["dense"].view(np.int64)[2, 5]
 
 
-@pytest.mark.parametrize("place", [("model", "length", 4), ("model", "length", -1), ("model", "lengths", 0)])
-def test_word_index_refuses_what_is_not_there(place):
+@pytest.mark.parametrize(
+    "place",
+    [
+        *(("model", "length", 4), ("model", "length", -1), ("model", "lengths", 0)),
+        *(("model",), ("model", "length"), ("step", "dense", 1)),
+    ],
+)
+def test_word_index_refuses_what_is_not_there_or_not_one_number(place):
     with pytest.raises((KeyError, IndexError)):
         word_index(Model(SCENES["four_link_box"]).new_instance().dtype, place)
-
-
-@pytest.mark.parametrize("place", [("model",), ("model", "length"), ("step", "dense", 1)])
-def test_word_index_refuses_what_is_not_one_number(place):
-    with pytest.raises(KeyError, match="not a scalar"):
-        word_index(Model(SCENES["four_link_box"]).new_instance().dtype, place)
-
-
-@every_scene
-def test_causality_variability_and_initial_are_a_legal_combination(scene):
-    legal = {
-        ("parameter", "fixed", "exact"),
-        ("parameter", "tunable", "exact"),
-        ("input", "continuous", None),
-        ("output", "continuous", "calculated"),
-        ("output", "discrete", "calculated"),
-    }
-    for variable in Model(scene).variables:
-        assert (variable.causality, variable.variability, variable.initial) in legal
-        assert variable.variability != "continuous" or variable.type == "real"
-
-
-@every_scene
-def test_reals_have_a_unit_and_all_have_a_description(scene):
-    for variable in Model(scene).variables:
-        assert variable.description.strip() == variable.description != ""
-        assert (variable.unit in UNITS) == (variable.type == "real")
-        assert bool(variable.items) == (variable.type == "enumeration")
-
-
-@every_scene
-def test_outputs_come_last(scene):
-    causalities = [variable.causality for variable in Model(scene).variables]
-    assert causalities == sorted(causalities, key=["parameter", "input", "output"].index)
 
 
 # --- what a scene has ----------------------------------------------------------------------------------
@@ -210,7 +193,7 @@ def test_a_scene_without_walls_has_no_contact_variables():
 
 
 @pytest.mark.full("more cases", but=14)
-@every_scene
+@pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_each_parameter_sets_its_place_and_nothing_else(scene):
     """But for the values in use that the scene derives."""
     paths = Model(scene).parameter_paths
@@ -265,27 +248,20 @@ def test_every_status_is_in_the_description():
 # --- outputs -------------------------------------------------------------------------------------------
 
 
-@every_scene
-def test_columns_are_those_of_the_recorded_outputs(scene):
-    outputs = np.zeros(3, Model(scene).row)
-    links, pairs = len(scene.chain.links), len(candidates(scene))
-    whole = output_dtype(links, pairs, pairs + links if scene.has_friction else 0)
-    assert outputs.dtype == whole
-    width = outputs.dtype.itemsize // 8
-    outputs.view(np.float64)[:] = np.arange(3 * width)
-    columns = Model(scene).series(outputs)
-    layout = Model(scene).new_instance().dtype
-    start = layout.fields["output"][1] // 8
-    for variable in Model(scene).variables:
-        if variable.place[0] == "output":
-            offset = word_index(layout, variable.place) - start
-            assert columns.pop(variable.name).tolist() == [offset, offset + width, offset + 2 * width]
-    assert not columns
-
-
-def test_every_unit_is_used():
-    used = {variable.unit for scene in SCENES.values() for variable in Model(scene).variables}
-    assert used - {""} == set(UNITS)
+def test_columns_are_those_of_the_recorded_outputs():
+    for scene in SCENES.values():
+        outputs = np.zeros(3, Model(scene).row)
+        links, pairs = len(scene.chain.links), len(candidates(scene))
+        assert outputs.dtype == output_dtype(links, pairs, pairs + links if scene.has_friction else 0)
+        width = outputs.dtype.itemsize // 8
+        outputs.view(np.float64)[:] = np.arange(3 * width)
+        columns, layout = Model(scene).series(outputs), Model(scene).new_instance().dtype
+        start = layout.fields["output"][1] // 8
+        for variable in Model(scene).variables:
+            if variable.place[0] == "output":
+                offset = word_index(layout, variable.place) - start
+                assert columns.pop(variable.name).tolist() == [offset, offset + width, offset + 2 * width]
+        assert not columns
 
 
 # --- stops and materials -------------------------------------------------------------------------------
@@ -354,3 +330,74 @@ def test_walls_that_no_point_can_touch_have_no_number_before_those_of_stops():
     chain.restore(chain.save())
     touched = with_values(knee(), {("walls",): walls})
     assert touched.wall_names.index("joint_min") == 10
+
+
+# --- dry friction ----------------------------------------------------------------------------------------
+
+RUBBING = {"contact.friction": 0.3, "wall.x_max.static_friction": 0.5, "link[3].joint_friction": 0.2}
+RUBBING = with_values(SCENES["four_link_box"], RUBBING)
+
+
+def variables(scene):
+    return {variable.name: variable for variable in Model(scene).variables}
+
+
+def is_dry(variable):
+    return "friction" in f"{variable.name}{variable.description}" or "stick" in variable.name
+
+
+def test_a_scene_without_friction_has_no_variable_more_and_no_status():
+    found = variables(
+        SCENES["four_link_box"].with_values({"link[2].joint_max": 2.0, "inputs.joint_torques": True})
+    )
+    assert not [variable.name for variable in found.values() if is_dry(variable)]
+    # the status of friction at rigid walls is one of scenes with friction at walls only
+    text = STATUS_TEXT[FRICTION_WITH_RIGID_WALLS]
+    assert text not in found["solver.status"].description
+    assert text in variables(RUBBING)["solver.status"].description
+
+
+def test_a_scene_with_friction_has_its_variables():
+    found = variables(RUBBING)
+    parameters = {"contact.friction", "contact.static_friction", "wall.x_max.static_friction"}
+    touches = ("friction_force", "friction_impulse", "sticking")
+    outputs = {f"contact[{k}].{wall}.{key}" for k in range(5) for wall in WALLS for key in touches}
+    of_joint = {"link[3].joint_friction", "joint[3].friction_moment", "joint[3].sticking"}
+    new = found.keys() - variables(SCENES["four_link_box"]).keys()
+    assert new == parameters | outputs | of_joint | {"energy.friction"}
+    assert {name for name in new if found[name].variability == "tunable"} == parameters
+    assert found["contact.friction"].place == ("given", "friction")
+    assert found["wall.x_max.static_friction"].place == ("walls", "static_friction", 1)
+    assert found["contact[1].x_min.friction_force"].place == ("output", "friction", "force", 4)
+    assert found["joint[3].friction_moment"].place == ("output", "friction", "joint_moment", 2)
+    assert found["joint[3].sticking"].place == ("output", "friction", "joint_sticking", 2)
+    units = [found[f"contact[4].y_max.{key}"].unit for key in touches]
+    assert (units, found["joint[3].friction_moment"].unit) == (["N", "N.s", "1"], "N.m")
+    assert (found["joint[3].sticking"].minimum, found["joint[3].sticking"].maximum) == (0.0, 1.0)
+    assert "dry friction" in found["energy.dissipated"].description
+
+
+def test_only_the_joints_with_friction_have_variables():
+    one = variables(pendulum(**{"link[2].joint_friction": 0.0}))
+    new = {name for name, variable in one.items() if is_dry(variable)} - {"energy.dissipated"}
+    assert new == {
+        "link[1].joint_friction",
+        "joint[1].friction_moment",
+        "joint[1].sticking",
+        "energy.friction",
+    }
+    free = variables(with_values(SCENES["four_link_box"], {"link[1].joint_friction": 0.2}))
+    assert free.keys() == variables(SCENES["four_link_box"]).keys()
+
+
+def test_friction_is_there_with_the_group_of_outputs_that_it_belongs_to():
+    no_contacts = variables(RUBBING.with_values({"outputs.contacts": False}))
+    assert not [name for name in no_contacts if "stick" in name or name.endswith("friction_moment")]
+    assert "energy.friction" in no_contacts
+    assert "energy.friction" not in variables(RUBBING.with_values({"outputs.energies": False}))
+
+
+def test_what_sticks_answers_to_an_input_at_once():
+    found = variables(sled())
+    at_once = {name for name in found if name.startswith("contact[0]") and found[name].feedthrough}
+    assert at_once == {f"contact[0].slope.{key}" for key in ("force", "friction_force", "sticking")}
