@@ -15,6 +15,7 @@ from chain_impact import Scene, load_scene
 from chain_impact.fmu.build import build_fmu
 from tests.derived_scenes import finger
 from tests.friction import thrown
+from tests.friction_derivative_scenes import dry_joints
 from tests.processes import Processes, make_environment
 from tests.shared import once, shared_folder
 from tests.stops import knee
@@ -30,7 +31,19 @@ KINDS = {
 """The kinds of FMU → how to build one. The first two are for FMI 2.0."""
 
 
+ASKED = ["contact.stiffness", "contact.restitution", "initial.angle[*]"]
+FLAT = {"box.x_max": 9.0, "contact.model": "newton_impact", "initial.velocity": [0.0, 0.0]}
+FLAT |= {"initial.angles": [0.0] * 4, "initial.angular_velocities": [0.0] * 4}
 SCENES = {
+    "derivatives": lambda: load_scene("four_link_box").with_values(
+        {"outputs.sensitivities": ASKED, "outputs.contacts": False}
+    ),
+    "flat_derivatives": lambda: load_scene("four_link_box").with_values(
+        FLAT | {"outputs.sensitivities": ["contact.restitution"]}
+    ),
+    "dry_derivatives": lambda: dry_joints(4).scene.with_values(
+        {"outputs.sensitivities": [f"link[{i}].joint_friction" for i in (1, 3)]}
+    ),
     "knee": knee,
     "thrown": thrown,
     "finger": finger,

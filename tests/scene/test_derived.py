@@ -70,13 +70,12 @@ def test_a_scene_tells_what_it_derives_and_how():
     assert finger().with_values(finger().values).derived == {}
 
 
-@pytest.mark.parametrize("model", model_names())
-def test_what_is_written_is_what_is_given(model):
-    scene = load_scene(model)
-    data = scene_to_dict(scene)
-    assert scene_from_dict(data, "f") == scene
-    assert not scene.derived or scene_to_dict(scene, derived=True) != data
-    assert scene_from_dict(scene_to_dict(scene, derived=True), "f").derived == {}
+def test_what_is_written_is_what_is_given():
+    for scene in map(load_scene, model_names()):
+        data = scene_to_dict(scene)
+        assert scene_from_dict(data, "f") == scene
+        assert not scene.derived or scene_to_dict(scene, derived=True) != data
+        assert scene_from_dict(scene_to_dict(scene, derived=True), "f").derived == {}
 
 
 def test_equal_links_are_derived_alike():
