@@ -1,6 +1,5 @@
 """The repr of a scene."""
 
-
 from chain_impact import Scene, load_scene, model_names
 from tests.friction import pendulum, sled
 from tests.stops import knee
