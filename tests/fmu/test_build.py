@@ -323,6 +323,7 @@ def responses(fmu, laws):
     return changed
 
 
+@pytest.mark.full("takes long")
 def test_dependencies_are_true_under_every_law(native, clean):
     declared = {
         one.variable.name

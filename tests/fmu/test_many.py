@@ -57,6 +57,7 @@ def in_turns(fmus, lots):
     return lives
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("backwards", [False, True])
 def test_fmus_of_all_kinds_and_a_foreign_one_do_not_mix(all_fmus, foreign, clean, backwards):
     """Each gives the digits that it gives alone, in its own process."""
@@ -94,10 +95,12 @@ def growth(fmu, warm_up, cycles):
     return (memory() - before) / cycles
 
 
+@pytest.mark.full("more cases", but=1)
 def test_native_instances_leave_nothing_behind(strict, clean):
     assert clean(growth, strict["rod_drop"], 500, 10_000) < 0.01  # kB
 
 
+@pytest.mark.full("takes long")
 def test_pythonfmu_instances_leave_no_more_behind_than_those_of_an_empty_slave(all_fmus, foreign, clean):
     """pythonfmu's wrapper executes the script for every instance and keeps its code and its names."""
     ours = clean(growth, all_fmus["pythonfmu"]["rod_drop"], 200, 1000)

@@ -53,7 +53,7 @@ def assert_recovered(record, impacts):
         np.testing.assert_allclose(found[name], impacts[name], rtol=1e-6, err_msg=name)
 
 
-@pytest.mark.full("more cases", but=12)
+@pytest.mark.full("more cases", but=6)
 @of_each
 def test_fmpy_sees_every_impact(fmus, clean, expected, model, size):
     """From impact[j].* alone, where no more come in a step than are shown."""
@@ -87,6 +87,7 @@ def test_impacts_do_not_depend_on_the_communication_step(target, tmp_path, clean
     np.testing.assert_equal(others, [first, first])
 
 
+@pytest.mark.full("more cases", but=3)
 @of_each
 def test_fmpy_in_event_mode_sees_every_impact_whatever_the_step(all_fmus, clean, expected, model, size):
     record, impacts = clean(recorded, all_fmus["fmi3"][model], size, True), expected[model].impacts

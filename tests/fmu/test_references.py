@@ -44,7 +44,7 @@ def spoil(native, tmp_path):
 # --- what is written -------------------------------------------------------------------------------------
 
 
-@pytest.mark.full("more cases", but=8)
+@pytest.mark.full("more cases", but=4)
 @every_model
 def test_every_model_keeps_to_its_reference_which_is_small(fmus, model):
     passed, text = check_references(Path(fmus[model]))
@@ -75,6 +75,7 @@ def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, mo
     assert columns["impact.count"][1][here].tolist() == begun
 
 
+@pytest.mark.full("takes long")
 def test_the_times_are_those_that_can_be_relied_on():
     """None is close to the begin or end of a contact; of 1000 s that amplify every error some 2 are left."""
     scene = load_scene("four_link_box")

@@ -66,7 +66,7 @@ def trajectory(fmu, values, stop, step):
     return [instance.outputs, instance.run(times)]
 
 
-@pytest.mark.full("more cases", but=len(CASES) + 7)
+@pytest.mark.full("more cases", but=12)
 @pytest.mark.parametrize(("model", "values"), CASES, ids=str)
 def test_parameters_act_as_they_do_in_the_scene(fmus, clean, model, values):
     stop = STOPS.get(model, 1.0)
@@ -225,6 +225,7 @@ def shown(fmu, changes, names, when):
     return told
 
 
+@pytest.mark.full("more cases", but=12)
 @pytest.mark.parametrize("when", ["before", "in"])
 @pytest.mark.parametrize("changes", PARAMETER_CHANGES, ids=str)
 def test_the_value_in_use_is_shown(fmus, clean, changes, when):
@@ -285,6 +286,7 @@ def impacts_at(fmu, step, every):
     return rows
 
 
+@pytest.mark.full("takes long")
 def test_neither_result_nor_cost_depends_on_the_communication_step(fmus, clean):
     fine, middle, coarse = (
         np.array(clean(impacts_at, fmus["four_link_box"], step, round(0.01 / step)))
@@ -355,7 +357,7 @@ def test_a_saved_state_goes_on_to_the_last_bit(fmu, save_at):
     in_contact = isinstance(save_at, str)
     for instance in (one, never):
         while in_contact and not instance[save_at]:
-            instance.step(instance.time + 1e-5)
+            instance.step(instance.time + 2e-4)
         if not in_contact:
             instance.step(save_at)
     start, step = one.time, 1e-5 if in_contact else 0.01
