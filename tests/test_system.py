@@ -2,12 +2,8 @@
 
 import io
 import os
-import signal
-import subprocess
 import sys
-import time
 from pathlib import Path
-from queue import Empty
 
 import pytest
 from filelock import FileLock, Timeout
@@ -93,40 +89,6 @@ def test_signs_that_the_console_does_not_have_do_not_end_the_program(monkeypatch
     assert sys.stdout.buffer.getvalue() == "? = 3 …\n".encode("cp1252")
     monkeypatch.setattr(sys, "stdout", io.StringIO())  # as in a notebook
     system.prepare_console()
-
-
-def test_what_comes_next_is_waited_for(monkeypatch):
-    waits = []
-
-    class Queue:
-        def get(self, timeout):
-            waits.append(timeout)
-            if len(waits) < 3:
-                raise Empty
-            return "here"
-
-    assert system.next_of(Queue()) == "here"
-    assert waits == [system.LISTEN] * 3
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal to send for Ctrl-C")
-def test_ctrl_c_ends_a_wait():
-    # a shell lets what it starts in the background ignore Ctrl-C, and with it the tests that run there
-    program = """import signal
-signal.signal(signal.SIGINT, signal.default_int_handler)
-from queue import SimpleQueue
-from chain_impact.system import next_of
-print(flush=True)
-next_of(SimpleQueue())"""
-    waiting = subprocess.Popen(
-        [sys.executable, "-c", program],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
-    waiting.stdout.readline()
-    time.sleep(0.1)
-    waiting.send_signal(signal.SIGINT)
-    assert waiting.communicate(timeout=30)[1].rstrip().endswith(b"KeyboardInterrupt")
 
 
 def test_words_are_quoted_as_the_shell_takes_them(monkeypatch):

@@ -18,7 +18,6 @@ import sysconfig
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple, TypeVar
 
 T = TypeVar("T")
@@ -160,13 +159,6 @@ def prepare_console() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
             stream.reconfigure(errors="replace")
-
-
-def next_of(queue: SimpleQueue[T]) -> T:
-    """Wait for what comes next; Ctrl-C ends the wait, for which Windows needs a wait that ends by itself."""
-    while True:
-        with suppress(Empty):
-            return queue.get(timeout=LISTEN)
 
 
 def quoted(word: str) -> str:

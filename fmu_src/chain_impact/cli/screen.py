@@ -134,7 +134,7 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
 
 
 def law_table(comparison: Comparison) -> Iterator[RenderableType]:
-    """The laws side by side, and which to take."""
+    """The laws side by side, and which suit the restitution."""
     yield f"\n{escape(heading(comparison))}"
     names = head(comparison)
     table = table_of(names, names[1:-1])
@@ -142,8 +142,7 @@ def law_table(comparison: Comparison) -> Iterator[RenderableType]:
         table.add_row(*map(escape, cells(run)))
     yield table
     yield escape(legend(comparison))
-    for number, line in enumerate(advice(comparison)):
-        yield escape(f"{'' if number else 'advice':9}{line}")
+    yield escape(f"advice   {advice(comparison)}")
 
 
 def cache_report(ready: Sequence[Path], entries: Sequence[Entry], present: Path) -> Iterator[str]:

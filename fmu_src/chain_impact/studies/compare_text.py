@@ -1,4 +1,4 @@
-"""A comparison of contact laws as text: a table, and which law to take."""
+"""A comparison of contact laws as text: a table, and which laws suit the restitution."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.results.summary import aligned
-from chain_impact.studies.compare import EXACT, OVERLAP, Comparison, LawRun
+from chain_impact.studies.compare import Comparison, LawRun
 from chain_impact.studies.law_change import first_place
 
 NEAR = 0.05  # part of the prescribed restitution, as in the registry's ranges
@@ -27,7 +27,7 @@ def report(comparison: Comparison) -> Iterator[str]:
     yield heading(comparison)
     yield from aligned(head(comparison), [cells(run) for run in comparison.runs])
     yield legend(comparison)
-    yield from advice(comparison)
+    yield advice(comparison)
 
 
 def heading(comparison: Comparison) -> str:
@@ -75,58 +75,9 @@ def legend(comparison: Comparison) -> str:
     )
 
 
-def advice(comparison: Comparison) -> list[str]:
-    """Which law to take for the scene's restitution, and why; which others realise it, and which do not.
-
-    Where the exact law is far from e, other contacts or forces make the first impact what it is. Then it says
-    nothing of the laws, and only their ranges do.
-    """
+def advice(comparison: Comparison) -> str:
+    """Which of the laws that finished their first impact realise the restitution, by their ranges."""
     e = comparison.contact.restitution
-    ended = [run for run in comparison.runs if math.isfinite(run.restitution)]
-    if not ended:
-        return [f"for e = {e:g}: none, as no law finished its first impact"]
-    best = next((run for run in ended if run.law == EXACT and _in_range(run.law, e)), None)
-    lone = best is None or _is_near(best, e)
-    if best:
-        reason = f"{CONTACT_LAWS[EXACT].limits} {_here(best, e)}"
-    else:
-        best = min(ended, key=lambda run: abs(run.restitution - e))
-        reason = (
-            "Of the laws that ran, its first impact comes nearest to the prescribed restitution: "
-            f"e′ = {best.restitution:.4g}."
-        )
-    near = [run.law for run in ended if _in_range(run.law, e) and (not lone or _is_near(run, e))]
-    others = [law for law in near if law != best.law]
-    unfit = [run.law for run in ended if run.law not in (best.law, *near)]
-    suits = best.law in (EXACT, *near)
-    lines = [
-        f"for e = {e:g}: {best.law if suits else f'none of these laws; {best.law} is nearest'}. {reason}"
-    ]
-    if others:
-        how = "their range and here" if lone else "their range"
-        lines.append(f"also within {100 * NEAR:g} % of e by {how}: {', '.join(others)}")
-    if unfit:
-        lines.append(f"not for e = {e:g}: {', '.join(unfit)}")
-    return lines
-
-
-def _here(run: LawRun, e: float) -> str:
-    """What the exact law realises in the first impact, and why it is not e."""
-    found = f"In the first impact here, e′ = {run.restitution:.4g}"
-    if f"{run.restitution:.4g}" == f"{e:.4g}":
-        return f"{found}."
-    why = OVERLAP if OVERLAP in run.note else "other forces act during the contact"
-    if _is_near(run, e):
-        return f"{found}, because {why}."
-    return f"{found} instead, because {why}: e is the restitution of one contact on its own."
-
-
-def _is_near(run: LawRun, e: float) -> bool:
-    """Whether the first impact has about the prescribed restitution."""
-    return abs(run.restitution - e) <= NEAR * e
-
-
-def _in_range(law: str, e: float) -> bool:
-    """Whether the registry says that the law realises e; of a user's law it knows nothing."""
-    entry = CONTACT_LAWS.get(law)
-    return entry is None or entry.accurate_from <= e <= entry.accurate_to
+    ended = [run.law for run in comparison.runs if run.law in CONTACT_LAWS and math.isfinite(run.restitution)]
+    suit = [law for law in ended if CONTACT_LAWS[law].accurate_from <= e <= CONTACT_LAWS[law].accurate_to]
+    return f"within {100 * NEAR:g} % of e = {e:g} by their ranges: {', '.join(suit) or 'none of these laws'}"

@@ -41,11 +41,6 @@ def test_what_acts_together_only():
     assert known.with_held(2).errors == pytest.approx(information(SLOPES, SIGMA).errors)
 
 
-def test_one_more_value():
-    whole, less = information(SLOPES, SIGMA), information(SLOPES[:3], SIGMA[:3])
-    np.testing.assert_allclose(less.with_value(SLOPES[3], 0.5).matrix, whole.matrix)
-
-
 def test_quantiles():
     wanted = [stats.t.ppf(0.975, 2), stats.t.ppf(0.975, 5.5), stats.norm.ppf(0.975), np.inf]
     assert quantiles(np.array([2.0, 5.5, np.inf, 0.0])).tolist() == pytest.approx(wanted)

@@ -1,9 +1,6 @@
-"""What the data cannot tell, and which measurement would: each word is checked by doing it."""
+"""What the data cannot tell, and with what it acts together: each word is checked by doing it."""
 
 import math
-import re
-
-import pytest
 
 from chain_impact import fit, load_scene, simulate
 from tests.measurements import FREE, NOISE, TIP, impacts, motion, scene
@@ -21,15 +18,12 @@ def test_stiffness_is_unknown_after_one_impact_and_a_peak_force_tells_it():
     found = fit(scene(), columns, FREE, sigma=SIGMA)
     (said,) = found.unknown
     error = found.standard_errors[FREE[0]] / found.values[FREE[0]]
-    assert said.startswith(
+    assert said == (
         f"contact.stiffness is not determined by these data: its standard error is {100 * error:.2g} %."
     )
-    promised = re.search(r"The peak force of impact 1, measured to 2 %, would bring it to ([\d.]+) %", said)
     table = impacts(result, ["peak_force"])
     told = fit(scene(), [[columns, table]], FREE, sigma=SIGMA | {"peak_force": "2%"})
-    reached = told.standard_errors[FREE[0]] / told.values[FREE[0]]
     assert told.unknown == ()
-    assert 100.0 * reached == pytest.approx(float(promised[1]), rel=0.1)
 
 
 def test_what_has_no_effect():

@@ -30,37 +30,30 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     Raises:
         SceneError: when no law can be fitted.
     """
-    own = scenes[0].contact.model
-    laws = [own, *(law for law in law_names(scenes[0]) if law != own)]
-    found: list[LawFit] = []
+    own = scenes[0].contact
+    laws = [own.model, *(law for law in law_names(scenes[0]) if law != own.model)]
+    first, found = None, []
     for k, law in enumerate(laws):
-        first = found[0].fit if found else None
-        found.append(_fit_law(fit, scenes, first, law, _part(progress, k, len(laws))))
-    if not any(one.fit for one in found):
+        one, note = None, ""
+        for origin in (first.scenes, scenes) if first else (scenes,):
+            try:
+                one = fit([_with_law(scene, law, first) for scene in origin], _part(progress, k, len(laws)))
+            except SceneError as error:
+                note = note if one else str(error).removeprefix(f"{scenes[0].name}: ")
+                continue
+            exponent = needed_exponent(law, own.exponent)
+            note = f"n = {exponent:g}" if exponent != own.exponent else ""
+            if one.converged:
+                break
+        found.append(LawFit(law, one, note))
+        first = first or (one if law == own.model else None)
+    most = max((int(one.fit.used.sum()) for one in found if one.fit), default=0)
+    if not most:
         raise SceneError(f"{scenes[0].name}: no contact law can be fitted: {found[0].note}")
-    most = max(int(one.fit.used.sum()) for one in found if one.fit)
-    ranked = sorted(found, key=lambda one: _place(one, most))
-    noted = tuple(_noted(one, most) for one in ranked)
-    best = noted[0].fit
+    ranked = tuple(_noted(one, most) for one in sorted(found, key=lambda one: _place(one, most)))
+    best = ranked[0].fit
     assert best is not None
-    started = found[0].fit or best  # the others began where it ended
-    return replace(best, parameters=started.parameters, ranking=noted)
-
-
-def _fit_law(fit: FitOne, scenes: Sequence[Scene], first: Fit | None, law: str, progress: Progress) -> LawFit:
-    """The fit of one law, from what the first law found, or else from the start."""
-    note = ""
-    for origin in (first.scenes, scenes) if first else (scenes,):
-        try:
-            found = fit([_with_law(scene, law, first) for scene in origin], progress)
-        except SceneError as error:
-            note = str(error).removeprefix(f"{scenes[0].name}: ")
-            continue
-        if found.converged or origin is scenes:
-            own = scenes[0].contact.exponent
-            n = needed_exponent(law, own)
-            return LawFit(law, found, f"n = {n:g}" if n != own else "")
-    return LawFit(law, None, note)
+    return replace(best, parameters=(first or best).parameters, ranking=ranked)  # the others began there
 
 
 def _part(progress: Progress, k: int, count: int) -> Progress:

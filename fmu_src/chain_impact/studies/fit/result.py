@@ -59,7 +59,7 @@ class Fit:
         converged: whether the search ended where no step makes the fit better.
         runs: how many runs with derivatives it took.
         horizons: until when [s] data were used, one after the other.
-        unknown: what the data cannot tell, in words, and which measurement would.
+        unknown: what the data cannot tell, in words.
         notes: further remarks: values that were left out, bounds that were reached.
         ranking: the contact laws, the best first, if they were compared.
         models: the run of each data set with the fitted values.

@@ -49,10 +49,6 @@ class Information:
         with np.errstate(divide="ignore"):
             return np.asarray(1.0 / np.sqrt(np.diag(self.matrix)))
 
-    def with_value(self, slopes: np.ndarray, sigma: float) -> Information:
-        """What it would be with one more measured value, of some derivatives, shape (P,)."""
-        return Information(self.matrix + np.outer(slopes, slopes) / sigma**2)
-
     def with_held(self, p: int) -> Information:
         """What it would be with one parameter held: of all others, shape (P − 1, P − 1)."""
         return Information(np.delete(np.delete(self.matrix, p, 0), p, 1))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from queue import SimpleQueue
-from threading import Event, Thread
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from threading import Event, local
 from time import perf_counter
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job, Runner
 from chain_impact.studies.sweep.pieces import Pieces, Span
-from chain_impact.system import next_of
+from chain_impact.system import LISTEN
 
 PIECE = 0.1  # s
 
@@ -25,37 +25,26 @@ def run_in_threads(
     Whoever stops listening, by Ctrl-C for one, waits for less than a second until all threads have ended.
     """
     Runner(job)  # compiles the kernel, here
-    pieces, enough = Pieces(spans, threads, PIECE), Event()
-    finished: SimpleQueue[tuple[int, np.ndarray] | BaseException | None] = SimpleQueue()
+    pieces, enough, mine = Pieces(spans, threads, PIECE), Event(), local()
 
-    def work() -> None:
-        try:
-            runner = Runner(job)
-            while (piece := pieces.take()) and not enough.is_set():
-                started = perf_counter()
-                rows = runner.run(design.values(*piece), lambda: not enough.is_set())
-                if rows is not None:
-                    finished.put((piece[0], rows))
-                pieces.took(piece, perf_counter() - started)
-            finished.put(None)
-        except BaseException as error:
-            finished.put(error)
+    def work() -> tuple[int, np.ndarray] | None:
+        piece = pieces.take()
+        if piece is None:
+            return None
+        mine.runner = getattr(mine, "runner", None) or Runner(job)
+        started = perf_counter()
+        rows = mine.runner.run(design.values(*piece), lambda: not enough.is_set())
+        pieces.took(piece, perf_counter() - started)
+        return (piece[0], rows) if rows is not None else None
 
-    team = [Thread(target=work, daemon=True) for _ in range(threads)]
+    pool = ThreadPoolExecutor(threads)
     try:
-        for thread in team:
-            thread.start()
-        at_work = len(team)
-        while at_work:
-            found = next_of(finished)
-            if isinstance(found, BaseException):
-                raise found
-            if found is None:
-                at_work -= 1
-            else:
+        todo = {pool.submit(work) for _ in range(2 * threads)}  # no thread waits for who listens
+        while todo:
+            done, todo = wait(todo, LISTEN, FIRST_COMPLETED)
+            for found in filter(None, [one.result() for one in done]):
+                todo.add(pool.submit(work))
                 yield found
     finally:
         enough.set()
-        for thread in team:
-            if thread.ident is not None:
-                thread.join()
+        pool.shutdown(cancel_futures=True)
