@@ -12,7 +12,8 @@ import argparse
 import time
 from collections import defaultdict
 
-from tests.folds import faults, fold
+from tests.folds import faults
+from tests.random_scenes import fold
 
 
 def main() -> None:

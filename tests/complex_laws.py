@@ -6,73 +6,37 @@ import cmath
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
-from tests.complex_step import TINY, runge_kutta
+from tests.reference import exact_damping_factor, rebound
+
+TINY = 1e-30
+"""The imaginary part of a parameter; its square is lost to round-off, so that of any analytic function is
+this times its derivative (W. Squire & G. Trapp 1998, *SIAM Rev* 40:110)."""
 
 
 def exact_factor(e: complex) -> complex:
-    """λ with λ(1+e) = ln[(1+λ)/(1−λe)]: of Zhang & Sharf 2009, for e < 1."""
-    if e.real == 1.0:
+    """λ with λ(1+e) = ln[(1+λ)/(1−λe)], of Zhang & Sharf 2009, and its derivative by that equation."""
+    value = exact_damping_factor(e.real)
+    if value == 0.0:
         return 1.5 * (1.0 - e)  # the first term of its series, which is all that a derivative sees
-
-    # of s, with λe = 1 − exp(−s)
-    def remainder(s: Any, e: Any, log: Any, exp: Any) -> Any:
-        part = 1.0 - exp(-s)
-        return s - part * (1.0 + 1.0 / e) + log(1.0 + part / e)
-
-    root = brentq(remainder, 1e-3 * (1.0 - e.real), 2.0 + 2.0 / e.real, (e.real, math.log, math.exp), 1e-15)
-    s = complex(root)
-    for _ in range(3):
-        part = 1.0 - cmath.exp(-s)
-        slope = 1.0 - (1.0 - part) * (1.0 + 1.0 / e - 1.0 / (e + part))
-        s -= remainder(s, e, cmath.log, cmath.exp) / slope
-    return (1.0 - cmath.exp(-s)) / e
-
-
-def viscoelastic_rebound(damping: np.ndarray) -> np.ndarray:
-    """Restitution of the unit impact δ̈ = −δ^{3/2} − f δ^{1/2} δ̇ until the force is zero, for each f.
-
-    In z = √δ and w = δ̇, with dt = 2z ds: z′ = w, w′ = −2z²(z² + f w). The force ends where z² + f w does.
-    """
-
-    def rate(y: np.ndarray) -> np.ndarray:
-        return np.stack([y[1], -2.0 * y[0] ** 2 * (y[0] ** 2 + damping * y[1])])
-
-    def force(y: np.ndarray) -> np.ndarray:
-        return y[0] ** 2 + damping * y[1]
-
-    y, size = np.stack([0.0 * damping, 1.0 + 0.0 * damping]), 0.02
-    while True:
-        after = runge_kutta(rate, y, size, rate(y))[0]
-        if after[1].real.max() < 0.0 and force(after).real.max() < 0.0:
-            break
-        y = after
-    # w is least there, so where exactly the step ends is of second order
-    h = size * force(y) / (force(y) - force(after))
-    for _ in range(40):
-        after = runge_kutta(rate, y, h, rate(y))[0]
-        slope = rate(after)
-        change = force(after) / (2.0 * after[0] * slope[0] + damping * slope[1])
-        h = h - change
-        if np.abs(change).max() < 1e-15:
-            break
-    return -runge_kutta(rate, y, h, rate(y))[0][1]
+    by_e = value / (1.0 - value * e.real) - value
+    by_factor = 1.0 + e.real - 1.0 / (1.0 + value) - e.real / (1.0 - value * e.real)
+    return complex(value, e.imag * by_e / by_factor)
 
 
 def viscoelastic_factor(e: complex) -> complex:
     """f(e) of Kuwabara & Kono 1987: the damping whose unit impact has the restitution e."""
 
     def missing(damping: float) -> float:
-        return viscoelastic_rebound(np.array([complex(damping)]))[0].real - e.real
+        return rebound(1.5, 0.5, damping).restitution - e.real
 
     # for small f e′ = 1 − 1.1534 f, and more than that for larger
-    damping = brentq(missing, 0.99 * (1.0 - e.real) / 1.1535, 2.0 * e.real**-0.6, xtol=1e-15)
-    rebound = viscoelastic_rebound(np.array([damping + 1j * TINY]))[0]
-    return damping + (e - rebound.real) / (rebound.imag / TINY)
+    damping, h = brentq(missing, 0.99 * (1.0 - e.real) / 1.1535, 2.0 * e.real**-0.6, xtol=1e-15), 1e-3
+    near, far = (missing(damping + k * h) - missing(damping - k * h) for k in (1, 2))
+    return complex(damping, e.imag * 12.0 * h / (8.0 * near - far))
 
 
 def logarithmic(e: complex) -> complex:

@@ -25,11 +25,8 @@ SLOWEST = (
     "tests/simulation/test_derivatives.py",
     "tests/test_docs.py",
     "tests/test_derivatives.py",
-    "tests/test_friction_derivatives.py",
-    "tests/test_sensitivity_accuracy.py",
     "tests/fmu/test_platforms.py",
     "tests/studies/sweep/test_cluster.py",
-    "tests/test_energy_bound.py",
     "tests/compilation/test_browser.py",
     "tests/results/explore/test_in_browser.py",
     "tests/test_law_file.py",
@@ -41,8 +38,7 @@ SLOWEST = (
     "tests/kernel/test_soundness.py",
 )
 # a file that is to run in the process of another, for what both work out → that other
-WITH = {"tests/test_sensitivity_accuracy.py": "tests/test_derivatives.py"}
-WITH |= {
+WITH = {
     f"tests/results/plots/test_{name}.py": "tests/results/plots/test_overview.py"
     for name in ("motion", "over_time", "room")
 }

@@ -1,4 +1,4 @@
-"""Scenes with Coulomb friction at walls that have exact answers; those of dry joints are in dry_joints.py.
+"""Scenes with Coulomb friction at walls, or in a joint, that have exact answers.
 
 Each builder returns a scene as its file has it, and what must come of it. Units are SI.
 
@@ -146,21 +146,6 @@ class Slide:
         way = self.speed * first + 0.5 * self.acceleration(self.sign) * first**2
         way += self.sign * self.friction * self.depth
         return way + 0.5 * self.velocity(time) * (time - self.stop) if time > self.stop else way
-
-    def impulses(self, time: float) -> tuple[float, float]:
-        """Of the normal forces and of friction on the whole body since the start [N·s]."""
-        weight = self.body.mass * GRAVITY * time
-        gained = self.body.mass * (self.velocity(time) - self.speed)
-        return weight * math.cos(self.slope), weight * math.sin(self.slope) + gained
-
-    def dissipated(self, time: float) -> float:
-        """By friction and in settling, since the start [J]."""
-        mass, depth = self.body.mass, self.depth
-        kinetic = 0.5 * mass * (self.speed**2 - self.velocity(time) ** 2)
-        rise = self.way(time) * math.sin(self.slope) - depth * math.cos(self.slope)
-        # K δⁿ⁺¹/(n+1) of each point
-        elastic = len(self.body.points) * self.normal_force * depth / (EXPONENT + 1.0)
-        return kinetic - mass * GRAVITY * rise - elastic
 
 
 def sliding(
@@ -353,3 +338,38 @@ def oblique_ball(
         onset=onset,
         end=onset + impact.duration,
     )
+
+
+# --- a dry joint ------------------------------------------------------------------------------------------
+
+LINK = {"length": 0.8, "mass": 1.5}
+INERTIA = LINK["mass"] * LINK["length"] ** 2 / 3  # about the pin, kg·m²
+
+
+@dataclass(frozen=True)
+class Braked:
+    """A link that turns ever slower: when it stops [s], and the angle that it has turned [rad]."""
+
+    stop: float
+    turned: float
+
+
+def braked_link(speed: float, moment: float) -> tuple[Table, Braked]:
+    """A pinned link without gravity: ω̇ = −M/I, so it stops at I ω/M, after I ω²/(2M)."""
+    stop = INERTIA * abs(speed) / moment
+    initial = {"angles": [0.0], "angular_velocities": [speed]}
+    links = [LINK | {"joint_friction": moment}]
+    table = scene_table("Braked", links, initial, {}, {"points": []}, base="pinned", stop_time=1.5 * stop)
+    return table, Braked(stop, 0.5 * speed * stop)
+
+
+def driven_link(moment: float, count: int = 6) -> tuple[Table, dict[str, Any], Pushed]:
+    """A pinned link without gravity that a motor turns to and fro, against its dry joint; and the inputs."""
+    times, values = pushes(1.4 * moment, count, 0.2)
+    # the last torque is too weak to move it
+    times, values = (*times, times[-1] + 0.3), (*values, 0.99 * moment)
+    more = {"base": "pinned", "stop_time": times[-1] + 0.2, "inputs": {"joint_torques": True}}
+    links, initial = [LINK | {"joint_friction": moment}], {"angles": [0.0]}
+    table = scene_table("Driven", links, initial, {}, {"points": []}, **more)
+    inputs = {"joint[1].torque": (list(times), list(values))}
+    return table, inputs, Pushed(INERTIA, moment, moment, times, values)

@@ -22,7 +22,7 @@ ORACLE = "tests.derivatives"
 
 @dataclass(frozen=True)
 class Case:
-    """A scene with constant inputs, parameters to differentiate by, and times to look at [s].
+    """A scene with inputs, parameters to differentiate by, and times to look at [s].
 
     All values of the scene are given: a derivative is that with all others held. Those through what is
     derived are sums of these, see tests/test_derived_values.py.
@@ -31,9 +31,12 @@ class Case:
     scene: Scene
     parameters: tuple[str, ...]
     times: tuple[float, ...]
-    inputs: Mapping[str, float] = field(default_factory=dict)
+    inputs: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self):
+        # what can be hashed, of those that change over time
+        held = {k: tuple(map(tuple, v)) if np.ndim(v) else v for k, v in self.inputs.items()}
+        object.__setattr__(self, "inputs", held)
         data = scene_to_dict(self.scene, derived=True)
         object.__setattr__(self, "scene", scene_from_dict(data, self.scene.name))
 
@@ -87,27 +90,27 @@ def table(links: Sequence[Mapping[str, float]], **tables: Any) -> Scene:
     return scene_from_dict(data, "case")
 
 
+def link(length: float, mass: float, **more: float) -> dict[str, float]:
+    """A link; what is given of its joint has no prefix."""
+    own = ("center_of_mass", "inertia")
+    return {"length": length, "mass": mass} | {k if k in own else f"joint_{k}": v for k, v in more.items()}
+
+
+def start(spins: Any = None, **more: Any) -> dict[str, Any]:
+    """A table [initial], with the angular velocities."""
+    return more | ({} if spins is None else {"angular_velocities": spins})
+
+
 def struck_twice(law: str, restitution: float = 0.7, stiffness: float = 1e7) -> Case:
     """Two links that fall onto the floor: three impacts at two points until 0.3 s; at 0.2022 s one lasts."""
     scene = table(
         [
             {"length": 0.5, "mass": 1.0},
-            {
-                "length": 0.4,
-                "mass": 0.7,
-                "joint_damping": 0.01,
-                "joint_stiffness": 1.0,
-                "joint_rest_angle": 0.2,
-            },
+            link(0.4, 0.7, damping=0.01, stiffness=1.0, rest_angle=0.2),
         ],
         box={"x_min": -1.0, "y_min": 0.0},
         contact={"stiffness": stiffness, "restitution": restitution, **of_law(law)},
-        initial={
-            "position": [0.0, 0.25],
-            "angles": [0.4, -0.3],
-            "velocity": [-0.5, -1.0],
-            "angular_velocities": [1.0, 2.0],
-        },
+        initial=start(position=[0.0, 0.25], angles=[0.4, -0.3], velocity=[-0.5, -1.0], spins=[1.0, 2.0]),
         simulation={"stop_time": 0.3, "step_size": 2e-4},
     )
     return Case(scene, all_parameters(scene, {}), (0.1, 0.2022, 0.3))
@@ -138,26 +141,17 @@ def sprung_chain(law: str = "zhang_sharf", **solver: Any) -> Case:
     """Three unlike links with springs and dampers in the joints, driven, between a floor and a slope."""
     scene = table(
         [
-            {"length": 0.4, "mass": 1.0, "center_of_mass": 0.15},
-            {
-                "length": 0.3,
-                "mass": 0.6,
-                "joint_damping": 0.05,
-                "joint_stiffness": 2.0,
-                "joint_rest_angle": 0.3,
-            },
-            {"length": 0.35, "mass": 0.8, "joint_damping": 0.02, "joint_stiffness": 3.0, "inertia": 0.02},
+            link(0.4, 1.0, center_of_mass=0.15),
+            link(0.3, 0.6, damping=0.05, stiffness=2.0, rest_angle=0.3),
+            link(0.35, 0.8, damping=0.02, stiffness=3.0, inertia=0.02),
         ],
         box={"y_min": 0.0},
         walls=[{"name": "slope", "point": [1.58, 0.0], "angle": 2.2}],
         contact={"stiffness": 3e6, "restitution": 0.6, "radius": 0.02, **of_law(law)},
         inputs={"joint_torques": True, "tip_force": True},
-        initial={
-            "position": [0.0, 0.3],
-            "angles": [0.5, -0.2, 0.4],
-            "velocity": [1.5, -0.5],
-            "angular_velocities": [-1.0, 1.0, 2.0],
-        },
+        initial=start(
+            position=[0.0, 0.3], angles=[0.5, -0.2, 0.4], velocity=[1.5, -0.5], spins=[-1.0, 1.0, 2.0]
+        ),
         simulation={"stop_time": 0.3, "step_size": 2e-3},
         solver=solver,
     )
@@ -169,26 +163,14 @@ def pinned_chain(law: str = "hunt_crossley", **solver: Any) -> Case:
     """Two links on a pinned base that swing against a wall, driven at the base."""
     scene = table(
         [
-            {
-                "length": 0.5,
-                "mass": 1.0,
-                "joint_damping": 0.1,
-                "joint_stiffness": 1.0,
-                "joint_rest_angle": -1.0,
-            },
-            {
-                "length": 0.4,
-                "mass": 0.5,
-                "joint_damping": 0.02,
-                "joint_stiffness": 1.0,
-                "joint_rest_angle": 0.1,
-            },
+            link(0.5, 1.0, damping=0.1, stiffness=1.0, rest_angle=-1.0),
+            link(0.4, 0.5, damping=0.02, stiffness=1.0, rest_angle=0.1),
         ],
         base="pinned",
         box={"x_max": 0.6},
         contact={"stiffness": 1e6, "restitution": 0.75, "radius": 0.01, **of_law(law)},
         inputs={"joint_torques": True},
-        initial={"position": [0.0, 0.0], "angles": [-1.8, -1.2], "angular_velocities": [3.0, 2.0]},
+        initial=start(position=[0.0, 0.0], angles=[-1.8, -1.2], spins=[3.0, 2.0]),
         simulation={"stop_time": 1.0, "step_size": 2e-2},
         solver=solver,
     )
@@ -200,14 +182,14 @@ def pressed_tip(law: str = "zhang_sharf", **solver: Any) -> Case:
     """Two links whose tip is pressed onto the floor and stays there: v₀ is latched anew several times."""
     scene = table(
         [
-            {"length": 0.5, "mass": 0.8, "joint_damping": 0.05},
-            {"length": 0.4, "mass": 0.5, "joint_damping": 0.02},
+            link(0.5, 0.8, damping=0.05),
+            link(0.4, 0.5, damping=0.02),
         ],
         base="pinned",
         box={"y_min": -0.5},
         contact={"stiffness": 2e4, "restitution": 0.4, "points": [2], **of_law(law)},
         inputs={"joint_torques": True, "tip_force": True},
-        initial={"position": [0.0, 0.0], "angles": [-0.3, -1.07], "angular_velocities": [0.0, -0.2]},
+        initial=start(position=[0.0, 0.0], angles=[-0.3, -1.07], spins=[0.0, -0.2]),
         simulation={"stop_time": 0.12, "step_size": 2e-3},
         solver=solver,
     )
@@ -224,16 +206,8 @@ def stopped_chain(contact: str, stops: str, times: tuple[float, ...], **solver: 
     """
     scene = table(
         [
-            {"length": 0.5, "mass": 1.0, "joint_max": 0.5, "joint_damping": 0.02},
-            {
-                "length": 0.4,
-                "mass": 0.5,
-                "center_of_mass": 0.15,
-                "joint_min": -0.9,
-                "joint_max": 0.3,
-                "joint_stiffness": 1.0,
-                "joint_damping": 0.01,
-            },
+            link(0.5, 1.0, max=0.5, damping=0.02),
+            link(0.4, 0.5, center_of_mass=0.15, min=-0.9, max=0.3, stiffness=1.0, damping=0.01),
         ],
         base="pinned",
         box={"y_min": -0.55},
@@ -245,7 +219,7 @@ def stopped_chain(contact: str, stops: str, times: tuple[float, ...], **solver: 
             **of_law(contact),
         },
         stops={"stiffness": 5e3, "restitution": 0.5, **of_law(stops)},
-        initial={"position": [0.0, 0.0], "angles": [0.4, 0.2], "angular_velocities": [1.0, 2.0]},
+        initial=start(position=[0.0, 0.0], angles=[0.4, 0.2], spins=[1.0, 2.0]),
         simulation={"stop_time": times[-1], "step_size": 1e-3},
         solver=solver,
     )
@@ -254,16 +228,16 @@ def stopped_chain(contact: str, stops: str, times: tuple[float, ...], **solver: 
 
 def thrown_chain() -> Case:
     """Four links with stops in all three joints, thrown up without a wall: three impacts until 0.8 s."""
-    stopped = {"length": 0.3, "mass": 0.6, "joint_min": -0.8, "joint_max": 0.7}
+    stopped = link(0.3, 0.6, min=-0.8, max=0.7)
     scene = table(
         [{"length": 0.4, "mass": 1.0}, stopped, stopped | {"joint_max": 0.9}, stopped | {"length": 0.2}],
         stops={"stiffness": 2e3, "restitution": 0.5},
-        initial={
-            "position": [0.0, 0.0],
-            "angles": [0.1, 0.3, 0.2, -0.1],
-            "velocity": [0.0, 3.0],
-            "angular_velocities": [1.0, -2.0, 3.0, -1.5],
-        },
+        initial=start(
+            position=[0.0, 0.0],
+            angles=[0.1, 0.3, 0.2, -0.1],
+            velocity=[0.0, 3.0],
+            spins=[1.0, -2.0, 3.0, -1.5],
+        ),
         simulation={"stop_time": 0.8, "step_size": 0.02},
     )
     return Case(scene, all_parameters(scene, {}), (0.2, 0.5, 0.8))
@@ -278,6 +252,40 @@ AT_STOPS = {
     "rigid stop and wall": stopped_chain("newton_impact", "newton_impact", (0.2, 0.43, 0.5)),
 }
 """Chains with stops in their joints, and walls of another law."""
+
+
+def thrown_on_a_slope(seed: int, *, joints: bool = False, base: str = "free") -> Scene:
+    """A chain of three uneven links that hits a floor and a slope, with friction of two materials."""
+    rng = np.random.default_rng(seed)
+    links = [
+        link(
+            float(rng.uniform(0.3, 0.7)),
+            float(rng.uniform(0.5, 2.0)),
+            friction=float(rng.uniform(0.1, 0.6)) if joints and (i > 0 or base == "pinned") else 0.0,
+        )
+        for i in range(3)
+    ]
+    mu = float(rng.uniform(0.1, 0.8))
+    return table(
+        links,
+        base=base,
+        box={"y_min": 0.0},
+        walls=[{"name": "slope", "point": [2.4, 0.0], "angle": 1.9}],
+        contact={
+            "stiffness": 1e6,
+            "restitution": 0.6,
+            "friction": mu,
+            "static_friction": 1.25 * mu,
+            "wall": {"slope": {"friction": 0.3}},
+        },
+        initial=start(
+            position=[0.2, 0.75],
+            angles=list(rng.uniform(-0.6, 0.6, 3)),
+            velocity=[0.0, 0.0] if base == "pinned" else list(rng.uniform(-1.0, 1.0, 2)),
+            spins=list(rng.uniform(-3.0, 3.0, 3)),
+        ),
+        simulation={"stop_time": 0.6},
+    )
 
 
 def six_impacts() -> Case:

@@ -1,14 +1,15 @@
-"""Derivatives of trajectories through impacts, by complex step: the oracle of the tests of sensitivities.
+"""Motions and their derivatives through impacts, by complex step: the independent model of the tests.
 
-``differentiate`` integrates ``tests.complex_chain`` with frozen steps: their sizes are real, so no derivative
+``differentiate`` integrates ``tests.chain_model`` with frozen steps: their sizes are real, so no derivative
 is taken of them. The times of onsets, of ends of contacts and of all else that changes the equations are
 complex: Newton's method finds where an event's function is zero in every lane, and so the derivative of the
-event's time comes by itself. Nothing is linearised and no jump conditions are written down.
+event's time comes by itself. Nothing is linearised and no jump conditions are written down. Without
+parameters it is the motion alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,9 +17,8 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from chain_impact.scene.scene import Scene
-from tests.complex_chain import ComplexChain, Touch
-from tests.complex_outputs import outputs_of
-from tests.complex_step import TINY, combine, runge_kutta
+from tests.chain_model import ChainModel, Inputs, Touch
+from tests.complex_laws import TINY
 
 FIELDS = (
     "onset",
@@ -34,6 +34,8 @@ LONGEST = 0.02  # s, of a step in flight
 NEAR, SHORT = 1e-4, 2e-3  # m, s: a point that comes so near a wall is followed in steps so short
 FIRST = 0.02  # of a contact's own variable, which comes to about 2 at its end
 RELATCH = 2.0  # times v₀, at which it is latched anew
+AT_ONCE = 1e-13  # s, between times that are one
+TOUCHING = 1e-12  # m or rad, a clearance at the start that is none
 NO_FRICTION = 2  # in place of a mode, of a contact that has ended
 
 
@@ -48,7 +50,7 @@ class Derivatives:
         impacts: fields of the list of impacts, shape (I,).
         impact_slopes: their derivatives, shape (I, P).
         steps: of the integration.
-        modes: changes of dry friction: time [s], element and mode, see ``tests.complex_friction``.
+        modes: changes of dry friction: time [s], element and mode, see ``tests.chain_model``.
     """
 
     values: dict[str, np.ndarray]
@@ -75,23 +77,39 @@ def differentiate(
     scene: Scene,
     parameters: Sequence[str],
     times: Sequence[float],
-    inputs: Mapping[str, float] | None = None,
+    inputs: Inputs | None = None,
     tolerance: float = 1e-13,
 ) -> Derivatives:
     """Outputs at some times, all contacts until the last of them, and the derivatives of all that.
 
     Args:
         scene: what to simulate.
-        parameters: names of parameters of the FMU, and of inputs.
+        parameters: names of parameters of the FMU, and of inputs that are constant.
         times: increasing [s].
-        inputs: their constant values.
+        inputs: their values.
         tolerance: relative, of the steps' errors, in the values as in the derivatives.
     """
-    return _Run(ComplexChain(scene, parameters, inputs), tolerance).to(times)
+    return _Run(ChainModel(scene, parameters, inputs), tolerance).to(times)
+
+
+def runge_kutta(
+    rate: Callable[[np.ndarray], np.ndarray], y: np.ndarray, h: Any, first: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """One step of DOP853: the state after it and the stages, for the rate ``first`` at its start."""
+    stages = np.empty((13, *y.shape), y.dtype)
+    stages[0] = first
+    for i in range(1, 12):
+        stages[i] = rate(y + h * combine(DOP853.A[i, :i], stages))
+    return y + h * combine(DOP853.B, stages), stages
+
+
+def combine(weights: np.ndarray, stages: np.ndarray) -> np.ndarray:
+    """Σ w_i k_i, without BLAS: its threads would wait for each other longer than they work."""
+    return np.einsum("i,i...->...", weights, stages[: len(weights)])
 
 
 class _Run:
-    def __init__(self, chain: ComplexChain, tolerance: float) -> None:
+    def __init__(self, chain: ChainModel, tolerance: float) -> None:
         self.chain, self.tolerance = chain, tolerance
         self.y, self.steps = chain.start(), 0
         self.touches: list[Touch] = []
@@ -100,10 +118,21 @@ class _Run:
         self.modes: list[tuple[float, int, int]] = []
         chain.friction.begin(self.y, self.touches)
         self.note_modes()
+        for c in self.arriving(at_rest=True):
+            self.begin(c)
+        if self.touches:
+            chain.friction.decide(self.y, self.touches)
+            self.note_modes()
 
     def to(self, times: Sequence[float]) -> Derivatives:
-        rows = []
+        rows, switches = [], {t for given in self.chain.inputs.values() if np.ndim(given) for t in given[0]}
+        left = sorted(switches - {0.0})
         for time in times:
+            while left and left[0] < time:
+                self.advance(switch := left.pop(0))
+                self.chain.set_inputs(switch)
+                self.chain.friction.decide(self.y, self.touches)
+                self.note_modes()
             self.advance(time)
             rows.append(outputs_of(self.chain, self.y, self.touches))
         none = np.full(self.chain.lanes, np.nan)
@@ -142,7 +171,7 @@ class _Run:
     def advance(self, time: float) -> None:
         """Integrate until a time [s], through all events before it."""
         size, first = self.size_after_event(), self.rate(self.y)
-        while self.y[0, self.chain.time].real < time:
+        while self.y[0, self.chain.time].real < time - AT_ONCE:
             events = self.events(time)
             before = [one.function(self.y) for one in events]
             while True:
@@ -231,13 +260,13 @@ class _Run:
             if mode:
                 found.append(Event("halt", e, lambda y, e=e, s=mode: s * dry.speed(y, e)))
                 continue
-            sign = np.sign(chain.look(self.y, self.touches).friction[e][0].real)
+            for sign in (1.0, -1.0):
 
-            def margin(y: np.ndarray, e: int = e, sign: float = sign) -> np.ndarray:
-                look = chain.look(y, self.touches)
-                return dry.bound(look, e) - sign * look.friction[e]
+                def margin(y: np.ndarray, e: int = e, sign: float = sign) -> np.ndarray:
+                    look = chain.look(y, self.touches)
+                    return dry.bound(look.normal, e) - sign * look.friction[e]
 
-            found.append(Event("break", e, margin))
+                found.append(Event("break", e, margin))
         return found
 
     def first_due(
@@ -309,10 +338,9 @@ class _Run:
                 row = self.row(touch, touch.onset, away, [np.zeros(chain.lanes)])
                 self.finished.append((touch, row))
             case "onset":
-                touch = chain.begin(self.y, subject)
-                self.touches.append(touch)
-                chain.friction.touch(self.y, subject)
-                touch.forces.append(self.force_now(touch))
+                self.begin(subject)
+                # in the variable of the contacts, two that begin at one moment would never go on
+                assert not self.arriving(), "two contacts begin at one moment"
             case "end":
                 self.touches.remove(subject)
                 chain.friction.modes.pop(subject.candidate, None)
@@ -333,6 +361,20 @@ class _Run:
         chain.friction.decide(self.y, self.touches, halted, subject if event.kind == "break" else None)
         self.note_modes()
 
+    def begin(self, c: int) -> None:
+        """Let the contact of a candidate begin, which has a law of force."""
+        touch = self.chain.begin(self.y, c)
+        self.touches.append(touch)
+        self.chain.friction.touch(self.y, c)
+        touch.forces.append(self.force_now(touch))
+
+    def arriving(self, at_rest: bool = False) -> list[int]:
+        """The candidates with a law of force that touch now and have no contact yet."""
+        place, last = self.chain.locate(self.y), {touch.candidate for touch in self.touches}
+        rates = place.gap_rate[0].real
+        touching = (place.gap[0].real <= TOUCHING) & ((rates <= 0.0) if at_rest else (rates < 0.0))
+        return [c for c in np.flatnonzero(touching) if c not in last and not self.chain.laws[c].rigid]
+
     def note_modes(self) -> None:
         """Note which modes of dry friction are others than before."""
         time, modes = float(self.y[0, self.chain.time].real), self.chain.friction.modes
@@ -345,13 +387,21 @@ class _Run:
     def note_peaks(self, after: np.ndarray, size: Any, first: np.ndarray) -> None:
         """Note the largest force and penetration of each contact that has one within the step."""
         chain = self.chain
+        places = [(y, chain.locate(y)) for y in (self.y, after)]
         for touch in self.touches:
             c = touch.candidate
             force_rate = lambda y, t=touch: chain.force_rate(y, self.touches, t)  # noqa: E731
             depth_rate = lambda y, c=c: -chain.locate(y).gap_rate[:, c]  # noqa: E731
-            if touch.pushes and (top := self.top(force_rate, after, size, first)) is not None:
+            force = max(chain.force(y, place, touch)[0][0].real for y, place in places)
+            depth = max(-place.gap[0, c].real for _, place in places)
+            # what is far below the largest peak so far has none that counts; at rest it would be round-off
+            near = [
+                value > 0.9 * max((one[0].real for one in peaks), default=0.0)
+                for value, peaks in ((force, touch.forces), (depth, touch.depths))
+            ]
+            if near[0] and touch.pushes and (top := self.top(force_rate, after, size, first)) is not None:
                 touch.forces.append(chain.force(top, chain.locate(top), touch)[0])
-            if (top := self.top(depth_rate, after, size, first)) is not None:
+            if near[1] and (top := self.top(depth_rate, after, size, first)) is not None:
                 touch.depths.append(chain.depth_power(top, touch, 1.0))
 
     def top(self, function: Callable, after: np.ndarray, size: Any, first: np.ndarray) -> np.ndarray | None:
@@ -385,3 +435,62 @@ def _hermite(start: Any, end: Any, slope: Any, end_slope: Any, part: np.ndarray)
     rest = 1.0 - part
     of_values = start * rest**2 * (1.0 + 2.0 * part) + end * part**2 * (1.0 + 2.0 * rest)
     return of_values + slope * part * rest**2 - end_slope * part**2 * rest
+
+
+def outputs_of(chain: ChainModel, y: np.ndarray, touches: Sequence[Touch]) -> dict[str, np.ndarray]:
+    """All outputs of a state, by their names in the FMU, each of shape (lanes,)."""
+    look, dry, names, zero = chain.look(y, touches), chain.friction, chain.scene.wall_names, 0.0 * y[:, 0]
+    place, elastic, values = look.place, look.spring_energy, {"time": y[:, chain.time]}
+    acceleration = chain.point_accelerations(look)
+    for k in range(chain.links + 1):
+        for j, axis in enumerate("xy"):
+            values[f"point[{k}].{axis}"] = place.position[:, k, j]
+            values[f"point[{k}].v{axis}"] = place.velocity[:, k, j]
+            values[f"point[{k}].a{axis}"] = acceleration[:, k, j]
+    for i in range(chain.links):
+        values[f"link[{i + 1}].angle"] = place.angle[:, i]
+        values[f"link[{i + 1}].angular_velocity"] = place.omega[:, i]
+        values[f"link[{i + 1}].angular_acceleration"] = look.acceleration[:, 2 + i]
+    for c in range(chain.at_walls):
+        name = f"contact[{chain.points[c]}].{names[chain.walls[c]]}."
+        values |= {f"{name}{kind}": zero for kind in ("force", "penetration", "penetration_rate")}
+        values[f"{name}impulse"] = y[:, chain.impulse + c]
+    # moment and impulse of both stops of a joint together, and how far it is beyond one of them
+    for i, (joint, side) in enumerate(zip(chain.joints, chain.side, strict=True), chain.at_walls):
+        name = f"joint[{joint + 1}].stop_"
+        values |= {f"{name}moment": zero, f"{name}penetration": zero}
+        values[f"{name}impulse"] = values.get(f"{name}impulse", zero) + side * y[:, chain.impulse + i]
+    for touch, (force, spring) in zip(touches, look.pairs, strict=True):
+        c, gap = touch.candidate, place.gap[:, touch.candidate]
+        elastic = elastic - spring * gap / (touch.law.exponent + 1.0)  # K δⁿ⁺¹/(n+1)
+        if (stop := c - chain.at_walls) >= 0:
+            name = f"joint[{chain.joints[stop] + 1}].stop_"
+            values |= {f"{name}moment": chain.side[stop] * force, f"{name}penetration": -gap}
+        else:
+            name, rate = f"contact[{chain.points[c]}].{names[chain.walls[c]]}.", place.gap_rate[:, c]
+            values |= {f"{name}force": force, f"{name}penetration": -gap, f"{name}penetration_rate": -rate}
+    for e in dry.sliding:
+        force = look.friction.get(e, zero)
+        if e >= dry.first_joint:
+            values[f"joint[{e - dry.first_joint + 1}].friction_moment"] = force
+        else:
+            name = f"contact[{chain.points[e]}].{names[chain.walls[e]]}.friction_"
+            values |= {f"{name}force": force, f"{name}impulse": y[:, chain.tangential + e]}
+    if dry.sliding:
+        values["energy.friction"] = y[:, chain.rubbed]
+    momentum = (place.mass @ y[:, chain.v, None])[..., 0]
+    kinetic = 0.5 * (y[:, chain.v] * momentum).sum(1)
+    # Σ m x_C: of the base, and b_i e_i
+    moment = chain.total[:, None] * place.position[:, 0] + (chain.b[..., None] * place.along).sum(1)
+    potential = -(chain.gravity * moment).sum(1)
+    values |= {
+        "energy.kinetic": kinetic,
+        "energy.potential": potential,
+        "energy.elastic": elastic,
+        "energy.dissipated": y[:, chain.dissipated],
+        "energy.supplied": y[:, chain.supplied],
+        "energy.total": kinetic + potential + elastic,
+        "momentum.x": momentum[:, 0],
+        "momentum.y": momentum[:, 1],
+    }
+    return {name: value.copy() for name, value in values.items()}

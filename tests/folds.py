@@ -1,8 +1,8 @@
-"""Chains of 2 to 4 equal links, folded so far that two of their points all but coincide, dropped on both.
+"""What Newton's law allows to a fold of equal links, two points of which all but coincide, dropped on both.
 
 There W = J M⁻¹ Jᵀ of the two is near-singular: what stops both, whatever the sign of the impulses, can take
-any energy and make any impulse. ``fold(seed)`` is the scene, and ``faults(scene)`` follows it from onset to
-onset and holds every impact against what Newton's law allows.
+any energy and make any impulse. ``faults(scene)`` follows the fold of a seed (tests/random_scenes.py) from
+onset to onset and holds every impact against what Newton's law allows.
 
 Moreau's form of the law, 0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0 with u⁺ = u⁻ + W p, has p = (1 + e) p̂ with p̂ those of e = 0.
 So an impact takes −½ p·(u⁻ + u⁺) = (1 − e²) T̂ with T̂ = ½ p̂·W p̂ = −½ p̂·u⁻, what the inelastic impact takes:
@@ -20,59 +20,19 @@ from chain_impact.kernel.events.impulses import STICK
 from chain_impact.kernel.status import ONSET_DUE
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance
-from tests.draw import Draw
 from tests.kernel_calls import advance_to_onset, event_update
-from tests.problems import GRAVITY, build
+from tests.problems import GRAVITY
+from tests.random_scenes import FOLD_TOLERANCE as TOLERANCE, LENGTH
 from tests.reference import clearance_gradient, mass_matrix
 
-LENGTH = 0.5  # m, of 1 kg
 TOUCHING = 1e-12  # m
 ROUND_OFF = 1e-9  # of the energy that there is
 # Of the momentum that it can be in: a point that rises by less than round-off is stopped, which takes this
 # much of an impulse that the wall has given before or gives soon.
 STOP = 1e-7
-TOLERANCE = 1e-8
 ERRORS = 100.0  # tolerances of the energy that there is, for what errors of steps add up to
 EPSILON = 2.0**-52
 MOST_IMPACTS = 200
-
-
-def fold(seed: int) -> Scene:
-    """The scene of a seed: links to and fro at angles that differ from a fold by 1e-12 to 1e-1 rad."""
-    draw = Draw(seed, 4)
-    count = draw.whole(2, 4)
-    first = draw.whole(0, count - 2)
-    along = draw.one((math.pi / 2, draw.real(0.3, 2.8), math.pi / 2 + draw.power(1e-12, 1e-1)))
-    angles = [draw.real(-math.pi, math.pi) for _ in range(count)]
-    angles[first] = along
-    angles[first + 1] = along - math.pi + draw.power(1e-12, 1e-1) * draw.one((-1.0, 1.0))
-    heights = np.concatenate([[0.0], np.cumsum(LENGTH * np.sin(angles))])
-    points = [first, first + 2]
-    drop = draw.one((0.0, draw.power(1e-12, 1e-1)), (0.3, 0.7))
-    spins = [draw.real(-3.0, 3.0) * draw.chance(0.5) for _ in range(count)]
-    contact = {
-        "model": "newton_impact",
-        "restitution": draw.one((0.0, draw.real(0.0, 1.0), 1.0), (0.3, 0.6, 0.1)),
-        "points": points,
-        "minimum_impact_speed": draw.one((1e-3, draw.power(1e-6, 1e-1))),
-    }
-    initial = {
-        "position": [0.0, drop - float(heights[points].min())],
-        "velocity": [draw.real(-1.0, 1.0), -draw.power(1e-9, 1.0) * draw.chance(0.7)],
-        "angles": angles,
-        "angular_velocities": spins,
-    }
-    links = [{"length": LENGTH, "mass": 1.0}] * count
-    return build(
-        f"Fold{seed}",
-        links,
-        initial,
-        {"y_min": 0.0},
-        contact,
-        gravity=GRAVITY,
-        stop_time=draw.power(1e-2, 0.5),
-        tolerance=TOLERANCE,
-    )
 
 
 def faults(scene: Scene) -> dict[str, float]:

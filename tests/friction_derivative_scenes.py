@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tests.derivative_scenes import Case, all_parameters, table
+from tests.derivative_scenes import Case, all_parameters, link, start, table
 from tests.problems import of_law
 
 SLOPE = 0.35  # rad
@@ -21,7 +21,7 @@ def parameters_of(case_scene: Any, inputs: dict[str, float] | None = None) -> tu
 def puck(law: str = "zhang_sharf", friction: float = 0.2, static: float = 0.0, **solver: Any) -> Case:
     """A body that touches a slope at its centre of mass: it slides up, stops, and stays or slides back."""
     scene = table(
-        [{"length": 0.1, "mass": 0.4, "center_of_mass": 0.0}],
+        [link(0.1, 0.4, center_of_mass=0.0)],
         walls=[{"name": "slope", "point": [0.0, 0.0], "angle": SLOPE}],
         contact={
             "points": [0],
@@ -31,7 +31,7 @@ def puck(law: str = "zhang_sharf", friction: float = 0.2, static: float = 0.0, *
             "static_friction": static,
             **of_law(law),
         },
-        initial={"position": [0.0, 1e-3], "angles": [SLOPE + 1.5], "velocity": [1.3, 0.2]},
+        initial=start(position=[0.0, 1e-3], angles=[SLOPE + 1.5], velocity=[1.3, 0.2]),
         simulation={"stop_time": 0.6, "step_size": 0.01},
         solver=solver,
     )
@@ -51,7 +51,7 @@ def swinging(static: float = 0.0, law: str = "zhang_sharf", **solver: Any) -> Ca
             "static_friction": static,
             **of_law(law),
         },
-        initial={"position": [0.0, 1e-3], "angles": [-0.3], "velocity": [0.1, -0.3]},
+        initial=start(position=[0.0, 1e-3], angles=[-0.3], velocity=[0.1, -0.3]),
         simulation={"stop_time": 0.8, "step_size": 0.01},
         solver=solver,
     )
@@ -62,8 +62,8 @@ def driven(static: float = 0.45, law: str = "zhang_sharf", **solver: Any) -> Cas
     """Two links below a point on a floor of a material, with a torque and dry friction in their joint."""
     scene = table(
         [
-            {"length": 0.4, "mass": 0.8, "joint_damping": 0.01},
-            {"length": 0.3, "mass": 0.5, "joint_damping": 0.02, "joint_friction": 0.15},
+            link(0.4, 0.8, damping=0.01),
+            link(0.3, 0.5, damping=0.02, friction=0.15),
         ],
         box={"y_min": 0.0},
         contact={
@@ -74,12 +74,7 @@ def driven(static: float = 0.45, law: str = "zhang_sharf", **solver: Any) -> Cas
             **of_law(law),
         },
         inputs={"joint_torques": True},
-        initial={
-            "position": [0.0, 1e-3],
-            "angles": [-0.4, -1.2],
-            "velocity": [0.2, -0.3],
-            "angular_velocities": [0.0, 1.0],
-        },
+        initial=start(position=[0.0, 1e-3], angles=[-0.4, -1.2], velocity=[0.2, -0.3], spins=[0.0, 1.0]),
         simulation={"stop_time": 0.8, "step_size": 0.01},
         solver=solver,
     )
@@ -98,10 +93,7 @@ def dry_joints(links: int = 2, **solver: Any) -> Case:
         ],
         base="pinned",
         inputs={"joint_torques": True},
-        initial={
-            "angles": [-0.6, -1.1, -1.5, -0.9][:links],
-            "angular_velocities": [-0.1, -0.25, 0.1, -0.2][:links],
-        },
+        initial=start(angles=[-0.6, -1.1, -1.5, -0.9][:links], spins=[-0.1, -0.25, 0.1, -0.2][:links]),
         simulation={"stop_time": 2.0, "step_size": 0.01},
         solver=solver,
     )
@@ -111,9 +103,9 @@ def dry_joints(links: int = 2, **solver: Any) -> Case:
 
 def thrown(links: int = 2, law: str = "zhang_sharf", stop: float = 0.5, **solver: Any) -> Case:
     """A chain with a dry joint that falls on a floor and a slope with friction: impacts slide and stick."""
-    link = {"length": 0.3, "mass": 0.7, "joint_damping": 0.01}
+    body = link(0.3, 0.7, damping=0.01)
     scene = table(
-        [link, *[link | {"joint_friction": 0.1 + 0.03 * i} for i in range(links - 1)]],
+        [body, *[body | {"joint_friction": 0.1 + 0.03 * i} for i in range(links - 1)]],
         box={"y_min": 0.0},
         contact={
             "stiffness": 1e6,
@@ -122,12 +114,12 @@ def thrown(links: int = 2, law: str = "zhang_sharf", stop: float = 0.5, **solver
             "static_friction": 0.4,
             **of_law(law),
         },
-        initial={
-            "position": [0.0, 0.25],
-            "angles": [0.5, -0.4, 0.3, 0.1][:links],
-            "velocity": [0.3, -1.0],
-            "angular_velocities": [1.0, 2.0, -1.0, 0.5][:links],
-        },
+        initial=start(
+            position=[0.0, 0.25],
+            angles=[0.5, -0.4, 0.3, 0.1][:links],
+            velocity=[0.3, -1.0],
+            spins=[1.0, 2.0, -1.0, 0.5][:links],
+        ),
         simulation={"stop_time": stop, "step_size": 1e-3},
         solver=solver,
     )

@@ -18,13 +18,12 @@ from scipy.optimize import brentq
 
 from chain_impact import Result
 from chain_impact.scene.scene import scene_from_dict
-from tests import coulomb, coulomb_literature
-from tests.coulomb_impact import stiff_limit
+from tests import coulomb_literature
+from tests.coulomb_impact import extrapolated, stiff_limit
 from tests.coulomb_problems import Table
+from tests.derivatives import differentiate
 from tests.figures import Figure, Problem, problem, run
-from tests.places import separated
 from tests.reference import exact_damping_factor
-from tests.struck import extrapolated
 
 SOFT, STIFF = 1e12, 1e13  # N/m^(3/2), of impacts
 SOFT_FLOOR = 1e5  # N/m^(3/2), of a floor that throws Glocker's rod up
@@ -36,10 +35,7 @@ def run_table(table: Table, tolerance: float, **changes: Any) -> Result:
 
 
 def in_the_limit(
-    build: Callable[[float], Table],
-    values: Callable[[Result], list[float]],
-    tolerance: float,
-    **changes: Any,
+    build: Callable[[float], Table], values: Callable[[Result], list[float]], tolerance: float, **changes: Any
 ) -> tuple[np.ndarray, Result]:
     """Values of an impact as K → ∞, and the run at the larger K of the two."""
     soft, stiff = (run_table(build(stiffness), tolerance, **changes) for stiffness in (SOFT, STIFF))
@@ -150,11 +146,9 @@ def time_at(stiffness: float, tolerance: float, angle: float) -> float:
 def thrown_up() -> tuple[float, float, float, float]:
     """When the end sticks, when it leaves the soft floor; its upward speed and the rod's spin at 0.86 s."""
     table, _ = coulomb_literature.glocker_rod(SOFT_FLOOR)
-    scene, friction = separated(table)
-    motion = coulomb.simulate(scene, friction, [0.86])
-    (_, _, angle, _, rise, spin), length = motion.states[-1], scene.chain.links[0].length
-    (sticks,), (leaves,) = motion.when("stick"), motion.when("end")
-    return sticks, leaves, rise + length * math.cos(angle) * spin, spin
+    motion = differentiate(scene_from_dict(table, table["name"]), (), [0.86])
+    (sticks,), (leaves,) = [time for time, _, mode in motion.modes if mode == 0], motion.impacts["end"]
+    return sticks, leaves, motion.values["point[1].vy"][-1], motion.values["link[1].angular_velocity"][-1]
 
 
 def stewart_rod(tolerance: float) -> Problem:

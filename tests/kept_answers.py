@@ -1,4 +1,4 @@
-"""Answers of independent models, kept in files: some eighty, each of which takes a second or more.
+"""Answers of independent models, kept in files: some eighty, each of which takes seconds.
 
 The name of a file is a hash of what the model was given and of the sources of the model in the tests. Those
 of chain_impact.scene, which reads scenes, are not in it, but the scene as it was read. An answer that has no
@@ -25,13 +25,7 @@ from chain_impact.scene.scene import Scene, scene_to_dict
 
 HERE = Path(__file__).parent
 FOLDER = HERE / "oracle_answers"
-TESTS = (
-    "test_derivatives.py",
-    "test_friction_derivatives.py",
-    "test_sensitivity_accuracy.py",
-    "test_models.py",
-    "kernel/integration/test_collocation.py",
-)
+TESTS = ("test_derivatives.py", "test_models.py", "kernel/integration/test_collocation.py")
 IDLE = ("solver", "simulation", "outputs")  # tables of a scene that no independent model reads
 Arrays = dict[str, np.ndarray]
 

@@ -13,6 +13,7 @@ import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -22,8 +23,6 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import SimulationError
 from tests.kernel_calls import move
-from tests.oracle_laws import Columns, Law, chain_of, columns, laws
-from tests.random_friction import falls, friction_checks
 from tests.random_scenes import drive, started
 
 CPU = 2.0  # s, that a run may take
@@ -34,8 +33,81 @@ OUTSIDE = 1e-9  # m, that a point may be outside a wall, of what is not reported
 DEEPER = 3.0  # times the depth that the energy there is can reach
 LEFT = 0.01  # of the time scale of a contact, for which its point may be inside after the end
 ROUND_OFF = 1e-12  # of the speeds that there are, and of a link length a second: a sign is not known better
+FORCE = 1e-9  # of the limit of friction: an excess that is round-off
+SMALL = 1e-8  # of the weight of the chain, and of its mass times a link length per second squared
 EPSILON = 2.0**-52
 Row = tuple[str, float, float, str]  # of a check: kind, value, the most that it may be, and what that is
+
+
+@dataclass(frozen=True)
+class Law:
+    """The law of a candidate, of a stop in the angle of its joint; a rigid one has a stiffness of 0."""
+
+    point: int
+    wall: int
+    stop: bool
+    model: str
+    stiffness: float
+    exponent: float
+    slowest: float  # m/s or rad/s
+    unit: float  # m: 1, or the longest link, on which the errors of an angle in rad act
+
+
+def laws(scene: Scene) -> list[Law]:
+    """The law of each candidate."""
+    contact, stops, found = scene.contact, scene.stops, []
+    size = max(link.length for link in scene.chain.links)
+    for point, wall in candidates(scene):
+        name = scene.wall_names[wall]
+        stop = name in ("joint_min", "joint_max") and bool(scene.chain.stops)
+        model = (stops.model or contact.model) if stop else contact.model
+        own = contact.wall.get(name)
+        stiffness = stops.stiffness if stop else (own and own.stiffness) or contact.stiffness
+        exponent, slowest = (
+            (stops.exponent, stops.minimum_impact_speed)
+            if stop
+            else (contact.exponent, contact.minimum_impact_speed)
+        )
+        rigid = model == "newton_impact"
+        unit = size if stop else 1.0
+        found.append(Law(point, wall, stop, model, 0.0 if rigid else stiffness, exponent, slowest, unit))
+    return found
+
+
+def columns(every: list[Law], impacts: np.ndarray) -> SimpleNamespace:
+    """The laws of contacts, as columns."""
+    by_candidate = {(law.point, law.wall): law for law in every}
+    rows = [by_candidate[int(row["point"]), int(row["wall"])] for row in impacts]
+    names = ("stiffness", "exponent", "slowest", "unit", "stop")
+    return SimpleNamespace(**{name: np.array([getattr(row, name) for row in rows]) for name in names})
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The links of a chain, as columns."""
+
+    length: np.ndarray
+    mass: np.ndarray
+    ratio: np.ndarray
+    inertia: np.ndarray
+
+    @property
+    def size(self) -> float:
+        return float(self.length.max())
+
+    @property
+    def energy(self) -> float:
+        """Σ m s²/s² [J], the scale of the norm."""
+        return float(self.mass.sum()) * self.size**2
+
+
+def chain_of(scene: Scene) -> Columns:
+    """The links of a scene."""
+    rows = [
+        (link.length, link.mass, link.center_of_mass / link.length, link.inertia)
+        for link in scene.chain.links
+    ]
+    return Columns(*np.transpose(rows))
 
 
 @dataclass(frozen=True)
@@ -393,3 +465,75 @@ def moments(run: Account) -> Iterator[Row]:
     yield "too early", -float(onset.min(initial=0.0)), 0.0, "a contact before the start [s]"
     backwards = float((onset - end)[over].max(initial=0.0))
     yield "backwards", backwards, 0.0, "a contact that ends before it begins [s]"
+
+
+# --- friction ----------------------------------------------------------------------------------------------
+
+
+def falls(scene: Scene, outputs: Any) -> Iterator[Row]:
+    """That no impulse of a wall falls from one row to the next: kind, value, the most it may be, and what.
+
+    It falls by no more than ten times the tolerance of its largest value, or round-off of a momentum.
+    """
+    mass, size = sum(link.mass for link in scene.chain.links), max(link.length for link in scene.chain.links)
+    for c, (point, wall) in enumerate(candidates(scene)):
+        if not scene.wall_names[wall].startswith("joint_"):  # those of a joint's two stops have signs
+            impulse = outputs["impulse"][:, c]
+            least = 10.0 * scene.solver.tolerance * float(np.abs(impulse).max()) + ROUND_OFF * mass * size
+            fall = float((np.maximum.accumulate(impulse) - impulse).max())
+            yield (
+                "falls",
+                fall,
+                least,
+                f"fall of the impulse of point {point} at {scene.wall_names[wall]} [N·s]",
+            )
+
+
+def friction_checks(scene: Scene, outputs: Any) -> Iterator[Row]:
+    """What holds for friction at each row: kind, value, the most that it may be, and what that is."""
+    if not scene.has_friction:
+        return
+    friction = outputs["friction"]
+    size = max(link.length for link in scene.chain.links)
+    mass = sum(link.mass for link in scene.chain.links)
+    least = SMALL * mass * (np.hypot(*scene.gravity) + size) + state_errors(scene, outputs, size)
+    excess = 0.0
+    for c, (_, number) in enumerate(candidates(scene)):
+        if number < len(scene.wall_names) and not scene.wall_names[number].startswith("joint_"):
+            limit = _static(scene, scene.wall_names[number]) * np.maximum(outputs["force"][:, c], 0.0)
+            excess = max(excess, float((np.abs(friction["force"][:, c]) - (1.0 + FORCE) * limit).max()))
+    yield "cone", excess, least, "friction beyond its limit [N]"
+    for i, link in enumerate(scene.chain.links):
+        beyond = float(np.abs(friction["joint_moment"][:, i]).max()) - (1.0 + FORCE) * link.joint_friction
+        yield (
+            "joint friction",
+            beyond,
+            least * size,
+            f"moment of friction in joint {i + 1} beyond its limit [N·m]",
+        )
+    shares = friction["sticking"] * (1.0 - friction["sticking"])
+    yield "sticking", float(np.abs(shares).max(initial=0.0)), 0.0, "an output that is neither 0 nor 1"
+
+
+def state_errors(scene: Scene, outputs: Any, size: float) -> float:
+    """By how much forces at a row may be wrong [N], as the state that is interpolated there has errors.
+
+    Those of positions, relative to a link length, of angles and of their rates are at most the tolerance:
+    times the stiffness n F/δ of contacts, and that of springs and dampers in joints.
+    """
+    forces, depths = outputs["force"], outputs["penetration"]
+    touching = depths > 0.0
+    stiffness = (scene.contact.exponent or 1.0) * np.abs(forces[touching]) / depths[touching]
+    joints = sum(link.joint_stiffness + link.joint_damping for link in scene.chain.links)
+    return scene.solver.tolerance * (float(stiffness.max(initial=0.0)) * size + joints / size)
+
+
+def _static(scene: Scene, name: str) -> float:
+    """µ_s at a wall."""
+    contact, own = scene.contact, scene.contact.wall.get(name)
+    sliding, static = contact.friction, contact.static_friction
+    if own is not None and own.friction is not None:
+        sliding, static = own.friction, 0.0
+    if own is not None and own.static_friction is not None:
+        static = own.static_friction
+    return max(sliding, static)

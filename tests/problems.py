@@ -24,6 +24,7 @@ from tests.reference import PointImpact, point_impact
 GRAVITY = 9.81  # m/s²
 FAR = 1e3  # m, a wall that is never reached
 FLOOR = {"x_min": -FAR, "x_max": FAR, "y_min": 0.0, "y_max": FAR}  # in as many walls as the default scene
+RIGID = "newton_impact"
 GHOST = 1e-12  # N/m^(3/2), a wall that is felt by nobody: a crossing changes nothing
 
 
@@ -366,6 +367,12 @@ def default_scene(**changes: Any) -> Scene:
     return with_values(
         load_scene("four_link_box"), {("contact", key): value for key, value in changes.items()}
     )
+
+
+def rigid(scene: Scene, **contact: Any) -> Scene:
+    """The scene with rigid walls, and with some keys of its [contact] table changed."""
+    changes = {("contact", key): value for key, value in contact.items()}
+    return with_values(scene, {("contact", "model"): RIGID} | changes)
 
 
 def own_law() -> Callable[..., float]:

@@ -21,10 +21,7 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.scene.scene import SOLVER_METHODS, Scene, scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance
-from tests.draw import Draw
-from tests.folds import fold
-from tests.random_friction import rubbed
-from tests.random_stops import stopped
+from tests.problems import GRAVITY, build
 from tests.turned import turned
 
 # The first seeds of scenes with
@@ -43,9 +40,39 @@ DRY_WORK = 2e5  # … and for one with dry friction that does not
 TURNS = 300.0  # rad, at most, that a link turns by, as it starts
 IMPLICIT_STEPS = 1e4  # for which stop times are drawn, estimated for a method of order 3
 
+LENGTH, FOLD_TOLERANCE = 0.5, 1e-8  # m, of 1 kg: the links of folds, and their tolerance
+
 STARTS = ("thrown", "dropped", "spinning", "resting", "gliding", "leaving")
 SHARES = (0.25, 0.12, 0.13, 0.2, 0.2, 0.1)
 FLUSH = STARTS[3:]
+
+
+class Draw:
+    """A stream of them, which follows from its seed."""
+
+    def __init__(self, *seed: int) -> None:
+        self.generator = np.random.default_rng(seed)
+
+    def chance(self, share: float) -> bool:
+        return bool(self.generator.random() < share)
+
+    def real(self, low: float, high: float) -> float:
+        return float(self.generator.uniform(low, high))
+
+    def power(self, low: float, high: float) -> float:
+        """Log-uniform."""
+        return float(np.exp(self.generator.uniform(math.log(low), math.log(high))))
+
+    def whole(self, low: int, high: int) -> int:
+        """Both ends included."""
+        return int(self.generator.integers(low, high + 1))
+
+    def one(self, choices: Any, shares: Any = None) -> Any:
+        return choices[int(self.generator.choice(len(choices), p=shares))]
+
+    def direction(self, length: float) -> list[float]:
+        angle = self.real(-math.pi, math.pi)
+        return [length * math.cos(angle), length * math.sin(angle)]
 
 
 def scene(seed: int) -> Scene:
@@ -363,6 +390,111 @@ def _motion(draw: Draw, start: str, base: str, count: int, wall: int) -> dict[st
     if base == "pinned":
         velocity = [0.0, 0.0]
     return {"velocity": velocity, "angular_velocities": spins}
+
+
+def stopped(scene: Scene, draw: Draw, law: dict[str, Any], most_work: float) -> Scene:
+    """The scene with stops in some joints around their start, and materials of their own for some walls.
+
+    Args:
+        scene: the scene.
+        draw: random numbers.
+        law: a table [contact], whose law the stops have, if not that of the walls.
+        most_work: evaluations that the run may take, if that is less than its own limit.
+    """
+    angles, before = scene.initial.angles, (0.0, *scene.initial.angles)
+    links, pinned = [asdict(link) for link in scene.chain.links], scene.chain.base == "pinned"
+    every = draw.chance(0.5)
+    movable = range(0 if pinned else 1, len(links))
+    for i in movable:
+        if every or draw.chance(0.5) or i == movable[-1]:
+            _stops(draw, links[i], angles[i] - before[i])
+    contact = asdict(scene.contact)
+    for name in scene.half_planes:
+        if draw.chance(0.4):
+            changed = {"stiffness": contact["stiffness"] * draw.power(0.1, 10.0)} if draw.chance(0.7) else {}
+            if not changed or draw.chance(0.5):
+                changed["restitution"] = draw.real(0.01, 1.0)
+            contact["wall"][name] = changed
+    stops = {key: law[key] for key in ("model", "exponent", "restitution")} if draw.chance(0.7) else {}
+    stops |= {"stiffness": draw.power(1e1, 1e8), "minimum_impact_speed": draw.power(1e-6, 1e-1)}
+    solver = asdict(scene.solver)
+    solver["work_limit"] = min(solver["work_limit"], most_work / min(1.0, scene.simulation.stop_time))
+    changes = {("chain", "links"): links, ("contact",): contact, ("solver",): solver}
+    return with_values(scene, changes | ({("stops",): stops} if movable else {}))
+
+
+def _stops(draw: Draw, link: dict[str, Any], angle: float) -> None:
+    """Give a joint one stop or two, at or around the angle at which it starts."""
+    margin = draw.power(1e-3, 3.0) if draw.chance(0.8) else 0.0
+    kind = draw.one(("joint_min", "joint_max", "both"), (0.25, 0.25, 0.5))
+    if kind != "joint_max":
+        link["joint_min"] = min(angle, max(angle - margin, -math.tau))
+    if kind != "joint_min":
+        link["joint_max"] = max(angle + 1e-3, min(angle + draw.power(1e-3, 3.0), math.tau))
+
+
+def rubbed(scene: Scene, draw: Draw, most_work: float) -> Scene:
+    """The scene with friction at its walls, if they are not rigid, and in some joints.
+
+    Args:
+        scene: the scene.
+        draw: random numbers.
+        most_work: evaluations that the run may take, if that is less than its own limit.
+    """
+    contact, links = asdict(scene.contact), [asdict(link) for link in scene.chain.links]
+    if contact["model"] != "newton_impact":
+        contact["friction"] = draw.power(0.01, 3.0)
+        contact["static_friction"] = contact["friction"] * draw.one((1.0, draw.real(1.0, 2.0)))
+        for name in scene.half_planes:
+            if draw.chance(0.2):
+                own = {"friction": draw.power(0.01, 3.0)}
+                contact["wall"][name] = {**(contact["wall"].get(name) or {}), **own}
+    movable = range(0 if scene.chain.base == "pinned" else 1, len(links))
+    dry = contact["model"] == "newton_impact" or draw.chance(0.4)
+    for i in movable:
+        if dry and draw.chance(0.6):
+            links[i]["joint_friction"] = draw.power(1e-3, 10.0)
+    solver = asdict(scene.solver)
+    solver["work_limit"] = min(solver["work_limit"], most_work / min(1.0, scene.simulation.stop_time))
+    return with_values(scene, {("chain", "links"): links, ("contact",): contact, ("solver",): solver})
+
+
+def fold(seed: int) -> Scene:
+    """Equal links on a rigid floor, to and fro at angles that differ from a fold by 1e-12 to 1e-1 rad."""
+    draw = Draw(seed, 4)
+    count = draw.whole(2, 4)
+    first = draw.whole(0, count - 2)
+    along = draw.one((math.pi / 2, draw.real(0.3, 2.8), math.pi / 2 + draw.power(1e-12, 1e-1)))
+    angles = [draw.real(-math.pi, math.pi) for _ in range(count)]
+    angles[first] = along
+    angles[first + 1] = along - math.pi + draw.power(1e-12, 1e-1) * draw.one((-1.0, 1.0))
+    heights = np.concatenate([[0.0], np.cumsum(LENGTH * np.sin(angles))])
+    points = [first, first + 2]
+    drop = draw.one((0.0, draw.power(1e-12, 1e-1)), (0.3, 0.7))
+    spins = [draw.real(-3.0, 3.0) * draw.chance(0.5) for _ in range(count)]
+    contact = {
+        "model": "newton_impact",
+        "restitution": draw.one((0.0, draw.real(0.0, 1.0), 1.0), (0.3, 0.6, 0.1)),
+        "points": points,
+        "minimum_impact_speed": draw.one((1e-3, draw.power(1e-6, 1e-1))),
+    }
+    initial = {
+        "position": [0.0, drop - float(heights[points].min())],
+        "velocity": [draw.real(-1.0, 1.0), -draw.power(1e-9, 1.0) * draw.chance(0.7)],
+        "angles": angles,
+        "angular_velocities": spins,
+    }
+    links = [{"length": LENGTH, "mass": 1.0}] * count
+    return build(
+        f"Fold{seed}",
+        links,
+        initial,
+        {"y_min": 0.0},
+        contact,
+        gravity=GRAVITY,
+        stop_time=draw.power(1e-2, 0.5),
+        tolerance=FOLD_TOLERANCE,
+    )
 
 
 def stopped_of(seed: int) -> Scene:

@@ -9,7 +9,6 @@ process.
 from __future__ import annotations
 
 import signal
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -83,11 +82,6 @@ def verdicts(seeds: Iterable[int], cpu: float = CPU, cores: int = 1) -> Iterator
     finally:
         for worker in workers:
             worker.close()
-
-
-def tally(found: Iterable[Verdict]) -> Counter[tuple[str, str, str]]:
-    """How many verdicts have each kind of finding: (kind, law, method) → count."""
-    return Counter((kind, one.law, one.method) for one in found for kind in one.kinds)
 
 
 class Worker:

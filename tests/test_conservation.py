@@ -1,6 +1,5 @@
 """Conservation: what flight, impacts and any scene at all keep of energy and momenta."""
 
-import functools
 import math
 
 import numpy as np
@@ -8,17 +7,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from chain_impact import CONTACT_LAWS, simulate
-from chain_impact.scene.scene import SOLVER_METHODS, with_values
-from tests.problems import (
-    FAR,
-    GRAVITY,
-    build,
-    contact_table,
-    default_scene,
-    of_law,
-    rod,
-    tumbling_chain,
-)
+from chain_impact.scene.scene import SOLVER_METHODS
+from tests.problems import GRAVITY, build, contact_table, default_scene, of_law, rod, tumbling_chain
 from tests.reference import momenta
 
 
@@ -46,56 +36,19 @@ def test_energy_drift_falls_with_the_tolerance():
     assert drifts[-1] < 1e-4 * drifts[0]
 
 
-def test_a_pendulum_keeps_its_energy_and_its_pin():
-    """A pinned rod that swings past a wall it does not reach."""
-    scene = build(
-        "Pendulum",
-        [{"length": 1.0, "mass": 2.0}],
-        {"position": [0.5, 0.25], "angles": [0.3]},
-        {"y_max": FAR},
-        contact_table(points=[1]),
-        gravity=GRAVITY,
-        base="pinned",
-        stop_time=10.0,
-    )
-    result = simulate(scene)
-    np.testing.assert_array_equal(result.points[:, 0], [[0.5, 0.25]] * len(result.time))
-    assert np.ptp(result.energy["total"]) < 1e-8
-    assert np.ptp(result.energy["kinetic"]) > 1.0
-
-
 # --- energy ------------------------------------------------------------------------------------------------
 
 
-@functools.cache
-def tumble(law):
-    return simulate(default_scene(**of_law(law)), stop_time=2.0, tolerance=1e-10)
-
-
 @pytest.mark.parametrize("law", CONTACT_LAWS)
-def test_energy_never_rises(law):
-    result = tumble(law)
+def test_energy_never_rises_and_the_ledger_closes(law):
+    result = simulate(default_scene(**of_law(law)), stop_time=2.0, tolerance=1e-10)
     energy, start = result.energy, result.energy["total"][0]
     assert start == pytest.approx(61.6630096858, abs=1e-9)
     assert len(result.impacts) >= 5
     assert (np.diff(energy["total"]) < 1e-8 * start).all()
     assert (np.diff(energy["dissipated"]) >= -1e-11 * start).all()  # but for round-off
     assert (result.outputs["force"] >= 0.0).all()
-
-
-@pytest.mark.parametrize("law", CONTACT_LAWS)
-def test_energy_ledger_closes(law):
-    result = tumble(law)
-    assert np.ptp(ledger(result)) < 1e-6 * ledger(result)[0]
-
-
-def test_joint_damping_is_in_the_ledger():
-    scene = default_scene()
-    changes = {("chain", "links", i, "joint_damping"): 0.3 for i in range(4)}
-    result = simulate(with_values(scene, changes), 0.6, tolerance=1e-10)
-    flight = result.time < result.impacts["onset"][0]
-    assert result.energy["dissipated"][flight][-1] > 0.01
-    assert np.ptp(ledger(result)) < 1e-6 * ledger(result)[0]
+    assert np.ptp(ledger(result)) < 1e-6 * start
 
 
 @pytest.mark.parametrize("method", SOLVER_METHODS)
@@ -176,31 +129,3 @@ def test_any_scene_keeps_the_laws_of_physics(scene):
     np.testing.assert_allclose(outputs["penetration"], depths, rtol=0, atol=1e-10)
     energy = contact.stiffness * depths ** (contact.exponent + 1) / (contact.exponent + 1)
     assert energy.max() <= scale * (1 + 1e-6)
-
-
-DROPPED_RODS = st.builds(
-    rod,
-    tilt=ANGLES,
-    lowest=st.floats(0.01, 1.0),
-    speed=st.floats(-3.0, 3.0),
-    spin=st.floats(-20.0, 20.0),
-    gravity=st.just(GRAVITY),
-    stop_time=st.just(0.6),
-    restitution=st.floats(0.05, 1.0),
-    stiffness=st.floats(4.0, 11.0).map(lambda power: 10.0**power),
-)
-
-
-@pytest.mark.full("takes long")
-@given(DROPPED_RODS)
-@settings(max_examples=300, deadline=None, derandomize=True)
-def test_any_rod_keeps_the_laws_of_physics(scene):
-    result = simulate(scene)
-    outputs = result.outputs
-    assert (outputs["force"] >= 0.0).all()
-    scale = result.energy["kinetic"].max() + np.ptp(result.energy["potential"])
-    assert np.ptp(ledger(result)) < 1e-6 * scale
-    momentum, _ = momenta(result)
-    # no linear function of the state: every step may add an error of the tolerance
-    bound = result.statistics["steps"] * scene.solver.tolerance
-    assert np.ptp(momentum[:, 0]) < bound * (1 + np.abs(momentum).max())

@@ -5,7 +5,7 @@ from copy import deepcopy
 import numpy as np
 import pytest
 
-from chain_impact import Chain, DifferentiatedRun, SceneError, cli, load_scene, simulate, sweep
+from chain_impact import Chain, DifferentiatedRun, SceneError, cli, simulate, sweep
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
 from chain_impact.simulation.instance import kernel_for
 from chain_impact.variables.model import Model
@@ -92,17 +92,12 @@ def test_the_command_line_gives_what_the_edited_file_gives(tmp_path, capsys):
     assert told[0] == told[1]
 
 
-def test_a_rod_that_falls_is_as_fast_as_that_of_the_edited_file():
-    """Its second impact, of the tip: 6.5 m/s, and not 14.4 m/s as of a rod with the old inertia."""
-    scene = load_scene("rod_drop").with_values({"link[1].length": 1.2})
-    assert simulate(scene).impacts["impact_speed"][1] == pytest.approx(6.5, abs=0.05)
-
-
-NAMES = ("link[1].length", "link[1].mass", "link[2].mass", "link[2].length")
-
-
 @pytest.mark.parametrize(
-    "name", [*NAMES, "contact.exponent", "contact.restitution", "link[1].inertia", "stop.restitution"]
+    "name",
+    [
+        *("link[1].length", "link[1].mass", "link[2].mass", "link[2].length", "link[1].inertia"),
+        *("contact.exponent", "contact.restitution", "stop.restitution"),
+    ],
 )
 def test_a_derivative_is_that_of_the_edited_file(name):
     """Central differences of edited files; a derivative by what is derived is that of giving it."""

@@ -1,6 +1,7 @@
 """Runs: a scene and its FMU by the same names, to the same numbers, with the same faults."""
 
 import math
+import re
 import sys
 import tempfile
 import zipfile
@@ -105,43 +106,21 @@ def test_a_choice_can_be_given_by_name_or_number(record):
 
 
 @pytest.mark.full("takes long")
-@pytest.mark.parametrize("choice", ["no_law", "0", "-1", "99", "1.0", "²"])
-def test_a_choice_that_is_not_there_is_refused(record, choice):
-    with pytest.raises(SceneError, match=r"contact\.model = .*must be one of .*zhang_sharf"):
-        record({"contact.model": choice})
-
-
-@pytest.mark.full("takes long")
-def test_an_unknown_name_is_refused_and_the_nearest_is_named(record):
-    with pytest.raises(SceneError, match=r"contact\.stifness is no parameter.*contact\.stiffness"):
-        record({"contact.stifness": "1e9"})
-
-
-@pytest.mark.full("takes long")
-def test_an_input_is_no_parameter(record):
-    with pytest.raises(
-        SceneError, match=r"joint\[2\]\.torque is no parameter; it is an input: give it over time"
-    ):
-        record({"joint[2].torque": "5"})
-
-
-@pytest.mark.full("takes long")
-def test_an_output_cannot_be_set(record):
-    with pytest.raises(SceneError, match=r"point\[0\]\.x is no parameter"):
-        record({"point[0].x": "1"})
-
-
-@pytest.mark.full("takes long")
-def test_a_word_is_no_number(record):
-    with pytest.raises(SceneError, match=r"contact\.stiffness = '?hard'? must be a.* number"):
-        record({"contact.stiffness": "hard"})
-
-
-@pytest.mark.full("takes long")
-@pytest.mark.parametrize("value", ["-1", "0", "nan", "inf", "1e999"])
-def test_a_value_out_of_range_is_refused(record, value):
-    with pytest.raises((SceneError, RunError), match=r"contact\.stiffness = .* must be a finite number > 0"):
-        record({"contact.stiffness": value})
+@pytest.mark.parametrize(
+    ("name", "values", "message"),
+    [
+        ("contact.model", ["no_law", "0", "-1", "99", "1.0", "²"], ".* must be one of .*zhang_sharf"),
+        ("contact.stifness", ["1e9"], "is no parameter.*contact.stiffness"),
+        ("joint[2].torque", ["5"], "is no parameter; it is an input: give it over time"),
+        ("point[0].x", ["1"], "is no parameter"),
+        ("contact.stiffness", ["hard"], ".* must be a.* number"),
+        ("contact.stiffness", ["-1", "0", "nan", "inf", "1e999"], ".* must be a finite number > 0"),
+    ],
+)
+def test_a_setting_that_cannot_be_is_refused(record, name, values, message):
+    for value in values:
+        with pytest.raises((SceneError, RunError), match=re.escape(name) + f".*{message}"):
+            record({name: value})
 
 
 @pytest.mark.full("takes long")
@@ -215,29 +194,18 @@ def changed(source, target, **members):
     return target
 
 
-@pytest.mark.full("takes long")
-@pytest.mark.parametrize("content", [b"", b"no zip at all", b"PK\x03\x04 and then nothing"])
-def test_what_is_no_zip_is_no_fmu(tmp_path, content):
-    (tmp_path / "bad.fmu").write_bytes(content)
+@pytest.mark.parametrize("content", [b"", b"no zip at all", b"PK\x03\x04 and then nothing", "half"])
+def test_what_is_no_zip_is_no_fmu(fmus, tmp_path, content):
+    whole = fmus["rod_drop"].read_bytes()
+    (tmp_path / "bad.fmu").write_bytes(whole[: len(whole) // 2] if content == "half" else content)
     with pytest.raises(SceneError, match=r"bad\.fmu: not a readable FMU: .*zip"):
         read_fmu(tmp_path / "bad.fmu")
 
 
-def test_a_truncated_fmu_is_refused(fmus, tmp_path):
-    whole = fmus["rod_drop"].read_bytes()
-    (tmp_path / "cut.fmu").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(SceneError, match=r"cut\.fmu: not a readable FMU"):
-        record_fmu(tmp_path / "cut.fmu", {})
-
-
-def test_a_zip_without_a_description_is_no_fmu(fmus, tmp_path):
-    with pytest.raises(SceneError, match=r"not a readable FMU: modelDescription\.xml: is not in the FMU"):
-        read_fmu(changed(fmus["rod_drop"], tmp_path / "empty.fmu", xml=lambda _: None))
-
-
-def test_a_description_that_is_no_xml_is_refused(fmus, tmp_path):
-    with pytest.raises(SceneError, match="not a readable FMU"):
-        read_fmu(changed(fmus["rod_drop"], tmp_path / "noxml.fmu", xml=lambda content: content[:-30]))
+@pytest.mark.parametrize("description", [lambda _: None, lambda content: content[:-30]])
+def test_what_has_no_readable_description_is_no_fmu(fmus, tmp_path, description):
+    with pytest.raises(SceneError, match=r"not a readable FMU: .*modelDescription\.xml"):
+        read_fmu(changed(fmus["rod_drop"], tmp_path / "bad.fmu", xml=description))
 
 
 def test_the_fmu_of_something_else_can_be_read_but_not_recorded(fmus, tmp_path):

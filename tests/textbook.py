@@ -1,6 +1,6 @@
-"""The chain once more, as a textbook has it: assembled mass matrix, no recursion, scipy, terminal events.
+"""The chain once more, as a textbook has it: an assembled mass matrix and no recursion.
 
-It shares nothing with the kernel: tests, the validation and the benchmarks compare with it. q = (x₀, y₀, θ).
+It shares nothing with the kernel: tests and the benchmarks compare with it. q = (x₀, y₀, θ).
 With u_i the unit vector along link i, s_ji = ℓ_i for i < j and the centre-of-mass distance for i = j, the
 centre of link j is at p₀ + Σ_i s_ji u_i. Hence, with B = Sᵀ diag(m) S and β = Sᵀ m, M q̈ = Q − h has
     M = [m_total 1, β_i u⊥_i; ·, B_ij cos(θ_i − θ_j) + I_i δ_ij],
@@ -9,23 +9,12 @@ centre of link j is at p₀ + Σ_i s_ji u_i. Hence, with B = Sᵀ diag(m) S and 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
-from chain_impact.scene.scene import WALLS, Scene
-
-
-def damping_factor(scene: Scene) -> float:
-    """λ of a scene's law: 0 of Hertz's, that of Zhang & Sharf from λ(1+e) = ln[(1+λ)/(1−λe)]."""
-    e = scene.contact.restitution
-    if scene.contact.model != "zhang_sharf":
-        assert scene.contact.model in ("hertz", "newton_impact")
-        return 0.0
-    return brentq(lambda x: x * (1 + e) - np.log((1 + x) / (1 - x * e)), 1e-6, (1 - 1e-15) / e, xtol=1e-15)
+from chain_impact.scene.scene import Scene
 
 
 class Textbook:
@@ -126,101 +115,3 @@ class Textbook:
         position = np.concatenate([y[None, :2], y[:2] + np.cumsum(links, axis=0)])
         velocity = np.concatenate([y[None, n + 2 : n + 4], y[n + 2 : n + 4] + np.cumsum(moves, axis=0)])
         return position, velocity
-
-
-class Chain(Textbook):
-    """The same with its contacts in a set of (point, wall).
-
-    Contacts are those of Zhang & Sharf's law, of Hertz's, or rigid (``newton_impact``).
-    """
-
-    def __init__(self, scene: Scene, inputs: Mapping[str, Any] | None = None) -> None:
-        super().__init__(scene)
-        inputs = inputs or {}
-        # samples of the torques of all joints, which hold until the next
-        torques = [inputs.get(f"joint[{i}].torque") for i in range(1, self.n + 1)]
-        self.samples = torques[-1][0] if inputs else np.zeros(1)
-        self.torques = np.transpose([[0.0] if torque is None else torque[1] for torque in torques])
-        self.sample = 0
-        self.rigid = scene.contact.model == "newton_impact"
-        self.factor = damping_factor(scene)
-        # number, a point and the inward normal of each wall
-        walls = []
-        for w, name in enumerate(WALLS):
-            axis, at = np.eye(2)[w // 2], getattr(scene.box, name)
-            if at is not None:
-                walls.append((w, tuple(at * axis), tuple((1 - 2 * (w % 2)) * axis)))
-        for w, wall in enumerate(scene.walls, start=len(WALLS)):
-            walls.append((w, wall.point, (-np.sin(wall.angle), np.cos(wall.angle))))
-        self.candidates = [(k, *wall) for k in scene.contact.points for wall in walls]
-        self.active = {}  # candidate → v0
-
-    def gap(self, y, candidate):
-        """Clearance, its gradient and its rate."""
-        point, _, at, normal = candidate
-        gradient = normal @ self.jacobian(y[2 : self.n + 2], point)
-        clearance = normal @ (self.points(y)[0][point] - at) - self.scene.contact.radius
-        return clearance, gradient, gradient @ y[self.n + 2 :]
-
-    def motion(self, _time, y):
-        """(q̇, q̈) of the state (q, q̇), with the forces of the walls."""
-        contact, loads = self.scene.contact, []
-        for candidate, speed in self.active.items():
-            gap, _, gap_rate = self.gap(y, candidate)
-            depth, normal = max(0.0, -gap), candidate[3]
-            elastic = contact.stiffness * depth**contact.exponent
-            force = elastic * max(0.0, 1 - self.factor * gap_rate / speed)
-            loads += [(candidate[0], axis, normal[axis] * force) for axis in (0, 1)]
-        return self.rate(y, loads, self.torques[self.sample])
-
-    def run(self, times):
-        """The state at each of the times, and the onsets (time, point, wall, speed)."""
-        y, states, onsets, now = self.start, np.zeros((len(times), 2 * self.n + 4)), [], 0.0
-        while now < times[-1]:
-            events = [self.event(candidate) for candidate in self.candidates]
-            # a contact of usual stiffness lasts some milliseconds
-            longest = 5e-5 if self.active and self.scene.contact.stiffness > 1e6 else 5e-3
-            self.sample = np.searchsorted(self.samples, now, side="right") - 1
-            changes = self.samples[self.sample + 1 :]
-            done = solve_ivp(
-                self.motion,
-                (now, min([times[-1], *changes[:1]])),
-                y,
-                method="DOP853",
-                rtol=1e-12,
-                atol=1e-13,
-                max_step=longest,
-                events=events,
-                dense_output=True,
-            )
-            inside = (times >= now) & (times <= done.t[-1])
-            if inside.any():
-                states[inside] = done.sol(times[inside]).T
-            now, y = done.t[-1], done.y[:, -1]
-            for candidate, found in zip(self.candidates, done.t_events, strict=True):
-                if found.size and candidate in self.active:
-                    del self.active[candidate]
-                elif found.size:
-                    speed = -self.gap(y, candidate)[2]
-                    onsets.append((now, *candidate[:2], speed))
-                    if self.rigid:
-                        y = self.reflected(y, candidate)
-                    else:
-                        self.active[candidate] = speed
-        return states, onsets
-
-    def event(self, candidate):
-        def clearance(_time, y):
-            return self.gap(y, candidate)[0]
-
-        clearance.terminal = True
-        clearance.direction = 1 if candidate in self.active else -1
-        return clearance
-
-    def reflected(self, y, candidate):
-        """The state after an impact of Newton's law: q̇⁺ = q̇ − M⁻¹Jᵀ (1+e) u/(J M⁻¹Jᵀ), u = J q̇."""
-        _, gradient, speed = self.gap(y, candidate)
-        matrix, _ = self.assemble(y[2 : self.n + 2], y[self.n + 4 :])
-        answer = self.answer(matrix, gradient)
-        jump = -(1 + self.scene.contact.restitution) * speed / (gradient @ answer) * answer
-        return np.concatenate([y[: self.n + 2], y[self.n + 2 :] + jump])

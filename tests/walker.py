@@ -18,9 +18,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from chain_impact import load_scene
-from chain_impact.scene.scene import WALLS, Scene
+from chain_impact.scene.scene import Scene
 from tests.figures import Figure, Problem, problem, run
-from tests.textbook import Textbook
 
 HIP, THIGH, SHANK = 0.5, 0.5, 0.05  # kg
 A1, B1, A2, B2 = 0.375, 0.125, 0.175, 0.325  # m: from the foot up, shank A1 + B1, thigh A2 + B2
@@ -36,7 +35,6 @@ BENT = np.array([[-A1, 0, 0], [-LS - A2, 0, 0], [-LEG, 0, 0], [-LEG, B2, 0], [-L
 LOCK = np.array([[1, 0], [0, 1], [0, 1]])  # three angles of two
 STRAIGHT = BENT @ LOCK
 UPRIGHT = np.array([np.pi / 2, -np.pi / 2, -np.pi / 2])  # q = 0 as angles of the scene
-JOINT = 3  # the knee
 
 
 def equations(
@@ -125,11 +123,10 @@ def straightens() -> Callable[..., float]:
     return bend
 
 
-class Walker(Textbook):
-    """The walker from the start of a scene, with the states that ``Textbook`` has."""
+class Walker:
+    """The walker from the start of a scene."""
 
-    def __init__(self, scene: Scene, _inputs: object = None) -> None:
-        super().__init__(scene)
+    def __init__(self, scene: Scene) -> None:
         self.g = -scene.gravity[1]
         first = np.concatenate([np.array(scene.initial.angles) - UPRIGHT, scene.initial.angular_velocities])
         self.swing = followed(BENT, self.g, 0.0, first, straightens())
@@ -138,18 +135,15 @@ class Walker(Textbook):
         begin = np.concatenate([self.before[:2], self.after])
         self.locked = followed(STRAIGHT, self.g, self.onset, begin)
 
-    def run(self, times: np.ndarray) -> tuple[np.ndarray, list[tuple[float, int, int, float]]]:
-        """The state at each of the times, and the knee strike (time, joint, place, speed) if it is before."""
-        states = np.zeros((len(times), 10))
-        late = times > self.onset
-        angles = self.swing.sol(times[~late]).T
-        straight = self.locked.sol(times[late]).T
-        states[~late, 2:5], states[~late, 7:] = angles[:, :3] + UPRIGHT, angles[:, 3:]
-        states[late, 2:5], states[late, 7:] = straight[:, :2] @ LOCK.T + UPRIGHT, straight[:, 2:] @ LOCK.T
-        speed = self.before[5] - self.before[4]
-        # the numbers of places: the box, walls, joint_min, joint_max
-        place = len(WALLS) + len(self.scene.walls) + 1
-        return states, [(self.onset, JOINT, place, speed)] if self.onset <= times[-1] else []
+    def angles(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Those of the three links of the scene [rad] at each of the times, and their rates."""
+        late = (times > self.onset)[:, None]
+        bent, straight = (self.swing.sol(times).T, self.locked.sol(times).T)
+        angles, rates = (
+            np.where(late, straight[:, 2 * k : 2 * k + 2] @ LOCK.T, bent[:, 3 * k : 3 * k + 3])
+            for k in (0, 1)
+        )
+        return angles + UPRIGHT, rates
 
     def lost(self) -> float:
         """The energy that the knee strike takes [J]."""

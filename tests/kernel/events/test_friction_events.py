@@ -24,8 +24,7 @@ from chain_impact.kernel.model.geometry import tangential_rate
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.model import Model
-from tests.coulomb_problems import oblique_ball
-from tests.dry_joints import braked_link
+from tests.coulomb_problems import braked_link, oblique_ball
 from tests.kernel.rubbing import rubbing_chain
 from tests.plain import Plain
 from tests.problems import GRAVITY, contact_table, scene_table

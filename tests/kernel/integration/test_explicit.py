@@ -10,10 +10,11 @@ from scipy.special import ellipj
 
 from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import dissipated_at
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration import dop853
 from chain_impact.kernel.integration.dense import interpolate, rate_bounds
-from chain_impact.kernel.integration.explicit import BEYOND, LEFT, toward_end
+from chain_impact.kernel.integration.explicit import BEYOND, LEFT, estimate, toward_end
 from chain_impact.kernel.integration.last_step import OUTPUTS, accept, ensure_dense
 from chain_impact.kernel.integration.methods import attempt
 from chain_impact.kernel.integration.trial import NOT_FINITE, accepted
@@ -112,6 +113,17 @@ def test_stages_use_earlier_ones_only_and_the_last_stands_at_the_end():
     assert dop853.STEP_STAGES not in dop853.B
     assert (C >= 0.0).all()
     assert (C <= 1.0 + 1e-14).all()
+
+
+def test_the_errors_of_all_components_up_to_the_dissipated_energy_are_controlled():
+    """Neither that of the supplied energy nor those of impulses."""
+    _, d = chain(np.random.default_rng(0), 3)
+    errors, stages = [], d.work.stage
+    for j in range(stages.shape[1]):
+        stages[:] = 0.0
+        stages[6, j] = 1.0
+        errors.append(estimate(d, 0.1))
+    assert [error > 0.0 for error in errors] == [j <= dissipated_at(3) for j in range(stages.shape[1])]
 
 
 def interpolation_weights(theta):

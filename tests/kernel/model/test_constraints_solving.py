@@ -1,5 +1,7 @@
 """The impulses of constraints: who is pressed, what is missing, and who is wrong."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -177,6 +179,24 @@ def test_the_complementary_impulses_do_not_depend_on_the_guess(seed, guess):
     solve_lcp(d, np.abs(own.start).max())
     np.testing.assert_allclose(own.impulse[:4], expected, rtol=0, atol=1e-9 * max(1.0, expected.max()))
     assert ((own.impulse[:4] > 0.0) <= (own.in_active_set[:4] == 1)).all()
+
+
+def test_all_that_are_wrong_change_at_once_and_only_the_last_after_stalls(monkeypatch):
+    """The block pivots; those that fail to reduce the number of the wrong; and one at a time from then on."""
+    d, *_ = problem()
+    wrong, sets, own = [4, 4, 4, 4, 4, 4, 2, 2, 0], [], d.rigid
+
+    def told(_, __):
+        sets.append(own.in_active_set[:4].copy())
+        count = wrong.pop(0)
+        own.violated[:4] = [k < count for k in range(4)]
+        return count
+
+    monkeypatch.setattr(constraints, "solve_equality", lambda *_: None)
+    monkeypatch.setattr(constraints, "count_violations", told)
+    solve_lcp(d, 1.0)
+    changed = [np.flatnonzero(one != other).tolist() for one, other in itertools.pairwise(sets)]
+    assert changed == [[0, 1, 2, 3]] * (1 + constraints.MAX_STALLED_PIVOTS) + [[3], [3], [0, 1], [0, 1]]
 
 
 def test_a_chain_that_is_nearly_straight_is_held_by_a_smooth_force():

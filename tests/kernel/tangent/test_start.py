@@ -25,8 +25,7 @@ from chain_impact.kernel.tangent.start import (
 )
 from chain_impact.kernel.tangent.trust import TRUSTED
 from chain_impact.variables.model import Model
-from tests.complex_laws import FAMILY, WITH_MASS
-from tests.complex_step import TINY
+from tests.complex_laws import FAMILY, TINY, WITH_MASS
 from tests.derivative_scenes import Case, pinned_chain, sprung_chain, struck_twice
 from tests.kernel.chains import chain, press_in, random_state, touch, vectors
 from tests.kernel.tangent.dual import Dual, followed, random_duals, started
