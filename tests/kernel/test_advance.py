@@ -147,7 +147,7 @@ def pendulum_of_dry_joints():
 def test_the_log_of_changes_is_full_where_one_more_of_each_element_has_no_room(logged, full):
     d = pendulum_of_dry_joints()
     d.changes.count = logged
-    assert loop.changes_full(d) == full
+    assert loop.log_is_full(d, 10) == full
     steps = int(d.statistics.steps)
     assert loop.advance(d, 1e-3, 5, UNLIMITED) == (LOG_FULL if full else OK)
     assert (d.statistics.steps > steps) != full
@@ -160,4 +160,4 @@ def test_the_log_of_changes_is_full_where_one_more_of_each_element_has_no_room(l
 def test_a_record_without_dry_friction_has_no_log_that_could_be_full():
     d = started()
     assert (d.elements, len(d.changes.time)) == (0, 0)
-    assert not loop.changes_full(d)
+    assert not loop.log_is_full(d, 10)

@@ -23,7 +23,7 @@ from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
 from chain_impact.kernel.integration.step_size import in_flight
 from chain_impact.kernel.integration.switching import stable
 from chain_impact.kernel.model.constraints import UNSOLVED
-from chain_impact.kernel.model.latest import LATEST
+from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
     MASS_MATRIX_SINGULAR,
@@ -106,7 +106,7 @@ def test_nothing_of_an_earlier_run_is_left():
         ("impact", ("count", "last_point", "last_wall", "last_speed")),
         ("statistics", ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps")),
         ("limits", ("event_count", "work_count", "call_count", "other_work")),
-        ("finished", ("count",)),
+        ("finished", ("count", "collected")),
         ("search", ("known_for",)),
         ("step", ("breaks",)),
     ):
@@ -129,7 +129,7 @@ def test_nothing_of_an_earlier_run_is_left():
     assert (d.statistics.rhs_evaluations, d.statistics.implicit_steps) == (0, 0)
     limits = d.limits
     assert (limits.event_count, limits.work_count, limits.call_count, limits.other_work) == (0, 0, 0, 0)
-    assert (d.finished.count, d.search.known_for, d.step.breaks) == (0, 0, 0)
+    assert (d.finished.count, d.finished.collected, d.search.known_for, d.step.breaks) == (0, 0, 0, 0)
     assert d.impact.last_time == limits.event_start == limits.work_start == 3.0
     assert d.latest.kept == 4
     assert len(d.latest.point) == LATEST

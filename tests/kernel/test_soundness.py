@@ -12,7 +12,7 @@ from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.laws.contact_laws import LAW_COUNT
 from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, list_sticking
 from chain_impact.kernel.model.inputs import DEGREE
-from chain_impact.kernel.model.latest import LATEST
+from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.kernel.soundness import sound, within, within_bounds
 from chain_impact.kernel.status import LAST_STATUS, OK, STATUS_TEXT, UNKNOWN_LAW
 from chain_impact.scene.scene import load_scene

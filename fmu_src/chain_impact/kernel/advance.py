@@ -93,7 +93,7 @@ def advance(d, time, log_capacity, work):
     """
     status = reinit_if_changed(d)
     while status == OK and d.step.end < time:
-        if d.finished.count >= log_capacity or (log_capacity < UNLIMITED and changes_full(d)):
+        if log_is_full(d, log_capacity):
             return LOG_FULL
         if work_done(d) > work:
             return PAUSED
@@ -103,9 +103,11 @@ def advance(d, time, log_capacity, work):
     return status
 
 
-def changes_full(d):
-    """Whether the log of changes of dry friction has no room for one more of each element."""
-    return d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements
+def log_is_full(d, capacity):
+    """Whether so many contacts are to be collected, or the log of changes lacks room for all elements."""
+    if d.finished.count - d.finished.collected >= capacity:
+        return True
+    return capacity < UNLIMITED and d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements
 
 
 def advance_to_onset(d, time):

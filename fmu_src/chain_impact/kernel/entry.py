@@ -2,11 +2,10 @@
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.advance import advance, must_reinit, reinit
-from chain_impact.kernel.events.contact_log import clear_log, update_to_output_time
+from chain_impact.kernel.events.contact_log import collect, update_to_output_time
 from chain_impact.kernel.events.friction_modes import clear_changes
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.last_step import keep_state, return_to_kept_state
-from chain_impact.kernel.model.latest import keep_impacts
 from chain_impact.kernel.observe import observe, refill_motion
 from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
 from chain_impact.kernel.work_limit import (
@@ -52,12 +51,10 @@ def observe_trial(d):
 
     No run goes on from here. After a fault all outputs stay as they are.
     """
-    counted, kept = counted_work(d), d.latest.kept
+    counted = counted_work(d)
     keep_state(d)
     hooks.on_trial(d)
-    keep_impacts(d, 0)  # a contact that ends now has its end in the list when the next step begins
     status = reinit(d)
-    keep_impacts(d, kept)
     if status == OK:
         # a rigid wall corrects the state at the start of a step
         return_to_kept_state(d)
@@ -138,7 +135,7 @@ def finish_run(d, stop, work):
     allow_any_length(d)
     while status == LOG_FULL:
         status = advance(d, stop, log_capacity, work)
-        clear_log(d)
+        collect(d)
         clear_changes(d)
     if status == OK:
         observe(d)

@@ -7,7 +7,7 @@ what has been summed up until now, such as impulses: these outputs stay as they 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
-from chain_impact.kernel.events.contact_log import update_latest
+from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.integration.dense import fraction, interpolate, interpolate_component
 from chain_impact.kernel.integration.impulse import friction_count, impulse_count, impulse_within
 from chain_impact.kernel.model.contact import contact_force
@@ -33,7 +33,7 @@ def fill_outputs(d):
     counted, theta = counted_work(d), fraction(d, d.step.time)
     fill_motion(d, theta)
     fill_impulses(d, theta)
-    update_latest(d)
+    list_latest(d)
     if d.model.stopped:
         combine_forces(d)
         combine_impulses(d)

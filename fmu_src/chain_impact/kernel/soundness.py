@@ -15,7 +15,6 @@ from chain_impact.kernel.laws.user_law import present
 from chain_impact.kernel.model.friction import NO_FRICTION
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.model.inputs import DEGREE
-from chain_impact.kernel.model.latest import LATEST
 from chain_impact.kernel.status import LAST_STATUS, OK
 
 
@@ -37,7 +36,7 @@ def within_bounds(d):
     fits = fits and within(d.step.last_method, 0, METHOD_COUNT - 1)
     fits = fits and within(d.search.known, 0, FAR) and within(d.step.dense_for, 0, SOLVER)
     fits = fits and within(d.statistics.status, OK, LAST_STATUS)
-    fits = fits and within(d.latest.kept, 0, LATEST)
+    fits = fits and within(d.latest.kept, 0, len(d.latest.time))
     fits = fits and within(d.given.course.order, 0, DEGREE) and within(d.inputs.course.order, 0, DEGREE)
     fits = fits and within(d.touch.active_count, 0, d.candidates)
     fits = fits and within(d.touch.compliant_count, 0, d.touch.active_count)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.model.latest import LATEST
+from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.scene.limits import Derived, quantity
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.reading import SceneError

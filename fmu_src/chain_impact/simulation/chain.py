@@ -91,6 +91,7 @@ class Chain:
         self._time_word = word_index(dtype, ("step", "time"))
         self._changed_word = word_index(dtype, ("given", "changed"))
         self._finished_word = word_index(dtype, ("finished", "count"))
+        self._collected_word = word_index(dtype, ("finished", "collected"))
         self._changes_word = word_index(dtype, ("changes", "count"))
         self._selections: dict[str | tuple[str, ...], _Selection] = {}
         self._instant = np.zeros(1)
@@ -270,7 +271,8 @@ class Chain:
             raise SceneError(f"{at} what has been set cannot act: {fault_text(status, self._instance.place)}")
 
     def _collect(self) -> None:
-        if self._integers[self._finished_word] or self._integers[self._changes_word]:
+        ended = self._integers[self._finished_word] != self._integers[self._collected_word]
+        if ended or self._integers[self._changes_word]:
             self._impacts.append(self._instance.collect())
 
     def _select(self, key: str | tuple[str, ...]) -> _Selection:

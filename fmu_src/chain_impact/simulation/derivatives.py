@@ -126,15 +126,15 @@ class DifferentiatedInstance(Instance):
 
     def collect(self) -> np.ndarray:
         """Take the finished contacts out of the log, and their derivatives."""
+        places = self._finished_places
         rows = super().collect()
         if not len(rows):
             return rows
-        log = self._tangents["finished"]
+        log, last = self._tangents["finished"], int(self.record["finished"]["count"])
         # in a step that has failed a contact may have ended, of which there are no derivatives
-        known = (np.arange(len(rows)) < log["count"][0])[:, np.newaxis]
-        slopes = {name: log[name]["slope"][:, : len(rows)] for name in IMPACT_QUANTITIES}
+        known = (np.arange(last - len(rows), last) < log["count"][0])[:, np.newaxis]
+        slopes = {name: log[name]["slope"][:, places] for name in IMPACT_QUANTITIES}
         self._keep_slopes(rows, {name: np.where(known, slope, np.nan) for name, slope in slopes.items()})
-        log["count"] = 0
         return rows
 
     def open_contacts(self) -> np.ndarray:

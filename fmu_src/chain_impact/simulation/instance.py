@@ -219,13 +219,16 @@ class Instance:
         """Take the finished contacts out of the log, and add the changes of dry friction to ``changes``."""
         if self.record["changes"]["count"]:
             self.changes.append(self._take_changes())
+        log, places = self.record["finished"], self._finished_places
+        log["collected"] = log["count"]
+        return self._impacts(places)
+
+    @property
+    def _finished_places(self) -> np.ndarray:
+        """Where the log has the contacts that have ended since the last time; the oldest may be lost."""
         log = self.record["finished"]
-        if not log["count"]:
-            return np.zeros(0, IMPACT_DTYPE)
-        # of those that nobody collected in time, the oldest are lost
-        count = min(int(log["count"]), len(log["point"]))
-        log["count"] = 0
-        return self._impacts(slice(count))
+        count, room = int(log["count"]), len(log["point"])
+        return np.arange(max(int(log["collected"]), count - room), count) % room
 
     @property
     def all_changes(self) -> np.ndarray:
@@ -255,11 +258,11 @@ class Instance:
         log = self.record["finished"]
         return (int(log["count"]) + np.arange(int(self.record["touch"]["active_count"]))) % len(log["point"])
 
-    def _impacts(self, places: np.ndarray | slice) -> np.ndarray:
+    def _impacts(self, places: np.ndarray) -> np.ndarray:
         """The impacts at some places of the log, without impulses if these are not followed."""
         room, columns = len(self.record["finished"]["point"]), len(IMPACT_DTYPE.names or ())
-        # the log has the columns of the table, in the same order, behind a count
-        first = first_word(self._block.dtype, "finished") + 1
+        # the log has the columns of the table, in the same order, behind two counts
+        first = first_word(self._block.dtype, "finished") + 2
         table = self.words[first : first + columns * room].reshape(columns, room)
         found = table[:, places].T.copy()
         rows = np.ndarray(len(found), IMPACT_DTYPE, found)

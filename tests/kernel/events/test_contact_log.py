@@ -12,13 +12,13 @@ from chain_impact.kernel.events.contact_log import (
     FORCE,
     PENETRATION,
     end_at_output_time,
+    list_latest,
     maximum_inside,
     peaks,
     rate_of_force,
     turns_at_end,
     update_extremes,
     update_held_extremes,
-    update_latest,
     update_own_to_output_time,
     update_to_output_time,
     value_at,
@@ -265,6 +265,7 @@ def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsiv
         d.latest.kept = kept
         make_rigid(d, impulsive)
         d.latest.end[0] = -1.0
+        d.touch.number[1] = d.impact.count = 5
         d.step.time = d.step.start + until
         y = motion.at(until)
         locate_points(d, y)
@@ -272,7 +273,7 @@ def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsiv
         d.output.force[1] = contact_force(d, 1, *clearance(d, 1))
         d.output.impulse[1], d.impulse.onset[1] = 7.5, 3.0
         d.touch.peak_force[1] = 0.1 * (1 - impulsive) + 50.0 * impulsive
-        update_latest(d)
+        list_latest(d)
         latest = d.latest
         if kept == 0:
             assert latest.end[0] == -1.0

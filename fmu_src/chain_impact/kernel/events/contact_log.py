@@ -25,7 +25,6 @@ from chain_impact.kernel.model.contact import (
 )
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import clearance, gap_acceleration, lever
-from chain_impact.kernel.model.latest import note_impact
 from chain_impact.kernel.work_limit import count_evaluations, counted_work, uncount_work
 
 FORCE, PENETRATION = 0, 1
@@ -130,12 +129,13 @@ def end_at_output_time(d):
         drop_changes(d)
 
 
-def update_latest(d):
-    """Update the active contacts in the list of latest impacts, up to the communication point.
+def list_latest(d):
+    """List the latest impacts, those that last as they are at the communication point.
 
     The points must be located and accelerated there, and the outputs must already hold the impulses.
     """
-    if d.latest.kept == 0:
+    latest, log, rows = d.latest, d.finished, d.finished.count
+    if latest.kept == 0:
         return
     theta, time = fraction(d, d.step.time), d.step.time
     for k in range(d.touch.active_count):
@@ -147,7 +147,18 @@ def update_latest(d):
             if elsewhere:
                 interpolate(d.step, theta, d.work.y)
                 locate_points(d, d.work.y)
-        note_impact(d, c, time, gap_rate, peak, depth, d.output.impulse[c] - d.impulse.onset[c])
+        log_contact(d, c, rows, time, gap_rate, peak, depth, d.output.impulse[c])
+        rows += 1
+    for row in range(min(rows, len(log.point))):
+        place = d.impact.count - log.number[row]
+        if 0 <= place < latest.kept:
+            latest.point[place], latest.wall[place] = log.point[row], log.wall[row] + 1
+            latest.time[place], latest.end[place] = log.onset[row], log.end[row]
+            latest.speed[place] = log.impact_speed[row]
+            latest.separation_speed[place] = log.separation_speed[row]
+            latest.peak_force[place] = log.peak_force[row]
+            latest.max_penetration[place] = log.max_penetration[row]
+            latest.impulse[place] = log.impulse[row]
 
 
 def rate_of_force(d, c):
@@ -191,8 +202,19 @@ def value_at(d, c, quantity, theta):
 
 
 def clear_log(d):
-    """Clear the log, as its contacts have been collected or a run starts."""
-    d.finished.count = 0
+    """Forget all contacts, as a run starts."""
+    latest = d.latest
+    d.finished.count, d.finished.collected = 0, 0
+    for row in range(len(latest.time)):
+        latest.time[row], latest.end[row] = 0.0, 0.0
+        latest.point[row], latest.wall[row] = -1, 0
+        latest.speed[row], latest.separation_speed[row] = 0.0, 0.0
+        latest.peak_force[row], latest.max_penetration[row], latest.impulse[row] = 0.0, 0.0, 0.0
+
+
+def collect(d):
+    """Note that the contacts that have ended are collected."""
+    d.finished.collected = d.finished.count
 
 
 def clear_peaks(d):
@@ -201,29 +223,15 @@ def clear_peaks(d):
     peaks.force, peaks.penetration, peaks.moment, peaks.rotation = 0.0, 0.0, 0.0, 0.0
 
 
-def update_peaks(d, c, force, penetration):
-    """Take the largest force and penetration of candidate c into those of all contacts."""
-    peaks = d.peaks
-    if d.candidate.stop[c] == 0:
-        peaks.force = max(peaks.force, force)
-        peaks.penetration = max(peaks.penetration, penetration)
-    else:
-        peaks.moment = max(peaks.moment, force)
-        peaks.rotation = max(peaks.rotation, penetration)
-
-
 def end_contact(d, c, held):
     """End the contact of candidate c, and log it. In a full log it overwrites the oldest entry.
 
     ``held``: whether a rigid wall held it until now; by now its law may have changed to one with a force.
     """
-    touch, log, impulse = d.touch, d.finished, impulse_since_onset(d, c)
     _, gap_rate = clearance(d, c)
     # a point that was held at a rigid wall is at rest: a negative rate is round-off
-    speed = max(0.0, gap_rate) if held else gap_rate
-    log_contact(d, c, log.count % len(log.point), d.step.end, speed)
-    log.count += 1
-    note_impact(d, c, d.step.end, speed, touch.peak_force[c], touch.max_penetration[c], impulse)
+    log_with_peaks(d, c, d.finished.count, d.step.end, max(0.0, gap_rate) if held else gap_rate)
+    d.finished.count += 1
     deactivate(d, c)
 
 
@@ -232,38 +240,49 @@ def log_active(d):
 
     Where more contacts have ended than the log has room for, they overwrite the oldest.
     """
-    log = d.finished
-    row = log.count
+    row = d.finished.count
     for c in range(d.candidates):
         if d.touch.active[c]:
-            log_contact(d, c, row % len(log.point), math.nan, math.nan)
+            log_with_peaks(d, c, row, math.nan, math.nan)
             row += 1
 
 
-def log_contact(d, c, row, end, separation_speed):
+def log_with_peaks(d, c, row, end, separation_speed):
+    """As ``log_contact``, with what has been recorded of the contact, which also enters the peaks of all."""
+    touch, peaks, arm = d.touch, d.peaks, lever(d, c)
+    force, depth = touch.peak_force[c], touch.max_penetration[c]
+    log_contact(d, c, row, end, separation_speed, force, depth, d.impulse.total[c])
+    if d.candidate.stop[c] == 0:
+        peaks.force = max(peaks.force, force)
+        peaks.penetration = max(peaks.penetration, depth)
+    else:
+        peaks.moment = max(peaks.moment, force * arm)
+        peaks.rotation = max(peaks.rotation, depth / arm)
+
+
+def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, impulse):
     """Write the contact of candidate c to a row of the log; that of a stop by its moments and angles.
 
     Args:
         d: the instance.
         c: the candidate.
-        row: in the log.
+        row: in the log, counted without an end.
         end: the time of its end [s].
         separation_speed: ġ at that time [m/s].
+        peak_force: the largest force so far [N].
+        max_penetration: the largest penetration so far [m].
+        impulse: ∫F dt of the candidate since the start of the run [N·s].
     """
     touch, log, arm = d.touch, d.finished, lever(d, c)
-    log.point[row] = d.candidate.point[c]
-    log.wall[row] = d.candidate.wall[c]
-    log.onset[row] = touch.onset[c]
-    log.end[row] = end
-    log.impact_speed[row] = touch.onset_speed[c] / arm
-    log.separation_speed[row] = separation_speed / arm
-    log.peak_force[row] = touch.peak_force[c] * arm
-    log.max_penetration[row] = touch.max_penetration[c] / arm
-    log.effective_mass[row] = touch.effective_mass[c] * arm * arm
-    log.impulse[row] = impulse_since_onset(d, c) * arm
-    update_peaks(d, c, log.peak_force[row], log.max_penetration[row])
-
-
-def impulse_since_onset(d, c):
-    """∫F dt of candidate c since the onset of its contact [N·s]."""
-    return d.impulse.total[c] - d.impulse.onset[c]
+    place = row % len(log.point)
+    log.number[place] = touch.number[c]
+    log.point[place] = d.candidate.point[c]
+    log.wall[place] = d.candidate.wall[c]
+    log.onset[place] = touch.onset[c]
+    log.end[place] = end
+    log.impact_speed[place] = touch.onset_speed[c] / arm
+    log.separation_speed[place] = separation_speed / arm
+    log.peak_force[place] = peak_force * arm
+    log.max_penetration[place] = max_penetration / arm
+    log.effective_mass[place] = touch.effective_mass[c] * arm * arm
+    log.impulse[place] = (impulse - d.impulse.onset[c]) * arm

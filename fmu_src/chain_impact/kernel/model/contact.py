@@ -28,7 +28,6 @@ from chain_impact.kernel.model.geometry import (
     lever,
     normal,
 )
-from chain_impact.kernel.model.latest import forget_impacts, list_impact
 
 
 def clear_contacts(d, time):
@@ -36,10 +35,9 @@ def clear_contacts(d, time):
     touch, impact = d.touch, d.impact
     touch.listings, touch.active_count, touch.compliant_count, touch.stop_count = 0, 0, 0, 0
     for c in range(d.candidates):
-        touch.active[c], touch.active_index[c] = 0, 0
+        touch.active[c], touch.active_index[c], touch.number[c] = 0, 0, 0
     impact.count, impact.last_time, impact.last_speed = 0, time, 0.0
     impact.last_point, impact.last_wall = -1, 0
-    forget_impacts(d)
 
 
 def contact_force(d, c, gap, gap_rate):
@@ -114,12 +112,12 @@ def begin_contact(d, c):
     latch(d, c)
     touch.active[c] = 1
     d.impact.count += 1
+    touch.number[c] = d.impact.count
     d.impact.last_time = d.step.end
     d.impact.last_point = d.candidate.point[c]
     d.impact.last_wall = d.candidate.wall[c] + 1
     d.impact.last_speed = touch.onset_speed[c] / lever(d, c)
     d.impulse.onset[c] = d.impulse.total[c]
-    list_impact(d, c)
 
 
 def start_contact(d, c):

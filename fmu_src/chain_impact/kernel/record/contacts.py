@@ -5,12 +5,12 @@ import numpy as np
 from chain_impact.kernel.chain.state import coordinate_count
 from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.integration.explicit import STAGES
-from chain_impact.kernel.model.latest import LATEST
 from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
 from chain_impact.kernel.record.solver import factors_dtype
 
 CHANGES_OF_EACH = 4  # changes of a mode stored until they are collected, for each element
 LOG_SIZE = 32  # finished contacts stored until they are collected, in addition to one for each candidate
+LATEST = LOG_SIZE  # how many of the latest impacts are listed at most
 
 
 def constraint_count(candidates: int, elements: int) -> int:
@@ -21,7 +21,6 @@ def constraint_count(candidates: int, elements: int) -> int:
 @written_by(
     "model/contact.py",
     event="events/marks.py",
-    number="model/latest.py",
     gap_error="integration/errors.py",
     **dict.fromkeys(("damping", "depth_scale", "kink_crossed", "kink_margin"), "model/contact_force.py"),
 )
@@ -45,11 +44,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, to find the peaks
         ("force", REAL, (candidates,)),  # N, of active ones at the last evaluation of the rate …
         ("force_end", REAL, (candidates,)),  # N, … and at the end of the last step
-        (
-            "beyond_kink",
-            INTEGER,
-            (candidates,),
-        ),  # 1: δ̇ is beyond the kink of its force
+        ("beyond_kink", INTEGER, (candidates,)),  # 1: δ̇ is beyond the kink of its force
         ("kink_margin", REAL, (candidates,)),  # m/s, by which δ̇ may be on the wrong side; else 0
         ("kink_crossed", INTEGER, (candidates,)),  # 1: a stage of the tried step was on its other side
         ("number", INTEGER, (candidates,)),  # of its onset among all onsets, counted from 1
@@ -72,9 +67,9 @@ def impact_dtype() -> np.dtype:
     )
 
 
-@written_by("model/latest.py")
+@written_by("events/contact_log.py")
 def latest_dtype() -> np.dtype:
-    """The latest impacts, the newest first."""
+    """The latest impacts, the newest first, as they were when the outputs were last filled."""
     return record(
         ("kept", INTEGER),  # the number of them that is requested
         ("point", INTEGER, (LATEST,)),  # 0…N, −1 for none
@@ -117,23 +112,21 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("impedance", REAL, (rows,)),  # kg, D
         ("resistance", REAL, (rows,)),  # kg, of the contacts with a force law to a projection; else 0
         ("sample", REAL, (2, candidates)),  # N, the last two sampled forces
-        (
-            "least_force",
-            REAL,
-            (candidates,),
-        ),  # N, smallest force in the stages of the step; not packed
+        ("least_force", REAL, (candidates,)),  # N, smallest force in the stages of the step; not packed
     )
 
 
 @written_by("events/contact_log.py")
 def finished_dtype(candidates: int) -> np.dtype:
-    """The log of finished contacts. A caller that collects sets count to 0.
+    """The contacts, a ring of rows: those that have ended, and behind them those that last.
 
-    Behind them are those that last, as they were when the last step was truncated.
+    A caller that collects those that have ended sets ``collected`` to ``count``. The latest LATEST impacts
+    are there: behind one of them are no more than the others, and one of each other candidate.
     """
     log = LOG_SIZE + candidates
     return record(
-        ("count", INTEGER),  # contacts ended since last collected
+        ("count", INTEGER),  # contacts ended since the start
+        ("collected", INTEGER),  # of these, when they were last collected
         ("point", INTEGER, (log,)),
         ("wall", INTEGER, (log,)),
         ("onset", REAL, (log,)),  # s
@@ -144,6 +137,7 @@ def finished_dtype(candidates: int) -> np.dtype:
         ("max_penetration", REAL, (log,)),  # m
         ("effective_mass", REAL, (log,)),  # kg
         ("impulse", REAL, (log,)),  # N·s
+        ("number", INTEGER, (log,)),  # of its onset, as in `touch`
     )
 
 
@@ -219,20 +213,14 @@ def element_dtype(elements: int) -> np.dtype:
         ("event", INTEGER, (elements,)),  # at `step.end` and not yet applied, see kernel/events/marks.py
         ("before", INTEGER, (elements,)),  # its mode before the last choice
         ("chosen", INTEGER, (elements,)),  # its mode in the primal run, for a tangent instance
-        (
-            "undecided",
-            INTEGER,
-            (elements,),
-        ),  # 1: its mode is chosen by the forces; 2: see kernel/tangent/friction.py
+        # 1: its mode is chosen by the forces; 2: see kernel/tangent/friction.py
+        ("undecided", INTEGER, (elements,)),
         ("slack", REAL, (elements,)),  # m/s, by which sliding may be backward when its mode begins
         ("anchor", REAL, (elements,)),  # m, the tangential coordinate at which it sticks
         ("force", REAL, (elements,)),  # N along t, at the last evaluation of the rate …
         ("force_end", REAL, (elements,)),  # … and at the end of the last step
-        (
-            "limit",
-            REAL,
-            (elements,),
-        ),  # N, the largest static friction, at the last evaluation; of a joint constant
+        # N, the largest static friction, at the last evaluation; of a joint constant
+        ("limit", REAL, (elements,)),
         # m/s of sliding, N of sticking: how far its mode was from ending in the stages of the tried step
         ("margin", REAL, (elements,)),
     )

@@ -88,6 +88,7 @@ def layout(record: np.dtype) -> dict[str, Any]:
         "impulses": word("impulse", "wanted"),
         "finished": {
             "count": word("finished", "count"),
+            "collected": word("finished", "collected"),
             "room": record["finished"]["point"].shape[0],
             "fields": {name: word("finished", name, 0) for name in IMPACT_DTYPE.names or ()},
         },

@@ -169,10 +169,11 @@ export class Kernel {
   /** Take the finished contacts out of the log; of those that nobody took in time, the oldest are lost. */
   #finished() {
     const { finished, changes } = this.scene.layout;
-    const count = Math.min(Number(this.integers[finished.count]), finished.room);
-    this.integers[finished.count] = 0n;
+    const ended = Number(this.integers[finished.count]);
+    const first = Math.max(Number(this.integers[finished.collected]), ended - finished.room);
+    this.integers[finished.collected] = this.integers[finished.count];
     this.integers[changes] = 0n;
-    return this.#logged(count, (index) => index);
+    return this.#logged(ended - first, (index) => (first + index) % finished.room);
   }
 
   /** Rows of the log of contacts. */
