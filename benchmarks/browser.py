@@ -23,8 +23,8 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from chain_impact import explore, load_scene, sweep
 from chain_impact.compilation.library import browser_module
-from chain_impact.results.explore.description import description, packed
-from chain_impact.results.explore.page import WORKER, program
+from chain_impact.results.page.description import description, packed
+from chain_impact.results.page.explore import WORKER, program
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance
 from chain_impact.system import cores

@@ -9,8 +9,8 @@ from pathlib import Path
 from playwright.sync_api import sync_playwright
 
 from chain_impact import explore, load_scene
-from chain_impact.results.animation import animate
-from chain_impact.studies.slow_motion import record_slowly
+from chain_impact.results.animate import animate
+from chain_impact.studies.animate import record_slowly
 
 IMAGES = Path(__file__).parent / "images"
 SIZE = {"width": 1280, "height": 760}

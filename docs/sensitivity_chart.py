@@ -21,7 +21,6 @@ from chain_impact.results.plots.changes import calm
 from chain_impact.results.plots.labels import label_curves, settle, spread_labels
 from chain_impact.results.plots.over_time import mark_impacts
 from chain_impact.results.plots.style import BLACK, DPI, PALETTE, STYLE, headline, number
-from chain_impact.results.result import recording_of
 
 PICTURE = Path(__file__).parent / "images" / "sensitivity_chart.png"
 SCENE, STOP, TIP = "four_link_box", 1.2, 4  # six impacts
@@ -52,7 +51,7 @@ def by_kind(changes: np.ndarray, result: Result) -> dict[str, np.ndarray]:
 def moved(result: Result) -> dict[str, np.ndarray]:
     """How far the tip moves with each kind, shape (T,) [m]; NaN within impacts."""
     sizes = np.hypot(*(result.sensitivities.changes(f"point[{TIP}].{axis}") for axis in "xy"))
-    sizes[~calm(recording_of(result))] = np.nan
+    sizes[~calm(result)] = np.nan
     return by_kind(sizes, result)
 
 
@@ -71,7 +70,7 @@ def draw_motion(axes: Axes, result: Result) -> list[Annotation]:
     for kind, size in moved(result).items():
         axes.plot(result.time, size, color=COLOURS[kind], linewidth=1.5)
         ends.append((result.time[-1], size[-1], kind, COLOURS[kind]))
-    mark_impacts(axes, recording_of(result))
+    mark_impacts(axes, result)
     axes.set(yscale="log", ylim=(LEAST, 5.0), xlabel="time [s]", ylabel=f"how far point {TIP} moves [m]")
     axes.margins(x=0.0)
     return label_curves(axes, ends, fontsize=8)

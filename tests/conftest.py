@@ -28,13 +28,13 @@ SLOWEST = (
     "tests/fmu/test_platforms.py",
     "tests/studies/sweep/test_cluster.py",
     "tests/compilation/test_browser.py",
-    "tests/results/explore/test_in_browser.py",
+    "tests/results/page/test_in_browser.py",
     "tests/test_law_file.py",
     "tests/fmu/test_fuzzer.py",
     "tests/cli/test_commands.py",
     "tests/fmu/test_build.py",
     "tests/test_models.py",
-    "tests/results/animation/test_browser.py",
+    "tests/results/page/test_browser.py",
     "tests/kernel/test_soundness.py",
 )
 # a file that is to run in the process of another, for what both work out → that other

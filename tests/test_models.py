@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.results.result import recording_of
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import SCENE_FILE, model_names
 from chain_impact.variables.model import Model
@@ -79,7 +78,7 @@ MEASURED = {"golf_ball": {"measured.csv"}, "triple_pendulum": {"measured.csv", "
 
 def compute_reference(model):
     scene, inputs, step = load_scene(model), inputs_of(model), STEPS.get(model, STEP)
-    return recording_of(simulate(scene, output_step=step, tolerance=1e-12, method="explicit", inputs=inputs))
+    return simulate(scene, output_step=step, tolerance=1e-12, method="explicit", inputs=inputs)
 
 
 @functools.cache
@@ -136,7 +135,7 @@ def test_the_reference_agrees_with_an_independent_integration(model):
     scene, rows, exact = independent(model)
     time, columns = reference(model)
     if model in CHANGED:
-        columns = recording_of(simulate(scene, output_step=STEP, tolerance=1e-12, method="explicit")).columns
+        columns = simulate(scene, output_step=STEP, tolerance=1e-12, method="explicit").motion
     error, inputs = INDEPENDENT[model][1], inputs_of(model)
     for name, values in exact.values.items():
         if name in columns and not name.startswith("energy"):
@@ -154,7 +153,7 @@ def test_the_reference_agrees_with_an_independent_integration(model):
 def test_a_simulation_with_the_default_tolerance_agrees_with_the_reference(model):
     scene = load_scene(model)
     time, columns = reference(model)
-    fresh = recording_of(simulate(scene, output_step=STEPS.get(model, STEP), inputs=inputs_of(model)))
+    fresh = simulate(scene, output_step=STEPS.get(model, STEP), inputs=inputs_of(model))
     assert list(fresh.columns) == list(columns)
     assert fresh.time == pytest.approx(time, abs=1e-12)
     links = len(scene.chain.links)

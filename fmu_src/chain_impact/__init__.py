@@ -13,8 +13,9 @@ if TYPE_CHECKING:
     from chain_impact.fmu.run import record_fmu as record_fmu
     from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS as CONTACT_LAWS
     from chain_impact.kernel.laws.registry import ContactLaw as ContactLaw
-    from chain_impact.results.animation import AnimationError as AnimationError
+    from chain_impact.results.animate import AnimationError as AnimationError
     from chain_impact.results.impacts import IMPACT_DTYPE as IMPACT_DTYPE, impacts_of as impacts_of
+    from chain_impact.results.page.explore import explore as explore
     from chain_impact.results.recording import Recording as Recording
     from chain_impact.results.result import Result as Result
     from chain_impact.results.sensitivity import Sensitivities as Sensitivities
@@ -41,12 +42,10 @@ if TYPE_CHECKING:
     from chain_impact.simulation.instance import SimulationError as SimulationError
     from chain_impact.simulation.record_scene import RunError as RunError
     from chain_impact.simulation.simulate import simulate as simulate, with_law as with_law
-    from chain_impact.studies.animate import animate as animate
+    from chain_impact.studies.animate import animate as animate, record_slowly as record_slowly
     from chain_impact.studies.compare import Comparison as Comparison, LawRun as LawRun, compare as compare
-    from chain_impact.studies.explore import explore as explore
     from chain_impact.studies.fit.fit import fit as fit
     from chain_impact.studies.fit.result import Fit as Fit, LawFit as LawFit
-    from chain_impact.studies.slow_motion import record_slowly as record_slowly
     from chain_impact.studies.sweep.sweep import sweep as sweep
     from chain_impact.studies.sweep.table import Sweep as Sweep
 
@@ -57,8 +56,9 @@ _MODULES = {
     "fmu.run": ("record_fmu",),
     "kernel.laws.contact_laws": ("CONTACT_LAWS",),
     "kernel.laws.registry": ("ContactLaw",),
-    "results.animation": ("AnimationError",),
+    "results.animate": ("AnimationError",),
     "results.impacts": ("IMPACT_DTYPE", "impacts_of"),
+    "results.page.explore": ("explore",),
     "results.recording": ("Recording",),
     "results.result": ("Result",),
     "results.sensitivity": ("Sensitivities",),
@@ -73,12 +73,10 @@ _MODULES = {
     "simulation.instance": ("SimulationError",),
     "simulation.record_scene": ("RunError",),
     "simulation.simulate": ("simulate", "with_law"),
-    "studies.animate": ("animate",),
+    "studies.animate": ("animate", "record_slowly"),
     "studies.compare": ("Comparison", "LawRun", "compare"),
-    "studies.explore": ("explore",),
     "studies.fit.fit": ("fit",),
     "studies.fit.result": ("Fit", "LawFit"),
-    "studies.slow_motion": ("record_slowly",),
     "studies.sweep.sweep": ("sweep",),
     "studies.sweep.table": ("Sweep",),
 }

@@ -15,8 +15,10 @@ import struct
 import subprocess
 import sys
 import sysconfig
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from errno import EIO
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -164,3 +166,21 @@ def prepare_console() -> None:
 def quoted(word: str) -> str:
     """A word of a command as the shell of this system takes it."""
     return subprocess.list2cmdline([word]) if SYSTEM == WINDOWS else shlex.quote(word)
+
+
+@contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """Yield a path to write to; what is written there appears at ``path`` when it is whole, or not at all."""
+    try:
+        if path.is_symlink() or (path.exists() and not path.is_file()):
+            yield path  # /dev/stdout and its like cannot be replaced
+            return
+        with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as scratch:
+            fresh = Path(scratch, path.name)
+            yield fresh
+            fresh.replace(path)
+    except OSError as error:
+        if error.filename and f".{path.name}-" not in str(error.filename):
+            raise
+        # the user knows nothing of the scratch folder, and some libraries give no number
+        raise type(error)(error.errno or EIO, error.strerror or str(error), str(path)) from None

@@ -12,19 +12,19 @@ def test_a_scene_becomes_a_page_that_is_named_after_it(run, here):
     code, said, errors = run("animate", "rod_drop")
     assert (code, errors) == (0, "")
     assert re.fullmatch(r"animation  RodDrop\.html, 0\.\d+ MB\n", said)
-    assert data_of((here / "RodDrop.html").read_text(encoding="utf-8"))["contacts"]
+    assert data_of((here / "RodDrop.html").read_text(encoding="utf-8"))["impacts"]
 
 
 def test_settings_and_speed_reach_the_page(run, here):
     run("animate", "rod_drop", "-o", "a.html", "--set", "simulation.stop_time=0.1", "--speed", "0.25")
     data = data_of((here / "a.html").read_text(encoding="utf-8"))
-    assert (data["speed"], data["contacts"]) == (0.25, [])
+    assert (data["speed"], data["impacts"]) == (0.25, [])
 
 
 def test_an_fmu_becomes_a_page(run, here, fmu):
     assert run("animate", fmu, "-o", "fmu.html", "--set", "simulation.stop_time=0.8")[0] == 0
     data = data_of((here / "fmu.html").read_text(encoding="utf-8"))
-    assert [contact["point"] for contact in data["contacts"] if contact["speed"] is not None] == [2, 4, 0]
+    assert [contact["point"] for contact in data["impacts"]] == [2, 4, 0]
     assert set(data["walls"]) == {"x_min", "x_max", "y_min", "y_max"}
 
 

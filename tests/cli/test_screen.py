@@ -46,12 +46,12 @@ def test_the_list_of_impacts_has_their_peak_forces():
     head, *rows = plain_lines(table)
     assert head.split("  ")[-1].strip() == "peak force"
     for row, impact in zip(rows, recording.impacts, strict=True):
-        unit = "N·m" if impact.at_stop else "N"
-        assert row.endswith(f"  {told(impact.peak_force, '.4g')} {unit}")
+        unit = "N·m" if recording.is_stop(impact["wall"]) else "N"
+        assert row.endswith(f"  {told(impact['peak_force'], '.4g')} {unit}")
     free = record_scene(default_scene(), {})
     head, first, *_ = plain_lines(list(summary(free))[1])
     assert head.endswith("peak force, N")
-    assert float(first.split()[-1]) == pytest.approx(free.impacts[0].peak_force, rel=1e-3)
+    assert float(first.split()[-1]) == pytest.approx(free.impacts[0]["peak_force"], rel=1e-3)
 
 
 def test_the_walls_that_were_hit_are_explained():

@@ -12,7 +12,6 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.fmu.build import build_fmu
 from chain_impact.fmu.references import EXACT, FILE, ROWS, check_references, reference
-from chain_impact.results.result import recording_of
 from chain_impact.scene.scene import model_names
 from chain_impact.variables.model import Model
 from tests.fmu.planted_faults import spoiled
@@ -60,7 +59,7 @@ def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, mo
     """The explicit method with the reference's tolerance, in steps of its own."""
     columns = table_of(native[model])
     exact = simulate(load_scene(model), tolerance=EXACT, method="explicit")
-    recorded = recording_of(exact)
+    recorded = exact
     compared = [name for name in columns if name in recorded.columns]
     assert len(compared) > 8
     here = ~np.isnan(columns["impact.count"][1])

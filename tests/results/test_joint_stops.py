@@ -10,10 +10,8 @@ from matplotlib.figure import Figure
 
 from chain_impact import simulate
 from chain_impact.cli.screen import plain_lines, summary
-from chain_impact.results.animation.contacts import contacts
-from chain_impact.results.animation.frames import motion_of
-from chain_impact.results.animation.page import data
 from chain_impact.results.csv_file import read_csv
+from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.joint_stops import (
     ARC,
     JointRange,
@@ -22,21 +20,16 @@ from chain_impact.results.joint_stops import (
     ranges_of,
     touching_place,
 )
-from chain_impact.results.plots.motion import rings, strongest
+from chain_impact.results.plots.motion import by_speed, rings
 from chain_impact.results.plots.over_time import draw_impact_speeds, stop_scale
 from chain_impact.results.plots.overview import SIZE, fill
-from chain_impact.results.result import recording_of
+from chain_impact.results.result import Result
 from tests.stops import UP, knee
 
 
 @functools.cache
 def swung(up=False):
     return simulate(knee(**UP) if up else knee())
-
-
-@functools.cache
-def recorded(up=False):
-    return recording_of(swung(up))
 
 
 def test_ranges_are_those_of_the_scene():
@@ -67,16 +60,17 @@ def test_the_lines_of_a_range_begin_where_the_link_is_at_its_stop():
     assert (place.tolist(), direction.tolist()) == ([3.0, 4.0 + 2.0 * ARC], [0.0, 1.0])
 
 
-def test_impacts_at_stops_have_an_arm_and_a_speed_that_can_be_compared():
-    found = recorded()
-    first, wall = found.impacts[0], next(hit for hit in found.impacts if hit.wall == "x_max")
-    assert (first.point, first.wall, first.at_stop, first.arm) == (2, "joint_min", True, 0.5)
-    assert first.end_speed == 0.5 * first.speed
-    assert (wall.at_stop, wall.end_speed) == (False, wall.speed)
-    speeds = [hit.end_speed for hit in strongest(found.impacts, 99)]
+def test_the_speeds_of_impacts_at_stops_can_be_compared_with_others():
+    found = swung()
+    at_stop, impacts = found.at_stops, found.impacts
+    assert (impacts["point"][0], found.wall_names[impacts["wall"][0]], at_stop[0]) == (2, "joint_min", True)
+    assert at_stop.any()
+    assert not at_stop.all()
+    np.testing.assert_array_equal(found.end_speeds, impacts["impact_speed"] * np.where(at_stop, 0.5, 1.0))
+    speeds = found.end_speeds[by_speed(found)].tolist()
     assert speeds == sorted(speeds, reverse=True)
-    knee_at = np.array(found.point_at(1, first.time))
-    assert np.linalg.norm(np.array(found.spot(first)) - knee_at) == pytest.approx(0.5 * ARC, rel=1e-2)
+    knee_at = found.point_at(1, impacts["onset"][0])
+    assert np.linalg.norm(found.spot(impacts[0]) - knee_at) == pytest.approx(0.5 * ARC, rel=1e-2)
 
 
 def test_texts_name_the_joint_and_the_unit():
@@ -84,7 +78,7 @@ def test_texts_name_the_joint_and_the_unit():
     assert first in repr(swung())
     assert f"{swung().impacts['impact_speed'][0]:.4f} rad/s" in repr(swung())
     assert "<td>joint 2</td><td>joint_min</td>" in swung()._repr_html_()
-    lines = [line for part in summary(recorded()) if not isinstance(part, str) for line in plain_lines(part)]
+    lines = [line for part in summary(swung()) if not isinstance(part, str) for line in plain_lines(part)]
     assert any("joint 2" in line and "rad/s" in line for line in lines)
     assert any("x_max" in line and " m/s" in line for line in lines)
 
@@ -104,67 +98,50 @@ def test_tables_tell_the_units_at_stops():
 
 def test_a_table_of_all_outputs_is_the_same_recording(tmp_path):
     result, path = swung(), tmp_path / "knee.csv"
-    stepwise = result.stepwise
-    whole = recording_of(result)
-    whole.columns.update(stepwise)
-    whole.save_csv(path)
-    scene = result.scene
-    again = read_csv(path, scene.half_planes, scene.wall_names, ranges_of(scene))
-    assert again.stops == whole.stops
-    assert again.impacts == whole.impacts
-    assert [hit.arm for hit in again.impacts] == [hit.arm for hit in whole.impacts]
+    result.save_csv(path)
+    again = read_csv(path, result.scene)
+    assert again.stops == result.stops
+    for name in set(IMPACT_DTYPE.names) - {"effective_mass"}:
+        np.testing.assert_array_equal(again.impacts[name], result.impacts[name])
 
 
 @pytest.mark.parametrize(("up", "stop"), [(False, "joint_min"), (True, "joint_max")])
-def test_the_contacts_of_an_animation_have_the_moments_of_stops(up, stop):
-    result, recording = swung(up), recorded(up)
-    found = contacts(recording)
-    assert [(c.point, c.wall, c.onset) for c in found if c.speed is not None] == [
-        (hit.point, hit.wall, hit.time) for hit in recording.impacts
-    ]
-    first = found[0]
-    assert (first.point, first.wall, first.arm) == (2, stop, 0.5)
-    assert first.peak_force == result.impacts["peak_force"][0]
-    motion = motion_of(recording)
+def test_touches_have_the_moments_of_stops(up, stop):
+    result = swung(up)
+    moments = {one.wall: one.force for one in result.touches if not one.at_wall}
     sign = 1.0 if stop == "joint_min" else -1.0
-    largest = max(sign * result["joint[2].stop_moment"])
-    assert motion.moments[2, stop].max() == pytest.approx(largest, rel=0.05)
-    assert motion.moments[2, stop].min() == 0.0
-    assert (2, stop) not in motion.forces
-    assert motion.touching == [2]
-
-
-def test_the_page_has_the_ranges_and_tells_stops_from_walls():
-    packed = data(motion_of(recorded()), 1.0)
-    assert packed["stops"] == [{"joint": 2, "arc": (0.0, 2.0), "marks": [0.0, 2.0]}]
-    at_stop = {contact["wall"]: contact["atStop"] for contact in packed["contacts"]}
-    assert at_stop["joint_min"] is True
-    assert at_stop["x_max"] is False
-    walls = [c["peak"] for c in packed["contacts"] if not c["atStop"] and c["peak"] is not None]
-    assert packed["peakForce"] == max(walls), "in newtons: moments have no arrows"
+    np.testing.assert_array_equal(moments[stop], np.maximum(sign * result["joint[2].stop_moment"], 0.0))
+    assert moments[stop].max() > 0.0
+    assert moments.keys() == {"joint_min", "joint_max"}
 
 
 def test_the_picture_has_a_mark_for_each_stop_and_an_axis_of_their_own_for_their_speeds():
-    page, recording = Figure(figsize=SIZE, layout="constrained"), recorded()
+    page, recording = Figure(figsize=SIZE, layout="constrained"), swung()
     fill(page, recording)
     names = {name for axes in page.axes for name in axes.get_legend_handles_labels()[1]}
     assert {"stops", "impacts", "joint 2", "point 2"} <= names
-    assert {hit.wall for hits in rings(page.axes[0], recording).values() for hit in hits} >= {"joint_min"}
+    found = rings(page.axes[0], recording).values()
+    assert recording.at_stops[[hit for hits in found for hit in hits]].any()
     axes = Figure().add_subplot()
     draw_impact_speeds(axes, recording)
     (right,) = axes.child_axes
     assert (axes.get_ylabel(), right.get_ylabel()) == ("impact speed [m/s]", "at stops [rad/s]")
     scale, heights = stop_scale(recording), {line.get_label(): max(line.get_ydata()) for line in axes.lines}
-    fastest = max(hit.speed for hit in recording.impacts if hit.at_stop)
+    fastest = recording.impacts["impact_speed"][recording.at_stops].max()
     assert heights["joint 2"] == pytest.approx(scale * fastest)
     assert heights["joint 2"] == pytest.approx(heights["point 2"]), "each kind fills its axis"
 
 
 def test_with_impacts_at_stops_only_the_axis_is_theirs():
-    recording = recorded()
+    recording = swung()
     axes = Figure().add_subplot()
-    at_stops = [hit for hit in recording.impacts if hit.at_stop]
-    recording = type(recording)(**{**vars(recording), "impacts": at_stops})
+    recording = Result(
+        recording.model,
+        recording.time,
+        recording.outputs,
+        recording.impacts[recording.at_stops],
+        statistics=recording.statistics,
+    )
     draw_impact_speeds(axes, recording)
     assert axes.get_ylabel() == "impact speed [rad/s]"
     assert not axes.child_axes

@@ -6,8 +6,10 @@ import os
 import numpy as np
 import pytest
 
-from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.results.recording import Impact, Recording, impacts_from_outputs, written_whole
+from chain_impact import Recording, simulate
+from chain_impact.results.impacts import impacts_shown
+from chain_impact.results.touches import Touch, impacts_from
+from chain_impact.system import written_whole
 
 # each digit, the ends of the range, a negative zero and what is no number at all
 AWKWARD = [0.1 + 0.2, 1 / 3, 5e-324, 1.7976931348623157e308, -0.0, np.nan, np.inf, -1e-300]
@@ -15,7 +17,7 @@ AWKWARD = [0.1 + 0.2, 1 / 3, 5e-324, 1.7976931348623157e308, -0.0, np.nan, np.in
 
 def recording(columns=None, time=None):
     time = np.arange(len(AWKWARD)) * 0.1 if time is None else np.asarray(time)
-    return Recording("Test", time, columns or {}, impacts=[], walls={})
+    return Recording("Test", time, columns or {})
 
 
 def read(path):
@@ -117,29 +119,73 @@ def test_points_gather_the_columns_of_all_points():
 
 def test_a_place_between_two_rows_is_interpolated():
     columns = {"point[0].x": np.array([0.0, 4.0]), "point[0].y": np.array([2.0, 0.0])}
-    assert recording(columns, [1.0, 2.0]).point_at(0, 1.25) == (1.0, 1.5)
+    assert recording(columns, [1.0, 2.0]).point_at(0, 1.25).tolist() == [1.0, 1.5]
 
 
-def outputs(rows):
-    """Columns impact.* from rows (count, time, point, wall, speed)."""
+def shown(rows):
+    """Onset, point, wall and speed of impacts, by rows of count, time, point, wall and speed."""
     names = ("count", "last_time", "last_point", "last_wall", "last_speed")
-    return {f"impact.{name}": np.array(column) for name, column in zip(names, zip(*rows), strict=True)}  # noqa: B905
+    columns = {f"impact.{name}": np.array(column) for name, column in zip(names, zip(*rows), strict=True)}  # noqa: B905
+    found = impacts_shown(columns)
+    for name in ("end", "peak_force", "max_penetration", "impulse"):
+        assert np.isnan(found[name]).all()
+    return found[["onset", "point", "wall", "impact_speed"]].tolist()
 
 
 def test_impacts_are_where_the_count_goes_up():
     none, first, second = (0, 0.0, -1, 0, 0.0), (1, 0.15, 4, 3, 2.5), (2, 0.35, 0, 1, 0.5)
-    found = impacts_from_outputs(outputs([none, none, first, first, second, second]), WALLS)
-    assert found == [Impact(0.15, 4, "y_min", 2.5), Impact(0.35, 0, "x_min", 0.5)]
+    assert shown([none, none, first, first, second, second]) == [(0.15, 4, 2, 2.5), (0.35, 0, 0, 0.5)]
 
 
 def test_of_several_impacts_between_two_rows_the_last_is_known():
-    found = impacts_from_outputs(outputs([(0, 0.0, -1, 0, 0.0), (3, 0.19, 2, 4, 1.0)]), WALLS)
-    assert found == [Impact(0.19, 2, "y_max", 1.0)]
+    assert shown([(0, 0.0, -1, 0, 0.0), (3, 0.19, 2, 4, 1.0)]) == [(0.19, 2, 3, 1.0)]
 
 
 def test_an_impact_at_the_start_counts():
-    assert impacts_from_outputs(outputs([(1, 0.0, 0, 2, 1.0)]), WALLS) == [Impact(0.0, 0, "x_max", 1.0)]
+    assert shown([(1, 0.0, 0, 2, 1.0)]) == [(0.0, 0, 1, 1.0)]
 
 
 def test_no_impacts():
-    assert impacts_from_outputs(outputs([(0, 0.0, -1, 0, 0.0)] * 3), WALLS) == []
+    assert shown([(0, 0.0, -1, 0, 0.0)] * 3) == []
+
+
+SCENES = ("four_link_box", "kneed_leg", "sliding_rod", "ramp")
+
+
+@pytest.mark.parametrize("model", SCENES)
+def test_the_arrays_of_a_result_are_those_of_its_columns(model):
+    result = simulate(model, 0.6, output_step=0.01)
+    named = Recording(model, result.time, result.columns)
+    np.testing.assert_array_equal(named.points, result.points)
+    assert named.energies.keys() == result.energies.keys()
+    for name, energy in result.energies.items():
+        np.testing.assert_array_equal(named.energies[name], energy)
+    places = {(one.point, one.wall): one for one in named.touches}
+    assert len(places) == len(result.touches) == len(named.touches)
+    for one in result.touches:
+        for name in ("force", "penetration", "rate", "friction", "sticking"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(places[one.point, one.wall], name))
+
+
+def test_arrays_of_a_part_of_the_outputs():
+    result = simulate("four_link_box", 0.6, output=["point[*].x", "point[*].y", "contact[2].*"])
+    assert result.points.shape[1:] == (5, 2)
+    assert {one.point for one in result.touches} == {2}
+    assert result.energies == {}
+
+
+def test_impacts_that_forces_show():
+    time = np.arange(8.0)
+    force, depth, rate = np.zeros((3, 8))
+    force[[0, 3, 4, 6, 7]] = 1.0, 5.0, 9.0, 2.0, 3.0  # it touches at the start, and at the end
+    depth[[3, 4, 6, 7]] = 0.1, 0.3, 4.0, 5.0
+    rate[[3, 6]] = 0.5, 1.0
+    touch = Touch(2, "y_min", force, depth, rate)
+    joint = Touch(1, "joint_min", force, depth, rate)
+    found = impacts_from(time, [touch, joint, Touch(0, "", None)], ("x_min", "y_min"))
+    wanted = ["point", "wall", "onset", "end", "impact_speed", "peak_force", "max_penetration"]
+    assert found[wanted][0].item() == (2, 1, pytest.approx(2.8), 5.0, 0.5, 9.0, 0.3)
+    last = found[wanted][1].item()
+    assert last[:3] == (2, 1, 5.0)  # not before the row without force
+    assert np.isnan(last[3])
+    assert len(found) == 2

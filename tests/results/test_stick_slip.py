@@ -8,14 +8,14 @@ import pytest
 from chain_impact import Chain, simulate
 from chain_impact.cli.screen import stick_slip_table
 from chain_impact.results.csv_file import read_csv
-from chain_impact.results.result import recording_of
+from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import (
     CHANGE_DTYPE,
     STICK_SLIP_DTYPE,
     phase_cells,
-    phases_from_columns,
     phases_of,
 )
+from chain_impact.results.touches import phases_from
 from tests.friction import SLOPE, pendulum, puck, sled, thrown
 
 WALLS = ("x_min", "x_max", "y_min", "y_max", "slope")
@@ -113,7 +113,7 @@ def test_a_result_without_friction_has_none_and_says_nothing():
     result = simulate("rod_drop", 0.1)
     assert (len(result.stick_slip), result.stick_slip.dtype) == (0, STICK_SLIP_DTYPE)
     assert "friction" not in repr(result)
-    assert list(stick_slip_table(recording_of(result))) == []
+    assert list(stick_slip_table(result)) == []
 
 
 def test_the_phases_alternate_with_the_outputs():
@@ -131,7 +131,7 @@ def test_the_phases_alternate_with_the_outputs():
 
 def test_what_an_fmu_shows_agrees_to_within_a_communication_step():
     result, step = simulate(pendulum(), output_step=0.005), 0.005
-    shown = phases_from_columns(result.time, result.columns, WALLS)
+    shown = phases_from(result.time, result.touches, WALLS)
     exact = result.stick_slip
     assert shown["mode"].tolist() == exact["mode"].tolist()
     assert shown["point"].tolist() == exact["point"].tolist()
@@ -143,21 +143,22 @@ def test_what_an_fmu_shows_agrees_to_within_a_communication_step():
 def test_what_an_fmu_shows_of_contacts():
     time = np.arange(6.0)
     columns = {
+        **{f"contact[1].{wall}.force": np.ones(6) for wall in ("slope", "elsewhere")},
         "contact[1].slope.friction_force": np.array([0.0, -2.0, -2.0, 1.0, 0.0, 0.0]),
         "contact[1].slope.sticking": np.array([0.0, 0.0, 1.0, 1.0, 0.0, 0.0]),
         "contact[1].elsewhere.friction_force": np.ones(6),
         "contact[1].elsewhere.sticking": np.ones(6),
         "joint[2].sticking": np.ones(6),
     }
-    found = phases_from_columns(time, columns, WALLS)
+    found = phases_from(time, Recording("Test", time, columns).touches, WALLS)
     assert found.tolist() == [(1, 4, 1.0, 2.0, 1), (1, 4, 2.0, 4.0, 0)]
 
 
 def test_a_table_of_outputs_has_them_again(tmp_path):
     result = simulate(sled(), output_step=0.01)
-    recording = recording_of(result)
+    recording = result
     recording.save_csv(tmp_path / "sled.csv")
-    again = read_csv(tmp_path / "sled.csv", recording.walls, recording.wall_names)
+    again = read_csv(tmp_path / "sled.csv", sled())
     sticking = again.stick_slip[again.stick_slip["mode"] == 0]
     assert sticking["point"].tolist() == [0, 1]
     exact = result.stick_slip[result.stick_slip["mode"] == 0]["start"]
@@ -166,16 +167,16 @@ def test_a_table_of_outputs_has_them_again(tmp_path):
 
 def test_the_screen_shows_the_first_ones():
     result = simulate(pendulum(), output_step=0.5)
-    (table,) = stick_slip_table(recording_of(result))
+    (table,) = stick_slip_table(result)
     assert (table.row_count, [column.header for column in table.columns][2]) == (
         len(result.stick_slip),
         "dry friction",
     )
-    many = recording_of(result)
-    many.__dict__["stick_slip"] = np.concatenate([result.stick_slip] * 4)
-    table, more = stick_slip_table(many)
+    count = 4 * len(result.stick_slip)
+    vars(result)["stick_slip"] = np.concatenate([result.stick_slip] * 4)
+    table, more = stick_slip_table(result)
     assert table.row_count == 20
-    assert more == f"and {4 * len(result.stick_slip) - 20} more phases of dry friction"
+    assert more == f"and {count - 20} more phases of dry friction"
 
 
 # --- a chain that is stepped by hand -----------------------------------------------------------------------

@@ -3,7 +3,8 @@
 import numpy as np
 
 from chain_impact import simulate
-from chain_impact.results.summary import LISTED, energy_lines, html, plural
+from chain_impact.results.summary import LISTED, energy_lines
+from chain_impact.results.text import plural
 from tests.problems import dropped_ball
 
 
@@ -12,12 +13,12 @@ def test_the_plural():
 
 
 def test_energy_that_was_not_recorded_has_no_lines():
-    assert list(energy_lines({"energy.total": np.ones(2)})) == []
+    assert list(energy_lines({"total": np.ones(2)})) == []
 
 
 def test_energy_supplied_is_in_the_ledger():
     columns = {"total": [1.0, 3.0], "dissipated": [0.0, 0.5], "supplied": [0.0, 2.25]}
-    lines = list(energy_lines({f"energy.{name}": np.array(values) for name, values in columns.items()}))
+    lines = list(energy_lines({name: np.array(values) for name, values in columns.items()}))
     assert lines == [
         "energy   1 J at the start + 2.25 J supplied = 3 J left + 0.5 J dissipated",
         "balance  off by at most 2.5e-01 J, the error of the solver",
@@ -29,5 +30,5 @@ def test_a_long_list_of_impacts_ends_with_how_many_more():
     result = simulate(scene)
     more = len(result.impacts) - LISTED
     assert more > 1
-    assert html(result).count("<tr>") == 1 + LISTED
-    assert f"… and {more} more impacts" in html(result)
+    assert result._repr_html_().count("<tr>") == 1 + LISTED
+    assert f"… and {more} more impacts" in result._repr_html_()

@@ -1,4 +1,4 @@
-"""animate() of a recording, a result and a scene alike; tests/results/animation has the rest."""
+"""animate() of a recording, a result and a scene alike; tests/results has the rest."""
 
 from chain_impact import Recording, animate, record_slowly, simulate
 

@@ -9,11 +9,12 @@ from chain_impact.cli.completers import completed, scenes
 from chain_impact.cli.options import UsageError, Verbs, add_scene, add_set, check_outputs, is_fmu, settings_of
 from chain_impact.cli.progress import progress, say
 from chain_impact.fmu.run import record_fmu
-from chain_impact.results.animation import FORMATS, IMPACT_TIME, SIZE, animate
+from chain_impact.results.animate import FORMATS, SIZE, animate
 from chain_impact.results.csv_file import read_csv
-from chain_impact.results.joint_stops import ranges_of
+from chain_impact.results.pacing import IMPACT_TIME
 from chain_impact.results.recording import Recording
-from chain_impact.results.summary import plural
+from chain_impact.results.text import plural
+from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError, with_settings
@@ -102,7 +103,7 @@ def run(options: argparse.Namespace) -> int:
 
 def record(options: argparse.Namespace) -> Recording:
     """The recording of a scene, simulated so that its impacts can be seen slowly, of an FMU or of a table."""
-    from chain_impact.studies.slow_motion import record_slowly
+    from chain_impact.studies.animate import record_slowly
 
     settings = settings_of(options.set)
     if is_csv(options.source):
@@ -116,10 +117,7 @@ def record(options: argparse.Namespace) -> Recording:
         try:
             return record_slowly(scene, options.impact_time, advance)
         except SimulationError as error:
-            from chain_impact.results.result import recording_of
-
-            partial = recording_of(error.result) if error.result else None
-            raise RunError(f"{scene.name}: {error}", partial) from None
+            raise RunError(f"{scene.name}: {error}", error.result) from None
 
 
 def is_csv(source: str) -> bool:
@@ -134,9 +132,14 @@ def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recor
             raise UsageError(
                 f"--set: a CSV file has no parameters; those of its walls need --scene, too: {path}"
             )
-        return read_csv(path, None)
+        try:
+            return read_csv(path)
+        except SceneError as error:
+            if not str(error).endswith("its scene is needed"):
+                raise
+            raise UsageError(f"{error}: --scene SCENE") from None
     known = with_settings(load_scene(scene), settings)
-    found = read_csv(path, known.half_planes, known.wall_names, ranges_of(known))
+    found = read_csv(path, known)
     links, wanted = found.points.shape[1] - 1, len(known.chain.links)
     if links != wanted:
         raise UsageError(f"{path} has {plural(links, 'link')}, and --scene {scene} has {wanted}")

@@ -35,7 +35,7 @@ def page(text: str) -> Path:
 
 def run(options: argparse.Namespace) -> int:
     """Write the page, and open it where somebody is likely to look at it."""
-    from chain_impact.studies.explore import explore
+    from chain_impact.results.page.explore import explore
 
     file = options.output or DEFAULT
     check_outputs(file, inputs=[options.source])

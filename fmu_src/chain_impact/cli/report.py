@@ -14,7 +14,6 @@ from chain_impact.cli.progress import complain, out, progress, say
 from chain_impact.cli.screen import plain_lines, sensitivity_tables, summary
 from chain_impact.fmu.run import record_fmu
 from chain_impact.results.recording import Recording
-from chain_impact.results.result import recording_of
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import RunError, record_scene, with_settings
 from chain_impact.simulation.simulate import simulate
@@ -105,7 +104,7 @@ def with_rows(recording: Recording, source: str, settings: Sequence[str]) -> Rec
     scene = with_settings(load_scene(source), settings_of(settings))
     step = scene.simulation.stop_time / ROWS
     with progress() as advance:
-        return recording_of(simulate(scene, output_step=step, progress=advance))
+        return simulate(scene, output_step=step, progress=advance)
 
 
 def show(parts: Iterable[RenderableType]) -> None:

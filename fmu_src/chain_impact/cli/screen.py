@@ -14,10 +14,10 @@ from rich.markup import escape
 from rich.table import Table
 
 from chain_impact.compilation.cache import LINKER, Entry
-from chain_impact.results.joint_stops import speed_unit, what
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import phase_cells
-from chain_impact.results.summary import energy_lines, plural
+from chain_impact.results.summary import energy_lines, impact_cells
+from chain_impact.results.text import plural
 from chain_impact.scene.tables import Box
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import (
@@ -75,27 +75,25 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     values = ("speed", "peak force") if recording.stops else ("speed, m/s", "peak force, N")
     table = table_of(("#", "time, s", "point", "wall", *values))
     for number, impact in enumerate(recording.impacts, start=1):
-        point = what(impact.point, True) if impact.at_stop else str(impact.point)
-        speed, force = f"{impact.speed:.4f}", told(impact.peak_force, ".4g")
+        force = told(impact["peak_force"], ".4g")
         if recording.stops:
-            speed += f" {speed_unit(impact.at_stop)}"
-            force += f" {'N·m' if impact.at_stop else 'N'}"
-        table.add_row(str(number), f"{impact.time:.6f}", point, impact.wall, speed, force)
+            force += f" {'N·m' if recording.is_stop(impact['wall']) else 'N'}"
+        table.add_row(str(number), *impact_cells(recording, impact), force)
     count, listed = recording.impact_count, len(recording.impacts)
     impacts = plural(count, "impact")
     if listed < count:
         impacts += f", {listed} listed: an FMU shows only the latest in a communication step"
     yield f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}"
-    if recording.impacts:
+    if listed:
         yield table
     yield from meanings(recording)
     yield from stick_slip_table(recording)
-    yield from energy_lines(recording.columns)
+    yield from energy_lines(recording.energies)
 
 
 def meanings(recording: Recording) -> Iterator[str]:
     """What the columns of points and walls say, for what was hit."""
-    hit = {impact.wall for impact in recording.impacts if not impact.at_stop}
+    hit = {recording.wall_names[wall] for wall in recording.impacts["wall"][~recording.at_stops]}
     if hit:
         yield "point    0 is the first end of the chain, 1 the end of its first link, and so on"
     if sides := [f"{wall} is the {side}" for wall, side in SIDES.items() if wall in hit]:

@@ -16,9 +16,8 @@ from chain_impact.fmu.check_description import description_findings
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.references import reference_files
 from chain_impact.progress import log
-from chain_impact.results.recording import written_whole
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.system import HOST, PLATFORMS, nowhere
+from chain_impact.system import HOST, PLATFORMS, nowhere, written_whole
 from chain_impact.variables.model import Model
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import zipfile
 from collections.abc import Mapping
+from dataclasses import replace
 from numbers import Integral, Real
 from pathlib import Path
 from types import MappingProxyType
@@ -15,9 +16,10 @@ import numpy as np
 from chain_impact.fmu.importer import read_fmu, simulated
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.progress import Progress, silent
+from chain_impact.results.impacts import impacts_shown
 from chain_impact.results.joint_stops import ranges_from
-from chain_impact.results.recording import Recording, impacts_from_outputs
-from chain_impact.results.stick_slip import phases_from_columns
+from chain_impact.results.recording import Recording
+from chain_impact.results.touches import phases_from
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.names import STOPS, input_key
@@ -91,18 +93,17 @@ def record_fmu(
 
     def recording(rows: np.ndarray) -> Recording:
         followed = {name: float(rows[name][0]) for name in derived}
-        columns = {name: rows[name] for name in outputs}
-        return Recording(
+        found = Recording(
             name=description.modelName,
             time=np.asarray(rows["time"]),
-            columns=columns,
-            impacts=impacts_from_outputs(rows, names, stops),
+            columns={name: rows[name] for name in outputs},
+            impacts=impacts_shown(rows),
             walls=walls,
+            wall_names=tuple(names),
             parameters=named | followed,
             stops=stops,
-            stick_slip=phases_from_columns(np.asarray(rows["time"]), columns, names),
-            wall_names=tuple(names),
         )
+        return replace(found, stick_slip=phases_from(found.time, found.touches, names))
 
     recorders: list[Any] = []  # fmpy's, after the first step
 

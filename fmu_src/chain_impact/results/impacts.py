@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import count as naturals
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from chain_impact.results.result import Result
-
 
 IMPACT_DTYPE = np.dtype(
     [
@@ -37,6 +33,8 @@ At a stop of a joint, the wall ``joint_min`` or ``joint_max``, the point is the 
 the quantities are those of its angle: speeds [rad/s], moment [N·m], angle beyond the stop [rad], effective
 inertia [kg·m²], impulse of the moment [N·m·s]."""
 
+NO_IMPACTS = np.zeros(0, IMPACT_DTYPE)
+NO_IMPACTS.flags.writeable = False
 COLUMNS = {
     "point": "point",
     "wall": "wall",
@@ -51,7 +49,7 @@ COLUMNS = {
 """Field of the table → last part of the FMU's variable."""
 
 
-def impacts_of(record: Result | Mapping[str, Any] | np.ndarray | Any) -> np.ndarray:
+def impacts_of(record: Mapping[str, Any] | np.ndarray | Any) -> np.ndarray:
     """Rebuild the table of impacts from a record of the FMU's outputs over time.
 
     An FMU shows the latest impacts at each communication point: `impact[1].time` and so on. If there are
@@ -99,6 +97,22 @@ def impacts_of(record: Result | Mapping[str, Any] | np.ndarray | Any) -> np.ndar
     for field in ("peak_force", "max_penetration", "impulse"):
         table[field][lasting & (row < len(time) - 1)] = np.nan
     return np.sort(table, order=["onset", "point", "wall"])
+
+
+def impacts_shown(record: Any) -> np.ndarray:
+    """The impacts that a record of an FMU's outputs shows, whatever the FMU lists, see `IMPACT_DTYPE`.
+
+    From an FMU with `outputs.impacts = 0` it is only the last one in each communication step, without its end
+    and what follows from that.
+    """
+    if "impact[1].time" in names_of(record):
+        return impacts_of(record)
+    rows = np.flatnonzero(np.diff(record["impact.count"], prepend=0))
+    table = np.full(len(rows), np.nan, np.dtype([(name, np.float64) for name in IMPACT_DTYPE.names or ()]))
+    for field in ("point", "wall", "onset", "impact_speed"):
+        table[field] = np.asarray(record[f"impact.last_{COLUMNS[field]}"])[rows]
+    table["wall"] -= 1
+    return table.astype(IMPACT_DTYPE)
 
 
 def names_of(record: Any) -> Any:

@@ -64,16 +64,6 @@ def at_stop(scene: Scene, wall: int) -> bool:
     return bool(scene.chain.stops) and scene.wall_names[wall] in STOPS
 
 
-def what(number: int, at_stop: bool) -> str:
-    """What touched: "point 2", of a stop "joint 2"."""
-    return f"{'joint' if at_stop else 'point'} {number}"
-
-
-def speed_unit(at_stop: bool) -> str:
-    """The unit of a speed of an impact."""
-    return "rad/s" if at_stop else "m/s"
-
-
 def range_lines(points: np.ndarray, ranges: Mapping[int, JointRange]) -> Iterator[np.ndarray]:
     """The lines that show the ranges of joints in a pose: an arc each, and a mark for each stop.
 

@@ -1,67 +1,31 @@
-"""A recording: what an FMU or `simulate()` gave over time, under the FMU's variable names."""
+"""A recording: what an FMU or `simulate()` gave over time, as arrays and under the FMU's variable names."""
 
 from __future__ import annotations
 
 import csv
-import math
-import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from errno import EIO
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from chain_impact.results.equality import same
-from chain_impact.results.impacts import impacts_of, names_of
+from chain_impact.results.impacts import NO_IMPACTS
 from chain_impact.results.joint_stops import JointRange, touching_place
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.stick_slip import NO_PHASES
-from chain_impact.results.summary import plural
+from chain_impact.results.text import plural
+from chain_impact.results.touches import Touch
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import STOPS
+from chain_impact.system import written_whole
 
 ROWS_AT_ONCE = 10_000  # that are written
-NO_STOPS: Mapping[int, JointRange] = {}
-
-
-@dataclass(frozen=True, slots=True)
-class Impact:
-    """The onset of one contact.
-
-    Attributes:
-        time: of the onset [s].
-        point: 0…N.
-        wall: name of the wall.
-        speed: normal approach speed [m/s].
-        end: of the contact [s]; NaN if it is unknown, or of one that lasts.
-        peak_force: the largest force [N], 0 for an impulse of a rigid wall; NaN if it is unknown.
-        arm: at a stop of a joint, the length of the joint's link [m]; None at a wall. The point is the
-            joint there, 1…N, the speed is in rad/s, the peak force is a moment in N·m, and the penetration
-            is an angle in rad.
-        max_penetration: the largest penetration [m], 0 at a rigid wall; NaN if it is unknown.
-    """
-
-    time: float
-    point: int
-    wall: str
-    speed: float
-    end: float = field(default=math.nan, compare=False)
-    peak_force: float = field(default=math.nan, compare=False)
-    arm: float | None = field(default=None, compare=False)
-    max_penetration: float = field(default=math.nan, compare=False)
-
-    @property
-    def at_stop(self) -> bool:
-        """Whether it is at a stop of a joint."""
-        return self.arm is not None
-
-    @property
-    def end_speed(self) -> float:
-        """The speed [m/s]; at a stop that of the link's end about the joint, so that all can be compared."""
-        return self.speed * (1.0 if self.arm is None else self.arm)
+_NAME = re.compile(r"(point|link|contact|joint|energy)(?:\[(\d+)\])?(?:\.(\w+))?\.(\w+)")
+"""An output of the FMU: owner, its number, its wall, and the quantity."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -72,8 +36,10 @@ class Recording:
         name: the model's name.
         time: communication points, shape (T,) [s].
         columns: FMU variable name → values, shape (T,).
-        impacts: in order of time; of an FMU, those that its outputs have shown.
+        impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``; of an FMU, those that its
+            outputs have shown.
         walls: name → free side of the walls that are there.
+        wall_names: the names of all walls, by their numbers in ``impacts`` and ``stick_slip``.
         parameters: FMU variable name → value at the start, of a choice its name; none where they are unknown.
         sensitivities: the derivatives that were asked for, if any.
         stops: the joints with stops, and their ranges.
@@ -81,7 +47,6 @@ class Recording:
             or if that is unknown, as of an FMU.
         stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; of an FMU to within a communication
             step.
-        wall_names: the names of all walls, by the numbers in ``stick_slip``.
     """
 
     __eq__ = same
@@ -89,15 +54,59 @@ class Recording:
 
     name: str
     time: np.ndarray
-    columns: dict[str, np.ndarray]
-    impacts: list[Impact]
-    walls: dict[str, HalfPlane]
-    parameters: dict[str, Any] = field(default_factory=dict)
+    columns: Mapping[str, np.ndarray]
+    impacts: np.ndarray = field(default_factory=lambda: NO_IMPACTS)
+    walls: Mapping[str, HalfPlane] = field(default_factory=dict)
+    wall_names: tuple[str, ...] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
     sensitivities: Sensitivities | None = None
-    stops: dict[int, JointRange] = field(default_factory=dict)
+    stops: Mapping[int, JointRange] = field(default_factory=dict)
     stop_law: str = ""
     stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
-    wall_names: tuple[str, ...] = ()
+
+    @cached_property
+    def _quantities(self) -> dict[tuple[str, int, str], dict[str, np.ndarray]]:
+        """The columns by owner, number and wall, and quantity."""
+        found: dict[tuple[str, int, str], dict[str, np.ndarray]] = {}
+        for name, values in self.columns.items():
+            if at := _NAME.fullmatch(name):
+                owner, number, wall, quantity = at.groups()
+                found.setdefault((owner, int(number or 0), wall or ""), {})[quantity] = values
+        return found
+
+    def _of(self, owner: str) -> dict[tuple[int, str], dict[str, np.ndarray]]:
+        return {(n, wall): found for (one, n, wall), found in self._quantities.items() if one == owner}
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """Positions of the points 0…N, shape (T, N+1, 2) [m]."""
+        points = self._of("point")
+        each = [np.stack([points[k, ""][axis] for axis in "xy"], axis=-1) for k in range(len(points))]
+        return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
+
+    @property
+    def energies(self) -> Mapping[str, np.ndarray]:
+        """The energies that are known: kinetic, potential, … → shape (T,) [J]."""
+        return self._of("energy").get((0, ""), {})
+
+    @cached_property
+    def touches(self) -> list[Touch]:
+        """What points and walls, and joints and their stops, do to each other; joints with dry friction."""
+        found = [
+            Touch(
+                *at,
+                values["force"],
+                *map(values.get, ("penetration", "penetration_rate", "friction_force", "sticking")),
+            )
+            for at, values in self._of("contact").items()
+        ]
+        for (joint, _), values in self._of("joint").items():
+            if "stop_moment" in values:
+                found += Touch.of_stops(joint, values["stop_moment"])
+            if "sticking" in values:
+                moment = values.get("friction_moment")
+                found.append(Touch(joint, "", None, friction=moment, sticking=values["sticking"]))
+        return found
 
     def __repr__(self) -> str:
         """What it is of, and how much there is."""
@@ -113,19 +122,28 @@ class Recording:
         counted = self.columns.get("impact.count", np.zeros(1))
         return max(len(self.impacts), int(counted[-1]))
 
-    @property
-    def points(self) -> np.ndarray:
-        """Positions of the points 0…N, shape (T, N+1, 2) [m]."""
-        count = sum(name.startswith("point[") and name.endswith("].x") for name in self.columns)
-        return np.stack(
-            [np.stack([self.columns[f"point[{k}].{axis}"] for axis in "xy"], axis=-1) for k in range(count)],
-            axis=1,
-        )
+    def is_stop(self, wall: int) -> bool:
+        """Whether the wall of a number stands for the stops of joints."""
+        return bool(self.stops) and self.wall_names[wall] in STOPS
 
-    def point_at(self, point: int, time: float) -> tuple[float, float]:
-        """Position [m] of a point at a time [s], interpolated between communication points."""
-        x, y = (np.interp(time, self.time, self.columns[f"point[{point}].{axis}"]) for axis in "xy")
-        return float(x), float(y)
+    @cached_property
+    def at_stops(self) -> np.ndarray:
+        """Which impacts are at stops of joints, shape (I,)."""
+        return np.array([self.is_stop(wall) for wall in self.impacts["wall"]], bool)
+
+    @property
+    def end_speeds(self) -> np.ndarray:
+        """The speeds of the impacts, shape (I,) [m/s]: at a stop that of the link's end about its joint."""
+        arms = [
+            self.stops[point].length if stopped else 1.0
+            for point, stopped in zip(self.impacts["point"].tolist(), self.at_stops, strict=True)
+        ]
+        speeds: np.ndarray = self.impacts["impact_speed"] * np.array(arms)
+        return speeds
+
+    def point_at(self, point: int, time: float) -> np.ndarray:
+        """Position [m] of a point at a time [s], interpolated between communication points, shape (2,)."""
+        return np.array([np.interp(time, self.time, self.points[:, point, axis]) for axis in (0, 1)])
 
     def pose_at(self, time: float) -> np.ndarray:
         """Positions of the points in the row nearest to a time [s], shape (N+1, 2) [m].
@@ -135,81 +153,24 @@ class Recording:
         pose: np.ndarray = self.points[int(np.abs(self.time - time).argmin())]
         return pose
 
-    def spot(self, impact: Impact) -> tuple[float, float]:
+    def spot(self, impact: np.void) -> np.ndarray:
         """Where [m] an impact hit its wall, a radius away from the point; of a stop, its mark."""
-        if impact.at_stop:
-            x, y = touching_place(self.pose_at(impact.time), impact.point)[0]
-            return float(x), float(y)
-        x, y = self.point_at(impact.point, impact.time)
-        wall = self.walls[impact.wall]
-        gap, (nx, ny) = wall.clearance(x, y), wall.normal
-        return x - gap * nx, y - gap * ny
+        if self.is_stop(impact["wall"]):
+            return touching_place(self.pose_at(impact["onset"]), impact["point"])[0]
+        place, wall = self.point_at(impact["point"], impact["onset"]), self.wall_of(impact)
+        return np.asarray(place - wall.clearance(*place) * np.array(wall.normal))
 
-    def save_csv(self, path: Path) -> None:
-        """Write time and columns as CSV, numbers in full precision."""
-        with written_whole(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
+    def wall_of(self, row: np.void) -> HalfPlane:
+        """The free side of the wall of an impact, or of a phase of dry friction."""
+        return self.walls[self.wall_names[row["wall"]]]
+
+    def save_csv(self, path: Path | str) -> None:
+        """Write time and columns as CSV, derivatives too, numbers in full precision."""
+        slopes = self.sensitivities.named if self.sensitivities else {}
+        columns = {"time": self.time, **self.columns, **slopes}
+        with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow(["time", *self.columns])
-            columns = [self.time, *self.columns.values()]
-            for start in range(0, max(map(len, columns)), ROWS_AT_ONCE):  # lists take four times the room
-                values = (column[start : start + ROWS_AT_ONCE].tolist() for column in columns)
+            writer.writerow(columns)
+            for start in range(0, max(len(self.time), 1), ROWS_AT_ONCE):  # lists take four times the room
+                values = (column[start : start + ROWS_AT_ONCE].tolist() for column in columns.values())
                 writer.writerows(zip(*values, strict=True))
-
-
-@contextmanager
-def written_whole(path: Path) -> Iterator[Path]:
-    """Yield a path to write to; what is written there appears at ``path`` when it is whole, or not at all."""
-    try:
-        if path.is_symlink() or (path.exists() and not path.is_file()):
-            yield path  # /dev/stdout and its like cannot be replaced
-            return
-        with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as scratch:
-            fresh = Path(scratch, path.name)
-            yield fresh
-            fresh.replace(path)
-    except OSError as error:
-        if error.filename and f".{path.name}-" not in str(error.filename):
-            raise
-        # the user knows nothing of the scratch folder, and some libraries give no number
-        raise type(error)(error.errno or EIO, error.strerror or str(error), str(path)) from None
-
-
-def impacts_from_outputs(
-    record: Any, walls: Sequence[str], stops: Mapping[int, JointRange] = NO_STOPS
-) -> list[Impact]:
-    """The impacts that a record of an FMU's outputs shows, with its walls' names by their numbers.
-
-    From an FMU with `outputs.impacts = 0` it is only the last one in each communication step.
-    """
-    if "impact[1].time" in names_of(record):
-        return impact_list(impacts_of(record), walls, stops)
-    rows = np.flatnonzero(np.diff(record["impact.count"], prepend=0))
-    last = {name: record[f"impact.last_{name}"] for name in ("time", "point", "wall", "speed")}
-    found = []
-    for row in rows:
-        point, wall = int(last["point"][row]), walls[int(last["wall"][row]) - 1]
-        arm = _arm(point, wall, stops)
-        found.append(Impact(float(last["time"][row]), point, wall, float(last["speed"][row]), arm=arm))
-    return found
-
-
-def _arm(point: int, wall: str, stops: Mapping[int, JointRange]) -> float | None:
-    """See ``Impact.arm``."""
-    return stops[point].length if wall in STOPS and point in stops else None
-
-
-def impact_list(table: np.ndarray, walls: Sequence[str], stops: Mapping[int, JointRange]) -> list[Impact]:
-    """The impacts of a table as `Result.impacts`, with the names of the walls, and the joints with stops."""
-    return [
-        Impact(
-            time=float(row["onset"]),
-            point=int(row["point"]),
-            wall=walls[row["wall"]],
-            speed=float(row["impact_speed"]),
-            end=float(row["end"]),
-            peak_force=float(row["peak_force"]),
-            arm=_arm(int(row["point"]), walls[row["wall"]], stops),
-            max_penetration=float(row["max_penetration"]),
-        )
-        for row in table
-    ]

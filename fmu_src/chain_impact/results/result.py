@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
@@ -12,11 +11,14 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from chain_impact.results import summary, tables
-from chain_impact.results.equality import same
-from chain_impact.results.joint_stops import ranges_of
-from chain_impact.results.recording import Recording, impact_list
+from chain_impact.results.equality import equal
+from chain_impact.results.joint_stops import JointRange, ranges_of
+from chain_impact.results.recording import Recording
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.stick_slip import NO_PHASES
+from chain_impact.results.touches import Touch
+from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.reading import UnknownNameError, matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model, elsewhere
@@ -26,10 +28,11 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
+ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "supplied", "total")
 
-@dataclass(frozen=True, repr=False, eq=False)
-class Result:
-    """What happened in a simulation.
+
+class Result(Recording):
+    """What happened in a simulation: a recording with its scene.
 
     ``result["point[4].x"]`` is an output over time, shape (T,), by its name in the FMU; ``result["time"]`` is
     the time. A name with ``*``, which stands for any text, gives a dict of all that are like it:
@@ -50,17 +53,34 @@ class Result:
             ``STICK_SLIP_DTYPE``.
     """
 
-    __eq__ = same
-    __hash__ = None  # type: ignore[assignment]
-
     model: Model
-    time: np.ndarray
     outputs: np.ndarray
-    impacts: np.ndarray
     statistics: dict[str, int]
-    sensitivities: Sensitivities | None = None
-    stepwise: Mapping[str, np.ndarray] = field(default_factory=dict, compare=False)
-    stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
+    stepwise: Mapping[str, np.ndarray]
+
+    def __init__(
+        self,
+        model: Model,
+        time: np.ndarray,
+        outputs: np.ndarray,
+        impacts: np.ndarray,
+        *,
+        statistics: dict[str, int],
+        sensitivities: Sensitivities | None = None,
+        stepwise: Mapping[str, np.ndarray] | None = None,
+        stick_slip: np.ndarray = NO_PHASES,
+    ) -> None:
+        vars(self).update(model=model, time=time, outputs=outputs, impacts=impacts, statistics=statistics)
+        vars(self).update(sensitivities=sensitivities, stepwise=stepwise or {}, stick_slip=stick_slip)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all that two results hold is equal, but for ``stepwise``."""
+        if not isinstance(other, Result):
+            return NotImplemented
+        names = ("model", "time", "outputs", "impacts", "statistics", "sensitivities", "stick_slip")
+        return all(equal(getattr(self, name), getattr(other, name)) for name in names)
+
+    __hash__ = None
 
     @overload
     def __getitem__(self, name: str) -> np.ndarray: ...
@@ -101,19 +121,59 @@ class Result:
         """The names of the outputs, in the order of the FMU's."""
         return *self.motion, *self.stepwise
 
-    @property
-    def columns(self) -> dict[str, np.ndarray]:
+    @cached_property
+    def columns(self) -> Mapping[str, np.ndarray]:
         """The outputs over time: name → shape (T,)."""
         return {**self.motion, **self.stepwise}
 
     @cached_property
     def motion(self) -> dict[str, np.ndarray]:
         """The outputs that change all the time: name → shape (T,)."""
-        if "point_position" in (self.outputs.dtype.names or ()):
-            return self.model.series(self.outputs)
-        return {name: self.outputs[name] for name in self.outputs.dtype.names or ()}
+        known = self.outputs.dtype.names or ()
+        return self.model.series(self.outputs) if self._has_all else {n: self.outputs[n] for n in known}
 
     @property
+    def _has_all(self) -> bool:
+        """Whether the outputs are rows of the kernel's record."""
+        return "point_position" in (self.outputs.dtype.names or ())
+
+    @cached_property
+    def name(self) -> str:
+        """The scene's name."""
+        return self.scene.name
+
+    @cached_property
+    def walls(self) -> Mapping[str, HalfPlane]:
+        """Name → free side of the walls."""
+        return self.scene.half_planes
+
+    @cached_property
+    def wall_names(self) -> tuple[str, ...]:
+        """The names of all walls, by their numbers."""
+        return self.scene.wall_names
+
+    @cached_property
+    def parameters(self) -> Mapping[str, Any]:
+        """Name of a parameter → its value, of a choice its name."""
+        values = self.scene.values
+        return {name: values[name] for name in self.model.parameter_paths}
+
+    @cached_property
+    def stops(self) -> Mapping[int, JointRange]:
+        """The joints with stops, and their ranges."""
+        return ranges_of(self.scene)
+
+    @cached_property
+    def stop_law(self) -> str:
+        """The contact law of the stops, if the scene names one."""
+        return self.scene.stops.model or ""
+
+    @property
+    def impact_count(self) -> int:
+        """How many impacts there were: all are listed."""
+        return len(self.impacts)
+
+    @cached_property
     def points(self) -> np.ndarray:
         """Positions of the points 0…N, shape (T, N+1, 2) [m]."""
         return self._all("point_position")
@@ -135,15 +195,43 @@ class Result:
         Fields kinetic, potential, elastic, dissipated, supplied and total = kinetic + potential + elastic;
         total + dissipated − supplied is constant.
         """
-        names = ["kinetic", "potential", "elastic", "dissipated", "supplied", "total"]
-        layout = [(name, np.float64) for name in names]
-        if "kinetic" in (self.outputs.dtype.names or ()):
-            return self.outputs[names].astype(layout)
-        energy = np.zeros(len(self.time), layout)
-        for name in names:
-            if name != "supplied" or self.scene.inputs.joint_torques or self.scene.inputs.tip_force:
-                energy[name] = self[f"energy.{name}"]
+        energy = np.zeros(len(self.time), [(name, np.float64) for name in ENERGIES])
+        driven = self.scene.inputs.joint_torques or self.scene.inputs.tip_force
+        for name in ENERGIES:
+            if self._has_all or name != "supplied" or driven:
+                energy[name] = self.outputs[name] if self._has_all else self[f"energy.{name}"]
         return energy
+
+    @property
+    def energies(self) -> Mapping[str, np.ndarray]:
+        """The energies that are known: kinetic, potential, … → shape (T,) [J]."""
+        if not self._has_all:
+            return super().energies
+        driven = self.scene.inputs.joint_torques or self.scene.inputs.tip_force
+        found = {name: self.outputs[name] for name in ENERGIES if name != "supplied" or driven}
+        rubbed = {"friction": self.outputs["friction"]["dissipated"]}
+        return found | rubbed if self.scene.has_friction else found
+
+    @cached_property
+    def touches(self) -> list[Touch]:
+        """What points and walls, and joints and their stops, do to each other; joints with dry friction."""
+        if not self._has_all:
+            return super().touches
+        rows, scene, names = self.outputs, self.scene, self.scene.wall_names
+        friction, rubs, found = rows["friction"], scene.has_contact_friction, []
+        pairs = point_wall_pairs(scene)
+        for c, (point, wall) in enumerate(pairs):
+            kinds = [rows[name][:, c] for name in ("force", "penetration", "penetration_rate")]
+            kinds += [friction[name][:, c] for name in ("force", "sticking")] if rubs else []
+            found.append(Touch(point, names[wall], *kinds))
+        candidates = [joint for joint, _ in self.model.candidates]
+        for joint in scene.chain.joint_ranges:
+            # the kernel puts them in the place of the joint's first stop
+            found += Touch.of_stops(joint, rows["force"][:, candidates.index(joint, len(pairs))])
+        for joint in scene.friction_joints:
+            kinds = [friction[name][:, joint - 1] for name in ("joint_moment", "joint_sticking")]
+            found.append(Touch(joint, "", None, friction=kinds[0], sticking=kinds[1]))
+        return found
 
     def sensitivity(self, quantity: str, parameter: str) -> np.ndarray:
         """The derivative of an output with respect to a parameter, for all other parameters held.
@@ -195,7 +283,7 @@ class Result:
         Raises:
             MissingExtraError: when pandas is not there: the extra ``pandas``.
         """
-        return tables.dataframe(self)
+        return tables.dataframe(self.model, self.time, self.columns)
 
     def to_xarray(self) -> xarray.Dataset:
         """The outputs as a dataset of xarray, over time, point, axis, link and contact, with their units.
@@ -205,7 +293,7 @@ class Result:
         Raises:
             MissingExtraError: when xarray is not there: the extra ``xarray``.
         """
-        return tables.dataset(self)
+        return tables.dataset(self.model, self.time, self.motion)
 
     def impact_table(self) -> pandas.DataFrame:
         """The impacts as a table of pandas: the columns of ``IMPACT_DTYPE``, with the names of the walls.
@@ -215,7 +303,7 @@ class Result:
         Raises:
             MissingExtraError: when pandas is not there: the extra ``pandas``.
         """
-        return tables.impact_table(self)
+        return tables.impact_table(self.impacts, self.wall_names, stops=bool(self.stops))
 
     def stick_slip_table(self) -> pandas.DataFrame:
         """The phases of dry friction as a table of pandas: the columns of ``STICK_SLIP_DTYPE``, in words.
@@ -225,7 +313,7 @@ class Result:
         Raises:
             MissingExtraError: when pandas is not there: the extra ``pandas``.
         """
-        return tables.stick_slip_table(self)
+        return tables.stick_slip_table(self.stick_slip, self.wall_names)
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure | None:
         """Draw motion, energy and impacts.
@@ -244,8 +332,8 @@ class Result:
         """
         from chain_impact.results import plots  # a second to load, so not at the top
 
-        self._need("point_position", "kinetic")
-        return plots.drawn(recording_of(self), path)
+        self._all("kinetic")  # refused here, if it was left out
+        return plots.drawn(self, path)
 
     def plot_sensitivities(
         self, path: str | os.PathLike[str] | None = None, outputs: Sequence[str] = ()
@@ -268,7 +356,7 @@ class Result:
         from chain_impact.results import plots
 
         draw = partial(plots.fill_sensitivities, outputs=self._derivatives.drawn(outputs))
-        return plots.drawn(recording_of(self), path, draw)
+        return plots.drawn(self, path, draw)
 
     def animate(self, path: str | os.PathLike[str], **options: Any) -> None:
         """Write an animation: a page for the browser, ``.html``, or a film, ``.gif`` or ``.mp4``.
@@ -283,23 +371,22 @@ class Result:
             UnknownNameError: when ``simulate(output=…)`` left out the positions of the points.
             AnimationError, MissingExtraError, OSError: as ``chain_impact.animate``.
         """
-        from chain_impact.results.animation import animate
+        from chain_impact.results.animate import animate
 
-        self._need("point_position")
-        animate(recording_of(self), Path(path), **options)
+        animate(self, Path(path), **options)
 
     def __repr__(self) -> str:
         """What happened, in a few lines."""
-        return summary.text(self)
+        return summary.text(self, len(self.names), self._facts())
 
     def _repr_html_(self) -> str:
         """The same in a notebook, with a table of the impacts."""
-        return summary.html(self)
+        return summary.html(self, len(self.names), self._facts())
 
-    def _need(self, *fields: str) -> None:
-        """Refuse what cannot be drawn, as an output of one of the fields was left out."""
-        for name in fields:
-            self._all(name)
+    def _facts(self) -> list[str]:
+        """Lines on the energy, on what may be meant otherwise, and on the solver."""
+        found = [f"note     {hint}" for hint in summary.hints(self.scene, self.impacts)]
+        return [*summary.energy_lines(self.energies), *found, *summary.solver_lines(self.statistics)]
 
     def _all(self, field: str) -> np.ndarray:
         """A field of ``output_dtype`` in kernel/record/outputs.py, also if the outputs have other fields."""
@@ -310,21 +397,3 @@ class Result:
             raise UnknownNameError(self.scene.name, field, self.names, "no output of the scene")
         values = np.stack([self[variable.name] for variable in parts], axis=-1)
         return values.reshape(len(self.time), *(step + 1 for step in parts[-1].index))
-
-
-def recording_of(result: Result) -> Recording:
-    """The recording of a simulated scene."""
-    values, stops = result.scene.values, ranges_of(result.scene)
-    return Recording(
-        name=result.scene.name,
-        time=result.time,
-        columns=result.motion,
-        impacts=impact_list(result.impacts, result.scene.wall_names, stops),
-        walls=result.scene.half_planes,
-        parameters={name: values[name] for name in result.model.parameter_paths},
-        sensitivities=result.sensitivities,
-        stops=stops,
-        stop_law=result.scene.stops.model or "",
-        stick_slip=result.stick_slip,
-        wall_names=result.scene.wall_names,
-    )

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from chain_impact.results.equality import same
-from chain_impact.results.summary import plural
+from chain_impact.results.text import plural
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import UnknownNameError
 from chain_impact.variables.model import Model

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from chain_impact.kernel.model.friction import NO_FRICTION, STICKS
+from chain_impact.kernel.model.friction import NO_FRICTION
 
 CHANGE_DTYPE = np.dtype([("time", np.float64), ("point", np.int64), ("wall", np.int64), ("mode", np.int64)])
 """One change of mode, as the kernel logs it: from this time [s] on the mode is 0, sticks; ±1, slides along
@@ -32,7 +31,6 @@ MODES = {0: "stick", 1: "slip +", -1: "slip -"}
 """The modes in words."""
 JOINT = -1
 """The wall of a joint."""
-_PLACE = r"(?:contact\[(\d+)\]\.(\w+)|joint\[(\d+)\])\."
 
 
 def phases_of(changes: np.ndarray) -> np.ndarray:
@@ -54,35 +52,6 @@ def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]
     for change, end in zip(changes, ends, strict=True):
         if change["mode"] != NO_FRICTION:
             yield int(change["point"]), int(change["wall"]), float(change["time"]), end, int(change["mode"])
-
-
-def phases_from_columns(
-    time: np.ndarray, columns: Mapping[str, np.ndarray], walls: Sequence[str]
-) -> np.ndarray:
-    """The phases that the outputs of an FMU show, to within a communication step.
-
-    Args:
-        time: of the rows, shape (T,) [s].
-        columns: name of an output → values, shape (T,).
-        walls: the names of the walls by their numbers.
-    """
-    changes: list[tuple[float, int, int, int]] = []
-    friction = friction_columns(columns, "friction_force") | friction_columns(columns, "friction_moment")
-    for (number, name), sticking in friction_columns(columns, "sticking").items():
-        if (number, name) not in friction or name not in ("", *walls):
-            continue
-        wall, force = walls.index(name) if name else JOINT, friction[number, name]
-        sliding = np.where(force == 0.0, NO_FRICTION, -np.sign(force))
-        mode = np.where(sticking > 0.0, STICKS, sliding).astype(int)
-        starts = np.flatnonzero(np.append([True], np.diff(mode) != 0)[: len(mode)])
-        changes.extend((float(time[row]), number, wall, int(mode[row])) for row in starts)
-    return phases_of(np.array(changes, CHANGE_DTYPE))
-
-
-def friction_columns(columns: Mapping[str, np.ndarray], key: str) -> dict[tuple[int, str], np.ndarray]:
-    """The outputs whose names end in a key: point and wall, of a joint its number and "" → values."""
-    found = ((re.fullmatch(_PLACE + key, name), values) for name, values in columns.items())
-    return {(int(at[1] or at[3]), at[2] or ""): values for at, values in found if at}
 
 
 def place_of(phase: np.void, walls: Sequence[str]) -> str:

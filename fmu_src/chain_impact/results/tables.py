@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -10,10 +11,8 @@ from chain_impact.extras import require
 from chain_impact.results.stick_slip import JOINT, MODES
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import AXES
+from chain_impact.variables.model import Model
 from chain_impact.variables.outputs import LABELS, OWNERS
-
-if TYPE_CHECKING:
-    from chain_impact.results.result import Result
 
 IMPACT_UNITS = {
     "onset": "s",
@@ -37,33 +36,30 @@ STOP_UNITS = {
 _DIMENSIONS = {field: ("point", "axis") if owner == "point" else (owner,) for field, owner in OWNERS.items()}
 
 
-def dataframe(result: Result) -> Any:
+def dataframe(model: Model, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
     """See ``Result.to_dataframe``."""
     pandas = require("pandas", "pandas")
-    table = pandas.DataFrame(result.columns, index=pandas.Index(result.time, name="time"))
-    units = {variable.name: variable.unit for variable in result.model.outputs}
-    table.attrs["units"] = {name: units[name] for name in result.names}
+    table = pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
+    units = {variable.name: variable.unit for variable in model.outputs}
+    table.attrs["units"] = {name: units[name] for name in columns}
     return table
 
 
-def impact_table(result: Result) -> Any:
-    """See ``Result.impact_table``."""
+def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> Any:
+    """See ``Result.impact_table``; ``stops`` tells whether joints have stops."""
     pandas = require("pandas", "pandas")
-    walls = np.array(result.scene.wall_names, dtype=object)
-    columns = {name: result.impacts[name] for name in result.impacts.dtype.names or ()}
-    columns["wall"] = walls[columns["wall"]]
-    index = pandas.RangeIndex(1, len(result.impacts) + 1, name="impact")
-    table = pandas.DataFrame(columns, index=index)
+    columns = {name: impacts[name] for name in impacts.dtype.names or ()}
+    columns["wall"] = np.array(walls, dtype=object)[columns["wall"]]
+    table = pandas.DataFrame(columns, index=pandas.RangeIndex(1, len(impacts) + 1, name="impact"))
     table.attrs["units"] = dict(IMPACT_UNITS)
-    if result.scene.chain.stops:
+    if stops:
         table.attrs["units_at_stops"] = IMPACT_UNITS | STOP_UNITS
     return table
 
 
-def stick_slip_table(result: Result) -> Any:
+def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
     """See ``Result.stick_slip_table``."""
     pandas = require("pandas", "pandas")
-    phases, walls = result.stick_slip, result.scene.wall_names
     columns: dict[str, Any] = {name: phases[name] for name in phases.dtype.names or ()}
     columns["wall"] = ["" if wall == JOINT else walls[wall] for wall in phases["wall"]]
     columns["mode"] = [MODES[mode] for mode in phases["mode"]]
@@ -72,27 +68,27 @@ def stick_slip_table(result: Result) -> Any:
     return table
 
 
-def dataset(result: Result) -> Any:
-    """See ``Result.to_xarray``."""
+def dataset(model: Model, time: np.ndarray, motion: Mapping[str, np.ndarray]) -> Any:
+    """See ``Result.to_xarray``; ``motion`` are the outputs that change all the time."""
     xarray = require("xarray", "xarray")
-    scene, model = result.scene, result.model
+    scene = model.scene
     pairs = [(point, scene.wall_names[wall]) for point, wall in point_wall_pairs(scene)]
     points = len(scene.chain.links) + 1
     sizes = {"point": points, "axis": len(AXES), "link": points - 1, "contact": len(pairs)}
     data: dict[str, Any] = {}
     for variable in model.motion:
-        if variable.name not in result.motion:
+        if variable.name not in motion:
             continue
         # joints without a stop or dry friction have no such values
         of_joint = variable.name.startswith("joint[")
         dimensions = () if of_joint else _DIMENSIONS.get(variable.field, ())
         key = LABELS[variable.field] if dimensions else variable.name
         if key not in data:
-            values = np.full((len(result.time), *(sizes[one] for one in dimensions)), np.nan)
+            values = np.full((len(time), *(sizes[one] for one in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})
-        data[key][1][(slice(None), *variable.index[: len(dimensions)])] = result.motion[variable.name]
+        data[key][1][(slice(None), *variable.index[: len(dimensions)])] = motion[variable.name]
     coordinates = {
-        "time": ("time", result.time, {"units": "s"}),
+        "time": ("time", time, {"units": "s"}),
         "point": np.arange(points),
         "axis": list(AXES),
         "link": np.arange(1, points),

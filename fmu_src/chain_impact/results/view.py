@@ -6,10 +6,15 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from chain_impact.results.recording import Recording
 from chain_impact.scene.half_planes import HalfPlane
 
 NEAR = 0.2  # of the motion's width: a wall farther from the motion is left out …
 ROOM = 1.0  # … unless, in an animation, it closes a room with others, which all are nearer than this
+MARGIN = 0.06  # of the size of what a film shows, around it
+LEAST = 1e-6  # m, size of a motion that does not move
+UPRIGHT = 0.5  # of a wall's normal along an axis, from which the wall bounds the view along it
+ALONE = 1e-3  # of the size of the motion: a smaller radius is not drawn
 PIN = 0.08  # of the motion's width: the height of the ground mark of a pinned base
 SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])  # in heights of the mark
 GROUND = np.array([[-0.75, 0.65], [0.75, 0.65]])
@@ -64,6 +69,30 @@ def seen(
             view = np.array([np.minimum(view[0], met), np.maximum(view[1], met)])
             near.append(wall)
     return view, near
+
+
+def framed(
+    points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """What a film shows: the motion, the walls near it, a closed room, and a margin.
+
+    Returns:
+        The lower left and the upper right corner, shape (2, 2) [m]; and, where there is more room than for
+        that, how much of it lies left of it and below, 0…1, as what is left goes to the side without a wall.
+    """
+    view, near = seen(points, walls, radius, ROOM)
+    open_sides = np.ones((2, 2))  # left and below, right and above
+    for wall in near:
+        normal = np.array(wall.normal)
+        open_sides[0][normal > UPRIGHT] = open_sides[1][normal < -UPRIGHT] = 0.0
+    margin = MARGIN * max(np.ptp(view, axis=0).max(), LEAST)
+    return view + margin * np.array([[-1.0], [1.0]]), 0.5 + 0.5 * (open_sides[0] - open_sides[1])
+
+
+def radius_of(recording: Recording) -> float:
+    """The radius of the points that can touch [m]; 0 if it is too small to be seen, or not known."""
+    radius = float(recording.parameters.get("contact.radius", 0.0))
+    return radius if radius > ALONE * np.ptp(recording.points, axis=(0, 1)).max() else 0.0
 
 
 def closed_room(walls: Mapping[str, HalfPlane], around: np.ndarray) -> list[np.ndarray]:

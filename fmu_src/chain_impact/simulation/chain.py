@@ -17,7 +17,7 @@ from chain_impact.kernel.model.inputs import AT_ONCE
 from chain_impact.kernel.status import OK
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
-from chain_impact.results.summary import plural
+from chain_impact.results.text import plural
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.names import friction_hint, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown

@@ -26,7 +26,8 @@ from chain_impact.kernel.tangent.trust import (
 )
 from chain_impact.results.equality import same
 from chain_impact.results.impacts import IMPACT_DTYPE
-from chain_impact.results.joint_stops import at_stop, what
+from chain_impact.results.joint_stops import at_stop
+from chain_impact.results.text import what
 from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of

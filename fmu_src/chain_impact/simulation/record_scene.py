@@ -1,15 +1,14 @@
-"""Run a scene with values set by name, into a recording."""
+"""Run a scene with values set by name."""
 
 from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 from chain_impact.progress import Progress
 from chain_impact.results.recording import Recording
-from chain_impact.results.result import Result, recording_of
+from chain_impact.results.result import Result
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.simulate import simulate
@@ -29,7 +28,7 @@ def record_scene(
     settings: Mapping[str, Any],
     progress: Progress | None = None,
     sensitivities: Sequence[str] | None = None,
-) -> Recording:
+) -> Result:
     """Simulate a scene with some values set by name, as ``with_settings`` does.
 
     Args:
@@ -45,15 +44,10 @@ def record_scene(
     """
     scene = with_settings(scene, settings)
 
-    def recording(result: Result) -> Recording:
-        slopes = result.sensitivities.named if result.sensitivities else {}
-        return replace(recording_of(result), columns={**result.columns, **slopes})
-
     try:
-        return recording(simulate(scene, sensitivities=sensitivities, progress=progress))
+        return simulate(scene, sensitivities=sensitivities, progress=progress)
     except SimulationError as error:
-        partial = recording(error.result) if error.result else None
-        raise RunError(f"{scene.name}: {error}", partial) from None
+        raise RunError(f"{scene.name}: {error}", error.result) from None
 
 
 def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:

@@ -1,31 +1,40 @@
-"""An animation of a recording, a result, or a scene."""
+"""An animation of a scene: it is simulated with rows so close in time that each impact can be seen slowly."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
-from chain_impact.progress import Progress
-from chain_impact.results import animation
+import numpy as np
+
+from chain_impact.progress import Progress, silent
+from chain_impact.results import animate as results
+from chain_impact.results.pacing import IMPACT_TIME, WITHIN, frame_times, impact_ends, slow_spans
 from chain_impact.results.recording import Recording
-from chain_impact.results.result import Result, recording_of
-from chain_impact.scene.scene import SceneSource
-from chain_impact.studies.slow_motion import record_slowly
+from chain_impact.results.result import Result
+from chain_impact.scene.scene import SceneSource, scene_of
+from chain_impact.simulation.inputs import Signal, drive
+from chain_impact.simulation.instance import Instance, WordRows, structured
+from chain_impact.simulation.simulate import simulate
+
+MOST_ROWS = 40_000
 
 
 def animate(
-    recording: Recording | Result | SceneSource,
+    recording: Recording | SceneSource,
     path: Path | str,
     *,
     speed: float = 1.0,
-    impact_time: float = animation.IMPACT_TIME,
-    size: tuple[int, int] = animation.SIZE,
+    impact_time: float = IMPACT_TIME,
+    size: tuple[int, int] = results.SIZE,
     progress: Progress | None = None,
 ) -> None:
     """Write an animation.
 
     Args:
-        recording: what to show: a recording or a result, in which slow motion shows more where rows are close
-            in time; or a scene, or what ``load_scene`` takes, which ``record_slowly`` simulates.
+        recording: what to show: a recording, as every result is one, in which slow motion shows more where
+            rows are close in time; or a scene, or what ``load_scene`` takes, which ``record_slowly``
+            simulates.
         path: the file, whose suffix says the kind: ``.html`` is a page that a browser opens and that needs no
             other file, ``.gif`` and ``.mp4`` are films.
         speed: simulated seconds in a second on the screen, but for impacts.
@@ -35,14 +44,54 @@ def animate(
         progress: called with the fraction done of a film, if given.
 
     Raises:
-        AnimationError: when the suffix is unknown, a number is out of its range, or the recording has fewer
-            than two rows or no position of a point.
+        AnimationError: when the suffix is unknown, a number is out of its range, the recording has fewer than
+            two rows or no position of a point, or an mp4 is asked for where there is no program ffmpeg.
         SceneError, SimulationError: when the scene cannot be read, or the solver cannot go on.
-        MissingExtraError: when PyAV is not there, for an mp4: ``pip install 'chain-impact[video]'``.
         OSError: when the file cannot be written.
     """
-    if isinstance(recording, Result):
-        recording = recording_of(recording)
-    elif not isinstance(recording, Recording):
+    if not isinstance(recording, Recording):
         recording = record_slowly(recording, impact_time)
-    animation.animate(recording, path, speed=speed, impact_time=impact_time, size=size, progress=progress)
+    results.animate(recording, path, speed=speed, impact_time=impact_time, size=size, progress=progress)
+
+
+def record_slowly(
+    scene: SceneSource,
+    impact_time: float = IMPACT_TIME,
+    progress: Progress | None = None,
+    *,
+    inputs: Mapping[str, Signal] | None = None,
+) -> Result:
+    """Simulate a scene twice: to find the impacts, and with rows that are close in time around them.
+
+    The rows do not change the solution.
+
+    Args:
+        scene: what to simulate: a scene, or what ``load_scene`` takes.
+        impact_time: what each impact takes on the screen [s], 0 for no slow motion.
+        progress: called with the fraction done, if given.
+        inputs: as for ``simulate``.
+
+    Raises:
+        SceneError: when an input cannot be one.
+        SimulationError: when the solver cannot go on; it holds the result up to there, with even rows.
+        BuildError: when the kernel cannot be compiled.
+    """
+    scene, show = scene_of(scene), progress or silent
+    result = simulate(scene, inputs=inputs, progress=lambda done: show(done / 2))
+    stop, onsets = float(result.time[-1]), result.impacts["onset"]
+    shown, _ = frame_times(0.0, stop, slow_spans(result), impact_time, MOST_ROWS)
+    # an impact that is too weak to be shown slowly has rows for its peak force
+    lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
+    others = (onsets[:, None] + lasting * WITHIN).ravel()[:MOST_ROWS]
+    driven = drive(result.model, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
+    instance = Instance(result.model, driven)
+    rows = WordRows(len(driven.times), result.model.output_words)
+    done, _ = instance.run(driven, rows, lambda part: show(0.5 + part / 2))
+    return Result(
+        result.model,
+        driven.times[:done],
+        structured(rows.numbers[:done], result.model.row),
+        result.impacts,
+        statistics=instance.statistics,
+        stick_slip=result.stick_slip,
+    )

@@ -15,7 +15,6 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.progress import Progress, silent
 from chain_impact.results.equality import same
 from chain_impact.results.joint_stops import at_stop
-from chain_impact.results.recording import written_whole
 from chain_impact.results.result import Result
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import STOPS
@@ -25,6 +24,8 @@ from chain_impact.scene.tables import Contact
 from chain_impact.simulation.instance import Instance, SimulationError
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.law_change import (
+    EXACT,
+    OVERLAP,
     contact_at,
     first_number,
     keeps_exponents,
@@ -32,10 +33,8 @@ from chain_impact.studies.law_change import (
     law_values,
     with_law,
 )
+from chain_impact.system import written_whole
 
-EXACT = "zhang_sharf"
-"""The law that the others are measured by, where the scene's restitution allows it."""
-OVERLAP = "another contact began before the first ended"
 SAMPLES = 400  # of a loop of force and penetration
 LONGEST = 200.0  # elastic contact times, after which a free impact is given up
 NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no motion along the wall

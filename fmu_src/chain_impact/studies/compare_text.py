@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.results.summary import aligned
-from chain_impact.studies.compare import Comparison, LawRun
+from chain_impact.results.text import aligned
 from chain_impact.studies.law_change import first_place
+
+if TYPE_CHECKING:
+    from chain_impact.studies.compare import Comparison, LawRun
 
 NEAR = 0.05  # part of the prescribed restitution, as in the registry's ranges
 NOTHING = "–"

@@ -15,6 +15,9 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Contact
 
+EXACT = "zhang_sharf"
+"""The law that the others are measured by, where the scene's restitution allows it."""
+OVERLAP = "another contact began before the first ended"
 Changes = dict[tuple[str | int, ...], Any]
 
 

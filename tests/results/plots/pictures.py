@@ -5,10 +5,9 @@ import functools
 import numpy as np
 from matplotlib.figure import Figure
 
-from chain_impact import load_scene, simulate
+from chain_impact import IMPACT_DTYPE, load_scene, simulate
 from chain_impact.results.plots.overview import SIZE, fill
-from chain_impact.results.recording import Impact, Recording
-from chain_impact.results.result import recording_of
+from chain_impact.results.recording import Recording
 from chain_impact.scene.half_planes import half_planes
 from chain_impact.scene.scene import model_names
 from tests.test_models import inputs_of
@@ -21,7 +20,12 @@ MODELS = [name for name in model_names() if name not in WITHOUT_IMPACTS]
 @functools.cache
 def recorded(model):
     """The recording of a model, driven as it is meant to be."""
-    return recording_of(simulate(load_scene(model), inputs=inputs_of(model)))
+    return simulate(load_scene(model), inputs=inputs_of(model))
+
+
+def hit(time, point, wall, speed):
+    """An impact for ``swing``."""
+    return time, point, wall, speed
 
 
 def swing(impacts=(), walls=None, rows=50, slopes=None, parameters=None):
@@ -36,7 +40,11 @@ def swing(impacts=(), walls=None, rows=50, slopes=None, parameters=None):
     columns |= {f"energy.{name}": 2.0 + 0 * time for name in ("kinetic", "potential", "total")}
     columns["energy.dissipated"] = 0.5 * time
     room = half_planes(walls or {}, slopes or {})
-    return Recording("Swing", time, columns, list(impacts), room, parameters or {})
+    table = np.zeros(len(impacts), IMPACT_DTYPE)
+    for row, (onset, point, wall, speed) in zip(table, impacts, strict=True):
+        row["onset"], row["point"], row["wall"] = onset, point, list(room).index(wall)
+        row["impact_speed"], row["end"] = speed, np.nan
+    return Recording("Swing", time, columns, table, room, tuple(room), parameters or {})
 
 
 @functools.cache
@@ -47,7 +55,7 @@ def crowd(count=60):
     kinds = random.choice(["y_min", "y_max", "x_max"], count)
     speeds = random.uniform(0.0, 5.0, count)
     hits = [
-        Impact(float(t), int(k % 2), str(w), float(v))
+        hit(float(t), int(k % 2), str(w), float(v))
         for k, (t, w, v) in enumerate(zip(times, kinds, speeds, strict=True))
     ]
     return swing(hits, {"y_min": 0.0, "y_max": 1.0, "x_max": 1.0})

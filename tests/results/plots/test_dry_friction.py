@@ -7,14 +7,13 @@ from chain_impact import simulate
 from chain_impact.results.plots.message import conditions, message
 from chain_impact.results.plots.over_time import ROWS
 from chain_impact.results.plots.style import GREY, VERMILLION
-from chain_impact.results.result import recording_of
 from tests.friction import pendulum, sled, thrown
 from tests.results.plots.pictures import drawn, recorded, swing
 
 
 @pytest.fixture(scope="module")
 def recording():
-    return recording_of(simulate(pendulum()))
+    return simulate(pendulum())
 
 
 @pytest.mark.full("takes long")
@@ -40,7 +39,7 @@ def test_bars_stand_where_a_joint_sticks_and_lines_where_it_slides(recording):
 
 @pytest.mark.full("takes long")
 def test_of_many_places_those_that_rub_for_longest_are_shown(recording):
-    many = recording_of(simulate(pendulum(), 0.5))
+    many = simulate(pendulum(), 0.5)
     rows = [(k, -1, 0.0, 0.1 * k + 0.01, 1) for k in range(1, ROWS + 4)]
     many.__dict__["stick_slip"] = np.array(rows, many.stick_slip.dtype)
     *_, strip = drawn(many)
@@ -50,14 +49,14 @@ def test_of_many_places_those_that_rub_for_longest_are_shown(recording):
 
 @pytest.mark.full("takes long")
 def test_a_square_stands_where_something_sticks_at_the_end():
-    found = recording_of(simulate(sled(), output_step=0.05))
+    found = simulate(sled(), output_step=0.05)
     motion = drawn(found)[1]
     (squares,) = [line for line in motion.lines if line.get_label() == "sticks"]
     ends = [found.columns[f"point[{k}].x"][-1] for k in (0, 1)]
     np.testing.assert_allclose(squares.get_xdata(), ends, atol=1e-3)
     wall = found.walls["slope"]
     assert all(abs(wall.clearance(x, y)) < 1e-12 for x, y in squares.get_xydata())
-    joints = drawn(recording_of(simulate(pendulum(), output_step=0.05)))[1]
+    joints = drawn(simulate(pendulum(), output_step=0.05))[1]
     (squares,) = [line for line in joints.lines if line.get_label() == "sticks"]
     assert (0.0, 0.0) in [tuple(place) for place in squares.get_xydata()]
 
@@ -82,10 +81,10 @@ def test_the_headline_tells_the_share_of_friction(recording):
 
 def test_the_conditions_tell_the_coefficients(recording):
     assert "joint friction ≤ 0.8 N·m" in conditions(recording)
-    of_wall = conditions(recording_of(simulate(thrown(), 0.01)))
+    of_wall = conditions(simulate(thrown(), 0.01))
     assert "joint friction ≤ 0.2 N·m" in of_wall
     assert "friction µ = 0.35 at y_min" in of_wall
     both = sled(**{"contact.static_friction": 0.6, "wall.slope.static_friction": 0.7})
-    told = conditions(recording_of(simulate(both, 0.01)))
+    told = conditions(simulate(both, 0.01))
     assert "  ·  friction µ = 0.5 (static 0.6), (static 0.7) at slope  ·  " in told
     assert "friction" not in conditions(recorded("rod_drop"))

@@ -107,7 +107,7 @@ def test_the_headline_has_the_message_and_the_conditions():
 def test_a_simulation_that_stopped_at_once_has_a_picture(tmp_path, rows):
     recording = swing(rows=2)
     columns = {name: column[:rows] for name, column in recording.columns.items()}
-    plot(Recording("Stopped", recording.time[:rows], columns, [], {}), tmp_path / "stopped.png")
+    plot(Recording("Stopped", recording.time[:rows], columns), tmp_path / "stopped.png")
     assert (tmp_path / "stopped.png").stat().st_size > 0
 
 

@@ -34,7 +34,7 @@ def test_every_wall_near_the_motion_is_a_line_at_its_place(model):
     recording = recorded(model)
     _, motion, *_ = drawn(recording)
     ends = wall_lines(motion)
-    hit = {impact.wall for impact in recording.impacts} - {*STOPS}
+    hit = {recording.wall_names[wall] for wall in recording.impacts["wall"]} - {*STOPS}
     assert len(hit) <= len(ends) <= len(recording.walls)
     for name in hit:
         gaps = [max(abs(recording.walls[name].clearance(*end)) for end in line) for line in ends]

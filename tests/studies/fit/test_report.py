@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from chain_impact import fit
-from chain_impact.results.summary import aligned
+from chain_impact.results.text import aligned
 from chain_impact.studies.fit.report import rounded
 from tests.measurements import FREE, NOISE, TIP, impacts, motion, scene
 

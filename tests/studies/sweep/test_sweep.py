@@ -7,7 +7,6 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.record.contacts import LOG_SIZE
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
 from chain_impact.results.joint_stops import at_stop
-from chain_impact.results.result import recording_of
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, scene_from_dict, with_values
 from chain_impact.simulation.instance import SimulationError
@@ -47,7 +46,7 @@ def check(scene, row, varied, outputs=()):
     else:
         assert row["time"] == result.time[-1]
         assert row["status"] == "ok"
-        columns = recording_of(result).columns
+        columns = result.columns
         for name in ("energy.kinetic", "energy.potential", "energy.elastic", "energy.total", *outputs):
             assert row[name] == columns[name][-1], name
     stops = np.array([at_stop(scene, wall) for wall in result.impacts["wall"]], bool)

@@ -15,13 +15,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.results.joint_stops import at_stop, speed_unit
 from chain_impact.results.plots.message import conditions
 from chain_impact.results.plots.over_time import DOT, mark_impacts
 from chain_impact.results.plots.room import OUTSIDE_COLOUR
 from chain_impact.results.plots.style import GREY, INK, PALETTE, STYLE, headline
 from chain_impact.results.recording import Recording
 from chain_impact.results.sensitivity import Sensitivities
+from chain_impact.results.text import speed_unit
 
 NOTHING = 1e-12  # of the range of an output: smaller changes are round-off
 STEEP = 30.0  # times as large as usual is the largest change on an axis that is not linear
@@ -71,7 +71,7 @@ def calm(recording: Recording) -> np.ndarray:
     """
     rows = np.ones(len(recording.time), bool)
     for impact in recording.impacts:
-        rows &= ~((recording.time >= impact.time) & (recording.time <= impact.end))
+        rows &= ~((recording.time >= impact["onset"]) & (recording.time <= impact["end"]))
     return rows
 
 
@@ -132,8 +132,7 @@ def draw_changes(axes: Axes, recording: Recording, output: str, looks: Looks) ->
 def draw_speeds(axes: Axes, recording: Recording, looks: Looks) -> None:
     """The change of the speed of each impact, with each parameter: dots at walls, diamonds at stops."""
     found = sensitivities_of(recording)
-    changes, scene = found.impact_changes("impact_speed"), found.model.scene
-    stopped = np.array([at_stop(scene, wall) for wall in found.impacts["wall"]], bool)
+    changes, stopped = found.impact_changes("impact_speed"), recording.at_stops
     for values, look in zip(changes.T, looks, strict=True):
         style = {"color": look["color"], "zorder": look["zorder"], "markersize": DOT}
         for rows, marker in ((~stopped, "o"), (stopped, "D")):
@@ -142,7 +141,7 @@ def draw_speeds(axes: Axes, recording: Recording, looks: Looks) -> None:
     mixed = stopped.any() and not stopped.all()
     unit = speed_unit(len(stopped) > 0 and bool(stopped.all()))
     axes.set_ylabel(f"change of impact speed [{unit}]" + ("\n◆ at stops [rad/s]" if mixed else ""))
-    fit_scale(axes, changes, NOTHING * max((impact.speed for impact in recording.impacts), default=0.0))
+    fit_scale(axes, changes, NOTHING * recording.impacts["impact_speed"].max(initial=0.0))
     if not len(found.impacts):
         axes.text(0.5, 0.6, "no impact", transform=axes.transAxes, ha="center", color=GREY)
 

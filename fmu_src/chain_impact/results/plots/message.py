@@ -9,6 +9,7 @@ import numpy as np
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.results.plots.style import SEPARATOR, number
 from chain_impact.results.recording import Recording
+from chain_impact.results.text import plural
 
 SHARE = 0.01  # of the energy at the start: more below zero, and a share of it means nothing
 ROUND_OFF = 1e-12  # of the largest energy: less is not dissipated
@@ -23,13 +24,13 @@ def message(recording: Recording) -> str:
     which the potential energy is zero. Else it is in joules.
     """
     count, span = recording.impact_count, f"in {recording.time[-1] - recording.time[0]:g} s"
-    impacts = f"{count or 'no'} impact{'s' if count != 1 else ''}"
-    lost = recording.columns.get("energy.dissipated", np.zeros(1))[-1]
-    if not lost > ROUND_OFF * np.abs(recording.columns.get("energy.total", np.zeros(1))).max():
+    impacts = plural(count, "impact") if count else "no impacts"
+    lost = recording.energies.get("dissipated", np.zeros(1))[-1]
+    if not lost > ROUND_OFF * np.abs(recording.energies.get("total", np.zeros(1))).max():
         return f"{recording.name}: {impacts} {span}"
     share = lost_share(recording)
     amount = f"{lost:.3g} J" if share is None else f"{percentage(share)} % of the energy"
-    rubbed = recording.columns.get("energy.friction", np.zeros(1))[-1]
+    rubbed = recording.energies.get("friction", np.zeros(1))[-1]
     if rubbed > ROUND_OFF * lost:
         part = f"{percentage(rubbed / lost)} % of it by dry friction"
         return f"{recording.name}: {impacts}, {amount} dissipated, {part}, {span}"
@@ -46,10 +47,10 @@ def percentage(share: float) -> str:
 def lost_share(recording: Recording) -> float | None:
     """The part of the energy at the start that was dissipated, where that means something."""
     names = ("total", "potential", "dissipated")
-    if any(f"energy.{name}" not in recording.columns for name in names):
+    if any(name not in recording.energies for name in names):
         return None
-    total, potential, dissipated = (recording.columns[f"energy.{name}"] for name in names)
-    supplied = recording.columns.get("energy.supplied", np.zeros(1))
+    total, potential, dissipated = (recording.energies[name] for name in names)
+    supplied = recording.energies.get("supplied", np.zeros(1))
     if supplied.any() or not total[0] > 0.0 or potential.min() < -SHARE * total[0]:
         return None
     return float(dissipated[-1] / total[0])
@@ -85,9 +86,9 @@ def friction_conditions(recording: Recording) -> list[str]:
 
 def conditions(recording: Recording) -> str:
     """What an engineer needs to know to read the picture, as far as the recording knows it."""
-    links = sum(re.fullmatch(r"link\[\d+\]\.angle", name) is not None for name in recording.columns)
+    links = recording.points.shape[1] - 1
     known = recording.parameters
-    parts = [f"{links} link{'s' if links != 1 else ''}"] if links else []
+    parts = [plural(links, "link")]
     if damping := joint_damping(recording):
         parts.append(f"joint damping ≤ {damping:g} N·m·s/rad")
     if dry := largest(recording, ".joint_friction"):
@@ -135,9 +136,9 @@ def has_rigid_stops(recording: Recording) -> bool:
     """
     if recording.stop_law:
         return is_rigid(recording.stop_law)
-    hits = [hit for hit in recording.impacts if hit.at_stop]
-    if any(hit.end == hit.time for hit in hits):
+    hits = recording.impacts[recording.at_stops]
+    if (hits["end"] == hits["onset"]).any():
         return True
-    if any(hit.max_penetration > 0.0 for hit in hits):
+    if (hits["max_penetration"] > 0.0).any():
         return False
     return is_rigid(str(recording.parameters.get("contact.model")))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.plots.labels import Label, marker_boxes, place_labels
 from chain_impact.results.plots.room import draw_walls
 from chain_impact.results.plots.style import INK, TIME_COLOURS, VERMILLION
-from chain_impact.results.recording import Impact, Recording
+from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import JOINT
 
 STRONG = 6  # poses at impacts, at most: those at the highest speeds
@@ -42,7 +41,7 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
     draw_faint(axes, recording)
     draw_paths(axes, recording, shade)
     marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MARKED else ""}
-    for time in sorted(hit.time for hit in strongest(recording.impacts, STRONG)):
+    for time in sorted(strongest(recording, STRONG)["onset"]):
         draw_chain(axes, recording.pose_at(time), color=shade(time), linewidth=1.6, markersize=3.5, **marks)
     for row, name in ((0, "start"), (-1, "end")):
         colour = shade(recording.time[row])
@@ -82,9 +81,15 @@ def colour_of_time(recording: Recording) -> Any:
     return lambda time: TIME_COLOURS(norm(time))
 
 
-def strongest(impacts: Sequence[Impact], count: int) -> list[Impact]:
+def strongest(recording: Recording, count: int) -> np.ndarray:
     """The impacts with the highest approach speeds, the highest first."""
-    return sorted(impacts, key=lambda impact: -impact.end_speed)[:count]
+    found: np.ndarray = recording.impacts[by_speed(recording)[:count]]
+    return found
+
+
+def by_speed(recording: Recording) -> np.ndarray:
+    """The order of the impacts by their approach speeds, the highest first."""
+    return np.argsort(-recording.end_speeds, kind="stable")
 
 
 def draw_faint(axes: Axes, recording: Recording) -> None:
@@ -120,7 +125,8 @@ def draw_sticking(axes: Axes, recording: Recording) -> bool:
     for phase in last[last["mode"] == STICKS]:
         joint = phase["wall"] == JOINT
         place = points[phase["point"] - 1 if joint else phase["point"]]
-        if not joint and (wall := recording.walls.get(recording.wall_names[phase["wall"]])):
+        if not joint and recording.walls:
+            wall = recording.wall_of(phase)
             place = place - wall.clearance(*place) * np.array(wall.normal)
         places.append(place)
     if places:
@@ -131,35 +137,39 @@ def draw_sticking(axes: Axes, recording: Recording) -> bool:
 
 def number_rings(axes: Axes, recording: Recording) -> None:
     """Write the numbers of the impacts outside of the walls, those at the highest speeds first."""
-    numbers = {impact: number for number, impact in enumerate(recording.impacts, start=1)}
     found, labels = rings(axes, recording), []
     for spot, hits in found.items():
         shown = hits if len(hits) <= LISTED + 1 else hits[:LISTED]
-        text = ", ".join(str(number) for number in sorted(numbers[hit] for hit in shown))
+        text = ", ".join(str(hit + 1) for hit in sorted(shown))
         more = f" +{len(hits) - len(shown)}" if len(hits) > len(shown) else ""
-        labels.append(Label(text + more, spot, _outward(recording, hits[0]), short=str(numbers[hits[0]])))
+        outward = _outward(recording, recording.impacts[hits[0]])
+        labels.append(Label(text + more, spot, outward, short=str(hits[0] + 1)))
     place_labels(axes, labels, marker_boxes(axes, list(found), RING), fontsize=7, color=INK)
 
 
-def _outward(recording: Recording, impact: Impact) -> tuple[float, float]:
+def _outward(recording: Recording, impact: np.void) -> tuple[float, float]:
     """The direction into the wall that was hit; at a stop that across the link."""
-    if impact.at_stop:
-        x, y = touching_place(recording.pose_at(impact.time), impact.point)[1]
+    if recording.is_stop(impact["wall"]):
+        x, y = touching_place(recording.pose_at(impact["onset"]), impact["point"])[1]
         return float(y), float(-x)
-    nx, ny = recording.walls[impact.wall].normal
+    nx, ny = recording.wall_of(impact).normal
     return -nx, -ny
 
 
-def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[Impact]]:
-    """The places where walls were hit, and the impacts there, the hardest first; those near share a place."""
+def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
+    """The places where walls were hit, and the rows of the impacts there, the hardest first.
+
+    Those near to each other share a place.
+    """
     spacing = NEAR_PLACE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
-    found: dict[tuple[float, float], list[Impact]] = {}
-    for impact in strongest(recording.impacts, len(recording.impacts)):
-        x, y = recording.spot(impact)
+    found: dict[tuple[float, float], list[int]] = {}
+    walls = recording.impacts["wall"]
+    for row in by_speed(recording).tolist():
+        x, y = recording.spot(recording.impacts[row]).tolist()
         near = (
             spot
             for spot, hits in found.items()
-            if hits[0].wall == impact.wall and np.hypot(spot[0] - x, spot[1] - y) < spacing
+            if walls[hits[0]] == walls[row] and np.hypot(spot[0] - x, spot[1] - y) < spacing
         )
-        found.setdefault(next(near, (x, y)), []).append(impact)
+        found.setdefault(next(near, (x, y)), []).append(row)
     return found

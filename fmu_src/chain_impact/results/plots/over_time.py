@@ -10,9 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from chain_impact.kernel.model.friction import STICKS
-from chain_impact.results.joint_stops import speed_unit, what
 from chain_impact.results.plots.labels import Label, marker_boxes, place_labels, stem_boxes
-from chain_impact.results.plots.motion import ABOVE, strongest
+from chain_impact.results.plots.motion import ABOVE, by_speed
 from chain_impact.results.plots.style import (
     BLACK,
     BROWN,
@@ -25,8 +24,9 @@ from chain_impact.results.plots.style import (
     TIME_COLOURS,
     VERMILLION,
 )
-from chain_impact.results.recording import Impact, Recording
+from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import place_of
+from chain_impact.results.text import speed_unit, what
 
 ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VERMILLION}
 ENERGY_COLOURS |= {"supplied": PURPLE}
@@ -54,11 +54,11 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
     """The energies over time; the impacts as lines."""
     mark_impacts(axes, recording)
     for name, colour in ENERGY_COLOURS.items():
-        energy = recording.columns.get(f"energy.{name}", np.zeros(1))
+        energy = recording.energies.get(name, np.zeros(len(recording.time)))
         if name != "supplied" or energy.any():
             axes.plot(recording.time, energy, color=colour, label=name, linewidth=1 + (name == "total"))
     for name, colour in PARTS.items():
-        if (energy := recording.columns.get(f"energy.{name}", np.zeros(1))).any():
+        if (energy := recording.energies.get(name, np.zeros(1))).any():
             axes.plot(recording.time, energy, "--", color=colour, label=name, linewidth=1)
     axes.set_ylabel("energy [J]")
     narrow = {"handlelength": 1.1, "columnspacing": 0.7} if len(axes.lines) > FEW_ENERGIES else {}
@@ -92,7 +92,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
 
 def mark_impacts(axes: Axes, recording: Recording) -> None:
     """A line at each impact."""
-    onsets = [impact.time for impact in recording.impacts]
+    onsets = recording.impacts["onset"]
     axes.vlines(onsets, 0.0, 1.0, PALE, linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform())
 
 
@@ -101,22 +101,21 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
 
     Impacts at stops have an axis of their own, on the right, if there are others too.
     """
-    scale, at_walls = stop_scale(recording), any(not hit.at_stop for hit in recording.impacts)
-    for name, colour, group in point_groups(recording):
-        hits = [hit for hit in recording.impacts if (hit.at_stop, hit.point) in group]
-        times, heights = zip(*((hit.time, height(hit, scale)) for hit in hits), strict=True)
-        axes.vlines(times, 0.0, heights, color=colour, linewidth=1.0)
-        marker = "D" if hits[0].at_stop else "o"
-        axes.plot(times, heights, marker, linestyle="", color=colour, markersize=DOT, label=name)
-    at_stops = any(hit.at_stop for hit in recording.impacts)
+    stopped, times, tops = recording.at_stops, recording.impacts["onset"], heights(recording)
+    for name, colour, hits in point_groups(recording):
+        axes.vlines(times[hits], 0.0, tops[hits], color=colour, linewidth=1.0)
+        marker = "D" if stopped[hits[0]] else "o"
+        axes.plot(times[hits], tops[hits], marker, linestyle="", color=colour, markersize=DOT, label=name)
+    at_stops, at_walls = bool(stopped.any()), not stopped.all()
     axes.set_ylabel(f"impact speed [{speed_unit(at_stops and not at_walls)}]")
-    axes.set_ylim(0.0, 1.2 * (max((height(hit, scale) for hit in recording.impacts), default=0.0) or 1.0))
+    axes.set_ylim(0.0, 1.2 * (tops.max(initial=0.0) or 1.0))
     if at_stops and at_walls:
+        scale = stop_scale(recording)
         functions: Any = (lambda v: v / scale, lambda v: v * scale)
         right = axes.secondary_yaxis("right", functions=functions)
         right.set_ylabel("at stops [rad/s]")
         axes.spines["right"].set_visible(True)
-    if recording.impacts:
+    if len(times):
         axes.legend(**ABOVE, ncols=7, handlelength=0.8)
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=GREY)
@@ -124,40 +123,37 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
 
 def stop_scale(recording: Recording) -> float:
     """The height [m/s] of 1 rad/s in the picture of speeds: the fastest impact of each kind is as high."""
-    fastest = [
-        max((hit.speed for hit in recording.impacts if hit.at_stop == kind), default=0.0)
-        for kind in (False, True)
-    ]
-    return fastest[0] / fastest[1] if min(fastest) > 0.0 else 1.0
+    speeds, stopped = recording.impacts["impact_speed"], recording.at_stops
+    at_walls, at_stops = (speeds[kind].max(initial=0.0) for kind in (~stopped, stopped))
+    return float(at_walls / at_stops) if min(at_walls, at_stops) > 0.0 else 1.0
 
 
-def height(hit: Impact, scale: float) -> float:
-    """The height of an impact in the picture of speeds, in units of its left axis."""
-    return hit.speed * (scale if hit.at_stop else 1.0)
+def heights(recording: Recording) -> np.ndarray:
+    """The heights of the impacts in the picture of speeds, in units of its left axis, shape (I,)."""
+    scales = np.where(recording.at_stops, stop_scale(recording), 1.0)
+    return np.asarray(recording.impacts["impact_speed"] * scales)
 
 
-def point_groups(recording: Recording) -> list[tuple[str, Any, set[tuple[bool, int]]]]:
-    """Name, colour and members of what is told apart: the points hit hardest, and all others together.
+def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
+    """Name, colour and impacts of what is told apart: the points hit hardest, and all others together.
 
-    A member is a point, ``(False, point)``, or a joint at its stops, ``(True, joint)``.
+    Points and joints at their stops are told apart, too.
     """
-    hardest = strongest(recording.impacts, len(recording.impacts))
-    hit = list(dict.fromkeys((impact.at_stop, impact.point) for impact in hardest))
+    members = list(zip(recording.at_stops.tolist(), recording.impacts["point"].tolist(), strict=True))
+    hit = list(dict.fromkeys(members[row] for row in by_speed(recording)))
     told = sorted(hit if len(hit) <= TOLD else hit[: TOLD - 1])
-    groups: list[tuple[str, Any, set[tuple[bool, int]]]] = [
-        (what(number, at_stop), colour, {(at_stop, number)})
+    groups = [
+        (what(number, at_stop), colour, np.array([one == (at_stop, number) for one in members]))
         for (at_stop, number), colour in zip(told, PALETTE, strict=False)
     ]
-    others = set(hit) - set(told)
-    return [("others", GREY, others), *groups] if others else groups
+    others = np.array([one not in told for one in members], bool)
+    groups = [("others", GREY, others), *groups] if others.any() else groups
+    return [(name, colour, np.flatnonzero(hits)) for name, colour, hits in groups]
 
 
 def number_impacts(axes: Axes, recording: Recording) -> None:
     """Write the numbers of the impacts at their speeds, the highest first."""
-    numbers = {impact: number for number, impact in enumerate(recording.impacts, start=1)}
-    scale = stop_scale(recording)
-    tops = [(hit.time, height(hit, scale)) for hit in recording.impacts]
+    tops = list(zip(recording.impacts["onset"].tolist(), heights(recording).tolist(), strict=True))
     marks = np.vstack([marker_boxes(axes, tops, DOT), stem_boxes(axes, tops)])
-    ordered = strongest(recording.impacts, NUMBERED)
-    labels = [Label(str(numbers[hit]), (hit.time, height(hit, scale))) for hit in ordered]
+    labels = [Label(str(row + 1), tops[row]) for row in by_speed(recording)[:NUMBERED]]
     place_labels(axes, labels, marks, fontsize=7)

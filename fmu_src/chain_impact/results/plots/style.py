@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
 
-from chain_impact.results.recording import written_whole
+from chain_impact.system import written_whole
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#e69f00", "#56b4e9", "#009e73"
 BLUE, VERMILLION, PURPLE, BROWN = "#0072b2", "#d55e00", "#cc79a7", "#7a4b2a"

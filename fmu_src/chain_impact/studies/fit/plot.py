@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -19,14 +19,16 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.results.plots.style import GREY, INK, PALE, PALETTE, STYLE, Page, headline, number, save
 from chain_impact.results.result import Result
-from chain_impact.results.summary import plural
 from chain_impact.results.tables import IMPACT_UNITS
+from chain_impact.results.text import plural
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import QUANTITIES
 from chain_impact.studies.fit.report import rounded
-from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.model import Model
+
+if TYPE_CHECKING:
+    from chain_impact.studies.fit.result import Fit
 
 MOST_PANELS = 8  # columns that are shown
 LETTERS, SMALLER = 9.5, 1.5  # of the headline, in an inch; and how many times as many in the line below it

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from chain_impact.results.plots.style import number
-from chain_impact.results.summary import aligned, plural
-from chain_impact.studies.fit.result import Fit
+from chain_impact.results.text import aligned, plural
 from chain_impact.studies.fit.unknown import size_of
+
+if TYPE_CHECKING:
+    from chain_impact.studies.fit.result import Fit
 
 HIGH = 0.9  # a correlation that is worth a word
 MANY = 8  # horizons, more are not listed

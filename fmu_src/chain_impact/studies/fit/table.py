@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from chain_impact.results.summary import plural
+from chain_impact.results.text import plural
 from chain_impact.scene.reading import SceneError, decimal_comma, shown
 from chain_impact.scene.text_file import check_separator, text_of
 

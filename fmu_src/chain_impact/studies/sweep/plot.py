@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -22,9 +22,11 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import PEAKS
-from chain_impact.studies.sweep.table import Sweep
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.model import Model
+
+if TYPE_CHECKING:
+    from chain_impact.studies.sweep.table import Sweep
 
 # P. Tol, Colour schemes, SRON/EPS/TN/09-002 (2021): "muted", for all kinds of colour vision
 COLOURS = (

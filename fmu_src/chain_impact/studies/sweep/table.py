@@ -14,11 +14,11 @@ import numpy as np
 
 from chain_impact.extras import require
 from chain_impact.kernel.status import OK, STATUS_NAME
-from chain_impact.results.recording import written_whole
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import STATUS
+from chain_impact.system import written_whole
 
 STATUS_WORD = "status"  # the column with the status in a word
 TABLES = (".csv", ".parquet")

@@ -1,0 +1,50 @@
+"""An animation of a recording into a file, of the kind that the file's name says."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from chain_impact.progress import Progress, silent
+from chain_impact.results.pacing import IMPACT_TIME
+from chain_impact.results.recording import Recording
+from chain_impact.system import written_whole
+
+FORMATS = (".html", ".gif", ".mp4")
+SIZE = (960, 540)  # pixels of a film
+
+
+class AnimationError(ValueError):
+    """An animation that cannot be made; the message is one line."""
+
+
+def animate(
+    recording: Recording,
+    path: Path | str,
+    *,
+    speed: float = 1.0,
+    impact_time: float = IMPACT_TIME,
+    size: tuple[int, int] = SIZE,
+    progress: Progress | None = None,
+) -> None:
+    """Write an animation of a recording, see ``chain_impact.animate``."""
+    path, progress = Path(path), progress or silent
+    kind = path.suffix.lower()
+    if kind not in FORMATS:
+        raise AnimationError(f"{path}: the name must end in {', '.join(FORMATS)}")
+    if not 0.0 < speed < math.inf:
+        raise AnimationError(f"speed = {speed:g} must be a finite number > 0")
+    if not 0.0 <= impact_time < math.inf:
+        raise AnimationError(f"impact_time = {impact_time:g} must be a finite number >= 0 [s]")
+    if len(recording.time) < 2 or not recording.points.shape[1]:  # noqa: PLR2004
+        raise AnimationError(f"{recording.name}: an animation needs two rows at least, with point[0].x")
+    with written_whole(path) as fresh:
+        if kind == ".html":
+            from chain_impact.results.page.recorded import page
+
+            fresh.write_text(page(recording, speed, impact_time), encoding="utf-8")
+        else:
+            from chain_impact.results.plots.film import write_film
+
+            write_film(recording, fresh, speed=speed, impact_time=impact_time, size=size, progress=progress)
+    progress(1.0)

@@ -1,0 +1,97 @@
+// The frames of a recording: what a `Recording` is made of, from rows of numbers.
+
+import { frameTimes, slowSpans } from "./pacing.js";
+import { viewOf } from "./view.js";
+
+const LONGEST_IMPACT = 5; // of penetration over approach speed: an impact takes less, then the chain stays at the wall
+const SLOWEST = 1e-6; // m/s
+const COORDINATES = 2_000_000; // coordinates at most
+const FEWEST_FRAMES = 200; // frames
+const MOST_FRAMES = 20_000;
+const ENERGIES = ["kinetic", "potential", "elastic", "dissipated", "friction", "supplied", "total"];
+
+/** The impacts as the page shows them, of a recording that ends at some time; what is not known of one is null. */
+export function contactsOf(impacts, stop) {
+  return impacts.map(({ end, peak, depth, ...impact }) => {
+    const until = end ?? stop;
+    const lasting = (LONGEST_IMPACT * depth) / Math.max(impact.speed, SLOWEST);
+    return { ...impact, end: until, impactEnd: Math.min(until, impact.onset + lasting), peak: peak > 0 ? peak : null };
+  });
+}
+
+/** The simulated times of the frames, and how many there are in a second on the screen. */
+export function timesOf(contacts, start, stop, links, impactTime) {
+  const most = Math.min(MOST_FRAMES, Math.max(FEWEST_FRAMES, Math.floor(COORDINATES / (2 * (links + 1)))));
+  return frameTimes(start, stop, slowSpans(contacts), impactTime, most);
+}
+
+/** For each time the row before it, and how far it is on the way to the next one. */
+function placesIn(time, times) {
+  let row = 0;
+  return Array.from(times, (now) => {
+    while (row < time.length - 2 && time[row + 1] <= now) row += 1;
+    return [row, Math.min(Math.max((now - time[row]) / (time[row + 1] - time[row]), 0), 1)];
+  });
+}
+
+/** Values in rows of some width, at some places. */
+function columnAt(values, places, width) {
+  const found = new Float64Array(places.length * width);
+  places.forEach(([row, share], frame) => {
+    for (let k = 0; k < width; k += 1) {
+      const first = values[row * width + k];
+      found[frame * width + k] = first + share * (values[(row + 1) * width + k] - first);
+    }
+  });
+  return found;
+}
+
+/** First and last frame of each span in which numbers are above zero. */
+function spansOf(values) {
+  const spans = [];
+  values.forEach((value, frame) => {
+    if (!(value > 0)) return;
+    if (spans.length && spans.at(-1)[1] === frame - 1) spans.at(-1)[1] = frame;
+    else spans.push([frame, frame]);
+  });
+  return spans;
+}
+
+function largest(values) {
+  return values.reduce((most, value) => Math.max(most, value), 0);
+}
+
+/**
+ * What a `Recording` is made of.
+ *
+ * @param rows name, links, time, x and y of all points in rows, energies by name, touches { point, wall, force, friction,
+ *   sticking } at the rows (of a joint with dry friction without wall and force), contacts, walls, stops, radius,
+ *   touching, pinned.
+ * @param frames their times, and how many there are in a second on the screen; those are the rows if they have as many.
+ */
+export function framesOf(rows, { times, frameRate }) {
+  const { name, links, contacts, walls, stops, radius, touching } = rows;
+  const places = times === rows.time ? null : placesIn(rows.time, times);
+  const at = (values, width = 1) => (places && values ? columnAt(values, places, width) : values);
+  const held = (values) => spansOf(places ? places.map(([row]) => values[row]) : values);
+  const [x, y] = [rows.x, rows.y].map((all) => at(all, links + 1));
+  const forces = rows.touches
+    .filter(({ wall, force }) => wall && force.some((value) => value > 0))
+    .map(({ point, wall, force, friction, sticking }) =>
+      ({ point, wall, values: at(force), friction: at(friction), spans: sticking ? held(sticking) : [] }));
+  const stuckJoints = rows.touches
+    .filter(({ wall }) => !wall)
+    .map(({ point, sticking }) => ({ joint: point, spans: held(sticking) }));
+  const energies = ENERGIES.filter((key) => rows.energies[key]?.some((value) => value !== 0))
+    .map((key) => [key, at(rows.energies[key])]);
+  const peaks = [
+    ...contacts.filter(({ atStop }) => !atStop).map(({ peak }) => peak ?? 0),
+    ...forces.filter(({ wall }) => wall in walls).map(({ values }) => largest(values)),
+  ];
+  return {
+    name, links, time: times, frameRate, x, y, energies: Object.fromEntries(energies), forces, stuckJoints, contacts, walls,
+    stops, radius, touching,
+    peakForce: Math.max(largest(peaks), 1e-300),
+    ...viewOf(x, y, links + 1, walls, radius, rows.pinned),
+  };
+}

@@ -1,0 +1,77 @@
+// The list of impacts, which go to their moment.
+
+import { make } from "./dom.js";
+import { forceText, touchingText, unitsOf } from "./format.js";
+
+const LONGEST_LIST = 2000; // impacts: each is a row of the page
+const COLUMNS = ["", "time", "point", "wall", "speed", "peak force"];
+
+/** What is known of the peak of a force. */
+function peakText({ peak, atStop }) {
+  return peak === null ? "–" : forceText(peak, 3, unitsOf({ atStop }).force);
+}
+
+function approachText(impact) {
+  return `${impact.speed.toFixed(2)} ${unitsOf(impact).speed}`;
+}
+
+export class ImpactList {
+  constructor(element, goTo) {
+    this.element = element;
+    this.goTo = goTo;
+  }
+
+  /** List the impacts of a recording. */
+  show(recording) {
+    const { element, goTo } = this;
+    this.current = undefined;
+    this.rows = undefined;
+    element.classList.toggle("none", !recording.impacts.length);
+    element.textContent = recording.impacts.length ? "" : "none";
+    if (!recording.impacts.length) return;
+    const table = make("table");
+    table.createTHead().insertRow().append(...COLUMNS.map((name) => make("th", { textContent: name, scope: "col" })));
+    const body = table.createTBody();
+    this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact, number) => this.#row(body, impact, number, goTo));
+    element.append(table);
+    const others = recording.impacts.length - this.rows.length;
+    if (others > 0) element.append(make("p", { textContent: `and ${others} more, which the animation shows` }));
+  }
+
+  #row(body, impact, number, goTo) {
+    const row = body.insertRow();
+    const button = make("button", { type: "button", textContent: String(number + 1) });
+    button.setAttribute("aria-label", `Go to impact ${number + 1}, at ${impact.onset.toFixed(6)} s`);
+    row.insertCell().append(button);
+    const texts = [`${impact.onset.toFixed(5)} s`, impact.point, impact.wall, approachText(impact), peakText(impact)];
+    texts.forEach((text) => {
+      row.insertCell().textContent = text;
+    });
+    row.addEventListener("click", () => goTo(number));
+    return row;
+  }
+
+  /** Mark the present contact, if it is an impact, and bring it into sight, within the list only. */
+  draw(frame, contact) {
+    if (contact === this.current) return;
+    this.element.querySelector("[aria-current]")?.removeAttribute("aria-current");
+    this.current = contact;
+    const row = this.rows?.[contact?.number - 1];
+    if (!row) return;
+    row.setAttribute("aria-current", "true");
+    const head = row.parentElement.previousElementSibling.offsetHeight;
+    const { scrollTop, clientHeight } = this.element;
+    if (row.offsetTop - head < scrollTop) this.element.scrollTop = row.offsetTop - head;
+    const bottom = row.offsetTop + row.offsetHeight;
+    if (bottom > scrollTop + clientHeight) this.element.scrollTop = bottom - clientHeight;
+  }
+}
+
+/** A contact in words, as it is at a time; nothing of one that is no impact. */
+export function impactText({ impacts }, contact, time) {
+  if (!contact?.number) return "";
+  const { number, onset, wall, peak } = contact;
+  const next = onset > time ? " is next" : "";
+  const force = peak === null ? "" : `, peak ${peakText(contact)}`;
+  return `Impact ${number} of ${impacts.length}${next}: ${touchingText(contact)} at ${wall}, ${approachText(contact)}${force}`;
+}

@@ -1,0 +1,99 @@
+// A motion to be shown, from two runs. The first finds the impacts, the second has rows at the frames, which are close in
+// time where it is shown slowly. Rows do not change the solution.
+
+import { contactsOf, framesOf, timesOf } from "./frames.js";
+import { rowTimes } from "./kernel.js";
+import { viewOf, wallsAt } from "./view.js";
+
+const IMPACT_TIME = 0.6; // s on the screen that an impact takes
+const PARTS = 100; // of the first run, between which it can be stopped
+const ALONE = 1e-3; // of the size of the motion: a smaller radius is not drawn
+const STOPS = ["joint_min", "joint_max"];
+
+/** The impacts of a run as a recording has them. */
+function listed(impacts, scene, valueOf) {
+  return impacts.map(({ point, wall, onset, end, impact_speed: speed, max_penetration: depth, peak_force: peak }) => {
+    const atStop = scene.stops.length > 0 && STOPS.includes(scene.wallNames[wall]);
+    const endSpeed = speed * (atStop ? valueOf(`link[${point}].length`) : 1);
+    return { point, wall: scene.wallNames[wall], onset, end: Number.isFinite(end) ? end : null, speed, endSpeed, peak, depth, atStop };
+  });
+}
+
+/** The ranges of the joints with stops, as they are drawn. */
+function rangesOf(scene, valueOf) {
+  return scene.stops.map((joint) => {
+    const [low, high] = STOPS.map((stop) => valueOf(`link[${joint}].${stop}`));
+    const from = low ?? high - scene.openArc;
+    const to = Math.min(high ?? low + scene.openArc, from + 2 * Math.PI);
+    return { joint, arc: [from, to], marks: [low, high].filter((end) => end !== undefined) };
+  });
+}
+
+/** One coordinate of the points, in rows of all points. */
+function interleaved(each) {
+  const found = new Float64Array(each[0].length * each.length);
+  each.forEach((column, point) => column.forEach((value, row) => {
+    found[row * each.length + point] = value;
+  }));
+  return found;
+}
+
+/** What a `Recording` is made of, and how the runs ended; it yields the share that is done. */
+export function* motion(kernel, values) {
+  const { scene } = kernel;
+  const valueOf = (name) => {
+    const parameter = kernel.parameters.get(name);
+    return parameter && (values[name] ?? parameter.start);
+  };
+  const stop = valueOf("simulation.stop_time");
+  const began = performance.now();
+  const first = yield* half(kernel.run(values, rowTimes(stop, stop / PARTS), [], 1), 0);
+  const spent = performance.now() - began;
+  const end = first.status === 0 ? stop : Math.min(first.reached, stop);
+  const { status, reached, statistics, impacts } = first;
+  const ending = { status, reached, statistics, impacts, spent };
+  if (first.time.length === 0 || !(end > 0)) return { ...ending, parts: null };
+  const contacts = contactsOf(listed(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
+  const { times, frameRate } = timesOf(contacts, 0, end, scene.links, IMPACT_TIME);
+  const { points, energies, touches } = scene.drawn;
+  const words = [...points.flat(), ...Object.values(energies), ...touches.flatMap(({ force, friction, sticking }) => [force, friction, sticking])]
+    .filter((word) => word !== null);
+  const { time, columns } = yield* half(kernel.run(values, times, words.map((word) => ({ word }))), 0.5);
+  if (time.length < 2) return { ...ending, parts: null };
+  const column = (word) => (word === null ? undefined : columns[words.indexOf(word)]);
+  const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
+  const walls = wallsAt(scene, valueOf);
+  const reach = viewOf(x, y, scene.links + 1, {}, 0, false).view;
+  const given = valueOf("contact.radius") ?? 0;
+  const rows = {
+    name: scene.name,
+    links: scene.links,
+    time,
+    x,
+    y,
+    energies: Object.fromEntries(Object.entries(energies).map(([name, word]) => [name, column(word)])),
+    touches: touches.map(({ point, wall, sign, force, friction, sticking }) => ({
+      point,
+      wall,
+      force: column(force)?.map((value) => Math.max(sign * value, 0)),
+      friction: column(friction),
+      sticking: column(sticking),
+    })),
+    contacts,
+    walls,
+    stops: rangesOf(scene, valueOf),
+    radius: given > ALONE * Math.max(reach[1][0] - reach[0][0], reach[1][1] - reach[0][1]) ? given : 0,
+    touching: scene.contactPoints,
+    pinned: scene.pinned,
+  };
+  return { ...ending, parts: framesOf(rows, { times: time, frameRate }) };
+}
+
+function* half(run, from) {
+  let step = run.next();
+  while (!step.done) {
+    yield from + step.value / 2;
+    step = run.next();
+  }
+  return step.value;
+}

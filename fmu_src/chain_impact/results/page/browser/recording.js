@@ -1,0 +1,106 @@
+// The recording: a simulation at frames, and what is between two of them.
+
+/** Whether a frame is in one of some spans of frames. */
+function isWithin(spans, frame) {
+  return spans.some(([first, last]) => frame >= first && frame < last + 1);
+}
+
+/** The largest index whose value is ≤ wanted, in increasing numbers; 0 if there is none. */
+export function lastBefore(numbers, wanted) {
+  let low = 0;
+  let high = numbers.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (numbers[middle] <= wanted) low = middle;
+    else high = middle - 1;
+  }
+  return low;
+}
+
+/**
+ * A simulation at frames that follow each other evenly on the screen, and in simulated time closely at impacts.
+ * A frame's number may be a fraction: what it shows is interpolated.
+ */
+export class Recording {
+  /** Of its parts: `time`, `x` and `y` of the points, `energies`, `forces`, `contacts` and others, as `framesOf` gives them. */
+  constructor(parts) {
+    Object.assign(this, parts);
+    this.start = this.time[0];
+    this.end = this.time[this.time.length - 1];
+    this.impacts = this.contacts;
+    this.impacts.forEach((impact, index) => {
+      impact.number = index + 1;
+    });
+    // a contact is the present one from the middle between the end of the one before and its own onset
+    this.turns = this.contacts.map(({ onset }, index) =>
+      index ? onset - Math.max(0, (onset - this.contacts[index - 1].end) / 2) : -Infinity);
+  }
+
+  /** The frame at a simulated time [s]. */
+  frameAt(time) {
+    const index = Math.min(lastBefore(this.time, time), this.time.length - 2);
+    const fraction = (time - this.time[index]) / (this.time[index + 1] - this.time[index]);
+    return index + Math.min(Math.max(fraction, 0), 1);
+  }
+
+  /** The simulated time of a frame [s]. */
+  timeAt(frame) {
+    return this.between(this.time, frame);
+  }
+
+  /** Simulated seconds that pass in a second on the screen at a frame, with slow motion at the speed 1. */
+  rateAt(frame) {
+    const index = Math.min(Math.floor(frame), this.time.length - 2);
+    return (this.time[index + 1] - this.time[index]) * this.frameRate;
+  }
+
+  /** A value at a frame, of values in rows of some width. */
+  between(values, frame, column = 0, width = 1) {
+    const index = Math.min(Math.floor(frame), this.time.length - 2);
+    const first = values[index * width + column];
+    return first + (frame - index) * (values[(index + 1) * width + column] - first);
+  }
+
+  /** The force at every frame of the point and the wall of a contact [N]; undefined where none was in any frame. */
+  forceOf({ point, wall }) {
+    return this.#ofContact(point, wall)?.values;
+  }
+
+  /** The same of its dry friction, along the wall; undefined without friction. */
+  frictionOf({ point, wall }) {
+    return this.#ofContact(point, wall)?.friction;
+  }
+
+  #ofContact(point, wall) {
+    return this.forces.find((force) => force.point === point && force.wall === wall);
+  }
+
+  /** Where a point is at a frame [m]. */
+  pointAt(frame, point) {
+    const width = this.links + 1;
+    return [this.between(this.x, frame, point, width), this.between(this.y, frame, point, width)];
+  }
+
+  /** The contacts at a frame: point, wall, force and dry friction along the wall [N], and whether it sticks. */
+  contactsAt(frame) {
+    return this.forces
+      .map(({ point, wall, values, friction, spans }) => ({
+        point,
+        wall,
+        force: this.between(values, frame),
+        friction: friction ? this.between(friction, frame) : 0,
+        sticks: isWithin(spans, frame),
+      }))
+      .filter(({ force }) => force > 0);
+  }
+
+  /** The joints that stick at a frame. */
+  stuckJointsAt(frame) {
+    return this.stuckJoints.filter(({ spans }) => isWithin(spans, frame)).map(({ joint }) => joint);
+  }
+
+  /** The contact that list, chart and caption tell of at a time: the latest, or the next once that is nearer. */
+  contactAt(time) {
+    return this.contacts[lastBefore(this.turns, time)];
+  }
+}

@@ -1,0 +1,91 @@
+// What is to be seen of a motion: where it goes, and the walls near it. Pictures and films do the same, in `view.py`.
+
+import { roomWithin } from "./room.js";
+
+const NEAR_WALL = 0.2; // of the motion's width: a wall farther from the motion is left out …
+const ROOM = 1; // … unless it closes a room with others, which all are nearer than this
+const MARGIN = 0.06; // of the size of what is seen
+const UPRIGHT = 0.5; // of a wall's normal along an axis
+const PIN = 0.08; // of the motion's width
+const LEAST = 1e-6; // m
+const PIN_LINES = [
+  [[0, 0], [-0.4, 0.65], [0.4, 0.65], [0, 0]],
+  [[-0.75, 0.65], [0.75, 0.65]],
+  ...[-0.7, -0.35, 0, 0.35].map((x) => [[x, 0.65], [x + 0.25, 1]]),
+];
+
+/** The free sides of the walls, name → normal and offset, with the parameters as they are. */
+export function wallsAt(scene, valueOf) {
+  const normals = { x_min: [1, 0], x_max: [-1, 0], y_min: [0, 1], y_max: [0, -1] };
+  const found = Object.entries(scene.walls).map(([name, wall]) => {
+    if (valueOf(`box.${name}`) !== undefined) {
+      const [nx, ny] = normals[name];
+      return [name, { normal: [nx, ny], offset: (nx + ny) * valueOf(`box.${name}`) }];
+    }
+    const angle = valueOf(`wall.${name}.angle`);
+    if (angle === undefined) return [name, wall];
+    const [nx, ny] = [-Math.sin(angle), Math.cos(angle)];
+    return [name, { normal: [nx, ny], offset: nx * valueOf(`wall.${name}.x`) + ny * valueOf(`wall.${name}.y`) }];
+  });
+  return Object.fromEntries(found);
+}
+
+/** The least and the largest of numbers. */
+function ends(numbers) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const number of numbers) {
+    low = Math.min(low, number);
+    high = Math.max(high, number);
+  }
+  return [low, high];
+}
+
+/** The lines of a pinned base's mark, above it if the chain is on the mean below it; `x` and `y` hold all points. */
+function pinLines(x, y, points) {
+  const [width, height] = [x, y].map((all) => ends(all)).map(([low, high]) => high - low);
+  const size = PIN * Math.max(width, height);
+  let sum = 0;
+  y.forEach((value, k) => {
+    if (k % points) sum += value - y[0];
+  });
+  const side = sum < 0 ? 1 : -1;
+  return PIN_LINES.map((line) => line.map(([dx, dy]) => [x[0] + size * dx, y[0] + side * size * dy]));
+}
+
+/** The corners of the room between the walls, if they close it, and nowhere farther than ROOM from the motion. */
+function closedRoom(walls, [low, high], width) {
+  const around = [low.map((end) => end - ROOM * width), high.map((end) => end + ROOM * width)];
+  const { corners } = roomWithin(walls, around);
+  const isInside = (corner) => corner.every((value, axis) => value > around[0][axis] && value < around[1][axis]);
+  return corners.every(isInside) ? corners : [];
+}
+
+/** View, anchor and pin of a recording whose points are at `x` and `y` in rows of all points. */
+export function viewOf(x, y, points, walls, radius, pinned) {
+  const [[left, right], [bottom, top]] = [ends(x), ends(y)];
+  const reach = [[left - radius, bottom - radius], [right + radius, top + radius]];
+  const width = Math.max(reach[1][0] - reach[0][0], reach[1][1] - reach[0][1]);
+  const pin = pinned ? pinLines(x, y, points) : [];
+  const room = closedRoom(walls, reach, width);
+  const corners = [...reach, ...pin.flat(), ...room];
+  const open = [[1, 1], [1, 1]]; // left and below, right and above
+  for (const { normal, offset } of Object.values(walls)) {
+    if (!room.length) {
+      const corner = normal.map((part, axis) => reach[part > 0 ? 0 : 1][axis]);
+      const gap = normal[0] * corner[0] + normal[1] * corner[1] - offset;
+      if (!(gap >= -width && gap <= NEAR_WALL * width)) continue;
+      corners.push(corner.map((value, axis) => value - Math.max(0, gap) * normal[axis]));
+    }
+    normal.forEach((part, axis) => {
+      if (part > UPRIGHT) open[0][axis] = 0;
+      if (part < -UPRIGHT) open[1][axis] = 0;
+    });
+  }
+  const spans = [0, 1].map((axis) => ends(corners.map((corner) => corner[axis])));
+  const margin = MARGIN * Math.max(...spans.map(([low, high]) => high - low), LEAST);
+  return {
+    view: [spans.map(([low]) => low - margin), spans.map(([, high]) => high + margin)],
+    anchor: [0, 1].map((axis) => 0.5 + 0.5 * (open[0][axis] - open[1][axis])),
+    pin,
+  };
+}

@@ -1,0 +1,79 @@
+"""The page that simulates a scene in the browser: one file, with the compiled kernel in it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from chain_impact.compilation.library import browser_module
+from chain_impact.results.page.description import description, packed
+from chain_impact.results.page.recorded import (
+    PLAYER,
+    assembled,
+    program,
+    script_data,
+    styles,
+    text_of,
+)
+from chain_impact.scene.models import model_names
+from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of
+from chain_impact.system import written_whole
+
+WORKER = ("unpacked", "kernel", "pacing", "room", "view", "frames", "motion", "worker")
+"""The modules of the worker, each after those that it imports from."""
+MODULES = (
+    *PLAYER,
+    *("unpacked", "changes", "engine", "knobs", "ghosts", "view", "handles", "outside", "map", "explore"),
+)
+"""Those of the page."""
+UNNAMED = "scene.toml"
+"""What a scene that was not loaded from a file is called in the page's command."""
+
+
+def explore(scene: SceneSource, path: Path | str, *, command: Sequence[str] | None = None) -> None:
+    """Write a page that simulates a scene with the parameters that its reader chooses.
+
+    The page has the compiled kernel in it, and gives the numbers of ``simulate``. It is one file, which needs
+    nothing else. Inputs are zero.
+
+    Args:
+        scene: a scene, or what ``load_scene`` takes.
+        path: the file to write, for a browser.
+        command: what comes after ``chain-impact simulate`` in the command that the page gives to repeat a
+            motion; by default the source of the scene, or the name of the model that it is.
+
+    Raises:
+        SceneError: when the scene cannot be read.
+        BuildError: when the kernel for browsers has to be compiled, and cannot be: that of an installed
+            package is there, but for a scene with a contact law of one's own.
+        OSError: when the file cannot be written.
+    """
+    known = [_source(scene)] if command is None else list(command)
+    text = page(scene_of(scene), known)
+    with written_whole(Path(path)) as fresh:
+        fresh.write_text(text, encoding="utf-8")
+
+
+def page(scene: Scene, command: Sequence[str]) -> str:
+    """The page's HTML, for a scene, and what comes after ``chain-impact simulate`` in its command.
+
+    Raises:
+        BuildError: when the module for a browser has to be compiled, and cannot be.
+    """
+    module = browser_module(scene.contact.law_file).read_bytes()
+    return assembled(
+        text_of("explore.html"),
+        scene.name,
+        [*styles(), text_of("explore.css")],
+        program(MODULES),
+        data=script_data(description(scene, command) | {"module": packed(module)}),
+        worker=program(WORKER),
+    )
+
+
+def _source(scene: SceneSource) -> str:
+    """What the command line calls a scene."""
+    if not isinstance(scene, Scene):
+        return os.fspath(scene)
+    return next((name for name in model_names() if load_scene(name) == scene), UNNAMED)

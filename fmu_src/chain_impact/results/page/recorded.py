@@ -1,0 +1,164 @@
+"""The page that shows a recording: one file, which needs nothing else. The player makes its frames."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import math
+import re
+from collections.abc import Iterable, Mapping
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from chain_impact.results.joint_stops import JointRange
+from chain_impact.results.recording import Recording
+from chain_impact.results.touches import Touch
+from chain_impact.results.view import radius_of
+from chain_impact.scene.half_planes import HalfPlane
+
+PAGE = resources.files("chain_impact.results.page") / "browser"
+STYLES = ("vendor/uPlot.min.css", "style.css", "panels.css")
+LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
+PLAYER = (
+    *("dom", "recording", "clock", "format", "room", "trace"),
+    *("scene", "charts", "impacts", "controls", "player"),
+)
+"""The modules that show a recording, each after those that it imports from."""
+FRAMES = ("pacing", "view", "frames")
+"""Those that make its frames."""
+MODULES = (*PLAYER, *FRAMES, "packed", "main")
+FRAGMENTS = ("stage", "panels", "playback")
+IMPORT = re.compile(r"^import [^;]+;\n", re.MULTILINE)
+EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
+SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
+FINEST = 65535  # of 16 bits
+
+
+def page(recording: Recording, speed: float, impact_time: float) -> str:
+    """The page's HTML.
+
+    Args:
+        recording: what to show.
+        speed: at which it plays at first, 1 for real time.
+        impact_time: what an impact takes on the screen [s], 0 for no slow motion.
+    """
+    shown = data(recording) | {"speed": speed, "impactTime": impact_time}
+    template = text_of("recording.html")
+    return assembled(template, recording.name, styles(), program(MODULES), data=script_data(shown))
+
+
+def assembled(template: str, title: str, styles: Iterable[str], modules: str, **parts: str) -> str:
+    """A page with a player.
+
+    Args:
+        template: HTML with places to fill, ``{{ name }}``.
+        title: what the page shows.
+        styles: what style sheets hold.
+        modules: the page's program, as ``program`` gives it.
+        parts: what to fill in at other places of the template.
+    """
+    scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', text_of(name))}</script>" for name in LIBRARIES)
+    parts |= {"title": html.escape(title, quote=False), "style": "\n".join(styles)}
+    parts |= {"libraries": scripts, "program": modules}
+    parts |= {name: text_of(f"{name}.html") for name in FRAGMENTS}
+    # one pass: what is filled in may hold what looks like a place to fill
+    return re.sub(r"\{\{ (\w+) \}\}", lambda found: parts[found[1]], template)
+
+
+def styles() -> list[str]:
+    """What the style sheets of a page with a player hold."""
+    return [text_of(name) for name in STYLES]
+
+
+def program(names: Iterable[str]) -> str:
+    """Modules one after the other, as one: without what they import from each other."""
+    return "\n".join(EXPORT.sub("", IMPORT.sub("", text_of(f"{name}.js"))) for name in names)
+
+
+def script_data(content: Any) -> str:
+    """Data as text in a page."""
+    return json.dumps(content, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def data(recording: Recording) -> dict[str, Any]:
+    """What the page's ``packed.js`` reads, numbers as small as the screen allows."""
+    points, touches = recording.points, recording.touches
+    return {
+        "name": recording.name,
+        "links": points.shape[1] - 1,
+        "time": _base64(recording.time.astype("<f8")),
+        "x": _packed(points[:, :, 0]),
+        "y": _packed(points[:, :, 1]),
+        "energies": {name: _packed(energy) for name, energy in recording.energies.items()},
+        "touches": [found for one in touches if (found := _touch(one))],
+        "impacts": impacts(recording),
+        "walls": free_sides(recording.walls),
+        "stops": [_range(joint, one) for joint, one in recording.stops.items()],
+        "radius": radius_of(recording),
+        "touching": sorted({one.point for one in touches if one.at_wall}),
+        "pinned": bool((points[:, 0] == points[0, 0]).all()),
+    }
+
+
+def impacts(recording: Recording) -> list[dict[str, Any]]:
+    """The impacts as the page lists them; what is not known is null."""
+    at = zip(recording.impacts, recording.end_speeds.tolist(), recording.at_stops.tolist(), strict=True)
+    return [
+        {
+            "point": int(one["point"]),
+            "wall": recording.wall_names[one["wall"]],
+            "onset": float(one["onset"]),
+            "end": _known(one["end"]),
+            "speed": float(one["impact_speed"]),
+            "endSpeed": end_speed,
+            "peak": _known(one["peak_force"]),
+            "depth": _known(one["max_penetration"]),
+            "atStop": at_stop,
+        }
+        for one, end_speed, at_stop in at
+    ]
+
+
+def _known(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def free_sides(walls: Mapping[str, HalfPlane]) -> dict[str, Any]:
+    """The free side of each wall, as the page draws it."""
+    return {name: {"normal": wall.normal, "offset": wall.offset} for name, wall in walls.items()}
+
+
+def _range(joint: int, one: JointRange) -> dict[str, Any]:
+    """The range of a joint, as the page draws it."""
+    marks = [stop for stop in (one.low, one.high) if math.isfinite(stop)]
+    return {"joint": joint, "arc": one.arc, "marks": marks}
+
+
+def _touch(one: Touch) -> dict[str, Any] | None:
+    """What a point and a wall do to each other, in the rows in which they touch; None if there are none."""
+    there = one.sticking if one.force is None else one.force
+    rows = np.flatnonzero(np.zeros(0) if there is None else there > 0.0)
+    if not len(rows):
+        return None
+    columns = {"force": one.force, "friction": one.friction, "sticking": one.sticking}
+    packed = {name: _packed(column[rows]) for name, column in columns.items() if column is not None}
+    return {"point": one.point, "wall": one.wall, "rows": _base64(rows.astype("<u4")), **packed}
+
+
+def _packed(values: np.ndarray) -> dict[str, Any]:
+    """Numbers in 16 bits: low + (high − low) · integer / 65535."""
+    low, high = float(values.min()), float(values.max())
+    integers = np.rint((values - low) * (FINEST / ((high - low) or 1.0)))
+    return {"low": low, "high": high, "values": _base64(integers.astype("<u2"))}
+
+
+def _base64(array: np.ndarray) -> str:
+    return base64.b64encode(array.tobytes()).decode("ascii")
+
+
+def text_of(name: str) -> str:
+    """The text of a file of the pages."""
+    return PAGE.joinpath(name).read_text(encoding="utf-8")

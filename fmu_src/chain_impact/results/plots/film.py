@@ -1,0 +1,324 @@
+"""A film of a recording: frames drawn by matplotlib, packed by Pillow (gif) or PyAV (mp4)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, FancyArrowPatch
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import EngFormatter
+
+from chain_impact.extras import require
+from chain_impact.progress import Progress
+from chain_impact.results.joint_stops import range_lines, touching_place
+from chain_impact.results.pacing import frame_times, slow_spans
+from chain_impact.results.plots.over_time import ENERGY_COLOURS
+from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_pin, draw_room
+from chain_impact.results.plots.style import BLUE, BROWN, INK, PALE
+from chain_impact.results.recording import Recording
+from chain_impact.results.view import framed, pin_mark, radius_of
+
+MUTED, CHAIN, TIP, FORCE = "#566076", "#2b4a9f", "#c2255c", "#d9480f"
+ENERGIES = {**ENERGY_COLOURS, "elastic": BLUE, "friction": BROWN}
+COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, *ENERGIES.values())
+"""All colours of a film, but white and their shades."""
+SHADES = 6  # of each colour of a gif, towards white
+WHITISH = 0.96  # in all of red, green and blue: a shade that Pillow takes white for
+STYLE: Any = {
+    "font.size": 9,
+    "text.color": INK,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": MUTED,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+}
+"""Settings of matplotlib for a film."""
+RATES = {".gif": 20, ".mp4": 30}  # frames in a second; a gif counts in hundredths of a second
+HOLD = 1.5  # s for which a gif stays at its end before it starts anew
+QUALITY = "20"  # of H.264, where 0 loses nothing and 51 is the worst
+DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80  # pixels for an inch: usual, at least with energies, and without them
+ROOM = (8.0, 4.5)  # inches, width and height that a page with energies has at least
+SCENE, ENERGY = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)  # left, bottom, width, height of the page
+CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)  # left, and the middle of the height
+SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.03, 0.96, 0.75), (0.02, 0.84), (0.55, 0.84)
+"""The same of a page that has no room for energies."""
+LONGEST, LEAST, BAR = 0.26, 0.02, 0.035
+"""Of the smaller side of the scene: the arrow of the largest force, the least, half the bar of sticking."""
+TAIL, TAIL_PARTS = 0.3, 40  # s of simulated time in which the trace of the tip fades, and its pieces
+REAL, SLOW, TENS = 0.02, 0.5, 9.95  # so near to 1 is real time; slow motion; above, a rate has no decimals
+
+
+def write_film(
+    recording: Recording,
+    path: Path,
+    *,
+    speed: float,
+    impact_time: float,
+    size: tuple[int, int],
+    progress: Progress,
+) -> None:
+    """Write a gif or an mp4, as the suffix says.
+
+    Args:
+        recording: what to show.
+        path: the file.
+        speed: simulated seconds in a second on the screen, except in slow motion.
+        impact_time: what an impact takes on the screen [s], 0 for no slow motion.
+        size: width and height [pixels]; an mp4 has even ones.
+        progress: called with the fraction done.
+
+    Raises:
+        MissingExtraError: when PyAV is not installed, for an mp4.
+    """
+    rate, (width, height) = RATES[path.suffix.lower()], (length // 2 * 2 for length in size)
+    start, stop = (float(recording.time[row]) for row in (0, -1))
+    times, usual = frame_times(start, stop, slow_spans(recording), impact_time)
+    count = 1 + int(np.ceil((len(times) - 1) / (speed * usual / rate)))
+    shown = np.interp(np.linspace(0, len(times) - 1, count), np.arange(len(times)), times)
+    rates = np.interp(shown, times, np.gradient(times) * usual)
+    pictures = draw_frames(recording, shown, rates, (width, height), progress)
+    if path.suffix.lower() == ".gif":
+        write_gif(pictures, path, rate)
+    else:
+        write_mp4(pictures, path, rate, (width, height))
+
+
+def draw_frames(
+    recording: Recording, times: np.ndarray, rates: np.ndarray, size: tuple[int, int], progress: Progress
+) -> Iterator[np.ndarray]:
+    """Draw a recording at some times: red, green, blue of each pixel, shape (height, width, 3)."""
+    with mpl.rc_context(STYLE):
+        dpi = resolution(size)
+        figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
+        canvas: Any = FigureCanvasAgg(figure)  # matplotlib says nothing of its types
+        film = Film(figure, recording, times)
+        canvas.draw()
+        ground = canvas.copy_from_bbox(figure.bbox)  # what does not move is drawn once
+        for frame, rate in enumerate(rates.tolist()):
+            canvas.restore_region(ground)
+            for artist in film.show(frame, rate):
+                figure.draw_artist(artist)
+            yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
+            progress((frame + 1) / len(times))
+
+
+def resolution(size: tuple[int, int]) -> float:
+    """The pixels for an inch of a film: fewer for a small one, so that its page has room for all it shows."""
+    found = min(pixels / inches for pixels, inches in zip(size, ROOM, strict=True))
+    return min(DPI, found) if found >= LEAST_DPI else SMALL_DPI
+
+
+def write_gif(pictures: Iterable[np.ndarray], path: Path, rate: int) -> None:
+    """Pack pictures, all with the same few colours, so that what does not move takes no room."""
+    from PIL import Image
+
+    full = np.array([to_rgb(colour) for colour in COLOURS])
+    share = np.linspace(0.0, 1.0, SHADES, endpoint=False)[:, None, None]
+    shades = np.concatenate([np.ones((1, 3)), (full + share * (1.0 - full)).reshape(-1, 3)])
+    shades = shades[(shades == 1.0).all(axis=1) | (shades < WHITISH).any(axis=1)]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(np.rint(255.0 * shades).astype(np.uint8).tobytes())
+    look: dict[str, Any] = {"palette": palette, "dither": Image.Dither.NONE}
+    first, *others = [Image.fromarray(picture).quantize(**look) for picture in pictures]
+    durations = [1000 // rate] * len(others) + [int(1000 * HOLD)]
+    first.save(path, "GIF", save_all=True, append_images=others, duration=durations, loop=0, optimize=False)
+
+
+def write_mp4(pictures: Iterable[np.ndarray], path: Path, rate: int, size: tuple[int, int]) -> None:
+    """Pack pictures as H.264, which every browser and slide program plays."""
+    av = require("av", "video")
+    with av.open(str(path), "w", format="mp4", options={"movflags": "faststart"}) as container:
+        stream = container.add_stream("libx264", rate=rate, options={"crf": QUALITY})
+        stream.width, stream.height = size
+        stream.pix_fmt = "yuv420p"
+        for picture in pictures:
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        container.mux(stream.encode())
+
+
+class Film:
+    """The page that the frames of a film show: the chain between its walls, energies, a clock, forces."""
+
+    def __init__(self, figure: Figure, recording: Recording, times: np.ndarray) -> None:
+        """Draw what does not move."""
+        self.recording, self.times = recording, times
+        self.points = np.stack(
+            [
+                np.stack([np.interp(times, recording.time, column) for column in point.T], axis=-1)
+                for point in recording.points.transpose(1, 0, 2)
+            ],
+            axis=1,
+        )
+        self.rows = np.searchsorted(recording.time, times, side="right") - 1
+        self.touches, self.moving = recording.touches, list[Any]()
+        wide = bool((figure.get_size_inches() > 0.99 * np.array(ROOM)).all())
+        scene, clock, rate = (SCENE, CLOCK, RATE) if wide else (SMALL_SCENE, SMALL_CLOCK, SMALL_RATE)
+        self.tells_energies = wide and bool(recording.energies)
+        self.scene = figure.add_axes(scene)
+        figure.text(
+            SCENE[0], 0.94, recording.name, fontsize=13 if wide else 10, fontweight="bold", va="center"
+        )
+        moving: dict[str, Any] = {"animated": True, "va": "center"}
+        self.clock = figure.text(*clock, "", fontsize=15 if wide else 10, fontweight="bold", **moving)
+        self.rate = figure.text(*rate, "", fontsize=10, **moving)
+        radius = radius_of(recording)
+        self._draw_ground(radius)
+        if self.tells_energies:
+            self._draw_energies(figure.add_axes(ENERGY))
+        still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
+        (self.trace,) = self.scene.plot([], [], color=TIP, linewidth=0.8, alpha=0.35, **still)
+        self.tail = LineCollection([], colors=TIP, animated=True)
+        self.ranges = LineCollection([], colors=MUTED, linewidths=1.2, animated=True)
+        for lines in (self.tail, self.ranges):
+            self.scene.add_collection(lines, autolim=False)
+        disc: dict[str, Any] = {"facecolor": (*to_rgb(CHAIN), 0.14), "edgecolor": CHAIN, "animated": True}
+        touching = {one.point for one in self.touches if one.at_wall} if radius > 0.0 else set()
+        self.discs = {point: Circle((0, 0), radius, **disc) for point in touching}
+        for patch in self.discs.values():
+            self.scene.add_patch(patch)
+        (self.chain,) = self.scene.plot([], [], color=CHAIN, linewidth=4.0, **still)
+        look: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
+        (self.joints,) = self.scene.plot([], [], color="white", markeredgecolor=CHAIN, markersize=5, **look)
+        (self.tip,) = self.scene.plot([], [], color=TIP, markeredgecolor="white", markersize=7, **look)
+        peaks = recording.impacts["peak_force"][~recording.at_stops]
+        self.peak = np.nanmax(peaks, initial=0.0) or max(
+            (one.force.max(initial=0.0) for one in self.touches if one.at_wall and one.force is not None),
+            default=0.0,
+        )
+
+    def _draw_ground(self, radius: float) -> None:
+        view, anchor = framed(self.points, self.recording.walls, radius)
+        self.side = float(min(np.ptp(view, axis=0)))
+        # the same scale along x and y: the view, and beside or above it as much as the page has room for
+        room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
+        seen = room * (size / room).max()
+        low = view[0] - anchor * (seen - size)
+        self.scene.set(xticks=[], yticks=[])
+        self.scene.spines[:].set_visible(False)
+        draw_room(self.scene, low + np.array([np.zeros(2), seen]), list(self.recording.walls.values()))
+        draw_pin(self.scene, pin_mark(self.recording.points))
+
+    def _draw_energies(self, axes: Any) -> None:
+        time = self.recording.time
+        axes.vlines(
+            self.recording.impacts["onset"], 0, 1, PALE, linewidth=0.8, transform=axes.get_xaxis_transform()
+        )
+        for name, energy in self.recording.energies.items():
+            if name in ENERGIES and energy.any():
+                width = 1 + (name == "total")
+                style = "--" if name == "friction" else "-"
+                axes.plot(time, energy, style, color=ENERGIES[name], label=name, linewidth=width)
+        axes.set(xlim=(time[0], time[-1]), xlabel="time [s]", ylabel="energy [J]")
+        place: dict[str, Any] = {
+            "loc": "lower left",
+            "bbox_to_anchor": (-0.02, 1.0),
+            "borderaxespad": 0.2,
+        }
+        axes.legend(**place, ncols=3, fontsize=8, handlelength=1.0, columnspacing=1.0)
+        self.now = axes.axvline(time[0], color=INK, linewidth=1.0, animated=True)
+
+    def show(self, frame: int, rate: float) -> Iterable[Artist]:
+        """Move to a frame; give what is to be drawn, in order.
+
+        Args:
+            frame: its number.
+            rate: simulated seconds in a second on the screen.
+        """
+        time, points = self.times[frame], self.points[frame]
+        self.trace.set_data(*self.points[: frame + 1, -1].T)
+        self._show_tail(time)
+        for point, disc in self.discs.items():
+            disc.set_center(tuple(points[point]))
+        self.chain.set_data(*points.T)
+        self.joints.set_data(*points[:-1].T)
+        self.tip.set_data(*points[-1:].T)
+        self.clock.set_text(f"{time:.5f} s")
+        self.rate.set_text(rate_text(rate))
+        self.rate.set_color(FORCE if rate < SLOW else MUTED)
+        self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
+        yield from (self.trace, self.tail, *self.discs.values(), self.ranges)
+        yield from (self.chain, self.joints, self.tip)
+        yield from self._forces(frame)
+        yield from (self.clock, self.rate)
+        if self.tells_energies:
+            self.now.set_xdata([time, time])
+            yield self.now
+
+    def _show_tail(self, time: float) -> None:
+        moments = np.linspace(max(time - TAIL, self.times[0]), time, TAIL_PARTS + 1)
+        tip = np.stack([np.interp(moments, self.times, self.points[:, -1, k]) for k in (0, 1)], axis=-1)
+        self.tail.set_segments(list(np.stack([tip[:-1], tip[1:]], axis=1)))
+        self.tail.set_alpha(list(np.linspace(0.0, 1.0, TAIL_PARTS)))
+        self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
+
+    def _forces(self, frame: int) -> Iterator[Artist]:
+        """The forces of walls and the moments of stops, and how large they are, and joints that stick."""
+        for artist in self.moving:
+            artist.remove()
+        self.moving.clear()
+        for one in self.touches:
+            force = 0.0 if one.force is None else self._at(one.force, frame)
+            sticks = one.sticking is not None and one.sticking[self.rows[frame]] > 0.0
+            if one.at_wall and force > 0.0:
+                along = 0.0 if one.friction is None else self._at(one.friction, frame)
+                self._add_arrow(self.points[frame, one.point], one.wall, (force, along), sticks)
+            elif not one.wall and sticks:
+                self._add_line(self.points[frame, one.point - 1], "o", markeredgecolor=CHAIN, markersize=7)
+            elif force > 0.0:
+                place, (dx, dy) = touching_place(self.points[frame], one.point)
+                self._add_line(place, "o", markersize=9)
+                self._add_text(force_text(force, "N m"), place + 0.11 * self.side * np.array([dy, -dx]))
+        yield from self.moving
+
+    def _at(self, column: np.ndarray, frame: int) -> float:
+        return float(np.interp(self.times[frame], self.recording.time, column))
+
+    def _add_arrow(self, place: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
+        """The force on a point, normal and along the wall; a bar along the wall where it sticks."""
+        plane = self.recording.walls[wall]
+        normal = np.array(plane.normal)
+        tangent = np.array([normal[1], -normal[0]])
+        foot, whole = place - plane.clearance(*place) * normal, float(np.hypot(*force))
+        direction = (force[0] * normal + force[1] * tangent) / whole
+        head = foot + self.side * max(LEAST, LONGEST * whole / self.peak) * direction
+        if sticks:
+            bar = np.stack([foot - BAR * self.side * tangent, foot + BAR * self.side * tangent])
+            self._add_line(bar.T, linewidth=5.0, solid_capstyle="butt")
+        style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
+        arrow = FancyArrowPatch(tuple(foot), tuple(head), color=FORCE, linewidth=2.2, **style)
+        self.moving.append(self.scene.add_patch(arrow))
+        self._add_text(force_text(whole, "N"), head + 0.035 * self.side * direction)
+
+    def _add_line(self, place: np.ndarray, *marker: str, **look: Any) -> None:
+        self.moving += self.scene.plot(*place, *marker, color=FORCE, **look)
+
+    def _add_text(self, words: str, place: np.ndarray) -> None:
+        look: dict[str, Any] = {"color": FORCE, "fontweight": "bold", "ha": "center", "va": "center"}
+        outline = [withStroke(linewidth=3.0, foreground="white")]
+        self.moving.append(self.scene.text(place[0], place[1], words, path_effects=outline, **look))
+
+
+def force_text(value: float, unit: str) -> str:
+    """A force or a moment above zero, with a prefix and three digits: 12.3 kN."""
+    return EngFormatter(unit, places=2 - int(np.floor(np.log10(value))) % 3)(value)
+
+
+def rate_text(rate: float) -> str:
+    """How many times slower or faster than in reality, for example: 480 × slower."""
+    if abs(rate - 1.0) < REAL:
+        return "real time"
+    times, word = (1.0 / rate, "slower") if rate < 1.0 else (rate, "faster")
+    number = f"{times:.1f}".removesuffix(".0") if times < TENS else f"{float(f'{times:.2g}'):.0f}"
+    return f"{number} × {word}"

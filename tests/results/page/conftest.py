@@ -1,0 +1,124 @@
+"""A Chromium for the tests of the pages, and the kernel in it without its page."""
+
+import base64
+import json
+from functools import cache
+
+import numpy as np
+import pytest
+
+from chain_impact import explore
+from chain_impact.compilation.library import browser_module
+from chain_impact.results.page.description import description, packed
+from chain_impact.results.page.explore import WORKER
+from chain_impact.results.page.recorded import program
+from tests.tiers import CHROMIUM
+
+DESK, PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
+
+RUN = """async ({ module, scene, values, stop, step }) => {
+  const kernel = await Kernel.load(await compiled(module), scene);
+  const times = rowTimes(stop, step);
+  const run = runThrough(kernel.run(values, times, scene.columns));
+  const text = (arrays) => arrays.map((array) => {
+    const bytes = new Uint8Array(array.buffer);
+    let signs = "";
+    for (let k = 0; k < bytes.length; k += 4096) signs += String.fromCharCode(...bytes.subarray(k, k + 4096));
+    return btoa(signs);
+  });
+  const impacts = run.impacts.map((impact) =>
+    Object.fromEntries(Object.entries(impact).map(([name, value]) => [name, String(value)])));
+  return { ...run, impacts, time: text([run.time]), columns: text(run.columns) };
+}"""
+
+
+COMPILED = """
+const modules = new Map();
+async function compiled(text) {
+  if (!modules.has(text)) modules.set(text, await WebAssembly.compile(await unpacked(text)));
+  return modules.get(text);
+}"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    from playwright.sync_api import sync_playwright  # the quick tier does without it
+
+    with sync_playwright() as playwright:
+        # In a container there is no sandbox for root, and the page is our own. Without the other switches,
+        # Chromium tells a script of its memory that it is 10 MB, whatever it is.
+        told = ["--enable-precise-memory-info", "--js-flags=--expose-gc"]
+        started = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", *told])
+        yield started
+        started.close()
+
+
+@pytest.fixture(scope="session")
+def address(tmp_path_factory):
+    path = tmp_path_factory.mktemp("explore") / "box.html"
+    explore("four_link_box", path)
+    return path.as_uri()
+
+
+@pytest.fixture
+def show(browser, address):
+    """Open the page, which must not complain, nor ask for anything."""
+    said, opened = [], []
+
+    def show(viewport=DESK, hash_="", begins=True, **options):
+        context = browser.new_context(viewport=viewport, reduced_motion="reduce", **options)
+        page = context.new_page()
+        opened.append(context)
+        page.on("console", lambda message: said.append(message.text))
+        page.on("pageerror", lambda error: said.append(str(error)))
+        page.on("request", lambda request: said.append(request.url))
+        page.goto(address + hash_)
+        if begins:
+            page.wait_for_function("performance.getEntriesByName('first-frame').length === 1")
+        return page
+
+    yield show
+    for context in opened:
+        context.close()
+    local = ("data:", "blob:", "file:")
+    assert [text for text in said if not text.startswith(local)] == []
+
+
+@pytest.fixture(scope="module")
+def worker(browser):
+    """A page with the worker's program, but for the worker itself; ``compiled`` makes a module of a text."""
+    page = browser.new_page()
+    page.set_content(f"<script>{program((*WORKER[:-1], 'changes'))}{COMPILED}</script>")
+    yield page
+    page.close()
+
+
+@pytest.fixture(scope="module")
+def kernel(worker):
+    """Run a scene in a browser: its columns by name, its impacts, and the rest of what the kernel found."""
+
+    def run(scene, values=None):
+        found = description(scene, scene.name)
+        times = {"stop": scene.simulation.stop_time, "step": scene.simulation.step_size}
+        # JSON knows no infinite numbers
+        module = packed_module(scene.contact.law_file)
+        given = {"module": module, "scene": json.loads(json.dumps(found)), "values": values or {}, **times}
+        result = worker.evaluate(RUN, given)
+        columns = {}
+        for one, text in zip(found["columns"], result["columns"], strict=True):
+            numbers = bits(text)
+            columns[one["name"]] = numbers.view(np.float64).astype(int) if one["integer"] else numbers
+        return {**result, "time": bits(result["time"][0]), "columns": columns}
+
+    return run
+
+
+@cache
+def packed_module(law_file=""):
+    """The module for a browser, as the page has it."""
+    return packed(browser_module(law_file=law_file).read_bytes())
+
+
+def bits(text):
+    """The numbers of a typed array, as whole numbers: their bits."""
+    return np.frombuffer(base64.b64decode(text), np.int64)

@@ -1,0 +1,167 @@
+"""The page: it stands alone, holds what the recording holds, and its parts are what npm has."""
+
+import base64
+import hashlib
+import json
+import re
+import shutil
+import subprocess
+import tarfile
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.results.page import explore
+from chain_impact.results.page.recorded import FRAGMENTS, MODULES, PAGE, data, page, program
+from chain_impact.studies.animate import record_slowly
+from tests.friction import pendulum, sled
+from tests.stops import knee
+
+# file → package of npm, version, path in the package
+VENDORED = {
+    "uPlot.iife.min.js": ("uplot", "1.6.32", "dist/uPlot.iife.min.js"),
+    "uPlot.min.css": ("uplot", "1.6.32", "dist/uPlot.min.css"),
+    "uPlot.LICENSE": ("uplot", "1.6.32", "LICENSE"),
+    "svg.min.js": ("@svgdotjs/svg.js", "3.2.8", "dist/svg.min.js"),
+    "svg.LICENSE": ("@svgdotjs/svg.js", "3.2.8", "LICENSE.txt"),
+}
+DIGESTS = {
+    "uPlot.iife.min.js": "19c8d4c6ad88929a79f4ae49d6f7161566dfd0ba3d15cc495e974f787eb78f1f",
+    "uPlot.min.css": "df630c6a8d6f8eeaff264b50f73ce5b114f646ffd9a0bb74f049b0a00135fa04",
+    "uPlot.LICENSE": "8f989229699b4fe2f1a0432d0e9edc338a8a911e250e2d1b01ecd770a5f5b1bd",
+    "svg.min.js": "90fc33bcba8181aa5e96e5c975da19f0912d7097a4ec9056ba130fc3ce328ec6",
+    "svg.LICENSE": "455113977c98c54dad8598e092b99aad6be0ed8c5c4a0722154acf4b21df4730",
+}
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return record_slowly(load_scene("four_link_box"))
+
+
+def html(recording):
+    return page(recording, 1.0, 0.6)
+
+
+def unpacked(packed):
+    values = np.frombuffer(base64.b64decode(packed["values"]), "<u2")
+    return packed["low"] + (packed["high"] - packed["low"]) * values / 65535
+
+
+def rows_of(touch):
+    return np.frombuffer(base64.b64decode(touch["rows"]), "<u4")
+
+
+def test_the_page_needs_nothing_else(recording):
+    text = re.sub(r"<script>.*?</script>", "", html(recording), flags=re.DOTALL)  # without the libraries
+    assert not re.findall(r"""(?:src|href)=["'](?!data:)""", text)
+    assert not re.findall(r"@import|url\((?!data:)", text)
+    assert "{{" not in text
+
+
+def test_what_is_packed_is_the_recording(recording):
+    packed = json.loads(json.dumps(data(recording)))
+    time = np.frombuffer(base64.b64decode(packed["time"]), "<f8")
+    np.testing.assert_array_equal(time, recording.time)
+    for axis, name in enumerate("xy"):
+        points = unpacked(packed[name]).reshape(len(time), -1)
+        np.testing.assert_allclose(points, recording.points[:, :, axis], atol=5e-5)
+    np.testing.assert_allclose(unpacked(packed["energies"]["total"]), recording.energies["total"], atol=1e-3)
+    touches = {(one.point, one.wall): one.force for one in recording.touches}
+    for touch in packed["touches"]:
+        whole = np.zeros(len(time))
+        whole[rows_of(touch)] = unpacked(touch["force"])
+        np.testing.assert_allclose(whole, touches.pop((touch["point"], touch["wall"])), atol=0.5)
+    assert not any(force.any() for force in touches.values())
+    assert [one["onset"] for one in packed["impacts"]] == recording.impacts["onset"].tolist()
+    assert packed["touching"] == [0, 1, 2, 3, 4]
+    assert packed["pinned"] is False
+
+
+def test_friction_and_what_sticks():
+    found = data(record_slowly(sled()))
+    assert found["touches"][0]["friction"]["low"] < -2.0
+    assert found["touches"][0]["sticking"] == found["touches"][1]["sticking"]
+    joints = data(record_slowly(pendulum()))["touches"]
+    assert [(one["point"], one["wall"]) for one in joints] == [(1, ""), (2, "")]
+    assert [set(unpacked(one["sticking"])) for one in joints] == [{1.0}, {1.0}]
+
+
+def test_the_page_has_the_ranges_and_tells_stops_from_walls():
+    packed = data(simulate(knee()))
+    assert packed["stops"] == [{"joint": 2, "arc": (0.0, 2.0), "marks": [0.0, 2.0]}]
+    assert {one["wall"]: one["atStop"] for one in packed["impacts"]} == {"joint_min": True, "x_max": False}
+    first = packed["impacts"][0]
+    assert first["endSpeed"] == 0.5 * first["speed"]
+
+
+def test_ten_seconds_of_four_links_are_small():
+    scene = load_scene("four_link_box").with_values({"simulation.stop_time": 10.0})
+    assert len(html(record_slowly(scene))) < 1_500_000
+
+
+def test_a_recording_with_even_rows_has_a_page_too():
+    assert "PinnedArm" in html(simulate("pinned_arm"))
+
+
+def test_a_name_cannot_break_the_page(recording):
+    vars(recording)["name"] = name = "</script><b>&{{ data }}"
+    text = html(recording)
+    assert "&lt;/script&gt;&lt;b&gt;&amp;" in text
+    embedded = re.search(r'<script id="data"[^>]*>(.*?)</script>', text, re.DOTALL)[1]
+    assert json.loads(embedded)["name"] == name
+
+
+@pytest.mark.parametrize(
+    "modules", [MODULES, explore.MODULES, explore.WORKER], ids=["recorded", "explore", "worker"]
+)
+def test_the_modules_are_one_program(modules):
+    text = program(modules)
+    assert not re.search(r"^(import|export)\b", text, re.MULTILINE)
+    names = re.findall(r"^(?:const|let|class|(?:async )?function\*?) (\w+)", text, re.MULTILINE)
+    assert len(names) == len(set(names)), "two modules have a name in common, but are put into one"
+
+
+@pytest.mark.parametrize(
+    "modules", [MODULES, explore.MODULES, explore.WORKER], ids=["recorded", "explore", "worker"]
+)
+def test_a_module_imports_what_stands_before_it(modules):
+    for place, name in enumerate(modules):
+        text = PAGE.joinpath(f"{name}.js").read_text(encoding="utf-8")
+        used = re.findall(r'^import .* from "\./(\w+)\.js";$', text, re.MULTILINE)
+        assert set(used) <= set(modules[:place])
+        assert len(text.splitlines()) < 400
+
+
+def test_the_folder_holds_what_the_pages_are_made_of():
+    files = {file.name for file in PAGE.iterdir() if file.is_file()}
+    pages = {f"{name}.html" for name in ("recording", "explore", *FRAGMENTS)}
+    modules = {*MODULES, *explore.MODULES, *explore.WORKER}
+    assert files == {*pages, "style.css", "panels.css", "explore.css", *(f"{name}.js" for name in modules)}
+    assert {file.name for file in (PAGE / "vendor").iterdir()} == {*VENDORED, "README.md"}
+
+
+@pytest.mark.parametrize("name", VENDORED)
+def test_the_libraries_are_those_of_npm(name):
+    content = (PAGE / "vendor" / name).read_bytes()
+    assert hashlib.sha256(content).hexdigest() == DIGESTS[name]
+    _, version, _ = VENDORED[name]
+    assert version in (PAGE / "vendor" / "README.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.skipif(shutil.which("npm") is None, reason="needs npm")
+@pytest.mark.parametrize(("package", "version"), sorted({entry[:2] for entry in VENDORED.values()}))
+def test_npm_has_the_same_files(tmp_path, package, version):
+    packed = subprocess.run(
+        ["npm", "pack", "--silent", f"{package}@{version}"], cwd=tmp_path, check=False, capture_output=True
+    )
+    if packed.returncode != 0:
+        pytest.skip("npm's registry cannot be reached")
+    (archive,) = tmp_path.glob("*.tgz")
+    with tarfile.open(archive) as files:
+        for name, (owner, _, path) in VENDORED.items():
+            if owner == package:
+                content = files.extractfile(f"package/{path}").read()
+                assert content == (PAGE / "vendor" / name).read_bytes()

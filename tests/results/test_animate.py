@@ -1,0 +1,54 @@
+"""The one function: the suffix says which kind, and what it refuses."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from chain_impact.extras import MissingExtraError
+from chain_impact.results.animate import AnimationError, animate
+from chain_impact.results.recording import Recording
+
+BEGINNINGS = {".html": b"<!doctype html>", ".gif": b"GIF89a"}
+
+
+def swing(rows=20):
+    """A rod of 1 m that turns about the origin, without walls."""
+    time = np.linspace(0.0, 0.5, rows)
+    columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
+    columns |= {"point[1].x": np.cos(time), "point[1].y": np.sin(time), "energy.total": 1 + time}
+    return Recording("Swing", time, columns)
+
+
+@pytest.mark.parametrize("suffix", BEGINNINGS)
+def test_the_suffix_says_which_kind_of_file(tmp_path, suffix):
+    path, done = tmp_path / f"swing{suffix}", []
+    animate(swing(), path, size=(320, 180), progress=done.append)
+    assert path.read_bytes().startswith(BEGINNINGS[suffix])
+    assert list(tmp_path.iterdir()) == [path]
+    assert done[-1] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "pattern"),
+    [
+        ({"path": "swing.avi"}, r"swing\.avi: the name must end in \.html, \.gif, \.mp4"),
+        ({"speed": 0.0}, "speed = 0 must be a finite number > 0"),
+        ({"speed": float("inf")}, "speed = inf must be"),
+        ({"impact_time": -1.0}, r"impact_time = -1 must be a finite number >= 0 \[s\]"),
+        ({"recording": swing(1)}, "Swing: an animation needs two rows at least"),
+    ],
+)
+def test_refusals(tmp_path, arguments, pattern):
+    arguments = {"recording": swing(), **arguments}
+    arguments["path"] = tmp_path / arguments.get("path", "swing.html")
+    with pytest.raises(AnimationError, match=pattern):
+        animate(**arguments)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_mp4_without_pyav_names_the_extra(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "av", None)
+    with pytest.raises(MissingExtraError, match=r"pip install .*\[video\]'"):
+        animate(swing(), tmp_path / "swing.mp4", size=(320, 180))
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,72 @@
+"""A recording with rows close around impacts: the same simulation, seen more closely."""
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.results.equality import equal
+from chain_impact.simulation.instance import SimulationError
+from chain_impact.studies.animate import record_slowly
+
+
+def test_it_is_the_same_simulation():
+    scene = load_scene("four_link_box")
+    done = []
+    close, even = record_slowly(scene, progress=done.append), simulate(scene)
+    assert equal(close.impacts, even.impacts)
+    assert (close.time[0], close.time[-1]) == (0.0, 2.0)
+    for name in ("point[4].x", "energy.total"):
+        assert close.columns[name][-1] == even.columns[name][-1]
+    assert done == sorted(done)
+    assert done[-1] == 1.0
+
+
+def test_inputs_act_as_in_simulate():
+    scene = load_scene("pinned_arm")
+    inputs = {"joint[1].torque": 2.0, "joint[2].torque": ([0.0, 0.10005, 0.3], [1.0, -1.0, 0.5])}
+    close, even = record_slowly(scene, inputs=inputs), simulate(scene, inputs=inputs)
+    assert equal(close.impacts, even.impacts)
+    assert not equal(close.impacts, record_slowly(scene).impacts)
+    for name in ("point[2].x", "energy.total", "energy.supplied"):
+        assert close.columns[name][-1] == even.columns[name][-1]
+
+
+def test_a_function_is_held_between_communication_points():
+    scene = load_scene("pinned_arm").with_values({"simulation.step_size": 0.01})
+    inputs = {"joint[1].torque": lambda t: 5.0 * np.sin(10.0 * t)}
+    close, even = record_slowly(scene, inputs=inputs), simulate(scene, inputs=inputs)
+    assert equal(close.impacts, even.impacts)
+    assert close.columns["energy.total"][-1] == even.columns["energy.total"][-1]
+
+
+def test_each_contact_has_the_rows_that_its_peak_needs():
+    """Also the weak ones, which are not shown slowly; against the peak that the kernel has found."""
+    scene = load_scene("ramp")
+    recording = record_slowly(scene)
+    for impact in recording.impacts:
+        (touch,) = (
+            one
+            for one in recording.touches
+            if (one.point, one.wall) == (impact["point"], recording.wall_names[impact["wall"]])
+        )
+        within = (recording.time >= impact["onset"]) & ~(recording.time > impact["end"])
+        assert touch.force[within].max() == pytest.approx(impact["peak_force"], rel=0.02)
+
+
+def test_rows_follow_each_other_closely_only_near_impacts():
+    recording = record_slowly(load_scene("four_link_box"))
+    steps = np.diff(recording.time)
+    first = recording.impacts["onset"][0]
+    assert steps[recording.time[1:] < first - 0.1].min() > 0.015
+    assert steps[np.searchsorted(recording.time, first)] < 1e-4
+
+
+def test_no_slow_motion_no_close_rows():
+    recording = record_slowly(load_scene("pinned_arm"), impact_time=0.0)
+    assert len(recording.time) < 200
+
+
+def test_a_fault_is_passed_on():
+    scene = load_scene("four_link_box").with_values({"solver.work_limit": 1500.0})
+    with pytest.raises(SimulationError):
+        record_slowly(scene)
