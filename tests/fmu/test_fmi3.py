@@ -6,7 +6,6 @@ What it has in common with FMI 2.0 is tested with that.
 from collections import Counter
 from ctypes import byref, c_bool, c_double, c_size_t, c_uint32, c_void_p
 
-import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
@@ -300,6 +299,7 @@ def test_the_time_can_be_read_in_every_state(fmu):
 @importing("four_link_box", kinds="fmi3")
 def test_an_importer_finds_the_scalars_in_the_arrays(fmu):
     import fmpy
+    import numpy as np
 
     axes = {"position": "xy", "velocity": ("vx", "vy"), "acceleration": ("ax", "ay")}
     scalars = {f"point.{name}": [f"point[{k}].{a}" for k in range(5) for a in axes[name]] for name in axes}
