@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies as st
 from scipy.interpolate import BPoly
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import sundman_u_at
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events.exclusion import (
     FAR,
     MARGIN,
@@ -20,20 +20,29 @@ from chain_impact.kernel.events.exclusion import (
     excludes_events,
     fading,
     is_quiet,
+    keep_start,
     known_clearances,
     leeway,
+    measure_all,
     nearly_fast,
     remains_far,
     remember_clearances,
+    set_clearance,
+    set_clearances,
     stays_in_contact,
     stays_positive,
+    sundman_u_now,
 )
-from chain_impact.kernel.model.geometry import speed_bound
-from chain_impact.scene.scene import load_scene, with_values
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.integration.sundman import root_rate
+from chain_impact.kernel.model.geometry import clearance, speed_bound
+from chain_impact.kernel.status import OK
+from chain_impact.scene.scene import load_scene, scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance
-from tests.kernel.chains import chain, touch
+from chain_impact.variables.model import Model
+from tests.kernel.chains import chain, random_state, touch
 from tests.kernel.steps import free_motion, gaps_of, set_step, translation, wall_at, walls_away
-from tests.plain import Plain
+from tests.plain import Plain, make_rigid
 from tests.reference import set_vectors
 
 
@@ -346,3 +355,102 @@ def test_a_contact_is_nearly_fast_at_three_quarters_of_the_speed_that_latches_an
     assert is_quiet(d, 0) == (not expected)
     d.touch.kink_crossed[0] = 1
     assert not is_quiet(d, 0)
+
+
+# --- clearances in the variable of the step, with their derivatives --------------------------------------
+
+
+@pytest.mark.parametrize("impulsive", [0, 1])
+@pytest.mark.parametrize("regularized", [-1, 2])
+def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regularized, impulsive):
+    """φ′ = p φ̇ with p = u/(1 + u²); of the regularized contact u and u′; a held point cannot touch."""
+    rng = np.random.default_rng(5)
+    _, d = chain(rng, 2)
+    y, u = random_state(rng, d), 0.6
+    y[sundman_u_at(2)] = u
+    locate_points(d, y)
+    d.step.regularized = regularized
+    make_rigid(d, impulsive)
+    d.touch.depth_scale[:] = 0.3
+    touch(d, [2, 4])
+    pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
+    found = sundman_u_now(d, y)
+    slope = 0.0 if regularized < 0 else -0.5 * clearance(d, 2)[1] / (0.3 * (1.0 + u * u))
+    assert found == pytest.approx((1.0, 0.0) if regularized < 0 else (u, slope), rel=1e-12)
+    assert set_clearances(d, y) == found[1]
+    for c in range(d.candidates):
+        gap, rate = clearance(d, c)
+        sign = -1.0 if c in (2, 4) else 1.0
+        expected = sign * gap, sign * pace * rate
+        if c in (2, 4) and impulsive:
+            expected = math.inf, 0.0
+        if c == regularized:
+            expected = found
+        assert (d.search.clear_end[c], d.search.clear_end_rate[c]) == pytest.approx(expected, rel=1e-12)
+        d.search.clear_end[c] = 7.0
+        set_clearance(d, c, *found)
+        assert d.search.clear_end[c] == pytest.approx(expected[0], rel=1e-12)
+    keep_start(d)
+    np.testing.assert_array_equal(d.search.clear_start, d.search.clear_end)
+    np.testing.assert_array_equal(d.search.clear_start_rate, d.search.clear_end_rate)
+
+
+@pytest.mark.parametrize("regularized", [-1, 2])
+def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
+    """φ″ by differences of φ′ along dy/ds = p dy/dt."""
+    rng = np.random.default_rng(6)
+    _, d = chain(rng, 2)
+    motion = free_motion(rng, d)
+    touch(d, [2, 4])
+    d.touch.depth_scale[:], d.step.regularized = 0.3, regularized
+    u, h, rates = 0.6, 1e-5, []
+    y, rate = motion.at(0.0), motion.at(0.0, 1)
+    y[sundman_u_at(2)] = u
+    locate_points(d, y)
+    pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
+    change = 0.0 if regularized < 0 else root_rate(d, u)
+    for side in (h, -h):
+        moved = motion.at(side * pace)
+        moved[sundman_u_at(2)] = u + side * change
+        locate_points(d, moved)
+        set_clearances(d, moved)
+        rates.append(d.search.clear_end_rate.copy())
+    locate_points(d, y)
+    accelerate_points(d, y, rate)
+    measure_all(d, y)
+    np.testing.assert_allclose(
+        d.search.clear_end_curve, (rates[0] - rates[1]) / (2 * h), rtol=1e-6, atol=1e-6
+    )
+    apart = [c for c in range(d.candidates) if c not in (2, 4)]
+    assert d.search.safe_distance == d.search.clear_end[apart].min()
+    assert time_at(2) == len(y) - 1
+
+
+# --- near a stop of a joint ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("lengths", [(2.0, 0.01), (0.01, 2.0, 0.02), (1.0, 1.0, 0.5), (2.0,)])
+def test_near_a_stop_it_counts_that_both_links_of_the_joint_may_have_an_error(lengths):
+    """Each angle may have an error as large as the tolerance: with a link far longer than the others, too."""
+    tolerance, last = 1e-3, len(lengths)
+    links = [{"length": length, "mass": 1.0} for length in lengths]
+    links[-1]["joint_max"] = 0.5
+    allowed = tolerance * (2.0 * max(lengths) if last > 1 else max(lengths))
+    for share, excluded in ((0.9, False), (1.1, sum(lengths) <= 1.1 * allowed / tolerance)):
+        angles = [0.0] * (last - 1) + [0.5 - share * allowed / max(lengths)]
+        scene = scene_from_dict(
+            {
+                "name": "Still",
+                "gravity": [0.0, 0.0],
+                "chain": {"base": "pinned", "links": links},
+                "solver": {"tolerance": tolerance},
+                "initial": {"angles": angles},
+            },
+            "still",
+        )
+        d = Plain(Model(scene).new_instance()[0])
+        assert initialize(d, 0.0) == OK
+        d.step.end, d.work.rate_start[:] = 0.01, 0.0
+        locate_points(d, d.step.state_end)
+        accelerate_points(d, d.step.state_end, d.work.rate_start)
+        assert excludes_events(d) == excluded

@@ -1,0 +1,689 @@
+"""Events found by sampling a step: kinks, contacts to latch anew, releases and changes of modes."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from chain_impact import CONTACT_LAWS, simulate
+from chain_impact.kernel.advance import advance, advance_one_step
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.events import sampled, sampling
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.marks import (
+    END,
+    KINK,
+    NONE,
+    ONSET,
+    RELATCH,
+    RELEASE,
+    SLIDING_ENDS,
+    STICKING_ENDS,
+    pending_changes,
+)
+from chain_impact.kernel.events.sampled import (
+    AT_REST,
+    EXCESS,
+    PULL,
+    SHORT,
+    excess,
+    find_force_event,
+    find_mode_change,
+    find_release,
+    least_force,
+    mark_pulling,
+    mode_margin,
+    own_side,
+    own_side_at,
+    pull_limit,
+    resolution_of,
+    rest_speed,
+    slowness,
+    strongest,
+)
+from chain_impact.kernel.events.sampling import first_passage, locate_at
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.integration.trial import ACCEPTED, NOT_LOCATED
+from chain_impact.kernel.model.contact import begin_contact, kink_height, set_kink_sides
+from chain_impact.kernel.model.contact_force import elastic_force
+from chain_impact.kernel.model.friction import STICKS
+from chain_impact.kernel.model.geometry import tangential_rate
+from chain_impact.kernel.status import OK
+from chain_impact.scene.scene import scene_from_dict
+from chain_impact.variables.model import Model
+from tests.coulomb_problems import braked_link, oblique_ball
+from tests.kernel.chains import chain, located, touch
+from tests.kernel.model.test_contact_force import MASS, SPEED, STIFFNESS, scaled_impact
+from tests.kernel.rubbing import rubbing_chain
+from tests.kernel.steps import held_tip, points_of, set_step, translation, wall_at, walls_away
+from tests.plain import Plain
+from tests.problems import GRAVITY, contact_table, of_law, scene_table, struck_ball
+
+# --- motions in closed form ------------------------------------------------------------------------------
+
+
+FLOOR = 2  # the number of the wall y_min
+DEEP = 0.3  # m, at the start
+
+
+def falling(height, law="jankowski", size=1.0, touching=(1,)):
+    """Contacts of a chain that moves to and from the floor without turning: δ = DEEP − height(t).
+
+    Args:
+        height: powers of t, of which the first is 0.
+        law: the contact law.
+        size: of the step [s].
+        touching: candidates, each at the floor.
+    """
+    _, d = chain(np.random.default_rng(0), 2, **of_law(law), stiffness=4.0, restitution=0.5)
+    motion = translation(d, [0.3, 0.1], height)
+    walls_away(d)
+    assert all(d.candidate.wall[c] == FLOOR for c in touching)
+    for c in touching:
+        wall_at(d, c, motion.at(0.0), -DEEP)
+    locate_points(d, motion.at(0.0))
+    touch(d, touching)
+    for c in touching:
+        begin_contact(d, c)
+    d.touch.kink_margin[:] = 0.0
+    set_kink_sides(d)
+    set_step(d, motion, size, start=2.0)
+    return d, motion
+
+
+# --- where a function comes true ---------------------------------------------------------------------------
+
+
+STEP = SimpleNamespace(step=SimpleNamespace(size=10.0))
+
+
+@pytest.mark.parametrize(("resolution", "halvings"), [(0.0, 50), (1e-12, 44)])
+@pytest.mark.parametrize("shape", ["linear", "curved", "step"])
+@pytest.mark.parametrize("end", [1.0, 0.6])
+@pytest.mark.parametrize("place", [0.05, 0.31, 0.59])
+def test_the_first_passage_is_where_a_function_falls_below_zero(place, end, shape, resolution, halvings):
+    asked = []
+
+    def function(record, c, theta):
+        assert (record, c) == (STEP, 7)
+        asked.append(theta)
+        if shape == "step":
+            return 1.0 if theta < place else -1e-9
+        return place - theta if shape == "linear" else place**3 - theta**3
+
+    found = first_passage(function, 4, resolution)(STEP, 7, end)
+    assert found == pytest.approx(place, abs=max(2.0 * sampling.RESOLUTION, resolution / 10.0))
+    assert max(asked) <= end
+    # four samples, and the start of a bracket; then the fast method, or halving where it is of no use
+    assert len(asked) <= (18 if shape != "step" else 5 + 20 + halvings)
+
+
+def test_what_is_below_zero_at_no_sample_is_not_found_and_the_first_that_is_is():
+    def found(place, *others):
+        below = (place, *others)
+
+        def sign(_d, _c, x):
+            return -1.0 if any(a < x < b for a, b in below) else 1.0
+
+        return first_passage(sign, 4, 0.0)(STEP, 0, 1.0)
+
+    assert found((0.3, 0.4)) == -1.0
+    assert found((0.2, 0.3), (0.7, 2.0)) == pytest.approx(0.2, abs=1e-14)
+
+
+def test_a_bracket_that_begins_below_zero_is_its_own_root():
+    d, _ = falling([0.0, 1.0, 0.5])
+    d.touch.beyond_kink[1] = 0
+    assert first_passage(own_side_at, 1, 0.0)(d, 1, 0.6) == 0.0
+    d, _ = falling([0.0, -1.0, 1.0])
+    assert first_passage(own_side_at, 1, 0.0)(d, 1, 0.9) == pytest.approx(0.5, abs=1e-14)
+
+
+@pytest.mark.parametrize("theta", [0.0, 0.4, 1.0])
+def test_points_are_located_at_a_fraction_of_the_step_which_counts_as_work(theta):
+    d, motion = falling([0.0, -1.0, 0.5, 0.2])
+    work = d.limits.other_work
+    d.step.dense[:, -2:] = 0.0
+    locate_at(d, theta)
+    here = points_of(d, motion.at(theta))
+    np.testing.assert_allclose(located(d), here, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(d.work.y[:-2], motion.at(theta)[:-2], rtol=0, atol=1e-13)
+    assert d.limits.other_work == work + 1
+
+
+def test_the_ends_of_a_step_are_its_states_to_the_last_bit():
+    d, _ = falling([0.0, -1.0, 0.5])
+    d.step.state[0] += 1e-3
+    d.step.state_end[0] -= 1e-3
+    for theta, state in ((0.0, d.step.state), (1.0, d.step.state_end)):
+        locate_at(d, theta)
+        np.testing.assert_array_equal(d.work.y, state)
+
+
+# --- kinks -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [1.0, 0.7])
+def test_a_turn_is_found_where_the_point_turns(size):
+    """Damping of approach alone ends where δ̇ = 0: h = −t + t² turns at ½ s."""
+    d, _ = falling([0.0, -1.0, 1.0], size=size)
+    d.touch.event[:] = 7
+    found = find_force_event(d, -1.0)
+    assert found * size == pytest.approx(0.5, abs=1e-14)
+    assert d.touch.event.tolist() == [int(c == 1) * KINK for c in range(d.candidates)]
+    # the points are there
+    assert d.work.position.y[0] == pytest.approx(-0.25, abs=1e-14)
+
+
+@pytest.mark.parametrize("law", ["kelvin_voigt", "tsuji"])
+def test_a_force_is_cut_off_where_it_comes_to_zero(law):
+    """K δⁿ = −d δᵖ δ̇ on the way out, at a root by bisection."""
+    d, _ = falling([0.0, -0.1, 0.05, 1.5], law=law)
+    n, p = (1.0, 0.0) if law == "kelvin_voigt" else (1.5, 0.25)
+
+    def force(t):
+        depth, rate = DEEP + 0.1 * t - 0.05 * t**2 - 1.5 * t**3, 0.1 - 0.1 * t - 4.5 * t**2
+        return 4.0 * depth**n + d.touch.damping[1] * depth**p * rate
+
+    low, high = 0.0, 0.55
+    assert force(low) > 0.0 > force(high)
+    while high - low > 1e-15:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if force(middle) > 0.0 else (low, middle)
+    assert d.touch.beyond_kink[1] == 0
+    end = 0.55
+    locate_at(d, end)
+    found = find_force_event(d, end)
+    assert found == pytest.approx(low, abs=1e-14)
+    # the points are there, and not where it was searched for others
+    height = np.polynomial.polynomial.polyval(found, [0.0, -0.1, 0.05, 1.5])
+    assert d.work.position.y[0] == pytest.approx(height, abs=1e-13)
+    assert d.touch.event[1] == KINK
+
+
+@pytest.mark.parametrize("beyond", [0, 1])
+def test_a_contact_on_one_side_of_its_kink_has_crossed_it_on_the_other(beyond):
+    """h = −t + t² moves inward until ½ s, and outward from then on; it is not on the other side at rest."""
+    d, _ = falling([0.0, -1.0, 1.0])
+    d.touch.beyond_kink[1] = beyond
+    for theta in (0.2, 0.5, 0.8):
+        locate_at(d, theta)
+        d.work.velocity.y[:] = np.round(d.work.velocity.y, 9)
+        assert np.sign(own_side(d, 1)) == np.sign(theta - 0.5 if beyond else 0.5 - theta)
+
+
+def test_a_kink_is_crossed_first_where_a_sample_shows_it():
+    """h = −t + 4 t² − 4 t³ has δ̇ < 0 from 1/6 … ½ s; and from the other side it comes back at ½ s."""
+    height = [0.0, -1.0, 4.0, -4.0]
+    d, _ = falling(height)
+    first_crossing = first_passage(own_side_at, 8, 0.0)
+    assert first_crossing(d, 1, 1.0) == pytest.approx(1.0 / 6.0, abs=1e-14)
+    assert first_crossing(d, 1, 0.16) == -1.0
+    d.touch.beyond_kink[1] = 1
+    # at the start it is on the other side already
+    assert first_crossing(d, 1, 1.0) == 0.0
+
+
+def test_the_first_of_several_kinks_counts_and_those_at_one_moment_are_one_event():
+    d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
+    found = find_force_event(d, -1.0)
+    assert found == pytest.approx(0.5, abs=1e-14)
+    assert d.touch.event[[1, 5, 9]].tolist() == [KINK] * 3
+    # a contact that is on its own side is none of it
+    d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
+    d.touch.beyond_kink[5] = 1
+    d.touch.kink_crossed[:] = 0
+    assert find_force_event(d, -1.0) == pytest.approx(0.5, abs=1e-14)
+    assert d.touch.event[[1, 5, 9]].tolist() == [KINK, NONE, KINK]
+
+
+def test_a_kink_comes_after_the_event_that_was_found_before():
+    d, _ = falling([0.0, -1.0, 1.0])
+    for touched, found in ((0.3, 0.3), (0.7, 0.5)):
+        d.touch.event[:] = NONE
+        d.touch.event[4] = END
+        d.touch.kink_crossed[:] = 1  # a stage was beyond it
+        locate_at(d, touched)
+        assert find_force_event(d, touched) == pytest.approx(found, abs=1e-14)
+        assert d.touch.event[4] == (END if found == touched else NONE)
+        assert d.touch.event[1] == (NONE if found == touched else KINK)
+
+
+@pytest.mark.parametrize("stage", [0, 1])
+def test_a_kink_that_only_a_stage_has_shown_is_looked_for(stage):
+    """δ̇ < 0 between 0.3 and 0.45 s, and inward again at the end."""
+    d, _ = falling([0.0, -0.135, 0.375, -1.0 / 3.0])
+    d.touch.kink_crossed[1], d.touch.impact_speed[1] = stage, 1.0
+    found = find_force_event(d, -1.0)
+    if stage:
+        assert found == pytest.approx(0.3, abs=1e-13)
+        assert d.touch.event[1] == KINK
+    else:
+        assert found == -1.0
+        assert d.touch.event[1] == NONE
+
+
+# --- speeds to latch anew ----------------------------------------------------------------------------------
+
+
+def test_a_contact_is_latched_anew_where_it_is_pushed_in_at_twice_its_speed():
+    """h = −t² reaches 2 v₀ at t = v₀."""
+    d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf")
+    d.touch.impact_speed[1], d.touch.event[:] = 0.37, 7
+    assert slowness(d, 1, 0.369) > 0.0 > slowness(d, 1, 0.371)
+    assert RELATCH_RATIO == 2.0
+    locate_at(d, 1.0)
+    assert find_force_event(d, -1.0) == pytest.approx(0.37, abs=2e-12)
+    assert d.touch.event.tolist() == [int(c == 1) * RELATCH for c in range(d.candidates)]
+    # the points are there
+    assert d.work.position.y[0] == pytest.approx(-(0.37**2), abs=1e-11)
+
+
+@pytest.mark.parametrize(("touched", "expected"), [(-1.0, -1.0), (0.2, 0.2), (0.9, 0.37)])
+def test_only_what_happens_before_counts(touched, expected):
+    d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf")
+    d.touch.impact_speed[1] = 0.37 if touched > 0.0 else 1.5
+    d.touch.event[4], d.touch.speed[1] = END, 10.0  # so that it is looked at
+    locate_at(d, abs(touched))
+    assert find_force_event(d, touched) == pytest.approx(expected, abs=2e-12)
+    assert d.touch.event[4] == (NONE if expected == 0.37 else END)
+
+
+def test_the_first_of_two_contacts_that_are_fast_is_latched_anew():
+    for slower, faster in ((1, 5), (5, 1)):
+        d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf", touching=(1, 5))
+        d.touch.impact_speed[slower], d.touch.impact_speed[faster] = 0.6, 0.25
+        locate_at(d, 1.0)
+        assert find_force_event(d, -1.0) == pytest.approx(0.25, abs=2e-12)
+        assert d.touch.event[[slower, faster]].tolist() == [NONE, RELATCH]
+
+
+def test_an_excess_between_the_ends_is_found_if_an_end_is_nearly_fast():
+    """δ̇ = 1 + 4 t − 6 t² is 1.67 at the most, and 1 and −1 at the ends."""
+    d, _ = falling([0.0, -1.0, -2.0, 2.0], law="zhang_sharf")
+    d.touch.impact_speed[1], d.touch.speed[1], d.touch.damping[1] = 0.8, 1.0, 0.0
+    locate_at(d, 1.0)
+    assert find_force_event(d, -1.0) == -1.0
+    d.touch.speed[1] = 1.21
+    expected = (4.0 - math.sqrt(16.0 - 24.0 * 0.6)) / 12.0
+    assert find_force_event(d, -1.0) == pytest.approx(expected, abs=2e-12)
+
+
+# --- a step of its own ends at a kink --------------------------------------------------------------------
+
+
+KINKED = ("kelvin_voigt", "tsuji", "kuwabara_kono", "jankowski")
+TOLERANCES = 10.0 ** -np.arange(6, 14)
+# Over the tolerance, of the largest error of a realised restitution; measured: 21
+LARGEST_ERROR = 30.0
+
+
+def struck(law, e):
+    scene, _ = struck_ball(MASS, SPEED, **of_law(law), stiffness=STIFFNESS, restitution=e)
+    return scene.with_values({"simulation.stop_time": 0.3})
+
+
+@pytest.mark.full("more cases", but=8)
+@pytest.mark.parametrize("law", KINKED)
+@pytest.mark.parametrize("e", [0.1, 0.275, 0.5, 0.65, 0.8, 0.95])
+def test_the_realised_restitution_errs_by_the_tolerance(law, e):
+    """At every tolerance: no smaller one brings a larger error."""
+    right, _, _ = scaled_impact(CONTACT_LAWS[law], e)
+    for tolerance in TOLERANCES:
+        (impact,) = simulate(struck(law, e), tolerance=tolerance, output=(), output_step=0.3).impacts
+        error = abs(impact["separation_speed"] / impact["impact_speed"] - right)
+        assert error <= LARGEST_ERROR * tolerance, tolerance
+
+
+@pytest.mark.full("more cases", but=2)
+@pytest.mark.parametrize("law", KINKED)
+def test_a_step_ends_at_the_kink(law):
+    d = Plain(Model(struck(law, 0.4).with_values({"solver.tolerance": 1e-9})).new_instance()[0])
+    assert initialize(d, 0.0) == OK
+    kinks = []
+    while d.finished.count == 0:
+        assert advance(d, np.nextafter(d.step.end, 1.0), 10, 1e9) == OK
+        if d.touch.event[0] == KINK:
+            locate_points(d, d.step.state_end)
+            off = kink_height(d, 0) / (SPEED if d.law.approach_only[0] else elastic_force(d, 0, 1e-3))
+            kinks.append((d.touch.beyond_kink[0], off))
+    ((beyond, off),) = kinks
+    assert beyond == 0
+    assert abs(off) < 1e-9
+
+
+# --- where a rigid wall would have to pull ---------------------------------------------------------------
+
+
+SIZE = 0.2
+
+
+def released(force=(1.0, -0.5, -2.0), least=-1e-2, size=SIZE):
+    """A step in which the force of a wall is a polynomial, of which the stages have seen the least."""
+    d, c, _ = held_tip(size, force)
+    d.rigid.least_force[:] = -1e9
+    d.rigid.least_force[c] = least
+    return d, c
+
+
+FALLS = (-0.5 + np.sqrt(0.25 + 8.0)) / 4.0  # 1 − ½ x − 2 x² = 0
+
+
+def test_a_point_is_released_where_its_force_falls_through_zero():
+    d, c = released()
+    d.touch.event[:] = 7
+    evaluations = d.statistics.rhs_evaluations
+    assert find_release(d, -1.0) == pytest.approx(FALLS, abs=1e-10)
+    assert d.touch.event.tolist() == [int(k == c) * RELEASE for k in range(d.candidates)]
+    assert d.statistics.rhs_evaluations > evaluations + 8
+
+
+@pytest.mark.parametrize(("touch", "expected"), [(0.3, 0.3), (0.9, FALLS)])
+def test_only_a_release_before_the_event_that_was_found_counts(touch, expected):
+    d, c = released()
+    other = c + 1
+    d.touch.event[:] = NONE
+    d.touch.event[other] = END
+    assert find_release(d, touch) == pytest.approx(expected, abs=1e-10)
+    stays = expected == touch
+    assert (d.touch.event[other], d.touch.event[c]) == ((END, NONE) if stays else (NONE, RELEASE))
+
+
+def test_what_no_stage_has_shown_is_not_looked_for():
+    d, _ = released(least=-0.5 * PULL)
+    evaluations = d.statistics.rhs_evaluations
+    assert find_release(d, -1.0) == -1.0
+    assert find_release(d, 0.4) == 0.4
+    assert d.statistics.rhs_evaluations == evaluations
+    # a stage has, but no sample
+    d, _ = released(force=(1.0,))
+    assert find_release(d, -1.0) == -1.0
+
+
+@pytest.mark.parametrize(
+    ("times", "size", "refused"), [(1.1, SIZE, True), (0.9, SIZE, False), (1.1, 0.5 * SHORT, False)]
+)
+def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, refused):
+    d, _ = released(size=size)
+    d.rigid.least_force[d.touch.active_index[0]] = -times * strongest(d)
+    found = find_release(d, -1.0)
+    assert d.trial.result == (NOT_LOCATED if refused else ACCEPTED)
+    if not refused:
+        assert found * size == pytest.approx(FALLS * size, abs=2e-12)
+
+
+@pytest.mark.parametrize("gravity", [0.0, 20.0])
+@pytest.mark.parametrize(("omega", "alpha"), [(0.0, 0.0), (3.0, -7.0), (-0.1, 40.0)])
+def test_the_strongest_force_is_that_of_gravity_and_of_turning_links(omega, alpha, gravity):
+    """Of the chain's mass m: m (g + Σ s (ω² + |α|)), at least 1 rad/s²; a part PULL is round-off."""
+    rng = np.random.default_rng(1)
+    _, d = chain(rng, 3)
+    d.model.gravity_size = gravity
+    d.step.state[7:10], d.work.rate_start[7:10] = (0.1, omega, 0.2), (0.3, alpha, -0.2)
+    mass, size = d.model.mass.sum(), d.model.length.max()
+    turning = max(1.0, omega**2 + abs(alpha))
+    assert strongest(d) == pytest.approx(mass * (gravity + 3 * size * turning), rel=1e-12)
+    assert pull_limit(d) == pytest.approx(PULL * mass * (gravity + size), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("theta", "expected"), [(0.1, False), (FALLS - 1e-6, False), (FALLS + 1e-6, True), (1.0, True)]
+)
+def test_a_wall_pulls_from_there_on(theta, expected):
+    d, _ = released()
+    assert (least_force(d, -1, theta) < 0.0) == expected
+    d, c = released()
+    mark_pulling(d, theta)
+    assert d.touch.event[c] == (RELEASE if expected else NONE)
+    assert not np.delete(d.touch.event, c).any()
+
+
+def test_a_pull_by_round_off_is_none():
+    for times in (0.5, 2.0):
+        limit = pull_limit(released()[0])
+        d, c = released(force=(-times * limit,))
+        assert (least_force(d, -1, 0.5) < 0.0) == (times > 1.0)
+        mark_pulling(d, 0.5)
+        assert d.touch.event[c] == (RELEASE if times > 1.0 else NONE)
+
+
+# --- where sliding stops or sticking ends ----------------------------------------------------------------
+
+
+RESOLVED = 2e-11  # s, or m/s, rad, N over what they are of
+
+
+def started(table):
+    """The record of a scene at its start."""
+    d = Plain(Model(scene_from_dict(table, "case")).new_instance()[0])
+    assert initialize(d, 0.0) == OK
+    return d
+
+
+def run_to_change(d, until):
+    """Take steps until a mode ends; returns the elements whose modes end, and their events."""
+    while d.step.end < until:
+        assert advance_one_step(d) == OK
+        if pending_changes(d):
+            locate_points(d, d.step.state_end)
+            return {int(e): int(d.element.event[e]) for e in np.flatnonzero(d.element.event)}
+    raise AssertionError("no mode has ended")
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+@pytest.mark.parametrize("speed", [3.0, -0.2])
+def test_a_step_ends_where_a_link_with_a_dry_joint_stops(speed, method):
+    table, exact = braked_link(speed, 0.4)
+    d = started(table | {"solver": {"method": method}})
+    (joint,) = range(d.candidates, d.elements)
+    assert d.element.mode[joint] == np.sign(speed)
+    assert run_to_change(d, 2.0 * exact.stop) == {joint: SLIDING_ENDS}
+    assert d.step.end == pytest.approx(exact.stop, abs=RESOLVED)
+    assert d.step.state_end[2] == pytest.approx(exact.turned, abs=RESOLVED)
+    assert abs(tangential_rate(d, joint)) < RESOLVED
+    assert advance_one_step(d) == OK
+    assert (d.element.mode[joint], d.friction.stuck_count) == (STICKS, 1)
+    assert d.step.state_end[2] == pytest.approx(exact.turned, abs=RESOLVED)
+
+
+def compound_pendulum(moment):
+    """Two links in line that fall about a pin with a joint that sticks at first; and where it gives way.
+
+    As one body, θ̈ = −V′/I, and the moment in the joint is that of the lower link alone,
+    I₂ θ̈ + m₂ c₂ (ℓ₁ θ̈ + g cos θ), with I₂ about the joint: in proportion to cos θ.
+    """
+    length, masses = (0.4, 0.7), (1.1, 0.6)
+    own = [m * b**2 / 12 for m, b in zip(masses, length, strict=True)]
+    arms = length[0] / 2, length[0] + length[1] / 2
+    inertia = sum(i + m * arm**2 for i, m, arm in zip(own, masses, arms, strict=True))
+    slope = GRAVITY * sum(m * arm for m, arm in zip(masses, arms, strict=True))
+    turning = -slope / inertia
+    lower = own[1] + masses[1] * (length[1] / 2) ** 2
+    amplitude = lower * turning + masses[1] * length[1] / 2 * (length[0] * turning + GRAVITY)
+    links = [{"length": a, "mass": m} for a, m in zip(length, masses, strict=True)]
+    links[1]["joint_friction"] = moment * abs(amplitude)
+    table = scene_table(
+        "Compound",
+        links,
+        {"angles": [1.3, 1.3]},
+        {},
+        contact_table(points=[]),
+        base="pinned",
+        gravity=GRAVITY,
+        stop_time=2.0,
+    )
+    return table, math.acos(moment)
+
+
+@pytest.mark.full("more cases", but=3)
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+@pytest.mark.parametrize("part", [0.5, 0.9])
+def test_a_step_ends_where_a_force_reaches_its_limit(part, method):
+    table, angle = compound_pendulum(part)
+    d = started(table | {"solver": {"method": method}})
+    joint = d.candidates + 1
+    assert d.element.mode[joint] == STICKS
+    assert run_to_change(d, 2.0) == {joint: STICKING_ENDS}
+    # within the error of the step at the default tolerance
+    assert d.step.state_end[2] == pytest.approx(angle, abs=1e-6)
+    assert d.step.state_end[3] - d.step.state_end[2] == pytest.approx(0.0, abs=1e-12)
+    force, limit = float(d.element.force[joint]), float(d.element.limit[joint])
+    assert abs(force) == pytest.approx(limit, rel=1e-8)
+    assert advance_one_step(d) == OK
+    if d.element.mode[joint] == STICKS:
+        # an implicit step that lands on the event may end before it, by its error; the rest is a step more
+        assert method == "implicit"
+        assert d.element.event[joint] == STICKING_ENDS
+        assert d.step.end - d.step.start < 1e-8
+        assert advance_one_step(d) == OK
+    assert d.element.mode[joint] == -np.sign(force)
+    assert np.sign(d.step.state_end[7] - d.step.state_end[6]) == -np.sign(force)
+
+
+def test_both_joints_of_a_symmetric_chain_stop_in_one_step():
+    """Three equal links that fold as mirror images: both joints turn with the same speed."""
+    rod = {"length": 0.4, "mass": 0.8}
+    dry = rod | {"joint_friction": 0.3}
+    initial = {"angles": [-0.5, 0.0, 0.5], "angular_velocities": [-2.0, 0.0, 2.0], "velocity": [0.0, 0.0]}
+    d = started(scene_table("Fold", [rod, dry, dry], initial, {}, contact_table(points=[]), stop_time=2.0))
+    joints = [d.candidates + 1, d.candidates + 2]
+    assert run_to_change(d, 2.0) == dict.fromkeys(joints, SLIDING_ENDS)
+    for e in joints:
+        assert abs(tangential_rate(d, e)) < 1e-9
+    assert advance_one_step(d) == OK
+    assert d.element.mode[joints].tolist() == [STICKS, STICKS]
+    assert d.changes.count >= 4  # both at the start, and both now
+    assert d.changes.time[2] == d.changes.time[3]
+
+
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize("sliding", [0.3, -0.3])
+def test_a_step_ends_where_a_point_stops_on_a_wall(sliding):
+    """W_nt = 0, so slip ends where the impulse of the wall is m v_t/µ."""
+    table, exact = oblique_ball(1.0, sliding, 0.4, stiffness=1e6)
+    d = started(table)
+    assert run_to_change(d, exact.end) == {0: SLIDING_ENDS}
+    assert exact.onset < d.step.end < exact.end
+    assert abs(tangential_rate(d, 0)) < 1e-9
+    assert advance_one_step(d) == OK
+    assert d.element.mode[0] == STICKS
+
+
+def test_a_point_that_slides_faster_does_not_stop():
+    table, exact = oblique_ball(1.0, 0.9, 0.4, stiffness=1e6)
+    d = started(table)
+    while d.step.end < exact.end:
+        assert advance_one_step(d) == OK
+        assert not d.element.event.any()
+    assert d.step.state_end[3] == pytest.approx(exact.sliding, abs=1e-6)
+
+
+# --- parts of the search -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def rubbing():
+    """A chain with two contacts and dry joints that slide, and its elements."""
+    _, d, y = rubbing_chain(np.random.default_rng(5), "free", 2, True)
+    d.step.state_end[:] = d.step.state[:] = y
+    return d, [int(e) for e in d.element.index[: d.friction.count]]
+
+
+@pytest.fixture
+def changes(monkeypatch):
+    """Where modes change, element → θ, and the searches that are made: (element, end)."""
+    at, asked = {}, []
+
+    def first_change(_d, e, end):
+        asked.append((e, end))
+        return at[e] if e in at and at[e] <= end else -1.0
+
+    monkeypatch.setattr(sampled, "_first_change", first_change)
+    monkeypatch.setattr(sampled, "mode_margin", lambda _d, e, theta: -1.0 if at.get(e, 2.0) <= theta else 1.0)
+    return at, asked
+
+
+@pytest.mark.parametrize("found", [-1.0, 0.4])
+def test_only_what_a_stage_has_shown_is_searched(rubbing, changes, found):
+    d, elements = rubbing
+    at, asked = changes
+    at.update(dict.fromkeys(elements, 0.1))
+    for e in elements:
+        d.element.margin[e] = -0.9 * resolution_of(d, e)
+    d.touch.event[3] = ONSET
+    assert find_mode_change(d, found) == found
+    assert asked == []
+    assert d.touch.event[3] == ONSET
+    assert not d.element.event.any()
+
+
+@pytest.mark.parametrize(
+    "case",  # θ of an event of a contact, of changes of elements, of the end; the elements that are marked
+    [
+        (-1.0, {1: 0.5}, 0.5, {1}),
+        (-1.0, {1: 0.5, 3: 0.25}, 0.25, {3}),
+        (-1.0, {1: 0.25, 3: 0.5}, 0.25, {1}),
+        (-1.0, {1: 0.25, 2: 0.25, 3: 0.25}, 0.25, {1, 2, 3}),
+        (0.3, {1: 0.5}, 0.3, set()),
+        (0.6, {1: 0.5}, 0.5, {1}),
+        (-1.0, {}, -1.0, set()),
+    ],
+)
+def test_the_first_change_ends_the_step(rubbing, changes, case):
+    """With all that change there. Events of contacts are later then, and found anew."""
+    (d, elements), (found, at, right, marked) = rubbing, case
+    changes[0].update({elements[k]: theta for k, theta in at.items()})
+    d.element.margin[elements] = -1.0
+    d.element.mode[elements[3]] = STICKS
+    d.touch.event[3] = ONSET
+    assert find_mode_change(d, found) == right
+    kinds = {k: STICKING_ENDS if k == 3 else SLIDING_ENDS for k in marked}
+    assert {k: d.element.event[e] for k, e in enumerate(elements) if d.element.event[e]} == kinds
+    assert d.touch.event[3] == (NONE if marked else ONSET)
+
+
+def test_an_element_that_was_found_is_marked_whatever_round_off_says(rubbing, changes, monkeypatch):
+    d, elements = rubbing
+    changes[0][elements[2]] = 0.5
+    monkeypatch.setattr(sampled, "mode_margin", lambda _d, _e, _theta: 1.0)
+    d.element.margin[elements] = -1.0
+    assert find_mode_change(d, -1.0) == 0.5
+    assert np.flatnonzero(d.element.event).tolist() == [elements[2]]
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_sliding_has_ended_where_it_is_backward_by_more_than_round_off(rubbing, sign):
+    d, elements = rubbing
+    e = elements[0]
+    d.element.mode[e] = sign
+    speed = sign * float(tangential_rate(d, e))
+    assert (mode_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
+    d.element.slack[e] = abs(speed) - 2.0 * rest_speed(d)
+    assert (mode_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
+    d.element.slack[e] = abs(speed)
+    assert mode_margin(d, e, 1.0) > 0.0
+
+
+def test_sticking_has_ended_where_the_force_is_beyond_the_limit():
+    table, angle = compound_pendulum(0.8)
+    d = started(table)
+    joint = d.candidates + 1
+    evaluations = int(d.statistics.rhs_evaluations)
+    for offset, ended in ((1e-7, False), (-1e-7, True)):
+        d.step.state[2:4] = d.step.state_end[2:4] = angle + offset
+        d.element.anchor[joint] = 0.0
+        assert [mode_margin(d, joint, theta) < 0.0 for theta in (1.0, 0.0)] == [ended, ended]
+    assert d.statistics.rhs_evaluations == evaluations + 4
+
+
+def test_round_off_is_that_of_a_speed_or_of_a_force(rubbing):
+    d, elements = rubbing
+    e = elements[0]
+    size, mass = d.model.size, np.mean(d.model.mass)
+    d.element.limit[e], d.element.slack[e] = 7.0, 1e-9
+    assert rest_speed(d) == AT_REST * size
+    assert excess(d, e) == pytest.approx(EXCESS * (7.0 + mass * (math.hypot(2.3, 9.81) + size)), rel=1e-12)
+    assert resolution_of(d, e) == rest_speed(d) + 1e-9
+    d.element.mode[e] = STICKS
+    assert resolution_of(d, e) == excess(d, e)
