@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import hooks
+from chain_impact.kernel.chain.joints import spring_energy
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.springs import spring_energy
 from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.model.contact import begin_contact, set_kink_sides
 from chain_impact.kernel.model.contact_force import elastic_energy, law_force

@@ -22,6 +22,8 @@ def scalars(dtype):
         for inner, start, *_ in dtype.fields.values():
             for offset, kind in scalars(inner):
                 yield start + offset, kind
+    elif dtype == np.complex128:
+        yield from ((0, dtype.type(0).real.dtype), (WORD, dtype.type(0).imag.dtype))
     else:
         yield 0, dtype
 

@@ -98,8 +98,8 @@ for _kind in (types.Float, types.Integer, types.Boolean, types.IntegerLiteral):
 # ---- typing -----------------------------------------------------------------------------------------------
 
 
-def _declare(function: Any, result: types.Type, number: types.Type = float64) -> None:
-    """Let numba take a function of numbers for dual numbers, too, and plain ones as ``number``."""
+def _declare(function: Any, result: types.Type, number: types.Type | None = float64) -> None:
+    """Let numba take a function for dual numbers, too, and plain ones as ``number``, or as they are."""
 
     class _Template(AbstractTemplate):
         key = function
@@ -110,7 +110,7 @@ def _declare(function: Any, result: types.Type, number: types.Type = float64) ->
                 return None
             if not all(isinstance(one, (Dual, *plain)) for one in arguments):
                 return None
-            return signature(result, *(one if isinstance(one, Dual) else number for one in arguments))
+            return signature(result, *(one if isinstance(one, Dual) else number or one for one in arguments))
 
     infer_global(function)(_Template)
 
@@ -361,10 +361,6 @@ _lower(bool, _truth, Dual)
 # ---- what the kernel asks of a dual number (kernel/tangent/directions.py) ---------------------------------
 
 
-def _value(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
-    return builder.extract_value(x, 0)
-
-
 def _carried(
     _context: Any, builder: ir.IRBuilder, number: ir.Value, slope: ir.Value, argument: ir.Value
 ) -> ir.Value:
@@ -385,10 +381,16 @@ def _varies(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
 
 
 _declare(directions.value, float64)
-_lower(directions.value, _value, Dual)
+_lower(directions.value, lambda _context, builder, x: builder.extract_value(x, 0), Dual)
 _declare(directions.carried, DUAL)
 _lower(directions.carried, _carried, types.Float, types.Float, Dual)
 _declare(directions.slope, float64, types.int64)
 _lower(directions.slope, _slope, Dual, types.Integer)
+_declare(directions.sloped, DUAL, None)
+_lower(
+    directions.sloped,
+    lambda _c, b, x, k, one: _made(b, _parts(b, x)[0], b.insert_element(_parts(b, x)[1], one, k)),
+    *(Dual, types.Integer, types.Float),
+)
 _declare(directions.varies, boolean)
 _lower(directions.varies, _varies, Dual)

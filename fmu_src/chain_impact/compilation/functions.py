@@ -15,6 +15,7 @@ from chain_impact.compilation.compilers import HOOKS
 from chain_impact.compilation.dual_numbers import DUAL, Dual
 from chain_impact.compilation.record_type import INSTANCE, TANGENT
 from chain_impact.kernel import hooks
+from chain_impact.kernel.chain.elimination import COMPLEX
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.tangent import blocks, directions
 from chain_impact.kernel.tangent.rules import RULES
@@ -40,9 +41,10 @@ EXTERNAL: dict[Any, types.Type] = {
     **{hook: types.ExternalFunction(hook.__name__, kind) for hook, kind in HOOK_SIGNATURES.items()},
 }
 _RULES: dict[Any, Any] = RULES
+_COMPLEX: dict[Any, Any] = COMPLEX
 # what dual_numbers.py and record_type.py have made numba know
 BUILT_IN: set[Any] = {
-    *(directions.value, directions.slope, directions.carried, directions.varies),
+    *(directions.value, directions.slope, directions.sloped, directions.carried, directions.varies),
     *(blocks.block, blocks.words, blocks.copy_values, blocks.copy_given),
 }
 
@@ -63,6 +65,7 @@ class Function(types.Dispatcher):
     def _for(self, arguments: Any) -> types.Dispatcher:
         """The dispatcher that takes these arguments."""
         rules = _RULES if any(carries_derivatives(one) for one in arguments) else {}
+        rules = _COMPLEX if types.complex128 in arguments else rules
         return types.Dispatcher(compiled(rules.get(self._function, self._function)))
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:

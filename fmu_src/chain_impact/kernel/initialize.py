@@ -3,11 +3,9 @@
 import math
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.damped import joint_damping
-from chain_impact.kernel.chain.joint_rate import joint_bound
-from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.joints import joint_bound, joint_damping, resists, spring_stiffness
+from chain_impact.kernel.chain.kinematics import clear_joints, locate_points
 from chain_impact.kernel.chain.regular import loose_links
-from chain_impact.kernel.chain.springs import resists, spring_stiffness
 from chain_impact.kernel.chain.state import (
     ANGLES,
     dissipated_at,
@@ -33,7 +31,7 @@ from chain_impact.kernel.model.derived import in_use, inertia_of_rod, middle
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import clear_moments, state_rate
 from chain_impact.kernel.model.friction import clear_friction
-from chain_impact.kernel.model.geometry import clear_joints, clearance, place_walls
+from chain_impact.kernel.model.geometry import clearance, place_walls
 from chain_impact.kernel.model.inputs import apply_inputs
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
@@ -98,9 +96,9 @@ def clear_run(d, time):
     clear_impulses(d)
     clear_moments(d)
     clear_joints(d.work.load)
-    clear_joints(d.implicit.load)
+    clear_joints(d.implicit.pairs.load)
     clear_joints(d.work.impedance)
-    clear_joints(d.implicit.reactance)
+    clear_joints(d.implicit.pairs.impedance)
     drop_events(d)
     clear_breaks(d)
     reset_times(d, time)

@@ -1,29 +1,17 @@
-"""The elimination link by link: what hangs from a joint answers its acceleration a with the force A a + b."""
+"""The elimination, real and complex, against dense solutions of the assembled equations."""
 
-from types import SimpleNamespace
-
+import mpmath
 import numpy as np
 import pytest
 
+from chain_impact.kernel.chain.elimination import FREE, HELD, factorize, no_impedance, solve, take_factors
 from chain_impact.kernel.chain.kinematics import link_vectors
-from chain_impact.kernel.chain.recursion import (
-    accelerate,
-    accelerations,
-    arm,
-    arms,
-    eliminate,
-    eliminate_end,
-    eliminate_link,
-    factorize,
-    factorize_link,
-    gather,
-    hinge,
-    no_impedance,
-    set_middle,
-    solve,
-    spread,
-)
-from tests.kernel.chains import chain, random_state, stopped_chain, vectors
+from chain_impact.kernel.chain.recursion import accelerations, arms
+from chain_impact.kernel.initialize import derive_chain
+from chain_impact.scene.scene import scene_from_dict
+from chain_impact.variables.model import Model
+from tests.kernel.chains import chain, random_state, stopped_chain
+from tests.plain import Plain
 from tests.reference import (
     generalized_force,
     mass_matrix,
@@ -33,136 +21,134 @@ from tests.reference import (
     set_vectors,
 )
 
-OUTWARD = pytest.mark.parametrize("outward", [True, False])
-COUNTS = pytest.mark.parametrize("count", [1, 2, 4])
+
+def random_chain(rng, count, base, largest):
+    """A chain without any symmetry, dampings up to the largest over many orders of magnitude, some zero."""
+    links = [
+        {
+            "length": rng.uniform(0.2, 1.5),
+            "mass": rng.uniform(0.2, 3.0),
+            "center_of_mass": rng.uniform(0.0, 1.6),
+            "inertia": rng.uniform(0.01, 0.5),
+            "joint_damping": largest * 10.0 ** -rng.uniform(0.0, 6.0) * (rng.random() < 0.8),
+        }
+        for _ in range(count)
+    ]
+    links[0]["joint_damping"] *= base == "pinned"
+    table = {"name": "Damped", "chain": {"base": base, "links": links}, "contact": {"points": []}}
+    return scene_from_dict(table | {"initial": {"angles": [0.0] * count}}, "damped")
 
 
-class Hanging:
-    """Links in some state under any loads, with impedances at their points, as seen from one of their ends.
+def prepared(scene, angles):
+    """The record of a chain, as plain Python takes it, with its link vectors."""
+    d = Plain(Model(scene).new_instance()[0])
+    derive_chain(d)
+    link_vectors(d, np.array([0.0, 0.0, *angles]))
+    return d
 
-    ``matrix`` and ``right`` are M + Jᵀ D J and h of the equations for (a, α), with a the acceleration of the
-    joint that they hang from, their first one if they point ``outward`` and their last one if not.
+
+def relative_motion(count):
+    """The matrix G with rows g_i: ω_i − ω_{i−1} for the coordinates (base, angles)."""
+    return np.hstack([np.zeros((count, 2)), np.eye(count) - np.eye(count, k=-1)])
+
+
+def answer(d, row, impedance, impulses, joints=(0.0, 0.0)):
+    """What the elimination finds, shape (N+2,), in real or complex work space; joints have κ and μ."""
+    resistance, moments = joints
+    space = d.implicit.pairs if np.iscomplexobj(impedance) else d.work
+    set_impedances(space.impedance, impedance)
+    space.impedance.joint[:] = resistance
+    factorize(d, d.work.link, space, row, bool(np.any(resistance) or np.any(moments)))
+    set_vectors(space.load, impulses)
+    space.load.joint[:], space.change[:] = moments, np.nan
+    solve(d, d.work.link, space, row, space.change)
+    return space.change.copy()
+
+
+def assembled(scene, angles, impedance, impulses):
+    """M + Jᵀ D J and Jᵀ p."""
+    matrix, right = mass_matrix(scene, angles), 0.0
+    for k in range(len(angles) + 1):
+        jacobian = point_jacobian(scene, angles, k)
+        matrix = matrix + jacobian.T @ impedance[k] @ jacobian
+        right = right + jacobian.T @ impulses[k]
+    return matrix, right
+
+
+@pytest.mark.full("more cases", but=60)
+@pytest.mark.parametrize("angle", [0.0, 0.5, 1.06])
+@pytest.mark.parametrize("largest", [0.0, 1.0, 1e6, 1e12])
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize("count", range(1, 9))
+def test_it_solves_the_assembled_equations(count, base, largest, angle):
+    """(M + Jᵀ D J + Gᵀ K G) Δ = Jᵀ p + Gᵀ μ, for a real shift and for complex ones of this argument.
+
+    Stiff dampers drown the rest of the matrix. So the dense solution has their moments as unknowns, too:
+    (M + Jᵀ D J) Δ − Gᵀ m = Jᵀ p and G Δ + K⁻¹ m = K⁻¹ μ where there is a damper.
     """
+    rng = np.random.default_rng([count, len(base), int(np.log10(1.0 + largest)), int(100 * angle)])
+    scene = random_chain(rng, count, base, largest)
+    angles, aim = rng.uniform(-np.pi, np.pi, count), rng.uniform(-3.0, 3.0, count)
+    d, phase = prepared(scene, angles), np.exp(1j * angle) if angle else 1.0
+    impulses = phase**2 * rng.uniform(-2.0, 2.0, (count + 1, 2))
+    impedance = phase * random_impedances(rng, count + 1, 20.0)
+    damper = phase * rng.uniform(0.1, 2.0) * np.array([link.joint_damping for link in scene.chain.links])
+    held, free = damper != 0.0, slice(2, None) if base == "pinned" else slice(None)
 
-    def __init__(self, count, outward, heaviest=0.0):
-        rng = np.random.default_rng([count, outward])
-        self.scene, self.d = chain(rng, count)
-        d, n = self.d, count
-        self.y = random_state(rng, d)
-        link_vectors(d, self.y)
-        angles, omega = self.y[2 : n + 2], self.y[n + 4 : 2 * n + 4]
-        loads, d.work.moment[:] = rng.normal(size=(n + 1, 2)), rng.normal(size=n)
-        joint = 0 if outward else n
-        # of no importance to what hangs from the joint
-        added = random_impedances(rng, n + 1, heaviest)
-        set_vectors(d.work.load, loads)
-        loads[joint] = added[joint] = 0.0
-        set_impedances(d.work.impedance, added)
-        matrix, right = mass_matrix(self.scene, angles), np.zeros(n + 2)
-        for k in range(n + 1):
-            jacobian = point_jacobian(self.scene, angles, k)
-            matrix += jacobian.T @ added[k] @ jacobian
-            right += jacobian.T @ loads[k]
-        # the base's coordinates for the joint's: v₀ = v − J ω
-        change = np.eye(n + 2)
-        change[:2, 2:] = -point_jacobian(self.scene, angles, joint)[:, 2:]
-        link = np.transpose([d.work.link.x, d.work.link.y])[:n]
-        drift = np.zeros(n + 2)
-        drift[:2] = 0.0 if outward else (omega**2) @ link
-        force = generalized_force(self.scene, angles, omega, loads, d.work.moment)
-        self.matrix = change.T @ matrix @ change
-        self.right = change.T @ (force - matrix @ drift)
-        self.impulses = change.T @ right
-        # from the free end to the joint
-        self.links = range(n - 1, -1, -1) if outward else range(n)
+    matrix, right = assembled(scene, angles, impedance, impulses)
+    across = relative_motion(count)[held][:, free]
+    whole = np.block([[matrix[free, free], -across.T], [across, np.diag(1.0 / damper[held])]])
+    expected = np.zeros(count + 2, whole.dtype)
+    expected[free] = np.linalg.solve(whole, [*right[free], *aim[held]])[: len(right[free])]
 
-    def condensed(self, right):
-        """A and b: the coordinates α are eliminated."""
-        inner = np.linalg.solve(self.matrix[2:, 2:], np.column_stack([self.matrix[2:, :2], right[2:]]))
-        parts = np.column_stack([self.matrix[:2, :2], right[:2]]) - self.matrix[:2, 2:] @ inner
-        return parts[:, :2], -parts[:, 2]
-
-    def answer(self, right, a):
-        """α for an a."""
-        return np.linalg.solve(self.matrix[2:, 2:], right[2:] - self.matrix[2:, :2] @ a)
+    found = answer(d, 1, impedance, impulses, (damper, damper * aim))
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+    if base == "pinned":
+        assert (found[:2] == 0.0).all()
 
 
-@OUTWARD
-@COUNTS
-def test_links_hanging_from_a_joint_answer_its_acceleration_as_assembled(count, outward):
-    """``eliminate_end`` and ``eliminate`` find A and b, and ``accelerate`` all α for an a."""
-    case = Hanging(count, outward)
-    d, y, (first, *others) = case.d, case.y, case.links
-    result = eliminate_end(d, y, first, outward)
-    for i in others:
-        result = eliminate(d, y, i, outward, *result)
-    a, b = case.condensed(case.right)
-    np.testing.assert_allclose(result, [a[0, 0], a[0, 1], a[1, 1], *b], rtol=1e-10, atol=1e-11)
-
-    moved, rate = np.array([0.7, -1.3]), np.full(len(y), np.nan)
-    now = tuple(moved)
-    for i in reversed(case.links):
-        now = accelerate(d, y, i, outward, *now, rate)
-    expected = case.answer(case.right, moved)
-    np.testing.assert_allclose(rate[count + 4 : 2 * count + 4], expected, rtol=1e-10, atol=1e-11)
-    # the free end, where the links end
-    angles, omega = y[2 : count + 2], y[count + 4 : 2 * count + 4]
-    sign = 1.0 if outward else -1.0
-    turning = point_jacobian(case.scene, angles, count)[:, 2:] @ expected
-    end = moved + sign * (turning - (omega**2) @ np.transpose([d.work.link.x, d.work.link.y])[:count])
-    np.testing.assert_allclose(now, end, rtol=1e-10, atol=1e-11)
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_real_numbers_are_complex_ones(base):
+    rng = np.random.default_rng(5)
+    scene = random_chain(rng, 5, base, 1e6)
+    d = prepared(scene, rng.uniform(-np.pi, np.pi, 5))
+    impedance, given = (
+        random_impedances(rng, 6, 20.0),
+        (rng.normal(size=(6, 2)), (rng.normal(size=5) ** 2, 1.3)),
+    )
+    found, expected = answer(d, 0, impedance + 0j, *given), answer(d, FREE, impedance, *given)
+    np.testing.assert_allclose(found.real, expected, rtol=1e-12, atol=1e-13)
+    assert (found.imag == 0.0).all()
 
 
-@OUTWARD
-@COUNTS
-@pytest.mark.parametrize("heaviest", [0.0, 3.0])
-def test_they_answer_impulses_likewise_with_impedances_at_their_points(count, outward, heaviest):
-    """``factorize_link`` finds A, ``gather`` what arrives and the work, and ``spread`` the rates."""
-    case = Hanging(count, outward, heaviest)
-    d, work, inertia = case.d, case.d.work, (0.0, 0.0, 0.0)
-    for i in case.links:
-        inertia = factorize_link(d, work.link, work.impedance, work.factors, i, outward, *inertia)
-    a, b = case.condensed(case.impulses)
-    np.testing.assert_allclose(inertia, [a[0, 0], a[0, 1], a[1, 1]], rtol=1e-10, atol=1e-11)
-
-    arrives, change = (0.0, 0.0, 0.0), np.full(count + 2, np.nan)
-    for i in case.links:
-        arrives = gather(work.link, work.factors, work.load, i, outward, *arrives, change)
-    np.testing.assert_allclose(arrives[:2], -b, rtol=1e-10, atol=1e-11)
-    done = case.impulses[2:] @ case.answer(case.impulses, np.zeros(2))
-    assert arrives[2] == pytest.approx(done, rel=1e-10)
-    moved = np.array([0.7, -1.3])
-    now = tuple(moved)
-    for i in reversed(case.links):
-        now = spread(work.link, work.factors, i, outward, *now, change)
-    expected = case.answer(case.impulses, moved)
-    np.testing.assert_allclose(change[2:], expected, rtol=1e-10, atol=1e-11)
-    turning = point_jacobian(case.scene, case.y[2 : count + 2], count)[:, 2:] @ expected
-    end = moved + (turning if outward else -turning)
-    np.testing.assert_allclose(now, end, rtol=1e-10, atol=1e-11)
+def test_infinitely_stiff_dampers_make_the_chain_one_body():
+    rng = np.random.default_rng(4)
+    scene = random_chain(rng, 5, "free", 0.0)
+    angles, impulses = rng.uniform(-np.pi, np.pi, 5), rng.uniform(-2.0, 2.0, (6, 2))
+    d = prepared(scene, angles)
+    found = answer(d, FREE, np.zeros((6, 2, 2)), impulses, ([0.0, *[1e200] * 4], 0.0))
+    np.testing.assert_allclose(found[2:], found[2], rtol=1e-13)
+    # the coordinates of one body: the base and a common angle
+    together = np.zeros((7, 3))
+    together[0, 0] = together[1, 1] = 1.0
+    together[2:, 2] = 1.0
+    right = sum(point_jacobian(scene, angles, k).T @ impulses[k] for k in range(6))
+    body = np.linalg.solve(together.T @ mass_matrix(scene, angles) @ together, together.T @ right)
+    np.testing.assert_allclose(found, together @ body, rtol=0, atol=1e-12 * np.abs(body).max())
 
 
-@OUTWARD
-def test_one_link_with_an_inertia_at_its_end_is_a_body_of_three_coordinates(outward):
-    """With (a, α): h and H are the last row of its mass matrix, and what is left without α is A."""
-    case = Hanging(1, outward)
-    d, added = case.d, np.array([[1.3, -0.4], [-0.4, 0.8]])
-    jacobian = np.hstack([np.eye(2), [[-d.work.link.y[0]], [d.work.link.x[0]]]])
-    jacobian[:, 2] *= 1.0 if outward else -1.0
-    matrix = case.matrix + jacobian.T @ added @ jacobian
-    axx, axy, ayy = added[0, 0], added[0, 1], added[1, 1]
-    link = arm(d, d.work.link, 0, outward)
-    hx, hy, inverse = hinge(*link, axx, axy, ayy)
-    np.testing.assert_allclose([hx, hy, 1.0 / inverse], matrix[2], rtol=1e-12)
-    # d: the force at the outer joint for a = 0 and α = 0
-    outer = np.array([0.4, -0.9])
-    right = case.right - jacobian.T @ outer
-    load = jacobian.T @ vectors(d.work.load)[1 if outward else 0]
-    omega = case.y[5]
-    found = eliminate_link(d, 0, omega * omega, link, hx, hy, inverse, axx, axy, ayy, *outer)
-    whole = SimpleNamespace(matrix=matrix)
-    a, b = Hanging.condensed(whole, right - load)
-    np.testing.assert_allclose(found, [a[0, 0], a[0, 1], a[1, 1], *b], rtol=1e-11, atol=1e-12)
+@pytest.mark.parametrize("stiff", [0.0, 1.0, 1e8])
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_many_links_with_impedances_move_as_assembled(base, stiff):
+    rng = np.random.default_rng(8)
+    scene, angles = random_chain(rng, 50, base, 0.0), rng.uniform(-np.pi, np.pi, 50)
+    impedance, impulses = random_impedances(rng, 51, stiff), rng.uniform(-20.0, 20.0, (51, 2))
+    matrix, right = assembled(scene, angles, impedance, impulses)
+    d, free = prepared(scene, angles), slice(2, None) if base == "pinned" else slice(None)
+    found = answer(d, FREE, impedance, impulses)
+    # to round-off: what an impedance holds fast moves by differences of what does not
+    scale = np.abs(matrix) @ np.abs(found) + np.abs(right)
+    assert np.abs((matrix @ found - right) / scale)[free].max() < 1e-12
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 6])
@@ -172,27 +158,22 @@ def test_the_arms_of_a_free_chain_may_meet_at_any_joint(count):
     y, work = random_state(rng, d), d.work
     link_vectors(d, y)
     loads, work.moment[:] = rng.normal(size=(count + 1, 2)), rng.normal(size=count)
-    set_vectors(work.load, loads)
-    added = random_impedances(rng, count + 1, 2.0)
+    impedance, joints = random_impedances(rng, count + 1, 2.0), np.array([0.0, *rng.uniform(0, 9, count - 1)])
+    moments = rng.normal(size=count) * (joints > 0.0)
     angles, omega = y[2 : count + 2], y[count + 4 : 2 * count + 4]
-    matrix, right = mass_matrix(scene, angles), np.zeros(count + 2)
     force = generalized_force(scene, angles, omega, loads, work.moment)
-    expected = np.linalg.solve(matrix, force)
-    for k in range(count + 1):
-        jacobian = point_jacobian(scene, angles, k)
-        matrix += jacobian.T @ added[k] @ jacobian
-        right += jacobian.T @ loads[k]
-    moved = np.linalg.solve(matrix, right)
+    expected = np.linalg.solve(mass_matrix(scene, angles), force)
+    matrix, right = assembled(scene, angles, impedance, loads)
+    across = relative_motion(count)
+    moved = np.linalg.solve(matrix + across.T @ np.diag(joints) @ across, right + across.T @ moments)
     for middle in range(count // 2 + 1):
-        rate, change = np.full(len(y), np.nan), np.full(count + 2, np.nan)
+        set_vectors(work.load, loads)
+        rate = np.full(len(y), np.nan)
         arms(d, y, rate, middle)
         np.testing.assert_allclose(rate[count + 2 : 2 * count + 4], expected, rtol=1e-9, atol=1e-10)
         d.model.middle = middle
-        set_impedances(work.impedance, added)
-        factorize(d, work.link, work.impedance, work.factors)
-        done = solve(d, work.link, work.factors, work.load, change)
-        np.testing.assert_allclose(change, moved, rtol=1e-9, atol=1e-10)
-        assert done == pytest.approx(right @ moved, rel=1e-9)
+        found = answer(d, FREE, impedance, loads, (joints, moments))
+        np.testing.assert_allclose(found, moved, rtol=1e-9, atol=1e-10)
     # and a pinned one is held at its base
     d.model.pinned, rate = 1, np.full(len(y), np.nan)
     accelerations(d, y, rate)
@@ -211,14 +192,68 @@ def test_accelerations_leave_the_factors_of_the_mass_matrix(count, pinned):
     link_vectors(d, y)
     work.moment[:] = rng.normal(size=count)
     set_vectors(work.load, rng.normal(size=(count + 1, 2)))
-    accelerations(d, y, np.zeros(len(y)))
-    kept = work.elimination
-    set_middle(d, kept, kept.middle_xx, kept.middle_xy, kept.middle_yy)
     no_impedance(d, work.impedance)
-    factorize(d, work.link, work.impedance, work.factors)
-    for name in ("gain_x", "gain_y", "inverse", "middle_mobility"):
-        found, expected = getattr(kept, name), getattr(work.factors, name)
-        np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-15, err_msg=name)
+    factorize(d, work.link, work, HELD, True)
+    work.factors.share[FREE] = work.factors.rest[FREE] = 7.0
+    accelerations(d, y, np.zeros(len(y)))
+    take_factors(d, True)
+    for name in ("gain_x", "gain_y", "inverse", "share", "rest", "middle_mobility", "coupled"):
+        found = getattr(work.factors, name)
+        np.testing.assert_allclose(found[FREE], found[HELD], rtol=1e-13, atol=1e-15, err_msg=name)
+
+
+def exact(scene, angles, impedance, resistance, impulses):
+    """The solution of the assembled equations of a free chain in numbers of 60 digits, rounded."""
+    with mpmath.workdps(60):
+        links = scene.chain.links
+        turned = [
+            link.length * mpmath.matrix([-mpmath.sin(a), mpmath.cos(a)])
+            for link, a in zip(links, map(mpmath.mpf, angles), strict=True)
+        ]
+
+        def jacobian(whole, part=0.0):
+            """Of the point behind so many whole links and a part of the next one."""
+            rows = mpmath.zeros(2, len(links) + 2)
+            rows[0, 0] = rows[1, 1] = 1
+            for i, one in enumerate(turned):
+                share = 1 if i < whole else part if i == whole else 0
+                rows[0, 2 + i], rows[1, 2 + i] = share * one[0], share * one[1]
+            return rows
+
+        size = len(links) + 2
+        matrix, right = mpmath.zeros(size, size), mpmath.zeros(size, 1)
+        for i, link in enumerate(links):
+            centre = jacobian(i, mpmath.mpf(link.center_of_mass) / link.length)
+            matrix += link.mass * centre.T * centre
+            matrix[2 + i, 2 + i] += link.inertia
+            turn = mpmath.zeros(1, size)
+            turn[2 + i], turn[1 + i] = 1, -1 if i else 0
+            matrix += float(resistance[i]) * turn.T * turn
+        for k, (added, impulse) in enumerate(zip(impedance.tolist(), impulses.tolist(), strict=True)):
+            matrix += jacobian(k).T * mpmath.matrix(added) * jacobian(k)
+            right += jacobian(k).T * mpmath.matrix(impulse)
+        return np.array([float(one) for one in mpmath.lu_solve(matrix, right)])
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("stopped", [False, True])
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_a_light_first_link_that_walls_hold_in_a_corner_keeps_its_digits(count, stopped, ratio):
+    """Each coordinate, to D/m times round-off, as for heavy ones; also beside a joint at a stop."""
+    links = [
+        {"length": 0.5 + 0.1 * i, "mass": 1.0 + 0.3 * i, "center_of_mass": 0.2, "inertia": 0.02 + 0.01 * i}
+        for i in range(count)
+    ]
+    links[0] |= {"mass": ratio, "inertia": 0.02 * ratio}
+    table = {"name": "Light", "chain": {"links": links}, "contact": {"points": []}}
+    angles = np.array([0.3, -0.7, 1.1, 0.2][:count])
+    scene = scene_from_dict(table | {"initial": {"angles": angles.tolist()}}, "light")
+    d, resistance, impedance = prepared(scene, angles), np.zeros(count), np.zeros((count + 1, 2, 2))
+    impedance[0], resistance[1] = 1e6 * np.eye(2), 1e6 * stopped
+    impulses = np.random.default_rng(1).normal(size=(count + 1, 2))
+    found = answer(d, HELD, impedance, impulses, (resistance, 0.0))
+    expected = exact(scene, angles, impedance, resistance, impulses)
+    np.testing.assert_allclose(found, expected, rtol=5e-9)
 
 
 def test_without_impedances_the_points_are_as_light_as_they_are():

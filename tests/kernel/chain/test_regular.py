@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from chain_impact.kernel.chain.elimination import FREE, factorize, no_impedance
 from chain_impact.kernel.chain.kinematics import link_vectors
-from chain_impact.kernel.chain.recursion import factorize, no_impedance
 from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict
@@ -92,9 +92,9 @@ def test_what_it_allows_has_positive_pivots(pinned):
         for angles in (rng.choice([0.0, np.pi], count), rng.uniform(-3.0, 3.0, count)):
             link_vectors(d, np.array([0.0, 0.0, *angles]))
             no_impedance(d, d.work.impedance)
-            factorize(d, d.work.link, d.work.impedance, d.work.factors)
-            assert (d.work.factors.inverse > 0.0).all()
-            assert d.work.factors.inverse.max() < 1e6
+            factorize(d, d.work.link, d.work, FREE, False)
+            assert (d.work.factors.inverse[FREE] > 0.0).all()
+            assert d.work.factors.inverse[FREE].max() < 1e6
     assert allowed > 30
 
 

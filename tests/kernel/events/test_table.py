@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.joint_rate import joint_bound
+from chain_impact.kernel.chain.joints import joint_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import table
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE

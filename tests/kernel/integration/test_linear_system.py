@@ -89,8 +89,8 @@ def solutions(d, size, h):
             factorize_real(d, shift.real)
             solve_real(d, shift.real, x)
         else:
-            factorize_complex(d, pair, shift.real, shift.imag)
-            solve_complex(d, pair, shift.real, shift.imag, x, y)
+            factorize_complex(d, shift, pair)
+            solve_complex(d, shift, pair, x, y, size)
         yield shift, r, x + 1j * y
 
 

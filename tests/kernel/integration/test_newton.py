@@ -51,7 +51,7 @@ def problem(rate, jacobian):
     def fill(_d, y, _elapsed, out):
         out[: len(y)] = rate(y)
 
-    def solve(d, h):
+    def solve(d, h, _size):
         parts, matrix = d.implicit.parts, h * jacobian(d.implicit.start)
         one = np.eye(len(matrix))
         parts[0] = np.linalg.solve(one - REAL_EIGENVALUE * matrix, parts[0])
@@ -60,7 +60,7 @@ def problem(rate, jacobian):
             x = np.linalg.solve(one - complex(real, imaginary) * matrix, parts[at] + 1j * parts[at + 1])
             parts[at], parts[at + 1] = x.real, x.imag
 
-    iterate, converge = simplified_newton(
+    find_residuals, correct_stages, converge = simplified_newton(
         lambda _d: None, fill, lambda _d, _z: None, lambda _d, _h: None, solve
     )
 
@@ -71,7 +71,9 @@ def problem(rate, jacobian):
     def patient(d, h):
         d.implicit.stages[:] = 0.0
         for _ in range(60):
-            iterate(d, h, len(d.implicit.start))
+            find_residuals(d, h, len(d.implicit.start))
+            solve(d, h, len(d.implicit.start))
+            correct_stages(d, h, len(d.implicit.start))
 
     return step, patient
 

@@ -6,7 +6,7 @@ import pytest
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.errors import set_weights
 from chain_impact.kernel.integration.extended import extend_start, extended_slopes, gap_at, rate_at
-from chain_impact.kernel.integration.linear_system import factorize_real
+from chain_impact.kernel.integration.linear_system import contact_impedance, factorize_real
 from chain_impact.kernel.integration.projection import (
     APART,
     largest_mismatch,
@@ -43,7 +43,7 @@ def step():
 def response(scene, d, y, touched, wanted):
     """Δ of (M + Jᵀ D J) Δ = Jᵀ D wanted, for the impedances D of the contacts."""
     slopes = gradients(scene, d, y[2:HALF], touched)
-    impedance = np.diag(d.implicit.impedance[: len(touched)])
+    impedance = np.diag([contact_impedance(d, k, d.implicit.shift) for k in range(len(touched))])
     matrix = mass_matrix(scene, y[2:HALF]) + slopes.T @ impedance @ slopes
     return np.linalg.solve(matrix, slopes.T @ impedance @ wanted)
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.joint_rate import joint_rate
+from chain_impact.kernel.chain.joints import joint_rate
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import AUTO
 from chain_impact.kernel.integration.step_size import at_onset

@@ -3,16 +3,17 @@
 import numpy as np
 import pytest
 
+from chain_impact.kernel.chain.elimination import HELD, SHIFTED, factorize
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.model.compliance import (
     LEAST_MOBILITY,
     effective_mass,
     factorize_contacts,
-    solve_chain,
     solve_contacts,
+    solve_space,
 )
-from chain_impact.kernel.model.geometry import add_along, clear_loads_of, normal
-from tests.kernel.chain.test_damped import relative_motion
+from chain_impact.kernel.model.geometry import add_along, clear_loads_of, join, normal
+from tests.kernel.chain.test_elimination import relative_motion
 from tests.kernel.chains import (
     chain,
     free_coordinates,
@@ -66,8 +67,8 @@ def test_it_gives_way_as_assembled(case):
     scene, d, angles, matrix, jacobian, rng = case
     count, active = d.links, len(jacobian)
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
-    factorize_contacts(d, d.work.link, impedance, 0.0, d.rigid.factors)
-    solve_contacts(d, d.work.link, d.rigid.factors, impulse, d.rigid.change)
+    factorize_contacts(d, HELD, impedance)
+    solve_contacts(d, HELD, impulse, d.rigid.change)
     stiff = matrix + jacobian.T @ np.diag(impedance[:active]) @ jacobian
     expected = solved(d, stiff, jacobian.T @ impulse[:active])
     np.testing.assert_allclose(d.rigid.change, expected, rtol=0, atol=1e-10)
@@ -80,12 +81,15 @@ def test_it_gives_way_as_assembled_when_joints_resist(case):
     scene, d, angles, matrix, jacobian, rng = case
     count, active, time = d.links, len(jacobian), 0.3
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
-    factorize_contacts(d, d.work.link, impedance, time, d.implicit.real)
-    assert d.implicit.real.coupled == d.model.resisting == (count > 1 or d.model.pinned)
-    joints = rng.normal(size=count) * d.implicit.real.coupled
+    factorize_contacts(d, SHIFTED, impedance)
+    join(d, d.work.impedance, time)
+    factorize(d, d.work.link, d.work, SHIFTED, d.model.resisting)
+    assert d.model.resisting == (count > 1 or d.model.pinned)
+    joints = rng.normal(size=count) * d.model.resisting
+    joints[0] *= d.model.pinned
     load(d, impulse, joints)
     change = np.full(count + 2, np.nan)
-    solve_chain(d, d.work.link, d.implicit.real, change)
+    solve_space(d, d.work.link, d.work, SHIFTED, change)
     links, across = scene.chain.links, relative_motion(count)
     resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
     resistance[0] *= d.model.pinned  # a free base is no joint
@@ -101,8 +105,8 @@ def test_loads_and_impedances_are_those_of_the_contacts_alone(case):
     """The virtual work of the loads is Jᵀ p, and the energy of the impedances ½ Σ D (n·v)²."""
     scene, d, angles, _, jacobian, rng = case
     impedance, impulse = rng.uniform(1.0, 2.0, d.candidates), rng.normal(size=d.candidates)
-    factorize_contacts(d, d.work.link, impedance, 0.0, d.rigid.factors)
-    solve_contacts(d, d.work.link, d.rigid.factors, impulse, d.rigid.change)
+    factorize_contacts(d, HELD, impedance)
+    solve_contacts(d, HELD, impulse, d.rigid.change)
     total, added = np.zeros(d.links + 2), np.zeros((d.links + 2, d.links + 2))
     own = d.work.impedance
     for k, load in enumerate(vectors(d.work.load)):
@@ -163,15 +167,16 @@ def test_stops_give_way_as_assembled(base, count, resist, time):
     active, across = len(jacobian), relative_motion(count)
     assert active > 2
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
-    factorize_contacts(d, d.work.link, impedance, time, d.implicit.real)
-    assert d.implicit.real.coupled == 1
+    factorize_contacts(d, SHIFTED, impedance)
+    join(d, d.work.impedance, time)
+    factorize(d, d.work.link, d.work, SHIFTED, True)
     links = scene.chain.links
     resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
     resistance[0] *= d.model.pinned  # a free base is no joint
     stiff = matrix + jacobian.T @ np.diag(impedance[:active]) @ jacobian
     stiff += across.T @ np.diag(resistance) @ across
     change = np.full(count + 2, np.nan)
-    solve_contacts(d, d.work.link, d.implicit.real, impulse, change)
+    solve_contacts(d, SHIFTED, impulse, change)
     expected = solved(d, stiff, jacobian.T @ impulse[:active])
     np.testing.assert_allclose(change, expected, rtol=0, atol=1e-9)
     np.testing.assert_allclose(
@@ -181,7 +186,7 @@ def test_stops_give_way_as_assembled(base, count, resist, time):
     joints = rng.normal(size=count)
     joints[0] *= d.model.pinned
     load(d, impulse, joints)
-    solve_chain(d, d.work.link, d.implicit.real, change)
+    solve_space(d, d.work.link, d.work, SHIFTED, change)
     expected = solved(d, stiff, jacobian.T @ impulse[:active] + across.T @ joints)
     np.testing.assert_allclose(change, expected, rtol=0, atol=1e-9)
 

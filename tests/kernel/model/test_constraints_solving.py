@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
+from chain_impact.kernel.chain.elimination import FREE, HELD
 from chain_impact.kernel.model import constraints
 from chain_impact.kernel.model.compliance import (
     STIFF,
@@ -24,6 +25,7 @@ from chain_impact.kernel.model.constraints import (
     clear_unsolved,
     correct_impulses,
     count_violations,
+    factorize_free,
     find_residual,
     note_moving,
     note_unsolved,
@@ -69,8 +71,8 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
     for k, c in enumerate(d.touch.active_index[:4]):
         touch(d, [c])
         d.rigid.impedance[0] = amount
-        factorize_contacts(d, d.work.link, d.rigid.impedance, 0.0, d.rigid.factors)
-        solve_contacts(d, d.work.link, d.rigid.factors, np.ones(len(d.rigid.impulse)), d.rigid.change)
+        factorize_contacts(d, HELD, d.rigid.impedance)
+        solve_contacts(d, HELD, np.ones(len(d.rigid.impulse)), d.rigid.change)
         moved = along(normal(d, c), d.work.motion)
         assert moved == pytest.approx(w[k, k] / (1.0 + amount * w[k, k]), rel=1e-6)
         assert moved < 1e-5 * w[k, k]
@@ -84,9 +86,9 @@ def test_a_sweep_is_a_step_of_the_augmented_lagrangian(base, pressed):
     d, _, _, _, w = problem(base, pressed)
     own, count, impedance = d.rigid, len(pressed), 40.0
     set_impedance(d, 0.0)
-    factorize_contacts(d, d.work.link, own.impedance, 0.0, d.work.factors)
+    factorize_contacts(d, FREE, own.impedance)
     set_impedance(d, impedance)
-    factorize_contacts(d, d.work.link, own.impedance, 0.0, own.factors)
+    factorize_contacts(d, HELD, own.impedance)
     clear_impulses(d)
     p, amounts = np.zeros(count), impedance * np.array(pressed)
     for _ in range(3):
@@ -107,6 +109,7 @@ def test_a_sweep_is_a_step_of_the_augmented_lagrangian(base, pressed):
 def test_all_of_the_pressed_reach_their_aims_and_impulses_are_counted_as_work(pressed):
     d, _, _, response, w = problem(pressed=pressed)
     own, rows, before = d.rigid, np.flatnonzero(pressed), d.limits.other_work
+    factorize_free(d)
     solve_equality(d, 2.0)
     expected = np.zeros(4)
     expected[rows] = np.linalg.solve(w[np.ix_(rows, rows)], (own.target - own.start)[rows])
@@ -122,6 +125,7 @@ def test_the_only_one_that_is_pressed_takes_one_solution(row):
     d, _, _, response, w = problem(pressed=pressed)
     own, before = d.rigid, d.limits.other_work
     assert only_active(d) == row
+    factorize_free(d)
     solve_equality(d, 2.0)
     expected = np.zeros(4)
     expected[row] = (own.target - own.start)[row] / w[row, row]
@@ -135,11 +139,13 @@ def test_one_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
     d, _, _, _, w = problem(pressed=[0, 1, 0, 0])
     own, before = d.rigid, d.limits.other_work
     monkeypatch.setattr(constraints, "LEAST_SINGLE", 1.01 * w[1, 1] * mean_mass(d))
+    factorize_free(d)
     solve_equality(d, 2.0)
     assert own.impulse[1] == pytest.approx((own.target - own.start)[1] / w[1, 1], rel=1e-12)
     assert d.limits.other_work >= before + 4
     monkeypatch.setattr(constraints, "LEAST_SINGLE", 0.99 * w[1, 1] * mean_mass(d))
     before = d.limits.other_work
+    factorize_free(d)
     solve_equality(d, 2.0)
     assert d.limits.other_work == before + 1
 
@@ -176,6 +182,7 @@ def test_the_complementary_impulses_do_not_depend_on_the_guess(seed, guess):
     d, _, _, _, w = problem(pressed=guess, seed=seed)
     own = d.rigid
     expected = complementary_impulses(w, own.start[:4], own.target[:4])
+    factorize_free(d)
     solve_lcp(d, np.abs(own.start).max())
     np.testing.assert_allclose(own.impulse[:4], expected, rtol=0, atol=1e-9 * max(1.0, expected.max()))
     assert ((own.impulse[:4] > 0.0) <= (own.in_active_set[:4] == 1)).all()
@@ -217,6 +224,7 @@ def test_points_that_cannot_be_held_are_told_by_what_is_left():
     d.touch.active_index[1] = d.touch.active_index[0]
     own.start[:2], own.target[:2] = 0.0, (1.0, -1.0)
     before = d.limits.other_work
+    factorize_free(d)
     assert solve_equality(d, 1.0) == pytest.approx(1.0, rel=1e-6)
     assert d.limits.other_work - before <= 20
     for tolerated, noted in ((2.0, SOLVED), (0.5, MOVING)):
@@ -236,6 +244,7 @@ def test_a_point_that_hardly_moves_is_held_in_a_few_iterations(monkeypatch, part
     monkeypatch.setattr(constraints, "holding_impedance", lambda _: part / w[1, 1])
     monkeypatch.setattr(constraints, "STIFFEST", 1e12 * part / w[1, 1] / mean_mass(d))
     before = d.limits.other_work
+    factorize_free(d)
     assert solve_equality(d, 2.0) <= 2e-15
     assert d.limits.other_work - before <= 22
     assert d.rigid.impulse[1] == pytest.approx((d.rigid.target - d.rigid.start)[1] / w[1, 1], rel=1e-12)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from chain_impact.kernel.chain.joints import spring_energy
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.springs import spring_energy
 from chain_impact.kernel.model.contact import begin_contact, set_kink_sides
 from chain_impact.kernel.model.contact_force import elastic_energy
 from chain_impact.kernel.model.energy import energy_balance, mechanical_energy, stored_energy

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from chain_impact.kernel.chain.joints import spring_energy
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.springs import spring_energy
 from chain_impact.kernel.chain.state import (
     dissipated_at,
     omega_at,
@@ -22,7 +22,7 @@ from chain_impact.kernel.model.equations import (
     located_rate,
     state_rate,
 )
-from tests.kernel.chain.test_damped import relative_motion
+from tests.kernel.chain.test_elimination import relative_motion
 from tests.kernel.chains import (
     chain,
     free_coordinates,

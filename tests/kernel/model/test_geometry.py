@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from chain_impact.kernel.chain.elimination import no_impedance
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, move_points
-from chain_impact.kernel.chain.recursion import no_impedance
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.geometry import (
     NORMALS,
@@ -18,7 +18,7 @@ from chain_impact.kernel.model.geometry import (
     clearance,
     coordinates_size,
     gap_acceleration,
-    impedance_of_joints,
+    join,
     lever,
     normal,
     place_side,
@@ -228,7 +228,7 @@ def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
         add_impedance(normal(d, c), own, 2.5)
         energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2
         assert energy == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
-        impedance_of_joints(d, own)
+        join(d, own, 0.0)
         if d.candidate.stop[c]:
             assert own.joint @ turns**2 == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
     # J v by a difference of g
@@ -361,6 +361,6 @@ def test_the_motion_and_the_load_along_tangents_are_adjoint(rubbing):
         add_impedance(tangent(d, e), own, 1.5)
         energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2
         assert energy == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
-        impedance_of_joints(d, own)
+        join(d, own, 0.0)
         if e >= d.candidates:
             assert own.joint @ turns**2 == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)

@@ -6,8 +6,7 @@ import pytest
 from chain_impact.kernel.model import holding
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.friction import STICKS, list_sticking
-from chain_impact.kernel.model.holding import add_constraint_forces
-from chain_impact.kernel.model.sticking import sticks_alone
+from chain_impact.kernel.model.holding import add_constraint_forces, sticks_alone
 from tests.kernel.rubbing import rubbing_chain
 from tests.plain import make_rigid
 

@@ -25,6 +25,9 @@ class Dual:
     def carried(self, number: float, slope: float) -> Dual:
         return Dual(number, slope * self.slope)
 
+    def sloped(self, direction: int, slope: float) -> Dual:
+        return Dual(self.value, [slope if k == direction else one for k, one in enumerate(self.slope)])
+
     def varies(self) -> bool:
         return bool((self.slope != 0.0).any())
 

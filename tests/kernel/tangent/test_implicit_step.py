@@ -84,7 +84,7 @@ def test_derivatives_that_an_iteration_does_not_reach_are_not_there(more):
 def test_derivatives_that_have_ended_are_not_iterated(reason, monkeypatch):
     """The step is made for its values all the same."""
     called = []
-    before = ["extend_start", "extrapolate_stages", "take_stages", "take_slopes", "factorize"]
+    before = ["extend_start", "extrapolate_stages", "take_stages", "take_slopes", "factorize_real"]
     for name in (*before, "set_result"):
         monkeypatch.setattr(implicit_step, name, lambda *_, name=name: called.append(name))
     monkeypatch.setattr(implicit_step, "extended_size", lambda _t: 1)

@@ -68,6 +68,12 @@ def zero(d, vectors):
             vectors.x[k], vectors.y[k] = 0.0, 0.0
 
 
+def clear_joints(values):
+    """Set the moments in, or the impedances of, all joints to zero."""
+    for i in range(len(values.joint)):
+        values.joint[i] = 0.0
+
+
 def link_vectors(d, y):
     """Set L_i [m], the vector from the proximal to the distal joint of each link, for the state y."""
     note_points_elsewhere(d)

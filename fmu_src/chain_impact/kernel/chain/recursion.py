@@ -19,10 +19,11 @@ frictionless impact-contacts in open-loop robotic mechanisms*, Mechanism and Mac
 elimination in this form is derived in docs/computation.md.
 """
 
-from chain_impact.kernel.chain.state import ANGLES, omega_at, velocity_at
+from chain_impact.kernel.chain.state import omega_at, velocity_at
 from chain_impact.kernel.inlining import inlined
 
 
+@inlined
 def arm(d, link, i, outward):
     """Link i as seen from its joint nearer to the middle: the proximal one if it points ``outward``.
 
@@ -37,24 +38,25 @@ def arm(d, link, i, outward):
     return -lx, -ly, -first * lx, -first * ly, d.model.distal_inertia[i]
 
 
-def hinge(lx, ly, sx, sy, inertia, axx, axy, ayy):
-    """Return h and 1/H for L, m c, I + m c² and A'."""
-    # h = m c⊥ + A' L⊥
+@inlined
+def hinge(link, axx, axy, ayy):
+    """Return h and H for a link as seen by ``arm`` and A'."""
+    lx, ly, sx, sy, inertia = link
+    # h = m c⊥ + A' L⊥,  H = I + m c² + L⊥·A' L⊥
     hx, hy = axy * lx - axx * ly - sy, ayy * lx - axy * ly + sx
-    # H = I + m c² + L⊥·A' L⊥, first, as all other results depend on it
-    return hx, hy, 1.0 / ((inertia + ayy * (lx * lx)) + (axx * (ly * ly) - axy * (2.0 * lx * ly)))
+    return hx, hy, (inertia + ayy * (lx * lx)) + (axx * (ly * ly) - axy * (2.0 * lx * ly))
 
 
 def eliminate(d, y, i, outward, axx, axy, ayy, bx, by):
     """Eliminate α_i: return A and b for A' and b'."""
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
-    link = lx, ly, sx, sy, inertia = arm(d, d.work.link, i, outward)
+    link = lx, ly, _, _, _ = arm(d, d.work.link, i, outward)
     w2 = omega * omega
     # d = b' − f − ω² A' L: the force at the outer joint for α = 0 and a = 0
     dx = bx - d.work.load.x[joint] - w2 * (axx * lx + axy * ly)
     dy = by - d.work.load.y[joint] - w2 * (axy * lx + ayy * ly)
-    hx, hy, inverse = hinge(lx, ly, sx, sy, inertia, axx, axy, ayy)
-    return eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy)
+    hx, hy, own = hinge(link, axx, axy, ayy)
+    return eliminate_link(d, i, w2, link, hx, hy, 1.0 / own, axx, axy, ayy, dx, dy)
 
 
 def eliminate_end(d, y, i, outward):
@@ -108,7 +110,7 @@ def accelerations(d, y, rate):
         rate: result, of which the accelerations of the base [m/s²], zero if it is pinned, and of the links
             [rad/s²] are set.
 
-    What the recursion keeps in ``work.elimination`` serves ``solve``, too, after ``set_middle``.
+    It leaves what ``take_factors`` in elimination.py takes for the response to other loads.
     """
     # two calls, so that in the first the middle joint is a constant for the compiler
     if d.model.pinned:
@@ -150,111 +152,3 @@ def arms(d, y, rate, middle):
             cx, cy = accelerate(d, y, middle - 1 - k, False, cx, cy, rate)
     rate[velocity_at(n)] = cx
     rate[velocity_at(n) + 1] = cy
-
-
-def no_impedance(d, impedance):
-    """Set the impedances at all places to zero."""
-    for k in range(d.links + 1):
-        impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
-    if d.model.jointed:
-        for k in range(d.links + 1, 2 * d.links + 1):
-            impedance.xx[k] = 0.0
-
-
-def factorize(d, links, impedance, factors):
-    """Eliminate M + Jᵀ D J, with D a symmetric 2×2 impedance at each point, by the same recursion.
-
-    Args:
-        d: the instance.
-        links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
-        impedance: record with ``xx, xy, yy``, shape (N+1,): added inertia of each point [kg].
-        factors: record for the result, used by ``solve``.
-    """
-    n, middle = d.links, d.model.middle
-    axx, axy, ayy = 0.0, 0.0, 0.0
-    cxx, cxy, cyy = 0.0, 0.0, 0.0
-    for k in range(n - middle):
-        i = n - 1 - k
-        axx, axy, ayy = factorize_link(d, links, impedance, factors, i, True, axx, axy, ayy)
-        if k < middle:
-            cxx, cxy, cyy = factorize_link(d, links, impedance, factors, k, False, cxx, cxy, cyy)
-    axx = axx + cxx + impedance.xx[middle]
-    axy = axy + cxy + impedance.xy[middle]
-    ayy = ayy + cyy + impedance.yy[middle]
-    set_middle(d, factors, axx, axy, ayy)
-
-
-def set_middle(d, factors, axx, axy, ayy):
-    """Set A⁻¹ of the middle joint, 0 when that is a pinned base."""
-    scale = 0.0 if d.model.pinned else 1.0 / (axx * ayy - axy * axy)
-    factors.middle_mobility[0], factors.middle_mobility[1], factors.middle_mobility[2] = (
-        ayy * scale,
-        -axy * scale,
-        axx * scale,
-    )
-
-
-def factorize_link(d, links, impedance, factors, i, outward, axx, axy, ayy):
-    """As ``eliminate``, for A alone."""
-    joint = i + 1 if outward else i
-    axx += impedance.xx[joint]
-    axy += impedance.xy[joint]
-    ayy += impedance.yy[joint]
-    lx, ly, sx, sy, inertia = arm(d, links, i, outward)
-    hx, hy, inverse = hinge(lx, ly, sx, sy, inertia, axx, axy, ayy)
-    factors.gain_x[i], factors.gain_y[i], factors.inverse[i] = hx * inverse, hy * inverse, inverse
-    m = d.model.mass[i]
-    return axx + m - hx * hx * inverse, axy - hx * hy * inverse, ayy + m - hy * hy * inverse
-
-
-def solve(d, links, factors, load, change):
-    """Solve (M + Jᵀ D J) Δ = Jᵀ load: the response to impulses on the points.
-
-    Args:
-        d: the instance.
-        links: as for ``factorize``.
-        factors: its result.
-        load: record with ``x, y``, shape (N+1,): impulse on each point [N·s] (or force [N]).
-        change: result Δ, shape (N+2,): the change of the base's velocity [m/s] (or acceleration) and of the
-            angular velocities [rad/s]; entries after these are not changed.
-
-    Returns:
-        The load times the motion J Δ of the points: of a unit load on one point, its mobility [1/kg].
-    """
-    n, middle = d.links, d.model.middle
-    bx, by, cx, cy, work = 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(n - middle):
-        i = n - 1 - k
-        bx, by, work = gather(links, factors, load, i, True, bx, by, work, change)
-        if k < middle:
-            cx, cy, work = gather(links, factors, load, k, False, cx, cy, work, change)
-    bx, by = bx + cx + load.x[middle], by + cy + load.y[middle]
-    x = factors.middle_mobility[0] * bx + factors.middle_mobility[1] * by
-    y = factors.middle_mobility[1] * bx + factors.middle_mobility[2] * by
-    work += bx * x + by * y
-    cx, cy = x, y
-    for k in range(n - middle):
-        x, y = spread(links, factors, middle + k, True, x, y, change)
-        if k < middle:
-            cx, cy = spread(links, factors, middle - 1 - k, False, cx, cy, change)
-    change[0], change[1] = cx, cy
-    return work
-
-
-def gather(links, factors, load, i, outward, bx, by, work, change):
-    """Set the change of ω_i for an inner joint at rest; return the impulse on that joint, and the work."""
-    joint, sign = (i + 1, 1.0) if outward else (i, -1.0)
-    bx += load.x[joint]
-    by += load.y[joint]
-    moment = sign * (links.x[i] * by - links.y[i] * bx)
-    turned = moment * factors.inverse[i]
-    change[ANGLES + i] = turned
-    return bx - factors.gain_x[i] * moment, by - factors.gain_y[i] * moment, work + moment * turned
-
-
-def spread(links, factors, i, outward, x, y, change):
-    """Correct the change of ω_i for that of its inner joint's velocity; return that of the outer one."""
-    sign = 1.0 if outward else -1.0
-    a = change[ANGLES + i] - factors.gain_x[i] * x - factors.gain_y[i] * y
-    change[ANGLES + i] = a
-    return x - sign * a * links.y[i], y + sign * a * links.x[i]

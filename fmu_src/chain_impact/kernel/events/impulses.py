@@ -21,6 +21,7 @@ impulses leave. If these turn the point back, there is no such contact.
 
 import math
 
+from chain_impact.kernel.chain.elimination import take_factors
 from chain_impact.kernel.chain.kinematics import largest, locate_points
 from chain_impact.kernel.chain.state import velocity_at
 from chain_impact.kernel.events.contact_log import end_contact
@@ -28,10 +29,12 @@ from chain_impact.kernel.events.friction_modes import update_modes
 from chain_impact.kernel.events.marks import NEIGHBOUR, ONSET, RELEASE, drop_contact_events, mark
 from chain_impact.kernel.integration.impulse import give_impulses
 from chain_impact.kernel.integration.last_step import dissipate
+from chain_impact.kernel.model.compliance import joints_loaded
 from chain_impact.kernel.model.constraints import (
     SIGN_TOLERANCE,
     activate_all,
     any_point_held,
+    factorize_free,
     release,
     require,
     solve_lcp,
@@ -180,6 +183,7 @@ def find_impulses(d, share):
         # u⁺ ≥ −e u⁻
         rebound = -share * d.law.restitution[c] * own.start[k] if arrives else 0.0
         require(d, k, rebound if rebound > STICK * least else 0.0)
+    factorize_free(d)
     solve_lcp(d, largest(d, d.work.velocity))
     for k in range(d.touch.active_count):
         # −½ p (u⁻ + u⁺)
@@ -230,6 +234,7 @@ def update_active_set(d):
         end_unstopped_contacts(d)
         rate = d.work.rate
         free_rate(d, state, rate)
+        take_factors(d, joints_loaded(d))
         scale = start_from_accelerations(d, state, rate)
         activate_all(d)
         for k in range(touch.compliant_count, touch.active_count):

@@ -18,8 +18,8 @@ to the tolerance.
 
 import math
 
+from chain_impact.kernel.chain.joints import spring_stiffness, stretch
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.springs import spring_stiffness, stretch
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, supplied_at
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.errors import impact_energy

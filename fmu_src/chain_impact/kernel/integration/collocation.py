@@ -78,17 +78,26 @@ def factorize(d, h):
     """Factorize the linear systems of a step of size h."""
     factorize_real(d, h * REAL_EIGENVALUE)
     for pair in range(PAIRS):
-        real, imaginary = COMPLEX_EIGENVALUES[pair]
-        factorize_complex(d, pair, h * real, h * imaginary)
+        factorize_complex(d, shift_of(pair, h), pair)
 
 
-def _solve(d, h):
+def solve(d, h, size):
     """Solve the linear systems of a step in place."""
     parts = d.implicit.parts
     solve_real(d, h * REAL_EIGENVALUE, parts[0])
     for pair in range(PAIRS):
-        real, imaginary = COMPLEX_EIGENVALUES[pair]
-        solve_complex(d, pair, h * real, h * imaginary, parts[1 + 2 * pair], parts[2 + 2 * pair])
+        solve_complex(d, shift_of(pair, h), pair, parts[1 + 2 * pair], parts[2 + 2 * pair], size)
+
+
+def set_residual(d, i, j, residual):
+    """Set component j of the i-th right-hand side of the linear systems."""
+    d.implicit.parts[i, j] = residual
+
+
+def shift_of(pair, h):
+    """The complex shift [s] of a pair of eigenvalues."""
+    real, imaginary = COMPLEX_EIGENVALUES[pair]
+    return complex(h * real, h * imaginary)
 
 
 def can_extrapolate(d):
@@ -105,7 +114,9 @@ def set_jacobian(d, z):
         extended_slopes(d, z)
 
 
-iterate, _converge = simplified_newton(clear_stage_notes, extended_rate, set_jacobian, factorize, _solve)
+find_residuals, correct_stages, _converge = simplified_newton(
+    clear_stage_notes, extended_rate, set_jacobian, factorize, solve
+)
 
 
 def prepare(d, h):

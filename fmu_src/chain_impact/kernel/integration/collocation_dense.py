@@ -93,7 +93,7 @@ def keep_impulse(d, own, k, at):
 
 def keep_clearances(d, _h):
     """Make the dense output match the integrated clearances also at the thirds of the last step."""
-    dense, own, change = d.step.dense, d.implicit, d.implicit.answer[0]
+    dense, own, change = d.step.dense, d.implicit, d.work.change
     if compliant(d) == 0:
         return
     for third in range(1, 3):

@@ -2,9 +2,8 @@
 
 import math
 
-from chain_impact.kernel.chain.damped import joint_damping
+from chain_impact.kernel.chain.joints import joint_damping, spring_stiffness
 from chain_impact.kernel.chain.kinematics import move_points
-from chain_impact.kernel.chain.springs import spring_stiffness
 from chain_impact.kernel.chain.state import (
     ANGLES,
     dissipated_at,

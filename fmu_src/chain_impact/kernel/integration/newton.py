@@ -75,14 +75,15 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
         rate: function (d, z, elapsed, out) for out = f(z), ``elapsed`` [s] after the start of the step.
         linearize: function (d, z) that evaluates the slopes in A where f was evaluated just now.
         factorize: function (d, h) that factorizes the systems.
-        solve: function (d, h) that solves them in place, r and x being the rows of ``implicit.parts``.
+        solve: function (d, h, size) that solves them in place, r and x being the rows of ``implicit.parts``.
 
     Returns:
-        Functions (d, h, size): one that makes one iteration, and one that iterates the stages in
-        ``implicit.stages`` to the tolerance, and returns whether the iteration has converged.
+        Functions (d, h, size): one for the right-hand sides of an iteration, one that corrects the stages in
+        ``implicit.stages`` by the solutions, and one that iterates the stages to the tolerance, and returns
+        whether the iteration has converged.
     """
 
-    def evaluate(d, h, size):
+    def find_residuals(d, h, size):
         own = d.implicit
         begin(d)
         for i in range(STAGES):
@@ -91,14 +92,9 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
             for j in range(size):
                 own.z[j] = own.start[j] + own.stages[stage, j]
             rate(d, own.z, h * NODES[stage], own.rates[stage])
-
-    def iterate(d, h, size):
-        evaluate(d, h, size)
-        correct(d, h, size)
-
-    def correct(d, h, size):
         _transform(d, h, size)
-        solve(d, h)
+
+    def correct_stages(d, h, size):
         d.implicit.correction = 0.0
         _correct(d, h, size)
 
@@ -106,11 +102,12 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
         own = d.implicit
         ratio, before, theta = max(own.slowness, TRUST) ** POWER, 0.0, 0.0
         for k in range(1, ITERATIONS + 1):
-            evaluate(d, h, size)
+            find_residuals(d, h, size)
             if k == 1:
                 linearize(d, own.z)
                 factorize(d, h)
-            correct(d, h, size)
+            solve(d, h, size)
+            correct_stages(d, h, size)
             own.iterations = k
             if not own.correction < FARTHEST:
                 own.contraction = math.inf
@@ -128,4 +125,4 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
                 return False
         return False
 
-    return iterate, converge
+    return find_residuals, correct_stages, converge

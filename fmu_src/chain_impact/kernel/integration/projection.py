@@ -4,9 +4,11 @@ The two differ by little, but on a stiff wall this would act as an impact. The d
 projection counts as an error of the step.
 """
 
+from chain_impact.kernel.chain.elimination import SHIFTED
 from chain_impact.kernel.chain.state import coordinate_count, velocity_at
 from chain_impact.kernel.integration.extended import compliant, gap_at, rate_at
-from chain_impact.kernel.model.compliance import solve_chain
+from chain_impact.kernel.integration.linear_system import contact_impedance
+from chain_impact.kernel.model.compliance import solve_space
 from chain_impact.kernel.model.geometry import (
     add_along,
     clear_loads_of,
@@ -30,9 +32,9 @@ def project_coordinates(d, y, derivative, change):
     for k in range(compliant(d)):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
-        impulse = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))
+        impulse = contact_impedance(d, k, own.shift) * (own.normal[k] - (gap_rate if derivative else gap))
         add_along(normal(d, c), d.work.load, impulse)
-    solve_chain(d, own.link, own.real, change)
+    solve_space(d, own.link, d.work, SHIFTED, change)
     for j in range(coordinate_count(d.links)):
         y[first + j] += change[j]
 
@@ -44,7 +46,7 @@ def project_clearances(d, z, y):
         The largest weighted change, over the tolerance, and the difference between the coordinates and the
         clearances before it, relative to the allowed one.
     """
-    own, change, worst = d.implicit, d.implicit.answer[0], 0.0
+    own, change, worst = d.implicit, d.work.change, 0.0
     apart = largest_mismatch(d, z) / APART
     for derivative in range(2):
         for k in range(compliant(d)):

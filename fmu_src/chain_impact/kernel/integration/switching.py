@@ -8,7 +8,7 @@ sustained. A sustained contact may still oscillate, with shorter steps: there, t
 cheaper. As an implicit step costs two or three explicit ones, it must be longer than the last of these by the
 same factor. Its size is that of the next step, because the first implicit steps after an event grow fast.
 
-A joint with a damper or a spring has a rate of its own, in flight and in contact (chain/joint_rate.py). A
+A joint with a damper or a spring has a rate of its own, in flight and in contact (chain/joints.py). A
 spring oscillates rather than decays. If the oscillation matters at the tolerance, the explicit steps have hρ
 below STIFF; if they are longer, it is so small that implicit steps, which damp it, may lose it.
 Rigid walls cause no stiffness: with them only joints do.
@@ -16,11 +16,11 @@ Rigid walls cause no stiffness: with them only joints do.
 
 import math
 
-from chain_impact.kernel.chain.joint_rate import joint_rate
+from chain_impact.kernel.chain.joints import joint_rate
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import AUTO, chosen
 from chain_impact.kernel.integration.step_size import at_onset, limit, propose
-from chain_impact.kernel.model.contact import contact_slopes
+from chain_impact.kernel.model.contact import clear_loads, contact_slopes
 
 # hρ of explicit steps beyond which implicit ones could replace them. Impacts are resolved with less than 1,
 # and DOP853 is stable to about 6.
@@ -140,7 +140,10 @@ def stiffness_number(d, h):
 def joints_over(d, h):
     """hρ of a step [s] for joints with dampers or springs; an upper bound of it if they are not stiff."""
     z = h * d.model.joint_bound
-    return h * joint_rate(d, d.step.state_end) if z > STIFF else z
+    if z > STIFF:
+        z = h * joint_rate(d, d.step.state_end)
+        clear_loads(d)
+    return z
 
 
 def fastest_contact(d):

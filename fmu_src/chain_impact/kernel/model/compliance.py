@@ -7,19 +7,18 @@ the joints' resistance K = s C + s² S for a time s, with dampers C and springs 
 
 where p are impulses along the normals and K r those in the joints. The impedances are added to the
 articulated inertia at their points, and a joint with the resistance κ_i, or with a stop that has an
-impedance, is one more term of the elimination (chain/damped.py). No matrix is formed.
+impedance, is one more term of the elimination (chain/elimination.py). No matrix is formed.
 """
 
-from chain_impact.kernel.chain.damped import factorize_damped, solve_damped
+from chain_impact.kernel.chain.elimination import FREE, factorize, no_impedance, solve
 from chain_impact.kernel.chain.kinematics import move_points
-from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
 from chain_impact.kernel.model.geometry import (
     add_along,
     add_impedance,
     along,
     clear_loads_of,
     constraint,
-    impedance_of_joints,
+    join,
     normal,
     to_joints,
 )
@@ -59,62 +58,52 @@ def held_mobility(d, mobility):
     return (rest + max(0.0, mobility)) / total
 
 
-def factorize_contacts(d, links, impedance, time, factors):
-    """Eliminate M + Jᵀ D J + K, with D_k [kg] of the constraints, packed, and K for a ``time`` s [s]."""
+def factorize_contacts(d, row, impedance):
+    """Eliminate M + Jᵀ D J in a row of ``work.factors``, with D_k [kg] of the constraints, packed."""
     no_impedance(d, d.work.impedance)
     for k in range(d.touch.active_count + d.friction.stuck_count):
         add_impedance(constraint(d, k), d.work.impedance, impedance[k])
-    joints = d.touch.stop_count + d.friction.stuck_joints
-    coupled = joints > 0 or (d.model.resisting and time > 0.0)
-    factorize_chain(d, links, time, coupled, factors)
+    join(d, d.work.impedance, 0.0)
+    factorize(d, d.work.link, d.work, row, joints_loaded(d))
 
 
-def factorize_chain(d, links, time, coupled, factors):
-    """Eliminate M + Jᵀ D J + K, with D in ``work.impedance``, for joints that transmit moments or do not."""
-    factors.coupled = 1 if coupled else 0
-    if factors.coupled:
-        if d.model.jointed:
-            impedance_of_joints(d, d.work.impedance)
-        factorize_damped(d, links, d.work.impedance, time, factors)
-    else:
-        factorize(d, links, d.work.impedance, factors)
+def joints_loaded(d):
+    """Whether constraints act in joints: at stops, or by what sticks."""
+    return d.touch.stop_count + d.friction.stuck_joints > 0
 
 
-def solve_chain(d, links, factors, change):
-    """Find Δ for the impulses in ``work.load`` at the places and, if ``factors`` are coupled, in the joints.
+def solve_space(d, links, space, row, change):
+    """Find the response Δ to the impulses in ``space.load`` at the places and in the joints.
 
     Args:
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
-        factors: those of ``factorize_contacts``.
-        change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s]. The resulting motion of the
-            places is stored in ``work.motion``.
+        space: record of the factors and loads. The motion of the places is stored in its ``motion``.
+        row: of the factors.
+        change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s].
     """
-    if factors.coupled:
-        if d.model.jointed:
-            to_joints(d, d.work.load)
-        solve_damped(d, links, factors, d.work.load, change)
-    else:
-        solve(d, links, factors, d.work.load, change)
-    move_points(d, links, change, d.work.motion)
+    to_joints(d, space.load)
+    solve(d, links, space, row, change)
+    move_points(d, links, change, space.motion)
 
 
-def solve_contacts(d, links, factors, impulse, change):
-    """As ``solve_chain``, for ``impulse`` p_k [N·s] of the constraints, packed."""
+def solve_contacts(d, row, impulse, change):
+    """As ``solve_space``, for ``impulse`` p_k [N·s] of the constraints, packed."""
     clear_loads_of(d, d.work.load)
     for k in range(d.touch.active_count + d.friction.stuck_count):
         add_along(constraint(d, k), d.work.load, impulse[k])
-    solve_chain(d, links, factors, change)
+    solve_space(d, d.work.link, d.work, row, change)
 
 
 def effective_mass(d, c):
     """Effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, at the located points."""
-    work = d.work
+    work, row = d.work, normal(d, c)
     no_impedance(d, work.impedance)
-    factorize_chain(d, work.link, 0.0, d.candidate.stop[c] != 0, work.factors)
+    join(d, work.impedance, 0.0)
+    factorize(d, work.link, work, FREE, d.candidate.stop[c] != 0)
     clear_loads_of(d, work.load)
-    add_along(normal(d, c), work.load, 1.0)
-    solve_chain(d, work.link, work.factors, work.change)
+    add_along(row, work.load, 1.0)
+    solve_space(d, work.link, work, FREE, work.change)
     # in a toggle position no impulse moves the point: its mobility is 0
     mobility = LEAST_MOBILITY * d.model.size * d.model.size / d.model.energy
-    return 1.0 / max(mobility, along(normal(d, c), work.motion))
+    return 1.0 / max(mobility, along(row, work.motion))

@@ -27,6 +27,7 @@ residual decided on the number, forces would jump by a part of it within a step.
 
 import math
 
+from chain_impact.kernel.chain.elimination import FREE, HELD
 from chain_impact.kernel.model.compliance import (
     SWEEPS,
     factorize_contacts,
@@ -76,25 +77,29 @@ def share_impedance(d):
         d.rigid.impedance[first + i] *= max(LEAST_SHARE, share)
 
 
+def factorize_free(d):
+    """Eliminate M for the motion by impulses, which contacts that are not in the active set may resist."""
+    set_impedance(d, 0.0)
+    factorize_contacts(d, FREE, d.rigid.impedance)
+
+
 def solve_equality(d, scale):
     """Find the impulses that bring the active set from ``start`` to ``target``; other candidates have none.
 
     Args:
-        d: the instance, with the points located; ``d.rigid`` holds the problem and, afterwards, p in
-            ``impulse``, u in ``reached`` and Δ in ``change``.
+        d: the instance, with the points located and the free motion factorized; ``d.rigid`` holds the problem
+            and, afterwards, p in ``impulse``, u in ``reached`` and Δ in ``change``.
         scale: the largest motion of a point, to which round-off is relative.
 
     Returns:
         The largest residual that rigid walls leave, or 0 if they hold no point.
     """
-    own, link, impedance = d.rigid, d.work.link, holding_impedance(d)
-    set_impedance(d, 0.0)
-    factorize_contacts(d, link, own.impedance, 0.0, d.work.factors)
+    own, impedance = d.rigid, holding_impedance(d)
     row = only_active(d)
     if row >= 0 and solve_single(d, row):
         return 0.0
     set_impedance(d, impedance)
-    factorize_contacts(d, link, own.impedance, 0.0, own.factors)
+    factorize_contacts(d, HELD, own.impedance)
     clear_impulses(d)
     if any_point_held(d):
         return hold_points(d, scale, impedance)
@@ -125,7 +130,7 @@ def hold_points(d, scale, impedance):
         if slow and worst > SIGN_TOLERANCE * scale and impedance < STIFFEST * mean_mass(d):
             impedance *= STIFFER
             set_impedance(d, impedance)
-            factorize_contacts(d, d.work.link, own.impedance, 0.0, own.factors)
+            factorize_contacts(d, HELD, own.impedance)
         elif slow and iterated_enough(d, iterations):
             break
         correct_impulses(d)
@@ -147,14 +152,13 @@ def only_active(d):
 def solve_single(d, row):
     """As ``solve_equality``, for the active set of one constraint: p = m/W; returns whether W allows it.
 
-    That takes one solution of the chain, and the iteration six in most cases. M must have been factorized in
-    ``work.factors``.
+    That takes one solution of the chain, and the iteration six in most cases.
     """
     own = d.rigid
     for k in range(constraint_rows(d)):
         own.impulse[k] = 0.0
     own.impulse[row] = 1.0
-    solve_contacts(d, d.work.link, d.work.factors, own.impulse, own.change)
+    solve_contacts(d, FREE, own.impulse, own.change)
     mobility = along(constraint(d, row), d.work.motion)
     if row >= d.touch.active_count:
         mobility = held_mobility(d, mobility)
@@ -195,16 +199,16 @@ def find_residual(d):
 
 def correct_impulses(d):
     """Correct the impulses for the residuals, and find the motion with them."""
-    own, link, motion = d.rigid, d.work.link, d.work.motion
+    own, motion = d.rigid, d.work.motion
     # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
     for k in range(constraint_rows(d)):
         own.residual[k] *= own.impedance[k]
-    solve_contacts(d, link, own.factors, own.residual, own.change)
+    solve_contacts(d, HELD, own.residual, own.change)
     for k in range(constraint_rows(d)):
         if own.in_active_set[k]:
             back = own.impedance[k] * along(constraint(d, k), motion)
             own.impulse[k] += own.residual[k] - back
-    solve_contacts(d, link, d.work.factors, own.impulse, own.change)
+    solve_contacts(d, FREE, own.impulse, own.change)
     for k in range(constraint_rows(d)):
         own.reached[k] = own.start[k] + along(constraint(d, k), motion)
     count_other_work(d, 2)

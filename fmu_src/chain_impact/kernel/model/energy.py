@@ -1,6 +1,6 @@
 """The energy of the chain, its springs and its contacts, and their balance, constant in the exact motion."""
 
-from chain_impact.kernel.chain.springs import spring_energy
+from chain_impact.kernel.chain.joints import spring_energy
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, supplied_at
 from chain_impact.kernel.model.contact_force import elastic_energy
 from chain_impact.kernel.model.geometry import clearance

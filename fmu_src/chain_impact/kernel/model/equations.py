@@ -1,8 +1,8 @@
 """The equations of motion ẏ = f(y), which combine all parts of the model; chain/state.py describes y."""
 
+from chain_impact.kernel.chain.joints import spring_stiffness, stretch
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
 from chain_impact.kernel.chain.recursion import accelerations
-from chain_impact.kernel.chain.springs import spring_stiffness, stretch
 from chain_impact.kernel.chain.state import (
     coordinate_count,
     dissipated_at,

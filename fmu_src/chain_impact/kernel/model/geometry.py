@@ -16,7 +16,8 @@ longest link s as a lever arm (chain/kinematics.py), and the stop is a wall ther
 and masses of stops have the units and the scales of those at walls, and a force F has the moment ±s F.
 """
 
-from chain_impact.kernel.chain.kinematics import zero
+from chain_impact.kernel.chain.joints import joint_resistance
+from chain_impact.kernel.chain.kinematics import clear_joints, zero
 from chain_impact.kernel.chain.sincos import polar
 from chain_impact.kernel.chain.state import ANGLES
 
@@ -144,15 +145,19 @@ def constraint_acceleration(d, k):
 
 def to_joints(d, load):
     """Add the moments of the forces at the places of joints to those in the joints."""
-    for i in range(d.links):
-        load.joint[i] += d.model.size * load.x[d.links + 1 + i]
+    if d.model.jointed:
+        for i in range(d.links):
+            load.joint[i] += d.model.size * load.x[d.links + 1 + i]
 
 
-def impedance_of_joints(d, impedance):
-    """Set the resistances of the joints to those at their places."""
-    square = d.model.size * d.model.size
-    for i in range(d.links):
-        impedance.joint[i] = square * impedance.xx[d.links + 1 + i]
+def join(d, impedance, time):
+    """Set the resistances of joints: that of their places, and κ_i of dampers and springs for a time [s]."""
+    if d.model.jointed or d.model.resisting:
+        square = d.model.size * d.model.size
+        for i in range(d.links):
+            impedance.joint[i] = joint_resistance(d, i, time)
+            if d.model.jointed:
+                impedance.joint[i] += square * impedance.xx[d.links + 1 + i]
 
 
 def clear_loads_of(d, load):
@@ -160,12 +165,6 @@ def clear_loads_of(d, load):
     zero(d, load)
     if d.model.jointed or d.model.resisting:
         clear_joints(load)
-
-
-def clear_joints(values):
-    """Set the moments, or the impedances, of all joints to zero."""
-    for i in range(len(values.joint)):
-        values.joint[i] = 0.0
 
 
 def speed_bound(d, vectors):

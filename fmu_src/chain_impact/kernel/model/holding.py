@@ -6,12 +6,14 @@ right-hand side, an accepted step and an event state: what moves freely, and wha
 
 import math
 
+from chain_impact.kernel.chain.elimination import FREE, take_factors
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, velocity_at
-from chain_impact.kernel.model.compliance import mean_mass
+from chain_impact.kernel.model.compliance import held_mobility, joints_loaded, mean_mass, solve_space
 from chain_impact.kernel.model.constraints import (
     activate_all,
     constraint_rows,
+    factorize_free,
     note_moving,
     set_impulse,
     solve_equality,
@@ -20,12 +22,16 @@ from chain_impact.kernel.model.constraints import (
 from chain_impact.kernel.model.contact import keep_force
 from chain_impact.kernel.model.friction import any_sticking, keep_static_forces
 from chain_impact.kernel.model.geometry import (
+    add_along,
+    along,
+    clear_loads_of,
     clearance,
     constraint_acceleration,
+    tangent,
+    tangential_acceleration,
     tangential_position,
     tangential_rate,
 )
-from chain_impact.kernel.model.sticking import add_sticking_force, sticks_alone
 
 # Of a link length: a point that rises less before it falls again has not left. Its clearance could not be
 # distinguished from round-off, and its next onset could not be located.
@@ -67,11 +73,12 @@ def start_from_accelerations(d, y, rate):
 
 
 def add_constraint_forces(d, y, rate):
-    """Add to a rate ẏ, found without them, the effect of the constraint forces of g̈ = 0 and t·a = 0.
+    """Add to a rate ẏ, found just now without them, the effect of the constraint forces of g̈ = 0 and t·a = 0.
 
     The forces [N] are then stored in ``d.rigid.impulse``; they do no work but that of errors.
     """
     own = d.rigid
+    take_factors(d, joints_loaded(d))
     if sticks_alone(d):
         set_impulse(d, d.touch.active_count, add_sticking_force(d, y, rate))
     else:
@@ -86,6 +93,30 @@ def add_constraint_forces(d, y, rate):
             keep_force(d, c, own.impulse[k])
     if any_sticking(d):
         rate[dissipated_at(d.links)] += keep_static_forces(d)
+
+
+def sticks_alone(d):
+    """Whether one contact with a force is all that sticks, and no rigid wall holds a point."""
+    rigid = d.touch.active_count - d.touch.compliant_count
+    return d.friction.stuck_count == 1 and d.friction.stuck_joints == 0 and rigid == 0
+
+
+def add_sticking_force(d, y, rate):
+    """As ``add_constraint_forces``, for a contact that ``sticks_alone``; returns its force.
+
+    The recursion that found the accelerations ``rate`` last answers it, too: that costs one more response of
+    the chain, where constraints take several in general, and two eliminations of their own.
+    """
+    own, row = d.rigid, tangent(d, d.element.stuck[0])
+    accelerate_points(d, y, rate)
+    clear_loads_of(d, d.work.load)
+    add_along(row, d.work.load, 1.0)
+    solve_space(d, d.work.link, d.work, FREE, own.change)
+    # λ = −a_t/W_tt
+    force = -tangential_acceleration(d, d.element.stuck[0]) / held_mobility(d, along(row, d.work.motion))
+    for j in range(coordinate_count(d.links)):
+        rate[velocity_at(d.links) + j] += force * own.change[j]
+    return force
 
 
 def project_state(d, y):
@@ -146,6 +177,7 @@ def solve_positions(d):
     own, size, asked, moved = d.rigid, d.model.size, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         asked = max(asked, abs(own.target[k] - own.start[k]))
+    factorize_free(d)
     solve_equality(d, size)
     for j in range(coordinate_count(d.links)):
         moved = max(moved, abs(own.change[j]) / (size if j < ANGLES else 1.0))
@@ -156,6 +188,7 @@ def solve_positions(d):
 def solve_stopping_impulses(d):
     """Find the impulses that stop the active set; none of them pulls by more than errors explain."""
     speed = largest(d, d.work.velocity)
+    factorize_free(d)
     solve_equality(d, speed)
     if least_impulse(d) < -tolerated_momentum(d, speed):
         solve_lcp(d, speed)

@@ -6,7 +6,6 @@ from chain_impact.kernel.chain.state import coordinate_count
 from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.integration.explicit import STAGES
 from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
-from chain_impact.kernel.record.solver import factors_dtype
 
 CHANGES_OF_EACH = 4  # changes of a mode stored until they are collected, for each element
 LOG_SIZE = 32  # finished contacts stored until they are collected, in addition to one for each candidate
@@ -98,7 +97,6 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """
     rows = constraint_count(candidates, elements)
     return record(
-        ("factors", factors_dtype(links)),  # with an impedance at the points of the active set
         # m, m/s or m/s², rad …: the change of the coordinates by the impulses
         ("change", REAL, (coordinate_count(links),)),
         ("unsolved", INTEGER),  # since a step or a try of it began, see kernel/model/constraints.py

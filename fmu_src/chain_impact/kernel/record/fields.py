@@ -2,7 +2,7 @@
 
 import numpy as np
 
-REAL, INTEGER = np.float64, np.int64
+REAL, INTEGER, COMPLEX = np.float64, np.int64, np.complex128
 
 
 OWNERS: dict[str, dict[str, tuple[str, ...]]] = {}
@@ -57,17 +57,18 @@ def is_table(dtype: np.dtype) -> bool:
     return dtype.base.names is not None and dtype.base.names != ("value", "slope")
 
 
-def vectors_dtype(points: int) -> np.dtype:
+def vectors_dtype(points: int, scalar: type = REAL) -> np.dtype:
     """A vector for each of some points."""
-    return record(("x", REAL, (points,)), ("y", REAL, (points,)))
+    return record(("x", scalar, (points,)), ("y", scalar, (points,)))
 
 
-def loads_dtype(links: int) -> np.dtype:
+def loads_dtype(links: int, scalar: type = REAL) -> np.dtype:
     """A vector for each place, and a number for each joint."""
     places = 2 * links + 1
-    return record(("x", REAL, (places,)), ("y", REAL, (places,)), ("joint", REAL, (links,)))
+    return record(("x", scalar, (places,)), ("y", scalar, (places,)), ("joint", scalar, (links,)))
 
 
-def impedance_dtype(links: int) -> np.dtype:
+def impedance_dtype(links: int, scalar: type = REAL) -> np.dtype:
     """A symmetric 2×2 matrix for each place, and a number for each joint."""
-    return record(*((name, REAL, (2 * links + 1,)) for name in ("xx", "xy", "yy")), ("joint", REAL, (links,)))
+    matrices = ((name, scalar, (2 * links + 1,)) for name in ("xx", "xy", "yy"))
+    return record(*matrices, ("joint", scalar, (links,)))

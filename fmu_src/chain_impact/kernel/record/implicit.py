@@ -4,8 +4,8 @@ import numpy as np
 
 from chain_impact.kernel.chain.state import coordinate_count, state_size
 from chain_impact.kernel.integration.radau import PAIRS, STAGES
-from chain_impact.kernel.record.contacts import constraint_count
 from chain_impact.kernel.record.fields import (
+    COMPLEX,
     INTEGER,
     REAL,
     impedance_dtype,
@@ -19,7 +19,7 @@ from chain_impact.kernel.record.solver import factors_dtype
 
 @written_by(
     **dict.fromkeys(("start", "start_rate", "link", "stiffness", "damping"), "integration/extended.py"),
-    **dict.fromkeys(("impedance", "factors"), "integration/linear_system.py"),
+    **dict.fromkeys(("shift", "pairs"), "integration/linear_system.py"),
     **dict.fromkeys(("iterations", "correction", "contraction"), "integration/newton.py"),
     **dict.fromkeys(("last", "began", "span", "listing", "thirds"), "integration/collocation_dense.py"),
     **dict.fromkeys(
@@ -34,14 +34,14 @@ def implicit_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """
     state = state_size(links)
     extended = state + 3 * candidates + elements
-    # both parts of complex numbers, one below the other, for each pair of shifts
-    shifted = record(
-        *(
-            (name, REAL, (2 * PAIRS, links))
-            for name in ("gain_x", "gain_y", "inverse", "own", "damper")  # as in `real`
-        ),
-        ("base", REAL, (2 * PAIRS, 3)),
-        ("impedance", REAL, (2 * PAIRS, candidates)),  # kg, D of the active contacts, packed
+    # for each pair of complex shifts, and what ``work`` holds for a real one
+    pairs = record(
+        ("factors", factors_dtype(links, COMPLEX, PAIRS)),
+        ("impedance", impedance_dtype(links, COMPLEX)),
+        ("load", loads_dtype(links, COMPLEX)),
+        ("motion", vectors_dtype(2 * links + 1, COMPLEX)),
+        ("change", COMPLEX, (coordinate_count(links),)),
+        ("x", COMPLEX, (extended,)),  # a right-hand side, later the solution
     )
     return record(
         ("start", REAL, (extended,)),  # z at the start of a step …
@@ -63,13 +63,7 @@ def implicit_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("link", vectors_dtype(links + 1)),  # m, L_i where A was evaluated
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …
         ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇, likewise
-        # kg, … and their D, added to the inertia of their points; then that of what sticks
-        ("impedance", REAL, (constraint_count(candidates, elements),)),
         ("normal", REAL, (candidates,)),  # m or m/s, clearances or rates to which coordinates are moved
-        ("real", factors_dtype(links)),  # for the real shift
-        ("factors", shifted),  # for the complex shifts
-        ("reactance", impedance_dtype(links)),  # the imaginary part of `work.impedance`, …
-        ("load", loads_dtype(links)),  # … of `work.load` …
-        ("motion", vectors_dtype(2 * links + 1)),  # … and of `work.motion`
-        ("answer", REAL, (2, coordinate_count(links))),  # Δ, likewise
+        ("shift", REAL),  # s, the real shift of the factors in `work`
+        ("pairs", pairs),
     )

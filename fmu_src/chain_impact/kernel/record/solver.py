@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from chain_impact.kernel.chain.elimination import ROWS
 from chain_impact.kernel.chain.state import coordinate_count, state_size
 from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.integration.explicit import STAGES
@@ -111,33 +112,22 @@ def balance_dtype() -> np.dtype:
     )
 
 
+def factors_dtype(links: int, scalar: type, rows: int) -> np.dtype:
+    """M + Jᵀ D J + K, eliminated, in each row."""
+    return record(
+        # h/(H + κ), 1/(H + κ), κ/(H + κ) and H/(H + κ) of each link
+        *((name, scalar, (rows, links)) for name in ("gain_x", "gain_y", "inverse", "share", "rest")),
+        ("coupled", INTEGER, (rows,)),  # 1: joints transmit moments; else the last two are not used
+        ("middle_mobility", scalar, (rows, 3)),  # 1/kg, A⁻¹ of the joint at which the arms meet: xx, xy, yy
+    )
+
+
 def elimination_dtype(links: int) -> np.dtype:
-    """The results of the recursion for each link."""
+    """The results of the recursion for each link: h/H, 1/H and h₀/H."""
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
         # kg, A of the joint at which the arms of a free chain meet
         *((name, REAL) for name in ("middle_xx", "middle_xy", "middle_yy")),
-        ("middle_mobility", REAL, (3,)),  # 1/kg, A⁻¹ as in the factors, where it has been asked for
-    )
-
-
-def factors_dtype(links: int) -> np.dtype:
-    """M + Jᵀ D J + K, eliminated."""
-    return record(
-        *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
-        ("middle_mobility", REAL, (3,)),  # 1/kg, A⁻¹ of the middle joint: xx, xy, yy; not used if coupled
-        ("coupled", INTEGER),  # 1: joints transmit moments, see kernel/chain/damped.py; only then:
-        ("base_mobility", REAL, (3,)),  # 1/kg, A⁻¹ of the base: xx, xy, yy
-        ("own", REAL, (links,)),  # kg·m², H
-        ("damper", REAL, (links,)),  # kg·m², κ
-    )
-
-
-def inner_dtype(links: int) -> np.dtype:
-    """The elimination of the arm inward of each joint."""
-    return record(
-        *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
-        *((name, REAL, (links,)) for name in ("xx", "xy", "yy")),  # kg, Ā
     )
 
 
@@ -145,10 +135,10 @@ def inner_dtype(links: int) -> np.dtype:
     y="events/sampling.py",
     rate_start="advance.py",
     error="integration/collocation.py",
-    load=("model/contact.py", "integration/linear_system.py"),
+    load=("model/contact.py", "chain/joints.py"),
+    factors="chain/elimination.py",
     moment="model/equations.py",
     elimination="chain/recursion.py",
-    inner="chain/joint_rate.py",
     reach="events/crossing.py",
     **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),
 )
@@ -167,8 +157,8 @@ def work_dtype(links: int) -> np.dtype:
         ("load", loads),  # N or N·s at each place, N·m or N·m·s in each joint
         ("moment", REAL, (links,)),  # N·m on each link, from its joints
         ("impedance", impedance),  # kg, D of each place; kg·m², of each joint
-        ("elimination", elimination_dtype(links)),  # h/H, 1/H and h₀/H of each link
-        ("factors", factors_dtype(links)),  # of an effective mass, or of rigid contacts
+        ("factors", factors_dtype(links, REAL, ROWS)),  # see kernel/chain/elimination.py
+        ("elimination", elimination_dtype(links)),  # of the accelerations
         ("position", places),  # m, of the places: points and, with stops, joints
         ("velocity", places),  # m/s
         ("acceleration", places),  # m/s²
@@ -176,7 +166,6 @@ def work_dtype(links: int) -> np.dtype:
         ("change", REAL, (coordinate_count(links),)),  # 1/kg, of the coordinates' rates by a unit impulse
         ("motion", places),  # of the places, for a given motion of the coordinates
         ("reach", REAL, (points,)),  # m/s², bound on the links' part of the acceleration of each point
-        ("inner", inner_dtype(links)),
     )
 
 

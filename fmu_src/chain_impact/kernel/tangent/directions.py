@@ -54,6 +54,11 @@ def slope(number, direction):
     return number.slope[direction]
 
 
+def sloped(number, direction, slope):
+    """A dual number with another derivative in a direction."""
+    return number.sloped(direction, slope)
+
+
 def varies(number):
     """Whether a dual number has any derivative that is not zero."""
     return number.varies()

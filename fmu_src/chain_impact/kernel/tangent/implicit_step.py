@@ -1,6 +1,7 @@
 """An implicit step in dual numbers: the same iteration, started from the stages that d has found.
 
-The result of the iteration does not depend on A, so the A of d is used. The derivatives of the stages are
+The result of the iteration does not depend on A, so each direction of the derivatives is solved for with the
+linear systems of d, in its work space. The derivatives of the stages are
 first extrapolated from the last step, and converge by a factor θ of their own: where d is at rest its
 iteration converges at once, however long the step is, but that of the derivatives does not. So they are
 iterated until they have converged themselves, relative to the state's derivatives in the same direction.
@@ -11,16 +12,19 @@ import math
 from chain_impact.kernel.chain.state import dissipated_at, velocity_at
 from chain_impact.kernel.integration.collocation import (
     LAST,
+    correct_stages,
     extrapolate_stages,
-    factorize,
-    iterate,
+    find_residuals,
+    set_residual,
     set_result,
+    solve,
 )
 from chain_impact.kernel.integration.extended import compliant, extend_start, extended_size
+from chain_impact.kernel.integration.linear_system import factorize_real
 from chain_impact.kernel.integration.projection import project_clearances
-from chain_impact.kernel.integration.radau import STAGES
+from chain_impact.kernel.integration.radau import REAL_EIGENVALUE, STAGES
 from chain_impact.kernel.model.compliance import mean_mass
-from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, slope
+from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, slope, sloped
 from chain_impact.kernel.tangent.trust import NO_IMPACT, NOT_SOLVED, TRUSTED, mark_untrusted
 
 ENOUGH = 0.01  # of the tolerance: the largest last correction of the derivatives, relative to them
@@ -41,7 +45,7 @@ def make_implicit(d, t, h):
     extrapolate_stages(t, h, size)
     take_stages(d, t, size)
     take_slopes(d, t)
-    factorize(t, h)
+    factorize_real(t, h * REAL_EIGENVALUE)
     # derivatives that have ended are not needed
     if t.trust.reason == TRUSTED and not iterate_slopes(d, t, h, size):
         mark_untrusted(t, NOT_SOLVED, NO_IMPACT, d.step.start)
@@ -70,7 +74,9 @@ def iterate_slopes(d, t, h, size):
     """Iterate the derivatives of the stages; returns whether they have converged."""
     least, stalled = math.inf, 0
     for _ in range(MOST):
-        iterate(t, h, size)
+        find_residuals(t, h, size)
+        solve_slopes(d, t, h, size)
+        correct_stages(t, h, size)
         take_stages(d, t, size)
         correction = last_correction(d, t, size)
         if correction <= ENOUGH * d.solver.tolerance:
@@ -81,6 +87,18 @@ def iterate_slopes(d, t, h, size):
         if stalled == STALLED:
             return correction <= ROUND_OFF
     return False
+
+
+def solve_slopes(d, t, h, size):
+    """Solve the linear systems of the step for the derivatives of its residuals, in place."""
+    for k in range(DIRECTIONS):
+        for i in range(STAGES):
+            for j in range(size):
+                set_residual(d, i, j, slope(t.implicit.parts[i, j], k))
+        solve(d, h, size)
+        for i in range(STAGES):
+            for j in range(size):
+                t.implicit.parts[i, j] = sloped(t.implicit.parts[i, j], k, d.implicit.parts[i, j])
 
 
 def last_correction(d, t, size):

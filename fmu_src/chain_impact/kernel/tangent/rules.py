@@ -6,7 +6,7 @@ derivatives. It returns the same value, or one that changes the values of the ru
 
 import math
 
-from chain_impact.kernel.chain import sincos, springs
+from chain_impact.kernel.chain import joints, sincos
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import friction_modes
 from chain_impact.kernel.integration import dense
@@ -126,6 +126,6 @@ RULES = {
     contact_force.user_force: user_force,
     dense.fraction: fraction,
     sincos.polar: polar,
-    springs.resists: resists,
+    joints.resists: resists,
 }
 """Function of the kernel → what gives its value and derivatives."""

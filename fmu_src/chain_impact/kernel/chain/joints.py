@@ -1,0 +1,101 @@
+"""The springs and dampers of the joints, and the rates of the motions due to them.
+
+A spring stores ½ k φ², φ = θ_i − θ_{i−1} − φ₀ from its rest angle φ₀. The angles of links include full turns,
+and so does φ. The base of a pinned chain has θ₀ = 0; a free base has no joint, no spring and no damper.
+
+With C = Σ c_i g_i g_iᵀ, g_i the gradient of ω_i − ω_{i−1}, damped motions decay with the eigenvalues of
+M⁻¹ C. The largest is at least the rate of one joint whose damper is the only one,
+
+    ρ_i = c_i g_iᵀ M⁻¹ g_i,
+
+and not much larger. Likewise for springs S = Σ k_i g_i g_iᵀ and the squares of the frequencies,
+
+    ω_i² = k_i g_iᵀ M⁻¹ g_i.
+
+As M ≥ diag(I), no eigenvalue exceeds the largest of diag(I)⁻¹ C, which no row sum exceeds (Gershgorin):
+2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i + k_{i+1})/I_i. With both, λ² + λ c + k = 0 where c and k are at
+most these bounds, hence |λ| ≤ c + √k. This bound does not depend on the angles. A damper or spring at a link
+without inertia makes it infinite.
+"""
+
+import math
+
+from chain_impact.kernel.chain.elimination import FREE, factorize, no_impedance, solve
+from chain_impact.kernel.chain.kinematics import clear_joints, link_vectors, zero
+from chain_impact.kernel.chain.state import ANGLES
+
+
+def joint_damping(d, i):
+    """c_i [N·m·s/rad], 0 at a free base, which has no joint."""
+    return d.model.joint_damping[i] if i > 0 or d.model.pinned else 0.0
+
+
+def spring_stiffness(d, i):
+    """k_i [N·m/rad], 0 at a free base, which has no joint."""
+    return d.model.joint_stiffness[i] if i > 0 or d.model.pinned else 0.0
+
+
+def joint_resistance(d, i, time):
+    """κ_i = s c_i + s² k_i [kg·m²] of the damper and the spring in joint i, for a ``time`` s [s]."""
+    return time * (joint_damping(d, i) + time * spring_stiffness(d, i))
+
+
+def resists(constant):
+    """Whether this damping or stiffness of a joint has an effect, so that its terms are needed."""
+    return constant != 0.0
+
+
+def stretch(d, y, i):
+    """φ_i [rad], the angle of the joint of link i relative to the rest angle of its spring."""
+    before = y[ANGLES + i - 1] if i > 0 else 0.0
+    return y[ANGLES + i] - before - d.model.joint_rest_angle[i]
+
+
+def spring_energy(d, y):
+    """The energy [J] stored in the springs."""
+    energy = 0.0
+    for i in range(d.links):
+        angle = stretch(d, y, i)
+        energy += 0.5 * spring_stiffness(d, i) * angle * angle
+    return energy
+
+
+def joint_bound(d):
+    """An upper bound [1/s] on the rates of decay and oscillation by the joints' dampers and springs."""
+    damping, stiffness = 0.0, 0.0
+    for i in range(d.links):
+        c, k = joint_damping(d, i), spring_stiffness(d, i)
+        if i + 1 < d.links:
+            c += joint_damping(d, i + 1)
+            k += spring_stiffness(d, i + 1)
+        damping = max(damping, over(2.0 * c, d.model.inertia[i]))
+        stiffness = max(stiffness, over(2.0 * k, d.model.inertia[i]))
+    return damping + math.sqrt(stiffness)
+
+
+def over(resistance, inertia):
+    """A resistance over an inertia, neither of them negative; 0/0 = 0."""
+    if inertia > 0.0:
+        return resistance / inertia
+    return math.inf if resistance > 0.0 else 0.0
+
+
+def joint_rate(d, y):
+    """The largest of all ρ_i and ω_i [1/s] in the state y, whose link vectors are stored in ``work.link``."""
+    link_vectors(d, y)
+    work, fastest = d.work, 0.0
+    no_impedance(d, work.impedance)
+    clear_joints(work.impedance)
+    factorize(d, work.link, work, FREE, True)
+    zero(d, work.load)
+    clear_joints(work.load)
+    for i in range(d.links):
+        c, k = joint_damping(d, i), spring_stiffness(d, i)
+        if c > 0.0 or k > 0.0:
+            work.load.joint[i] = 1.0
+            solve(d, work.link, work, FREE, work.change)
+            work.load.joint[i] = 0.0
+            # g_iᵀ M⁻¹ g_i
+            mobility = work.change[ANGLES + i] - (work.change[ANGLES + i - 1] if i > 0 else 0.0)
+            fastest = max(fastest, c * mobility, math.sqrt(k * mobility))
+    return fastest
