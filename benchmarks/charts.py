@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import common  # isort: skip
 
-import engines
 import fidelity
-import fmu_cost
 import friction
 import rest
 import rhs
@@ -18,7 +16,7 @@ import work_precision_chart
 
 def main() -> None:
     """Draw them."""
-    for module in (engines, fidelity, fmu_cost, friction, rest, rhs, scaling, stiffness):
+    for module in (fidelity, friction, rest, rhs, scaling, stiffness):
         common.picture(module.__name__, module.draw, module.SIZE)
     work_precision_chart.draw_all()
     stability_chart.draw_all()

@@ -16,6 +16,7 @@ def usable(rows: list[dict], problem: str, stop: float, name: str) -> list[dict]
         for r in rows
         if (r["problem"], r["stop"], r["name"]) == (problem, stop, name)
         and r.get("onsets_right")
+        and "seconds" in r
         and 0.0 < r["error"] < HOPELESS
     ]
 

@@ -1,7 +1,6 @@
-"""The importing side of fmu_cost.py and fmu_native.py: fmpy and pythonfmu, and nothing of this project.
+"""The importing side of fmu_native.py: fmpy and pythonfmu, and nothing of this project.
 
-A process of its own: ``fmu_importer.py run OUTPUTS NAME=FMU …`` times FMUs in turn, ``fmu_importer.py start
-OUTPUTS NAME=FMU`` one from cold. Either prints JSON.
+A process of its own: ``fmu_importer.py OUTPUTS NAME=FMU …`` times FMUs in turn, and prints JSON.
 """
 
 from __future__ import annotations
@@ -29,7 +28,6 @@ class Importer:
         self.folder = fmpy.extract(path)
         # positions, velocities and accelerations of the points: the first Real outputs
         reals = [v for v in self.description.modelVariables if v.causality == "output" and v.type == "Real"]
-        self.names = [variable.name for variable in reals[:outputs]]
         self.references = (c_uint * outputs)(*(v.valueReference for v in reals[:outputs]))
         self.values = (c_double * outputs)()
         self.count = outputs
@@ -65,15 +63,6 @@ class Importer:
         self.fmu.terminate()
         self.fmu.freeInstance()
 
-    def whole(self) -> float:
-        """The same scenario through fmpy.simulate_fmu; returns CPU seconds."""
-        begin = time.process_time()
-        fmpy.simulate_fmu(
-            self.folder, validate=False, stop_time=STOP, step_size=STEP, output_interval=STEP,
-            output=self.names, model_description=self.description,
-        )  # fmt: skip
-        return time.process_time() - begin
-
 
 def turns(contenders: dict[str, Callable[[], float]]) -> common.Timings:
     """Each contender's own seconds, in turn."""
@@ -101,41 +90,22 @@ def later_start(importer: Importer) -> float:
     return seconds
 
 
-TASKS = {
-    "raw": (once, "microseconds a step", 1e6 * STEP / STOP),
-    "simulate_fmu": (Importer.whole, "milliseconds", 1e3),
-    "later instance": (later_start, "milliseconds", 1e3),
-}
-"""What is timed: a function, the unit, and how many of it a second is."""
-
-
-def compare(importers: dict[str, Importer]) -> dict:
-    """The FMUs in turn, and the ratios of the first to the others."""
-    results: dict = {}
-    first, *others = importers
-    for name, (function, unit, scale) in TASKS.items():
-        for importer in importers.values():
-            function(importer)
-        timings = turns({who: lambda f=function, i=importer: f(i) for who, importer in importers.items()})
-        results[name] = {
-            unit: {who: common.median([scale * value for value in row]) for who, row in timings.items()},
-            **{f"{first} / {other}": common.ratio(timings, first, other) for other in others},
-        }
-    return results
-
-
-def cold(importer: Importer) -> float:
-    """Milliseconds to start the first instance of a process."""
-    begin = time.perf_counter()
-    importer.start()
-    return 1e3 * (time.perf_counter() - begin)
+TASKS = {"a step [µs]": (once, 1e6 * STEP / STOP), "instance [ms]": (later_start, 1e3)}
+"""What is timed: a function, and how many of its unit a second is."""
 
 
 def main() -> None:
-    """Measure what the command line says."""
-    task, outputs, *fmus = sys.argv[1:]
+    """Time the FMUs that the command line names in turn; the ratio is that of the second to the first."""
+    outputs, *fmus = sys.argv[1:]
     importers = {name: Importer(path, int(outputs)) for name, path in (fmu.split("=", 1) for fmu in fmus)}
-    results = compare(importers) if task == "run" else cold(*importers.values())
+    first, second = importers
+    results = {}
+    for name, (function, scale) in TASKS.items():
+        for importer in importers.values():
+            function(importer)
+        timings = turns({who: lambda f=function, i=importer: f(i) for who, importer in importers.items()})
+        results[name] = {who: common.median([scale * value for value in row]) for who, row in timings.items()}
+        results[name][f"{second} / {first}"] = common.ratio(timings, second, first)
     assert not {"chain_impact", "numba", "scipy"} & set(sys.modules)
     print(json.dumps(results))
     for importer in importers.values():

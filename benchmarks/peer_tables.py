@@ -8,14 +8,14 @@ from problems import PROBLEMS
 from table import run, table
 from work_precision_chart import PLACES
 
-SHOWN = ("numbalsoda DOP853", "CasADi erk", "heyoka", "CVODE Adams")
+SHOWN = ("numbalsoda DOP853", "heyoka", "CVODE Adams")
 TOLERANCES = (1e-6, 1e-8)
 ACHIEVED = (1e-4, 1e-8, 1e-12)  # tolerances of which our error is shown
 # of friction.py
 OURS_ON_THE_SLOPE, OURS_THROWN = (1e-4, 1e-8), (1e-2, 1e-4, 1e-8)  # tolerances
 STEPS = (1e-2, 1e-3, 1e-4)  # s, of MuJoCo
 NO_DRIFT = 1e-9  # µm/s: less is round-off
-VERSIONS = ("scipy", "numbalsoda", "heyoka", "casadi", "scikit-sundae", "diffrax", "jax")
+VERSIONS = ("scipy", "numbalsoda", "heyoka", "diffrax", "jax")
 
 
 def times(value: float | None) -> str:

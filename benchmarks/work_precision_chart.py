@@ -12,7 +12,6 @@ SHOWN, AT = ("box", 1.2), 1e-5  # what the first chart shows; the error at which
 NAMED = {
     "ours": "chain-impact",
     "numbalsoda DOP853": "numbalsoda DOP853",
-    "CasADi erk": "CasADi erk",
     "heyoka": "heyoka",
     "CVODE Adams": "CVODE Adams",
     "scipy DOP853": "SciPy DOP853",
@@ -26,36 +25,42 @@ ERRORS = {
 CHAOS = 3.0  # an error above it shows nothing
 
 
-def factors(record) -> dict[str, float]:
-    """How many times as long as ours each named contender takes at the error AT."""
-    rows = record["results"]["rows"]
+def factors(rows: list[dict]) -> dict[str, float]:
+    """How many times as long as ours each named contender takes at the error AT; none of what has no time."""
     found = {name: seconds_at(AT, usable(rows, *SHOWN, name)) for name in NAMED}
-    return {name: seconds / found["ours"] for name, seconds in found.items()}
+    mine = found["ours"]
+    return {name: seconds / mine for name, seconds in found.items() if mine and seconds}
 
 
 def draw(page, record) -> None:
     """CPU time against error on one problem: six curves with names, the others grey."""
     rows, axes, ends = record["results"]["rows"], page.subplots(), []
-    times = factors(record)
+    times = factors(rows)
     runs = {name: [r for r in usable(rows, *SHOWN, name) if r["error"] < CHAOS] for name in LOOKS}
     runs = {name: [(r["error"], 1e3 * r["seconds"]) for r in found] for name, found in runs.items() if found}
     for name, points in runs.items():
         if name not in NAMED:
             axes.loglog(*zip(*points, strict=True), **QUIET)
             continue
-        factor = "" if name == "ours" else f": {times[name]:.3g}×"
+        factor = f": {times[name]:.3g}×" if name != "ours" and name in times else ""
         ends.append(curve(axes, points, look(name), NAMED[name] + factor))
-    mine = 1e3 * seconds_at(AT, usable(rows, *SHOWN, "ours"))
-    nearest = min((name for name in NAMED if name != "ours"), key=times.__getitem__)
-    for name, text_at in ((nearest, 0.5), (USUAL, 0.8)):
-        draw_factor(axes, mine, mine * times[name], text_at, left=name == nearest)
-    impacts = next(r["onsets"] for r in rows if (r["problem"], r["stop"], r["name"]) == (*SHOWN, "ours"))
+    nearest = min((name for name in times if name != "ours"), key=times.__getitem__, default="")
+    said = {nearest: "the next solver", USUAL: "SciPy"}
+    said = {
+        name: f"{times[name]:.{0 if name == USUAL else 1}f} times faster than {who}"
+        for name, who in said.items()
+        if name in times
+    }
+    for name in said:
+        mine = 1e3 * seconds_at(AT, usable(rows, *SHOWN, "ours"))
+        draw_factor(axes, mine, mine * times[name], 0.5 if name == nearest else 0.8, left=name == nearest)
+    impacts = {r["onsets"] for r in rows if (r["problem"], r["stop"], r["name"]) == (*SHOWN, "ours")}
     headline(
         page,
-        f"At equal error {times[nearest]:.2g} times faster than the next solver, "
-        f"{times[USUAL]:.0f} times faster than SciPy",
-        f"{PROBLEMS[SHOWN[0]].title}, {impacts} impacts in {SHOWN[1]} s  ·  tolerances from 1e-2 to 1e-12  "
-        f"·  grey: {len(runs) - len(NAMED)} more  ·  factors of time at an error of {number(AT)}",
+        f"At equal error {', '.join(said.values()) or 'nothing can be compared'}",
+        f"{PROBLEMS[SHOWN[0]].title}, {max(impacts, default=0)} impacts in {SHOWN[1]} s  ·  tolerances from "
+        f"1e-2 to 1e-12  ·  grey: {len(runs.keys() - NAMED.keys())} more  ·  factors of time at an error of "
+        f"{number(AT)}",
     )
     axes.set(xlabel=ERRORS["error"], ylabel="CPU time [ms]")
     axes.minorticks_off()
@@ -82,17 +87,17 @@ def point_to_better(axes) -> None:
     axes.annotate("better", (0.015, 0.02), (0.075, 0.085), arrowprops=arrow, **places, **bold)
 
 
-def panels(page, record, value, label: str, error: str = "error") -> None:
-    """One panel for each problem and end time; ``value(row)`` upwards, the field ``error`` to the right."""
+def panels(page, record, error: str = "error") -> None:
+    """One panel for each problem and end time; CPU time upwards, the field ``error`` to the right."""
     rows, grid = record["results"]["rows"], page.subplots(3, 2)
-    seen = {row["name"] for row in rows if value(row) is not None}
+    seen = {row["name"] for row in rows if "seconds" in row}
     for axes, (problem, stop) in zip(grid.ravel(), PLACES, strict=True):
         for name in LOOKS:
             points = [
-                (row[error], value(row), row["onsets_right"])
+                (row[error], 1e3 * row["seconds"], row["onsets_right"])
                 for row in rows
                 if (row["problem"], row["stop"], row["name"]) == (problem, stop, name)
-                and value(row) is not None
+                and "seconds" in row
                 and row["error"] < CHAOS
                 and row[error] is not None
             ]
@@ -107,7 +112,7 @@ def panels(page, record, value, label: str, error: str = "error") -> None:
         axes.minorticks_off()
         axes.set_visible(error == "error" or problem != "flight")
     for axes in grid[:, 0]:
-        axes.set_ylabel(label)
+        axes.set_ylabel("CPU time [ms]")
     point_to_better(grid[0, 0])
     page.supxlabel(ERRORS[error], fontsize=10)
     for name in LOOKS:
@@ -121,35 +126,19 @@ def panels(page, record, value, label: str, error: str = "error") -> None:
 def draw_full(page, record) -> None:
     """CPU time against error, all problems and contenders."""
     headline(page, "All problems and solvers: time against the error of the final state")
-    panels(page, record, milliseconds, "CPU time [ms]")
+    panels(page, record)
 
 
 def draw_onsets(page, record) -> None:
     """CPU time against the error of the impacts' times."""
     headline(page, "All problems and solvers: time against the error of the impacts' times")
-    panels(page, record, milliseconds, "CPU time [ms]", "onset_error")
-
-
-def milliseconds(row: dict) -> float | None:
-    """CPU time of a run that is timed."""
-    return 1e3 * row["seconds"] if "seconds" in row else None
-
-
-def evaluations(row: dict) -> int | None:
-    """Right-hand sides of a run that is timed; simulate() makes those of the kernel."""
-    return row["rhs"] if "seconds" in row and row["name"] != "ours, simulate()" else None
-
-
-def draw_rhs(page, record) -> None:
-    """Right-hand sides against error; those who count none are not in it."""
-    headline(page, "All problems, all solvers that count them: right-hand sides against error")
-    panels(page, record, evaluations, "right-hand sides")
+    panels(page, record, "onset_error")
 
 
 def draw_all() -> None:
-    """The first chart, and the three of the appendix."""
+    """The first chart, and the two of the appendix."""
     common.picture("work_precision", draw, (9.5, 5.0))
-    for name, drawing in (("full", draw_full), ("onsets", draw_onsets), ("rhs", draw_rhs)):
+    for name, drawing in (("full", draw_full), ("onsets", draw_onsets)):
         common.picture(f"work_precision_{name}", drawing, (9.5, 10.5), record="work_precision")
 
 

@@ -114,7 +114,7 @@ def message(module, record):
 
 
 @pytest.mark.full("more cases", but=2)
-@pytest.mark.parametrize("name", ["engines", "fmu_cost", "rest", "rhs", "scaling", "stability", "stiffness"])
+@pytest.mark.parametrize("name", ["rest", "rhs", "scaling", "stability", "stiffness"])
 def test_a_chart_is_drawn_with_a_message(charts, name):
     module = charts(name if name != "stability" else "stability_chart")
     assert re.search(r"\d", message(module, stored(name))[0])
@@ -141,6 +141,20 @@ def test_the_factors_of_speed_are_those_of_the_stored_figures(charts):
     peers = [time(name) / ours for name in module.NAMED if name != "ours"]
     factors = [float(found) for found in re.findall(r"([\d.]+) times faster", said)]
     assert factors == [float(f"{min(peers):.2g}"), round(time("scipy DOP853") / ours)]
+
+
+@pytest.mark.parametrize("gap", ["scipy DOP853", "heyoka", "ours"])
+def test_a_missing_time_is_a_gap_in_the_chart(charts, gap):
+    """A busy machine, or a peer that fails, leaves a contender without times."""
+    module, record = charts("work_precision_chart"), stored("work_precision")
+    for row in record["results"]["rows"]:
+        if row["name"] == gap:
+            del row["seconds"]
+    said, page = message(module, record)
+    texts = {text.get_text().partition(":")[0] for text in page.axes[0].texts}
+    assert module.NAMED[gap] not in texts
+    assert ("SciPy" in said) == (gap == "heyoka")
+    module.draw_full(Figure(layout="constrained"), record)
 
 
 def test_the_factors_of_friction_are_those_of_the_stored_figures(charts):

@@ -15,10 +15,10 @@ from typing import Protocol
 import numpy as np
 from problems import Problem
 
-FAMILIES = ("ours", "scipy", "numbalsoda", "cvode", "sundae", "heyoka", "casadi", "diffrax")
-PACKAGES = ("numbalsoda", "scikit-sundae", "heyoka", "casadi", "diffrax", "jax", "mujoco")
+FAMILIES = ("ours", "scipy", "numbalsoda", "cvode", "heyoka", "diffrax")
+PACKAGES = ("numbalsoda", "heyoka", "diffrax", "jax", "mujoco")
 # driven by compiled code from event to event, on a right-hand side compiled with it
-COMPILED = ("numbalsoda", "CVODE", "heyoka", "CasADi")
+COMPILED = ("numbalsoda", "CVODE", "heyoka")
 
 
 class MissingError(RuntimeError):

@@ -1,6 +1,6 @@
 """The model as expressions, for peers that differentiate or compile it themselves.
 
-The recursion of plain_chain.py, written once for any algebra: heyoka's and CasADi's symbols, JAX's tracers.
+The recursion of plain_chain.py, written once for any algebra: heyoka's symbols, JAX's tracers.
 """
 
 from __future__ import annotations
