@@ -10,19 +10,22 @@ from problems import PROBLEMS
 PLACES = (("box", 0.6), ("box", 1.2), ("rod", 1.2), ("steel", 0.6), ("steel", 1.2), ("flight", 2.0))
 SHOWN, AT = ("box", 1.2), 1e-5  # what the first chart shows; the error at which it compares
 NAMED = {
-    "ours": "chain-impact",
+    "ours": "kernel of chain-impact",
+    "ours, simulate()": "simulate() of chain-impact",
     "numbalsoda DOP853": "numbalsoda DOP853",
     "heyoka": "heyoka",
     "CVODE Adams": "CVODE Adams",
     "scipy DOP853": "SciPy DOP853",
 }
-"""The curves that the first chart names: the fastest method of each family, and what most people use."""
+"""What the first chart names: ours, the fastest method of each family, and what most people use."""
+DEFAULT = 1e-8  # tolerance of a scene
 USUAL = "scipy DOP853"
 ERRORS = {
     "error": "error of the final state (m, rad, m/s, rad/s)",
     "onset_error": "largest error of an impact's time [s]",
 }
 CHAOS = 3.0  # an error above it shows nothing
+WRONG = 20.0  # up to which error a run with other impacts is marked
 
 
 def factors(rows: list[dict]) -> dict[str, float]:
@@ -44,7 +47,8 @@ def draw(page, record) -> None:
             continue
         factor = f": {times[name]:.3g}×" if name != "ours" and name in times else ""
         ends.append(curve(axes, points, look(name), NAMED[name] + factor))
-    nearest = min((name for name in times if name != "ours"), key=times.__getitem__, default="")
+    mark_runs(axes, [row for row in rows if (row["problem"], row["stop"]) == SHOWN and "seconds" in row])
+    nearest = min((name for name in times if not name.startswith("ours")), key=times.__getitem__, default="")
     said = {nearest: "the next solver", USUAL: "SciPy"}
     said = {
         name: f"{times[name]:.{0 if name == USUAL else 1}f} times faster than {who}"
@@ -57,15 +61,32 @@ def draw(page, record) -> None:
     impacts = {r["onsets"] for r in rows if (r["problem"], r["stop"], r["name"]) == (*SHOWN, "ours")}
     headline(
         page,
-        f"At equal error {', '.join(said.values()) or 'nothing can be compared'}",
-        f"{PROBLEMS[SHOWN[0]].title}, {max(impacts, default=0)} impacts in {SHOWN[1]} s  ·  tolerances from "
-        f"1e-2 to 1e-12  ·  grey: {len(runs.keys() - NAMED.keys())} more  ·  factors of time at an error of "
-        f"{number(AT)}",
+        f"At equal error the kernel is {', '.join(said.values()) or 'compared with nothing'}",
+        f"{PROBLEMS[SHOWN[0]].title}, {max(impacts, default=0)} impacts in {SHOWN[1]} s  ·  grey: "
+        f"{len(runs.keys() - NAMED.keys())} more  ·  factors at an error of {number(AT)}  ·  bars: all rounds"
+        "  ·  ×: other impacts",
     )
     axes.set(xlabel=ERRORS["error"], ylabel="CPU time [ms]")
+    axes.margins(y=0.08)
     axes.minorticks_off()
     point_to_better(axes)
     names_at_ends(page, {axes: ends})
+
+
+def mark_runs(axes, rows: list[dict]) -> None:
+    """The range of each named run over the rounds, those with other impacts, and the tolerances of ours."""
+    for row in (row for row in rows if row["name"] in NAMED):
+        x, y, colour = row["error"], 1e3 * row["seconds"], LOOKS[row["name"]][0]
+        if x < CHAOS and row["onsets_right"]:
+            ratio = row["times_ours"]
+            ends = (y * ratio[end] / ratio["median"] for end in ("least", "largest"))
+            axes.vlines(x, *ends, color=colour, linewidth=3.0, alpha=0.3)
+            if row["name"] == "ours":
+                text = number(row["tolerance"]) + (" (default)" if row["tolerance"] == DEFAULT else "")
+                at = {"xytext": (0, -7), "textcoords": "offset points", "ha": "center", "va": "top"}
+                axes.annotate(text, (x, y), fontsize=7, color=colour, **at)
+        elif not row["onsets_right"] and x < WRONG:
+            axes.loglog(x, y, marker="x", linestyle="", color=colour)
 
 
 def draw_factor(axes, low: float, high: float, text_at: float, *, left: bool) -> None:

@@ -1,7 +1,8 @@
 """The picture of a sweep: its main results over what was varied.
 
-One number varied gives lines, two a map, samples a cloud of points. A choice, such as the contact law, gives
-a line for each of up to ten; more become the rows of a map. Runs that failed are crosses, or grey in a map.
+One number varied gives lines, two a map, samples points over each parameter. A choice, such as the contact
+law, gives a line for each of up to ten; more become the rows of a map. Runs that failed are crosses, or grey
+in a map.
 """
 
 from __future__ import annotations
@@ -106,15 +107,17 @@ def fill(page: Figure, found: Sweep) -> None:
     if grid and not numbers and len(varying) == 1:
         _dots(page, found, quantities, varying[0])
     elif grid and len(varying) == 1:
-        _lines(page, found, quantities, varying[0], None)
+        _curves(page, found, quantities, varying, None)
     elif grid and len(numbers) == 1 and len(choices) == 1 and len(choices[0].values) <= len(COLOURS):
-        _lines(page, found, quantities, numbers[0], choices[0])
+        _curves(page, found, quantities, numbers, choices[0])
     elif grid and len(varying) == 2:  # noqa: PLR2004
         _maps(page, found, quantities, *(numbers + choices))
         headline(page, title(found, ""), conditions(varying))
         return
-    else:
-        _clouds(page, found, quantities, varying)
+    else:  # the first choice gives the colours
+        coloured = next((one for one in choices if len(one.values) <= len(COLOURS)), None)
+        across = [one for one in varying if one is not coloured] or varying
+        _curves(page, found, quantities, across, coloured, joined=False)
     headline(page, title(found, " (×)"), conditions(varying))
 
 
@@ -171,31 +174,41 @@ def _panels(page: Figure, count: int, width: float = 5.0) -> list[Axes]:
     return panels[:count]
 
 
-def _lines(
-    page: Figure, found: Sweep, quantities: list[Quantity], across: Variation, choice: Variation | None
+def _curves(
+    page: Figure,
+    found: Sweep,
+    quantities: list[Quantity],
+    across: list[Variation],
+    choice: Variation | None,
+    *,
+    joined: bool = True,
 ) -> None:
-    """One panel for each quantity, over one parameter; one colour for each choice of another."""
-    panels = _panels(page, len(quantities))
-    values = found[across.name]
-    groups = choice.shown(choice.values) if choice else [None]
-    for axes, quantity in zip(panels, quantities, strict=True):
+    """A panel for each quantity over each parameter: lines, or points; one colour for each choice."""
+    if joined:
+        grid = [[axes] for axes in _panels(page, len(quantities))]
+    else:
+        page.set_size_inches(1.2 + 2.6 * max(2, len(across)), 0.8 + 1.9 * len(quantities))
+        grid = page.subplots(len(quantities), len(across), sharex="col", sharey="row", squeeze=False).tolist()
+    line = {"linewidth": 1.4} if joined else {"linestyle": "", "alpha": 0.7, "markeredgewidth": 0.0}
+    for row, quantity in zip(grid, quantities, strict=True):
         shown = quantity.of(found)
-        for name, colour in zip(groups, COLOURS, strict=False):
-            own = np.full(len(found), True) if choice is None or name is None else found[choice.name] == name
-            order = np.flatnonzero(own)
-            order = order[np.argsort(values[order], kind="stable")]
-            style: dict[str, Any] = {"color": colour, "linewidth": 1.4, "label": name}
-            if len(order) <= 40:  # noqa: PLR2004 - so that single values are seen
-                style |= {"marker": "o", "markersize": 3.0}
-            if name is not None and found.failed[order].all():
-                style["label"] = f"{name} (failed)"
-            axes.plot(values[order], shown[order], **style)
-        _mark_failed(axes, values[found.failed])
-        _dress(axes, quantity, shown)
-        _across(axes, across)
-        axes.set_xlabel(_label(across))
+        for axes, one in zip(row, across, strict=True):
+            values = found[one.name]
+            for name, colour in zip(choice.shown(choice.values) if choice else [None], COLOURS, strict=False):
+                own = np.flatnonzero(found[choice.name] == name) if choice else np.arange(len(found))
+                own = own[np.argsort(values[own], kind="stable")]
+                label = f"{name} (failed)" if choice and found.failed[own].all() else name
+                style: dict[str, Any] = {"color": colour, "label": label, **line}
+                if len(own) <= 40 or not joined:  # noqa: PLR2004 - so that single values are seen
+                    style |= {"marker": "o", "markersize": 3.0}
+                axes.plot(values[own], shown[own], **style)
+            _mark_failed(axes, values[found.failed])
+            _across(axes, one)
+            if joined or row is grid[-1]:
+                axes.set_xlabel(_label(one))
+        _dress(row[0], quantity, shown)
     if choice:
-        handles, labels = panels[0].get_legend_handles_labels()
+        handles, labels = grid[0][0].get_legend_handles_labels()
         page.legend(handles, labels, loc="outside right center", title=choice.name)
 
 
@@ -250,31 +263,6 @@ def _maps(
             grey = [Patch(facecolor=FAILED_COLOUR, label="failed")]
     if grey:
         page.legend(handles=grey, loc="outside lower right")
-
-
-def _clouds(page: Figure, found: Sweep, quantities: list[Quantity], varying: list[Variation]) -> None:
-    """A panel for each quantity and parameter, a point for each run; the first choice gives the colours."""
-    coloured = next((one for one in varying if one.choices and len(one.values) <= len(COLOURS)), None)
-    across = [one for one in varying if one is not coloured] or varying
-    page.set_size_inches(1.2 + 2.6 * max(2, len(across)), 0.8 + 1.9 * len(quantities))
-    panels = page.subplots(len(quantities), len(across), sharex="col", sharey="row", squeeze=False)
-    size = np.clip(4000.0 / len(found), 1.0, 14.0)
-    for row, quantity in zip(panels, quantities, strict=True):
-        shown = quantity.of(found)
-        for axes, one in zip(row, across, strict=True):
-            values = found[one.name]
-            groups = coloured.shown(coloured.values) if coloured else [None]
-            for name, colour in zip(groups, COLOURS, strict=False):
-                own = found[coloured.name] == name if coloured else np.full(len(found), True)
-                axes.scatter(values[own], shown[own], size, color=colour, alpha=0.7, label=name, linewidths=0)
-            _mark_failed(axes, values[found.failed])
-            _across(axes, one)
-        _dress(row[0], quantity, shown)
-    for axes, one in zip(panels[-1], across, strict=True):
-        axes.set_xlabel(_label(one))
-    if coloured:
-        handles, labels = panels[0][0].get_legend_handles_labels()
-        page.legend(handles, labels, loc="outside right center", title=coloured.name, markerscale=1.5)
 
 
 @dataclass(frozen=True)
