@@ -39,7 +39,7 @@ def test_the_reprs_of_what_is_computed_are_short():
     for thing in (result, result.sensitivities, chain, recording):
         assert is_short(repr(thing))
     assert repr(chain) == "Chain(PinnedArm) of 2 links at t = 0.25 s"
-    assert repr(recording).startswith("Recording(BouncingBall)  0 … 10 s, ")
+    assert repr(recording).startswith("BouncingBall  0 … 10 s, ")
     assert repr(result.sensitivities).endswith("with respect to gravity.y")
 
 

@@ -32,7 +32,7 @@ def test_an_impulse_and_a_law_without_a_result_have_a_row():
 
 
 def test_the_columns_and_what_differs_are_explained():
-    *_, note, _, _, _ = law_table(compare(default_scene()))
+    *_, note, _ = law_table(compare(default_scene()))
     assert note == (
         "Columns e′ to lost describe the first impact; e′ is its restitution, separation over approach "
         "speed. 'differs at' is the first impact with another point "
