@@ -155,7 +155,7 @@ def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, a
     kx, ky, m = hx * inverse, hy * inverse, d.model.mass[i]
     factors.gain_x[row, i], factors.gain_y[row, i], factors.inverse[row, i] = kx, ky, inverse
     # A = A' + m 1 − h hᵀ/(H + κ)
-    return axx + m - hx * kx, axy - hx * ky, ayy + m - hy * ky, ex, ey, p
+    return axx + m - hx * hx * inverse, axy - hx * hy * inverse, ayy + m - hy * hy * inverse, ex, ey, p
 
 
 def solve(d, links, space, row, change):
