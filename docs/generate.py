@@ -22,11 +22,11 @@ from chain_impact import sphere_plane_stiffness
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.kernel.tangent.trust import REASONS, REASONS_OF_FRICTION
 from chain_impact.scene.angles import or_degrees
 from chain_impact.scene.limits import Derived, allowed, without_none
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import WALLS, load_scene, model_names, scene_keys, with_values
+from chain_impact.simulation.reasons import REASONS, REASONS_OF_FRICTION
 from chain_impact.variables.model import Model
 from chain_impact.variables.units import UNITS
 from chain_impact.variables.variable import Variable

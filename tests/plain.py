@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.kernel.integration.quadratures import reset_quadratures
 from chain_impact.kernel.record.fields import is_table
 
 
@@ -59,3 +60,4 @@ def pack(d: Plain) -> None:
     d.touch.compliant_count = sum(not d.law.impulsive[c] for c in packed)
     d.touch.stop_count = np.count_nonzero(d.candidate.stop[packed])
     d.rigid.in_active_set[: d.touch.compliant_count] = 0
+    reset_quadratures(d)

@@ -15,8 +15,8 @@ import pytest
 
 from chain_impact import Chain, simulate
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.tangent.trust import REASONS, REASONS_OF_FRICTION
 from chain_impact.simulation.derivatives import DifferentiatedRun
+from chain_impact.simulation.reasons import REASONS, REASONS_OF_FRICTION
 from tests import invariance
 from tests.derivative_scenes import (
     AT_STOPS,

@@ -180,7 +180,7 @@ SEEDS = {
         "friction": RUBBED,
     }.items()
 }
-OBSERVED = ("output", "latest", "step", "impulse.dense", "friction_impulse.dense", "limits", "finished")
+OBSERVED = ("output", "latest", "step", "quadrature.dense", "limits", "finished")
 """What observing is for, and what of the last step it may make known: its dense output, and the time."""
 GARBAGE = 1.7e11
 

@@ -7,10 +7,9 @@ import pytest
 
 from chain_impact.kernel import advance as loop
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET
-from chain_impact.kernel.integration import step_size
-from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
-from chain_impact.kernel.integration.methods import SAFETY
-from chain_impact.kernel.integration.trial import add_error, conclude
+from chain_impact.kernel.integration import control
+from chain_impact.kernel.integration.control import conclude, refuse
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, SAFETY
 from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
 from tests.kernel.chains import chain, touch
 
@@ -34,7 +33,7 @@ class Trials:
         monkeypatch.setattr(loop, "drop_events", self.note("drop events"))
         monkeypatch.setattr(loop, "find_event", lambda _: -1.0)
         monkeypatch.setattr(
-            loop, "check_energy", lambda d, _: add_error(d, self.losses.pop(0) if self.losses else 0.0)
+            loop, "check_energy", lambda d, _: refuse(d, self.losses.pop(0) if self.losses else 0.0)
         )
 
     def note(self, what):
@@ -73,7 +72,7 @@ def test_an_error_above_the_tolerance_is_refused(monkeypatch):
 def test_a_step_grows_sixfold_at_most_without_an_error(monkeypatch):
     assert Trials(monkeypatch, [0.0]).run() == (OK, pytest.approx(6.0))
     assert Trials(monkeypatch, [1e-16]).run() == (OK, pytest.approx(6.0))
-    assert step_size.GROW == 6.0
+    assert control.GROW == 6.0
 
 
 def test_a_step_that_its_method_makes_longer_ends_with_the_piece_of_an_input(monkeypatch):
@@ -221,7 +220,7 @@ def test_after_an_impact_on_a_rigid_wall_a_step_is_not_longer_than_in_flight(
         touch(d, [0])
     d.contact.any_rigid, d.step.method = rigid, EXPLICIT
     monkeypatch.setattr(loop, "apply_pending_events", lambda _: (events, True))
-    monkeypatch.setattr(loop.step_size, "in_flight", lambda *_: 1e-3)
+    monkeypatch.setattr(loop.control, "in_flight", lambda *_: 1e-3)
     for size in (1e-2, 1e-4):
         d.step.next_size = size
         assert loop.begin_step(d) == events
@@ -261,11 +260,11 @@ def test_impulses_are_stored_and_begun_anew_at_events(monkeypatch, events, chang
     d, done = at_end_of_a_step(events), []
     loop.ensure_rate(d)
     monkeypatch.setattr(loop, "apply_events", lambda _: done.append("apply") or changed)
-    for name in ("commit_impulses", "keep_end_forces", "reset_impulse_step"):
+    for name in ("commit_quadratures", "keep_end_rates", "reset_quadratures"):
         monkeypatch.setattr(loop, name, lambda _, name=name: done.append(name))
     loop.apply_pending_events(d)
-    kept = ["keep_end_forces"] if changed else []
-    assert done == (["commit_impulses", "apply", *kept, "reset_impulse_step"] if events else [])
+    kept = ["keep_end_rates"] if changed else []
+    assert done == (["commit_quadratures", "apply", "reset_quadratures", *kept] if events else [])
 
 
 @pytest.mark.parametrize(

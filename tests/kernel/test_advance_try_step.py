@@ -6,18 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import advance as loop
+from chain_impact.kernel.integration.control import FAR_OFF, conclude, refuse
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
-from chain_impact.kernel.integration.trial import (
-    ACCEPTED,
-    FAR_OFF,
-    INACCURATE,
-    NOT_LOCATED,
-    UNBALANCED,
-    UNSOLVED,
-    add_error,
-    conclude,
-    refuse,
-)
 from chain_impact.kernel.model import constraints
 from chain_impact.kernel.model.constraints import MOVING, SOLVED
 from tests.kernel.chains import chain
@@ -46,9 +36,9 @@ class Landing:
 
         def check_energy(d, theta):
             self.noted.append(("energy", theta))
-            add_error(d, loss)
+            refuse(d, loss)
             if not keeps:
-                refuse(d, UNBALANCED)
+                refuse(d, FAR_OFF)
 
         monkeypatch.setattr(loop, "attempt", attempt)
         monkeypatch.setattr(loop, "accept", lambda _: self.noted.append("accept"))
@@ -56,7 +46,7 @@ class Landing:
 
     def located(self, d, theta):
         if theta is None:
-            refuse(d, NOT_LOCATED)
+            refuse(d, FAR_OFF)
             return -1.0
         return theta
 
@@ -65,22 +55,22 @@ class Landing:
         self.patch.setattr(loop, "find_event", lambda d: self.located(d, theta))
         loop.try_step(self.d, SIZE)
         assert self.noted[:2] == [("try", 1.0), "accept"]
-        return self.d.trial.result, self.d.trial.error, self.noted[2:]
+        return self.d.trial.error, self.noted[2:]
 
 
 BACK = ["roll back", "drop events"]
 
 
 def test_a_step_without_an_event_is_only_checked(monkeypatch):
-    assert Landing(monkeypatch, bends=True, loss=0.3).run(-1.0) == (ACCEPTED, 0.3, [("energy", -1.0)])
-    assert Landing(monkeypatch, bends=True, loss=0.1).run(-1.0) == (ACCEPTED, 0.2, [("energy", -1.0)])
+    assert Landing(monkeypatch, bends=True, loss=0.3).run(-1.0) == (0.3, [("energy", -1.0)])
+    assert Landing(monkeypatch, bends=True, loss=0.1).run(-1.0) == (0.2, [("energy", -1.0)])
 
 
 def test_a_step_is_cut_at_an_event_at_which_the_force_does_not_bend(monkeypatch):
     cut = [("energy", 0.4), ("cut", 0.4)]
-    assert Landing(monkeypatch, bends=False).run(0.4) == (ACCEPTED, 0.2, cut)
+    assert Landing(monkeypatch, bends=False).run(0.4) == (0.2, cut)
     cut = [("energy", 0.0), ("cut", 0.0)]
-    assert Landing(monkeypatch, bends=True).run(0.0) == (ACCEPTED, 0.2, cut)
+    assert Landing(monkeypatch, bends=True).run(0.0) == (0.2, cut)
 
 
 @pytest.mark.parametrize(("bends", "method"), [(True, EXPLICIT), (False, IMPLICIT)])
@@ -88,38 +78,37 @@ def test_it_is_repeated_up_to_one_at_which_the_force_bends_or_if_it_is_implicit(
     """The next size follows from the error of the whole step, and from the cost of the repeated one."""
     landing = Landing(monkeypatch, bends=bends, method=method)
     repeated = ["roll back", ("try", 0.4), "accept", ("energy", -1.0)]
-    assert landing.run(0.4) == (ACCEPTED, 0.2, repeated)
+    assert landing.run(0.4) == (0.2, repeated)
     assert landing.d.trial.cost_factor == 0.7
 
 
 @pytest.mark.parametrize("theta", [1e-3, 1.0])
 def test_at_its_ends_the_interpolant_of_an_implicit_step_is_right(monkeypatch, theta):
     landing = Landing(monkeypatch, bends=False, method=IMPLICIT)
-    assert landing.run(theta) == (ACCEPTED, 0.2, [("energy", theta), ("cut", theta)])
+    assert landing.run(theta) == (0.2, [("energy", theta), ("cut", theta)])
 
 
 def test_a_repeated_step_may_have_an_onset_before_its_end(monkeypatch):
     landing = Landing(monkeypatch, bends=True, onset=0.9)
     repeated = ["roll back", ("try", 0.4), "accept", ("energy", 0.9), ("cut", 0.9)]
-    assert landing.run(0.4) == (ACCEPTED, 0.2, repeated)
+    assert landing.run(0.4) == (0.2, repeated)
 
 
 def test_a_step_that_is_not_accurate_is_not_searched(monkeypatch):
     landing = Landing(monkeypatch, bends=True, errors=[1.5])
     loop.try_step(landing.d, SIZE)
-    assert (landing.d.trial.result, landing.d.trial.error) == (INACCURATE, 1.5)
+    assert landing.d.trial.error == 1.5
     assert landing.noted == [("try", 1.0)]
 
 
 def test_what_cannot_be_located_or_repeated_is_refused(monkeypatch):
     """A refused step is rolled back, also if its repeat has been."""
-    refused = NOT_LOCATED, FAR_OFF
-    assert Landing(monkeypatch, bends=True).run(None) == (*refused, BACK)
+    assert Landing(monkeypatch, bends=True).run(None) == (FAR_OFF, BACK)
     for error in (1.5, math.nan):
         done = ["roll back", ("try", 0.4), *BACK]
-        assert Landing(monkeypatch, bends=True, errors=[0.2, error]).run(0.4) == (*refused, done)
+        assert Landing(monkeypatch, bends=True, errors=[0.2, error]).run(0.4) == (FAR_OFF, done)
     landing = Landing(monkeypatch, bends=True, onset=None)
-    assert landing.run(0.4) == (*refused, ["roll back", ("try", 0.4), "accept", *BACK])
+    assert landing.run(0.4) == (FAR_OFF, ["roll back", ("try", 0.4), "accept", *BACK])
 
 
 UNFOUND = [(SOLVED, False), (MOVING, True), (constraints.UNSOLVED, True)]
@@ -135,21 +124,20 @@ def test_a_step_without_the_forces_of_constraints_is_refused(monkeypatch, unsolv
         d.rigid.unsolved = unsolved
 
     monkeypatch.setattr(loop, "check_energy", fails)
-    result, _, noted = landing.run(-1.0)
-    assert result == (UNSOLVED if refused else ACCEPTED)
+    error, noted = landing.run(-1.0)
+    assert error == (FAR_OFF if refused else 0.2)
     assert ("roll back" in noted) == refused
 
 
 def test_a_refused_step_is_not_repeated_for_an_event_that_was_found_before(monkeypatch):
     landing = Landing(monkeypatch, bends=True)
-    landing.located = lambda d, theta: (refuse(d, NOT_LOCATED), theta)[1]
-    assert landing.run(0.4) == (NOT_LOCATED, FAR_OFF, BACK)
+    landing.located = lambda d, theta: (refuse(d, FAR_OFF), theta)[1]
+    assert landing.run(0.4) == (FAR_OFF, BACK)
 
 
 @pytest.mark.parametrize(
-    ("keeps", "loss", "result", "error"),
-    [(False, 0.0, UNBALANCED, FAR_OFF), (False, 1.0, UNBALANCED, FAR_OFF), (True, 1.05, INACCURATE, 1.05)],
+    ("keeps", "loss", "error"), [(False, 0.0, FAR_OFF), (False, 1.0, FAR_OFF), (True, 1.05, 1.05)]
 )
-def test_a_step_that_does_not_keep_the_energy_is_refused(monkeypatch, keeps, loss, result, error):
+def test_a_step_that_does_not_keep_the_energy_is_refused(monkeypatch, keeps, loss, error):
     landing = Landing(monkeypatch, bends=False, keeps=keeps, loss=loss)
-    assert landing.run(0.4) == (result, error, [("energy", 0.4), *BACK])
+    assert landing.run(0.4) == (error, [("energy", 0.4), *BACK])

@@ -43,16 +43,17 @@ def seen(theta):
     y = motion.at(theta * SIZE)
     wall_at(d, IN, y, -1e-3)
     wall_at(d, OUT, y, 2e-3)
+    d.quadrature.wanted = 1
     touch(d, [IN, OUT])
     locate_points(d, y)
     for c in (IN, OUT):
         begin_contact(d, c)
     set_kink_sides(d)
-    d.impulse.wanted = 1
-    d.impulse.total[:] = d.impulse.onset[:] = np.arange(d.candidates)
-    d.impulse.state[:2], d.impulse.dense[:] = (7.0, 8.0), 0.0
-    d.impulse.dense[0, :2] = 0.5, 0.25
-    d.impulse.state_end[:2] = 7.5, 8.25
+    d.quadrature.onset[:] = np.arange(d.candidates)
+    d.quadrature.total[: d.candidates] = d.quadrature.onset
+    d.quadrature.state[:2], d.quadrature.dense[:] = (7.0, 8.0), 0.0
+    d.quadrature.dense[0, :2] = 0.5, 0.25
+    d.quadrature.state_end[:2] = 7.5, 8.25
     for name in ("force", "penetration", "penetration_rate", "impulse"):
         d.output[name][:] = 99.0
     d.step.time = 2.0 + theta * SIZE
@@ -121,8 +122,7 @@ def test_a_holding_force_is_seen_as_long_as_it_pushes():
     for force, shown in ((2.5, 2.5), (-2.5, 0.0)):
         d, c, _ = held_tip(0.2, [force])
         d.step.time = 0.1
-        d.impulse.wanted = 0
-        d.impulse.total[c] = 6.0
+        d.quadrature.count, d.quadrature.total[c] = 0, 6.0
         work = d.limits.other_work
         fill_outputs(d)
         assert d.output.force[c] == pytest.approx(shown, rel=1e-9)
@@ -202,7 +202,7 @@ def test_what_an_observer_sees_of_a_stop_is_its_moment_and_its_depth():
     begin_contact(d, high)
     set_kink_sides(d)
     d.step.time = d.step.start
-    d.impulse.wanted = 0
+    d.quadrature.count = 0
     fill_outputs(d)
     force, _ = law_force(d, high, 0.02 * d.model.size, rate * d.model.size)
     assert d.output.force[low] == pytest.approx(-force * d.model.size, rel=1e-9)

@@ -6,6 +6,8 @@ the dense output; so the result does not depend on the communication step. An ev
 the communication point has passed it. ``d`` is the record of the instance (record/instance.py).
 """
 
+import math
+
 from chain_impact.kernel import hooks
 from chain_impact.kernel.events.contact_log import update_extremes, update_to_output_time
 from chain_impact.kernel.events.friction_modes import reinit_modes
@@ -14,18 +16,12 @@ from chain_impact.kernel.events.marks import KINK, NONE, drop_events, ends_in_on
 from chain_impact.kernel.events.search import find_event, onset_fraction
 from chain_impact.kernel.events.table import apply_events, bends_force
 from chain_impact.kernel.initialize import first_size
-from chain_impact.kernel.integration import step_size, trial
+from chain_impact.kernel.integration import control
 from chain_impact.kernel.integration.balance import (
     check_balance,
     check_energy,
     rebase_energy,
     reinit_balance,
-)
-from chain_impact.kernel.integration.impulse import (
-    commit_impulses,
-    reset_impulse_step,
-    set_impulse_stage_at_end,
-    settle_impulses,
 )
 from chain_impact.kernel.integration.last_step import (
     accept,
@@ -36,11 +32,19 @@ from chain_impact.kernel.integration.last_step import (
     set_own_output_time,
     truncate_step,
 )
-from chain_impact.kernel.integration.methods import IS_IMPLICIT, LANDS, MEASURES_START, attempt, prepare
+from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.integration.methods import attempt, prepare
+from chain_impact.kernel.integration.quadratures import (
+    commit_quadratures,
+    keep_end_rates,
+    reset_quadratures,
+    set_quadrature_stage_at_end,
+    settle_impulses,
+)
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
 from chain_impact.kernel.model.constraints import SOLVED, UNSOLVED, any_point_held, clear_unsolved
-from chain_impact.kernel.model.contact import clear_loads, keep_end_forces, latch, set_kink_sides
+from chain_impact.kernel.model.contact import clear_loads, latch, set_kink_sides
 from chain_impact.kernel.model.contact_law import laws_in_use, update_laws
 from chain_impact.kernel.model.equations import clear_stage_notes, state_rate
 from chain_impact.kernel.model.inputs import (
@@ -172,7 +176,7 @@ def advance_one_step(d):
     if d.statistics.status == OK:
         hooks.on_step(d)
     else:
-        commit_impulses(d)
+        commit_quadratures(d)
         reset_step(d, d.step.end, d.step.state_end)
     return d.statistics.status
 
@@ -187,13 +191,13 @@ def set_output_time(d, time):
 def reinit(d):
     """Re-initialize at the communication point, as an input or parameter changed; returns a status."""
     update_to_output_time(d)
-    step_size.rescale(d, time_rate_now(d, d.step.state_end))  # in seconds
+    control.rescale(d, time_rate_now(d, d.step.state_end))  # in seconds
     reset_step(d, d.step.time, d.step.state_end)
     status = apply_pending_inputs(d)
     clear_loads(d)
     reinit_balance(d)
     # a chain at rest has taken steps far too long for the motion that a new input may cause
-    step_size.limit(d, first_size(d))
+    control.limit(d, first_size(d))
     if status == OK:
         hooks.on_reinit(d)
     return status
@@ -210,10 +214,7 @@ def apply_pending_inputs(d):
     apply_inputs(d)
     status = update_laws(d)
     if status == OK:
-        latch_again(d)
-        recompute_active_set(d)
-        reinit_modes(d, False)
-        set_kink_sides(d)  # the law may have changed
+        apply_laws(d)
     return check_solved(d, status)
 
 
@@ -221,6 +222,14 @@ def latch_again(d):
     """Set what the active contacts have latched of a law that may have changed."""
     for k in range(d.touch.compliant_count):
         latch(d, d.touch.active_index[k])
+
+
+def apply_laws(d):
+    """Set what is latched, what is held, modes and sides of kinks for laws that may have changed."""
+    latch_again(d)
+    recompute_active_set(d)
+    reinit_modes(d, False)
+    set_kink_sides(d)
 
 
 def recompute_active_set(d):
@@ -240,7 +249,7 @@ def take_step(d):
     if status == OK:
         status = find_step(d)
     if status == OK:
-        count_step(d, IS_IMPLICIT[d.step.last_method])
+        count_step(d, d.step.last_method == IMPLICIT)
         status = check_balance(d)
     return status if status != OK else check_work(d)
 
@@ -254,21 +263,21 @@ def find_step(d):
     """Try steps of ever smaller size until one is accepted, up to its first event; returns a status."""
     wanted = min(d.step.next_size, LONGEST_STEP)
     limited = limit_to_piece(d, wanted)
-    h, grow = prepare(d, limited), step_size.GROW
+    h, grow = prepare(d, limited), control.GROW
     if limited < wanted:
         h = min(h, limited)  # a step made longer to pass the end of a contact must not pass the piece
     while not too_short(d, h):
         try_step(d, h)
-        suggested = h * min(grow, step_size.factor(d))
-        if trial.accepted(d):
+        suggested = h * min(grow, control.factor(d))
+        if control.accepted(d):
             # the end of a piece of an input says nothing about the size
-            step_size.propose(d, max(suggested, wanted) if limited < wanted and grow > 1.0 else suggested)
+            control.propose(d, max(suggested, wanted) if limited < wanted and grow > 1.0 else suggested)
             return OK
         count_rejected_step(d)
         if work_exceeded(d):
             return TOO_MUCH_WORK
         h, grow = suggested, 1.0
-    return NOT_FINITE if d.trial.result == trial.NOT_FINITE else STEP_TOO_SMALL
+    return STEP_TOO_SMALL if math.isfinite(d.trial.error) else NOT_FINITE
 
 
 def too_short(d, h):
@@ -280,17 +289,17 @@ def try_step(d, h):
     """Try a step of size h. If it is accepted, it is the last step, up to its first event."""
     clear_stage_notes(d)
     attempt(d, h)
-    if not trial.accepted(d):
+    if not control.accepted(d):
         return
     accept(d)
     theta = find_event(d)
-    if trial.accepted(d) and must_land(d, theta):
+    if control.accepted(d) and must_land(d, theta):
         theta = land(d, theta)
-    if trial.accepted(d):
+    if control.accepted(d):
         check_energy(d, theta)
-    if trial.accepted(d) and d.rigid.unsolved != SOLVED:
-        trial.refuse(d, trial.UNSOLVED)
-    if not trial.accepted(d):
+    if control.accepted(d) and d.rigid.unsolved != SOLVED:
+        control.refuse(d, control.FAR_OFF)
+    if not control.accepted(d):
         roll_back(d)
         drop_events(d)
         return
@@ -306,7 +315,7 @@ def must_land(d, theta):
     is less accurate than the step. The interpolant of an implicit step is less accurate everywhere but at its
     ends, so that such a step is repeated for every event.
     """
-    return theta > 0.0 and (bends_force(d) or (LANDS[d.step.last_method] and NEAR_START < theta < 1.0))
+    return theta > 0.0 and (bends_force(d) or (d.step.last_method == IMPLICIT and NEAR_START < theta < 1.0))
 
 
 def land(d, theta):
@@ -314,12 +323,12 @@ def land(d, theta):
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)
     attempt(d, h)
-    if not trial.accepted(d):
-        trial.refuse(d, trial.NOT_LOCATED)
+    if not control.accepted(d):
+        control.conclude(d, control.FAR_OFF, d.trial.cost_factor)
         return -1.0
     accept(d)
     # the size of the next step follows from the error of the whole step
-    trial.conclude(d, error, d.trial.cost_factor)
+    control.conclude(d, error, d.trial.cost_factor)
     return onset_fraction(d)
 
 
@@ -329,8 +338,8 @@ def begin_step(d):
     if d.given.changed:
         apply_inputs(d)
     landed = events > 0 and d.contact.any_rigid and d.touch.compliant_count == 0
-    if landed and not MEASURES_START[d.step.method]:
-        step_size.limit(d, step_size.in_flight(d, d.step.state_end, d.work.rate_start))
+    if landed and d.step.method != IMPLICIT:
+        control.limit(d, control.in_flight(d, d.step.state_end, d.work.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:
         rebase_energy(d)
     if not kinked:
@@ -356,16 +365,17 @@ def apply_pending_events(d):
     for j in range(len(d.work.y)):
         rate[j] = d.work.rate_end[j]
     if events > 0:
-        commit_impulses(d)
-        if apply_events(d):
+        commit_quadratures(d)
+        jumped = apply_events(d)
+        reset_quadratures(d)
+        if jumped:
             state_rate(d, d.step.state_end, rate)
-            keep_end_forces(d)
+            keep_end_rates(d)
             count_evaluations(d, 1)
-        reset_impulse_step(d)
     return events, kinked
 
 
 def set_first_stage(d):
     """Set the first stage of a step from the rate at its start, in the integration variable of the step."""
     regularize(d, d.step.state_end, d.work.rate_start, d.work.stage[0])
-    set_impulse_stage_at_end(d, 0)
+    set_quadrature_stage_at_end(d, 0)

@@ -1,4 +1,4 @@
-"""Makes one function of a list of functions: its first argument selects which of them is called."""
+"""Makes one function of several: one that calls one of them, or all in turn."""
 
 
 def dispatch(functions):
@@ -8,3 +8,16 @@ def dispatch(functions):
         return lambda _number, *rest: first(*rest)
     after = dispatch(others)
     return lambda number, *rest: first(*rest) if number == 0 else after(number - 1, *rest)
+
+
+def sequence(first, *others):
+    """Return a function that calls several functions, which return nothing, in turn with its arguments."""
+    if not others:
+        return first
+    rest = sequence(*others)
+
+    def both(d, h, *more):
+        first(d, h, *more)
+        rest(d, h, *more)
+
+    return both

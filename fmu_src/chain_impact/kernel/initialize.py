@@ -18,12 +18,11 @@ from chain_impact.kernel.events.exclusion import NOTHING, remember_clearances
 from chain_impact.kernel.events.friction_modes import clear_changes, reinit_modes
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.integration.balance import start_balance
-from chain_impact.kernel.integration.impulse import clear_impulses
+from chain_impact.kernel.integration.control import conclude, in_flight, keep_for_flight, propose
 from chain_impact.kernel.integration.last_step import clear_breaks, reset_step, reset_times
-from chain_impact.kernel.integration.methods import IS_IMPLICIT, SOLVER_METHODS, first_method
-from chain_impact.kernel.integration.step_size import in_flight, keep_for_flight, propose
+from chain_impact.kernel.integration.method import IMPLICIT, SOLVER_METHODS, first_method
+from chain_impact.kernel.integration.quadratures import clear_quadratures
 from chain_impact.kernel.integration.switching import begin_explicit, stable
-from chain_impact.kernel.integration.trial import clear_trial
 from chain_impact.kernel.model.constraints import UNSOLVED, clear_unsolved
 from chain_impact.kernel.model.contact import clear_contacts, clear_loads
 from chain_impact.kernel.model.contact_law import start_laws
@@ -60,19 +59,24 @@ def initialize(d, time):
     apply_inputs(d)
     if set_status(d, check_parameters(d)) != OK or set_status(d, start_laws(d)) != OK:
         return d.statistics.status
-    place_walls(d)
-    set_initial_state(d, d.work.y)
-    reset_step(d, time, d.work.y)
-    clear_loads(d)
-    reinit_modes(d, True)
+    set_start(d, time)
     size = first_size(d)
-    propose(d, size if IS_IMPLICIT[first_method(d.solver.method)] else stable(d, size))
+    propose(d, size if first_method(d.solver.method) == IMPLICIT else stable(d, size))
     keep_for_flight(d)
     start_balance(d, time)
     begin_explicit(d)
     if set_status(d, check_start(d)) == OK:
         hooks.on_start(d)
     return d.statistics.status
+
+
+def set_start(d, time):
+    """Set the walls, the state and the modes of dry friction at the start of a run, at ``time`` [s]."""
+    place_walls(d)
+    set_initial_state(d, d.work.y)
+    reset_step(d, time, d.work.y)
+    clear_loads(d)
+    reinit_modes(d, True)
 
 
 def set_initial_state(d, y):
@@ -93,7 +97,7 @@ def clear_run(d, time):
     clear_contacts(d, time)
     clear_friction(d)
     clear_unsolved(d)
-    clear_impulses(d)
+    clear_quadratures(d)
     clear_moments(d)
     clear_joints(d.work.load)
     clear_joints(d.implicit.pairs.load)
@@ -102,7 +106,7 @@ def clear_run(d, time):
     drop_events(d)
     clear_breaks(d)
     reset_times(d, time)
-    clear_trial(d)
+    conclude(d, 0.0, 1.0)
     remember_clearances(d, NOTHING)
     clear_log(d)
     clear_peaks(d)

@@ -8,8 +8,8 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
 from chain_impact.kernel.events.contact_log import list_latest
-from chain_impact.kernel.integration.dense import fraction, interpolate, interpolate_component
-from chain_impact.kernel.integration.impulse import friction_count, impulse_count, impulse_within
+from chain_impact.kernel.integration.dense import fraction, interpolate
+from chain_impact.kernel.integration.quadratures import quadrature_within
 from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import located_rate
@@ -32,7 +32,7 @@ def fill_outputs(d):
     """
     counted, theta = counted_work(d), fraction(d, d.step.time)
     fill_motion(d, theta)
-    fill_impulses(d, theta)
+    fill_quadratures(d, theta)
     list_latest(d)
     if d.model.stopped:
         combine_forces(d)
@@ -113,24 +113,24 @@ def fill_friction(d):
             out.force[e] = d.element.force[e] if mode == STICKS else sliding
 
 
-def fill_impulses(d, theta):
+def fill_quadratures(d, theta):
     """Fill the impulses and the energy of dry friction at the fraction θ of the last step."""
-    out, own = d.output, d.output.friction
-    for c in range(d.candidates):
-        out.impulse[c] = d.impulse.total[c]
-    for k in range(impulse_count(d)):
-        out.impulse[d.touch.active_index[k]] = impulse_within(d, theta, k)
-    if d.elements == 0:
-        return
-    for e in range(d.elements):
-        own.impulse[e] = d.friction_impulse.total[e]
-    own.dissipated = d.friction_impulse.energy
-    for k in range(friction_count(d)):
-        value = interpolate_component(d.friction_impulse, theta, k)
-        if k < d.friction.contact_count:
-            own.impulse[d.element.index[k]] = value
-        else:
-            own.dissipated = value
+    own = d.quadrature
+    for i in range(len(own.total)):
+        fill_quadrature(d, i, own.total[i])
+    for k in range(own.count):
+        fill_quadrature(d, own.index[k], quadrature_within(d, theta, k))
+
+
+def fill_quadrature(d, i, value):
+    """Fill the output of the quadrature at place i."""
+    e = i - d.candidates
+    if e < 0:
+        d.output.impulse[i] = value
+    elif e < d.elements:
+        d.output.friction.impulse[e] = value
+    else:
+        d.output.friction.dissipated = value
 
 
 def combine_forces(d):

@@ -8,7 +8,7 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.marks import NEIGHBOUR
 from chain_impact.kernel.integration.last_step import SOLVER
-from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, SOLVER_METHODS
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.laws.contact_laws import LAW_COUNT
 from chain_impact.kernel.laws.user_law import present
@@ -32,8 +32,8 @@ def within_bounds(d):
     fits = within(d.model.middle, 0, d.links)
     fits = fits and within(d.step.regularized, NO_CONTACT, d.candidates - 1)
     fits = fits and within(d.solver.method, 1, len(SOLVER_METHODS)) and d.finished.count >= 0
-    fits = fits and within(d.step.method, 0, METHOD_COUNT - 1)
-    fits = fits and within(d.step.last_method, 0, METHOD_COUNT - 1)
+    fits = fits and within(d.step.method, EXPLICIT, IMPLICIT)
+    fits = fits and within(d.step.last_method, EXPLICIT, IMPLICIT)
     fits = fits and within(d.search.known, 0, FAR) and within(d.step.dense_for, 0, SOLVER)
     fits = fits and within(d.statistics.status, OK, LAST_STATUS)
     fits = fits and within(d.latest.kept, 0, len(d.latest.time))
@@ -41,6 +41,9 @@ def within_bounds(d):
     fits = fits and within(d.touch.active_count, 0, d.candidates)
     fits = fits and within(d.touch.compliant_count, 0, d.touch.active_count)
     fits = fits and friction_within_bounds(d)
+    fits = fits and within(d.quadrature.count, 0, len(d.quadrature.index))
+    for k in range(len(d.quadrature.index)):
+        fits = fits and within(d.quadrature.index[k], 0, len(d.quadrature.index) - 1)
     for c in range(d.candidates):
         fits = (
             fits
@@ -64,7 +67,6 @@ def friction_within_bounds(d):
     own = d.friction
     fits = within(own.used, 0, min(1, d.elements)) and within(own.count, 0, d.elements)
     fits = fits and within(own.contact_count, 0, min(own.count, d.candidates))
-    fits = fits and within(own.integral_count, 0, min(own.contact_count + 1, d.elements))
     fits = fits and within(own.stuck_count, 0, own.count) and within(own.stuck_joints, 0, own.stuck_count)
     fits = fits and d.changes.count >= 0
     for e in range(d.elements):

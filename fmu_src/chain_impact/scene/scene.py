@@ -15,7 +15,7 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from chain_impact.kernel.integration.methods import SOLVER_METHODS
+from chain_impact.kernel.integration.method import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.scene import checks, friction, scene_text, stops

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from chain_impact.kernel.integration.methods import SOLVER_METHODS
+from chain_impact.kernel.integration.method import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.scene.limits import Derived, quantity

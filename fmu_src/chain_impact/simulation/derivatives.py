@@ -16,14 +16,7 @@ import numpy as np
 
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.kernel.tangent.trust import (
-    JOINT,
-    NO_IMPACT,
-    REASONS,
-    REASONS_AT_STOPS,
-    REASONS_OF_FRICTION,
-    TRUSTED,
-)
+from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
 from chain_impact.results.equality import same
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.joint_stops import at_stop
@@ -33,6 +26,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Drive, drive
 from chain_impact.simulation.instance import Instance, SimulationError, WordRows, in_order
+from chain_impact.simulation.reasons import REASONS, REASONS_AT_STOPS, REASONS_OF_FRICTION
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import BEHIND, WORD, first_word, word_index
 from chain_impact.variables.variable import Variable

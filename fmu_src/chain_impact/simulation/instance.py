@@ -266,7 +266,7 @@ class Instance:
         table = self.words[first : first + columns * room].reshape(columns, room)
         found = table[:, places].T.copy()
         rows = np.ndarray(len(found), IMPACT_DTYPE, found)
-        if not self.record["impulse"]["wanted"]:
+        if not self.record["quadrature"]["wanted"]:
             rows["impulse"] = np.nan
         return rows
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.integration.methods import SOLVER_METHODS
+from chain_impact.kernel.integration.method import SOLVER_METHODS
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.contact_law import USER_LAW
@@ -113,7 +113,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
 
     d["latest"]["kept"] = scene.outputs.impacts
     asked = scene.outputs
-    d["impulse"]["wanted"] = asked.contacts or asked.impacts > 0 or (scene.has_friction and asked.energies)
+    d["quadrature"]["wanted"] = asked.contacts or asked.impacts > 0 or (scene.has_friction and asked.energies)
     _fill_walls(d, scene)
     if scene.stops.exponent is not None:
         _fill_stops(d, scene)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.law_file import read_law
-from chain_impact.kernel.integration.methods import SOLVER_METHODS
+from chain_impact.kernel.integration.method import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.tangent.directions import DIRECTIONS

@@ -31,6 +31,7 @@ from chain_impact.kernel.events.contact_log import (
 )
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
+from chain_impact.kernel.integration.quadratures import reset_quadratures
 from chain_impact.kernel.model.contact import begin_contact, clear_contacts, contact_force, list_touching
 from chain_impact.kernel.model.contact_force import set_damping
 from chain_impact.kernel.model.geometry import clearance
@@ -239,16 +240,17 @@ def test_the_last_step_ends_at_the_communication_point_and_events_beyond_are_for
 def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch):
     d, motion = pressed(TURNING)
     d.step.time = d.step.start + 0.25
-    d.impulse.state_end[0], d.impulse.total[1] = 5.0, 1.0
-    d.impulse.state[0], d.impulse.dense[:, 0] = 2.0, 0.0
-    d.impulse.dense[0, 0] = 4.0  # 2 + 4 θ
-    d.impulse.wanted = 1
+    d.quadrature.wanted = 1
+    reset_quadratures(d)
+    d.quadrature.state_end[0], d.quadrature.total[1] = 5.0, 1.0
+    d.quadrature.state[0], d.quadrature.dense[:, 0] = 2.0, 0.0
+    d.quadrature.dense[0, 0] = 4.0  # 2 + 4 θ
     work = d.statistics.rhs_evaluations, d.limits.other_work
     update_own_to_output_time(d)
     t = 0.25 * FINE
     assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
     assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
-    assert d.impulse.total[1] == pytest.approx(3.0, rel=1e-12)
+    assert d.quadrature.total[1] == pytest.approx(3.0, rel=1e-12)
     assert (d.statistics.rhs_evaluations, d.limits.other_work) == work
     there(d, points_of(d, motion.at(0.25)))
     # and what goes on beside
@@ -279,7 +281,7 @@ def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsiv
         locate_points(d, y)
         accelerate_points(d, y, motion.at(until, 1))
         d.output.force[1] = contact_force(d, 1, *clearance(d, 1))
-        d.output.impulse[1], d.impulse.onset[1] = 7.5, 3.0
+        d.output.impulse[1], d.quadrature.onset[1] = 7.5, 3.0
         d.touch.peak_force[1] = 0.1 * (1 - impulsive) + 50.0 * impulsive
         list_latest(d)
         latest = d.latest
@@ -343,7 +345,7 @@ def test_a_contact_that_ends_is_a_row_of_the_log(impulsive, rate):
         values = {"onset": 1.5, "onset_speed": 0.7, "peak_force": 9.0, "max_penetration": 0.3}
         for name, value in (values | {"effective_mass": 2.5}).items():
             d.touch[name][1] = value + count
-        d.impulse.total[1], d.impulse.onset[1] = 8.0, 6.5
+        d.quadrature.total[1], d.quadrature.onset[1] = 8.0, 6.5
         d.touch.active[1] = 1
         end_contact(d, 1, impulsive)
         assert not d.touch.active[1]
@@ -374,7 +376,7 @@ def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
         "effective_mass": 2.5,
     }.items():
         d.touch[name][c] = value
-    d.impulse.total[c], d.impulse.onset[c] = 8.0, 6.5
+    d.quadrature.total[c], d.quadrature.onset[c] = 8.0, 6.5
     rate = clearance(d, c)[1]
     end_contact(d, c, 0)
     log = d.finished
@@ -455,18 +457,19 @@ def test_each_row_of_the_list_is_an_impact_and_keeps_what_it_has_come_to(kept):
         rate = float(clearance(d, c)[1])
         if d.touch.active[c]:
             ended = lasting.pop(c)
-            ended.update(end=moment, separation_speed=rate, impulse=d.impulse.total[c] - ended.pop("before"))
+            impulse = d.quadrature.total[c] - ended.pop("before")
+            ended.update(end=moment, separation_speed=rate, impulse=impulse)
             end_contact(d, c, False)
         else:
             begin_contact(d, c)
             own = {"point": d.candidate.point[c], "wall": d.candidate.wall[c] + 1, "time": moment}
-            own |= {"speed": max(0.0, -rate), "before": float(d.impulse.total[c]), "max_penetration": 0.0}
+            own |= {"speed": max(0.0, -rate), "before": float(d.quadrature.total[c]), "max_penetration": 0.0}
             lasting[c] = own
             rows.insert(0, own)
         list_touching(d)
         for other, row in lasting.items():
             d.touch.peak_force[other] = d.output.impulse[other] = rng.uniform()
-            d.impulse.total[other] = d.output.impulse[other]
+            d.quadrature.total[other] = d.output.impulse[other]
             row |= {"end": moment, "separation_speed": clearance(d, other)[1]}
             row |= {
                 "peak_force": d.touch.peak_force[other],
@@ -536,7 +539,7 @@ def test_a_look_changes_nothing():
     blind.advance(2.0)
     blind.observe()
     assert looked.statistics == blind.statistics
-    for name in ("latest", "output", "impulse"):
+    for name in ("latest", "output", "quadrature"):
         assert looked.record[name].tobytes() == blind.record[name].tobytes()
 
 

@@ -89,7 +89,7 @@ def test_an_impact_is_moreaus(seed, count, base):
     np.testing.assert_allclose(after[6:12], y[6:12] + response @ p, rtol=0, atol=1e-9)
     np.testing.assert_allclose(after[:6], y[:6], rtol=0, atol=1e-12)
     assert after[12] - y[12] == pytest.approx(there - kinetic(d, after), abs=1e-9)
-    np.testing.assert_allclose(d.impulse.total[candidates], p, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(d.quadrature.total[candidates], p, rtol=1e-9, atol=1e-9)
     assert d.impact.count == count
     assert not d.touch.event.any()
     # all leave with a speed, and no contact has lasted
@@ -231,7 +231,7 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
             gains += 1
             p = complementary_impulses(w, speeds, np.zeros(2))
         handle_impact(d)
-        np.testing.assert_allclose(d.impulse.total[[first, second]], p, rtol=1e-7, atol=1e-9)
+        np.testing.assert_allclose(d.quadrature.total[[first, second]], p, rtol=1e-7, atol=1e-9)
         after = kinetic(d, d.step.state_end)
         assert d.step.state_end[12] - lost == pytest.approx(there - after, abs=1e-9 * there)
         assert after <= there * (1.0 + 1e-9)
@@ -247,9 +247,9 @@ def test_errors_of_held_contacts_are_corrected_without_an_impulse():
         y[6:12] = response @ np.linalg.solve(w, w @ np.array([-1e-9, -2e-9]))
         d.step.state_end[:] = y
         d.work.velocity.x[:], d.work.position.x[:] = 9.0, 9.0
-        before = d.impulse.total[candidates].tolist()
+        before = d.quadrature.total[candidates].tolist()
         act(d)
-        assert d.impulse.total[candidates].tolist() == before
+        assert d.quadrature.total[candidates].tolist() == before
         np.testing.assert_allclose(jacobian @ d.step.state_end[6:12], 0.0, atol=1e-13)
         assert set(d.touch.active.tolist()) <= {0, 1}
 
@@ -268,7 +268,7 @@ def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
     assert (np.linalg.solve(w, -(w @ p)) < 0.0).any()
     expected = complementary_impulses(w, w @ p, np.zeros(2))
     update_active_set(d)
-    np.testing.assert_allclose(d.impulse.total[[first, second]], expected, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(d.quadrature.total[[first, second]], expected, rtol=0, atol=1e-9)
     over = (w @ (p + expected)) > 1e-9
     assert over.any()
     rows = d.finished.count
@@ -382,7 +382,7 @@ def test_an_impact_of_a_held_contact_is_felt_by_the_one_that_arrives():
     p = complementary_impulses(w, speeds, np.array([0.0, E]))
     apply_impulses(d)
     np.testing.assert_allclose(d.step.state_end[6:12], y[6:12] + response @ p, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(d.impulse.total[[held, struck_one]], p, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(d.quadrature.total[[held, struck_one]], p, rtol=0, atol=1e-9)
     lost = kinetic(d, y) - kinetic(d, d.step.state_end)
     assert d.step.state_end[12] - y[12] == pytest.approx(lost, abs=1e-9)
     np.testing.assert_allclose(

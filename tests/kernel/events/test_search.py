@@ -21,9 +21,9 @@ from chain_impact.kernel.events.search import (
     onset_fraction,
     starts_clear,
 )
+from chain_impact.kernel.integration.control import FAR_OFF, accepted, conclude
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
 from chain_impact.kernel.integration.method import IMPLICIT
-from chain_impact.kernel.integration.trial import ACCEPTED, NOT_LOCATED, accepted
 from tests.kernel.chains import chain, located, touch
 from tests.kernel.events.test_crossing import first_fall, moving
 from tests.kernel.events.test_sampled import falling
@@ -263,7 +263,7 @@ def test_a_time_that_runs_back_refuses_the_step():
     d.step.end = 3.0
     d.touch.impact_speed[:], d.touch.kink_crossed[1] = 1e6, 1
     find_event(d)
-    assert d.trial.result == NOT_LOCATED
+    assert d.trial.error == FAR_OFF
 
 
 # --- what is believed --------------------------------------------------------------------------------------
@@ -411,7 +411,7 @@ def test_other_events_are_where_a_step_ends_and_so_are_those_of_a_step_that_cann
     assert onset_fraction(landed([0.1, 0.1], size=1e-13)) == -1.0
     d = landed([0.1, 0.1], size=1e-11)
     assert not lands(d)
-    d.trial.result = ACCEPTED
+    conclude(d, 0.0, 1.0)
     d.step.start, d.step.end = 1e4, 1e4 + 1e-11
     assert onset_fraction(d) == -1.0
     assert accepted(d)
@@ -421,11 +421,11 @@ def test_an_incredible_touch_refuses_a_step_that_can_be_shorter_and_is_dropped_o
     monkeypatch,
 ):
     # a step of 1e-12 s, or one that can hardly be told from none, cannot
-    for size, clock, result in (
-        (1.0, 0.0, NOT_LOCATED),
-        (1e-13, 0.0, ACCEPTED),
-        (1e-11, 0.0, NOT_LOCATED),
-        (1e-11, 1e4, ACCEPTED),
+    for size, clock, taken in (
+        (1.0, 0.0, False),
+        (1e-13, 0.0, True),
+        (1e-11, 0.0, False),
+        (1e-11, 1e4, True),
     ):
         d = touched(0.3 * size, -1.0, size=size)
         d.step.start, d.step.end = clock, clock + size
@@ -433,9 +433,9 @@ def test_an_incredible_touch_refuses_a_step_that_can_be_shorter_and_is_dropped_o
         monkeypatch.setattr(search, "credible", lambda *_: False)
         monkeypatch.setattr(search, "find_crossing", found_leaving)
         assert find_event(d) == -1.0
-        assert d.trial.result == result
-        assert d.touch.event[1] == (ONSET if result == NOT_LOCATED else NONE)
-        if result == ACCEPTED:
+        assert accepted(d) == taken
+        assert d.touch.event[1] == (NONE if taken else ONSET)
+        if taken:
             # the points are those of its end
             np.testing.assert_allclose(d.search.clear_end, gaps_of(d, d.step.state_end), rtol=0, atol=1e-11)
 

@@ -18,7 +18,7 @@ from chain_impact.kernel.events.table import (
     handle_onset,
     handle_relatch,
 )
-from chain_impact.kernel.integration import step_size
+from chain_impact.kernel.integration import control
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.switching import MIN_SWITCH_STEPS
 from chain_impact.kernel.model.contact_force import elastic_energy
@@ -145,9 +145,9 @@ def test_each_event_has_its_own_effect(kind, active, law, jumped):
     if kind in {RELATCH, KINK}:
         assert d.step.next_size == 0.125
     elif kind == ONSET:
-        assert d.step.next_size == step_size.at_onset_beside(d, C) < step_size.at_onset(d, C, EXPLICIT)
+        assert d.step.next_size == control.at_onset_beside(d, C) < control.at_onset(d, C, EXPLICIT)
     else:
-        assert d.step.next_size == step_size.at_onset(d, 1, EXPLICIT)
+        assert d.step.next_size == control.at_onset(d, 1, EXPLICIT)
 
 
 def test_rigid_walls_take_all_events_at_once_and_steps_are_explicit():
@@ -187,7 +187,7 @@ def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method
     d.work.load.x[:] = d.work.load.y[:] = 9.0
     d.step.flight_size, d.step.method = flight, method
     choose_size(d, -1, False)
-    turning = step_size.in_flight(d, d.step.state_end, d.work.rate_start)
+    turning = control.in_flight(d, d.step.state_end, d.work.rate_start)
     assert turning < 1.0
     assert d.step.next_size == min(flight, turning)
     assert vectors(d.work.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, 0.4]]
@@ -204,9 +204,7 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     d.step.method = method
     choose_size(d, onset, goes_on)
     if onset >= 0:
-        assert (
-            d.step.next_size == step_size.at_onset_beside(d, onset) < step_size.at_onset(d, onset, EXPLICIT)
-        )
+        assert d.step.next_size == control.at_onset_beside(d, onset) < control.at_onset(d, onset, EXPLICIT)
         assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (
             EXPLICIT,
             0,
@@ -214,7 +212,7 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
         )
     else:
         kept = method == IMPLICIT or goes_on
-        assert d.step.next_size == (0.125 if kept else step_size.at_onset(d, 0, EXPLICIT))
+        assert d.step.next_size == (0.125 if kept else control.at_onset(d, 0, EXPLICIT))
         assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (method, 3, 16)
 
 
@@ -222,7 +220,7 @@ def test_a_lone_onset_has_the_step_of_its_own_variable():
     d = arrived(touching=[C])
     d.touch.impact_speed[C], d.touch.depth_scale[C] = 4.0, 0.1
     choose_size(d, C, False)
-    assert d.step.next_size == step_size.at_onset(d, C, EXPLICIT)
+    assert d.step.next_size == control.at_onset(d, C, EXPLICIT)
 
 
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
@@ -232,9 +230,9 @@ def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     d.model.joint_damping[:], d.model.damped, d.model.resisting = 1e12, 1, 1
     d.model.joint_bound = joint_bound(d)
     choose_size(d, C, False)
-    sizes = [step_size.at_onset(d, C, one) for one in (EXPLICIT, method)]
+    sizes = [control.at_onset(d, C, one) for one in (EXPLICIT, method)]
     assert d.step.method == method
-    beside = step_size.at_onset_beside(d, C)
+    beside = control.at_onset_beside(d, C)
     assert d.step.next_size == (min(*sizes, beside) if method == EXPLICIT else min(sizes))
     assert (sizes[1] < sizes[0]) == (method == IMPLICIT)
 

@@ -26,10 +26,10 @@ from chain_impact.kernel.integration.balance import (
     round_off,
     start_balance,
 )
+from chain_impact.kernel.integration.control import FAR_OFF, conclude
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.switching import STABLE, joints_over
-from chain_impact.kernel.integration.trial import ACCEPTED, INACCURATE, UNBALANCED, conclude
 from chain_impact.kernel.model.contact_force import elastic_force
 from chain_impact.kernel.model.energy import energy_balance, mechanical_energy
 from chain_impact.kernel.model.geometry import clearance, coordinates_size
@@ -58,11 +58,11 @@ def after_a_step():
     return d
 
 
-def result_of_check(d, theta):
-    """What the energy check makes of the last step, whose error was a tenth of the tolerance."""
+def error_after_check(d, theta):
+    """The error of the last step after the energy check; before it was a tenth of the tolerance."""
     conclude(d, 0.1, 1.0)
     check_energy(d, theta)
-    return d.trial.result
+    return float(d.trial.error)
 
 
 def test_the_ledger_is_that_of_the_outputs():
@@ -81,7 +81,7 @@ def test_the_ledger_is_that_of_the_outputs():
 def test_a_step_of_the_solver_keeps_the_ledger():
     d = after_a_step()
     before = float(d["balance"]["at_end"])
-    assert result_of_check(d, -1.0) == ACCEPTED
+    assert error_after_check(d, -1.0) <= 1.0
     assert float(d["balance"]["at_end"]) == pytest.approx(before, abs=1e-6)
 
 
@@ -93,14 +93,14 @@ def test_a_step_that_changes_the_ledger_is_refused(entry, sign, theta):
     d["step"]["state_end"][entry] += 1e-2 * sign
     d["step"]["dense"][0, entry] += 1e-2 * sign
     before = float(d["balance"]["at_end"])
-    assert result_of_check(d, theta) == INACCURATE
+    assert error_after_check(d, theta) > 1.0
     assert before == d["balance"]["at_end"]
 
 
 def test_a_step_that_is_not_finite_is_refused():
     d = after_a_step()
     d["step"]["state_end"][8] = np.nan
-    assert result_of_check(d, -1.0) == UNBALANCED
+    assert error_after_check(d, -1.0) == FAR_OFF
 
 
 def changing(so_far, by_the_step):
@@ -130,7 +130,7 @@ def test_a_step_may_lose_or_gain_what_is_left(so_far, by_the_step, noted, sign):
     if so_far > 1.0:
         noted = by_the_step / (size / (10.0 + d["step"]["end"]))
         assert 0.1 < noted < 1.0
-    assert result_of_check(d, -1.0) == ACCEPTED
+    assert error_after_check(d, -1.0) <= 1.0
     assert d.trial.error == pytest.approx(noted, rel=1e-3)
 
 
@@ -138,7 +138,7 @@ def test_a_step_may_lose_or_gain_what_is_left(so_far, by_the_step, noted, sign):
 @pytest.mark.parametrize(("so_far", "by_the_step"), [(0.9, 0.2), (2.0, 0.1)])
 def test_a_step_that_would_change_more_is_refused_and_by_how_much_is_noted(so_far, by_the_step, sign):
     d = changing(sign * so_far, sign * by_the_step)
-    assert result_of_check(d, -1.0) == INACCURATE
+    assert error_after_check(d, -1.0) > 1.0
     assert d.trial.error > 1.9
 
 

@@ -7,11 +7,10 @@ from chain_impact import simulate
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.events.exclusion import NOTHING, known_clearances
-from chain_impact.kernel.integration.collocation import ERROR_ORDER
-from chain_impact.kernel.integration.collocation_dense import bound_curvatures, interpolated
+from chain_impact.kernel.integration.collocation import curvatures, interpolated
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.extended import gap_at
-from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.integration.method import IMPLICIT, ORDER
 from chain_impact.kernel.integration.radau import STAGES
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.scene.scene import with_values
@@ -40,7 +39,7 @@ def test_stiff_problems_are_solved_to_the_tolerance(name, method):
 def test_what_high_accuracy_costs_goes_as_the_order_of_the_error():
     """Ten times the accuracy takes 10^(1/7) = 1.39 times the steps; a method of order 3 takes 2.15."""
     steps = [simulate(tipping(), tolerance=t, method="implicit").statistics["steps"] for t in (1e-8, 1e-11)]
-    assert steps[1] / steps[0] == pytest.approx(1000.0 ** (1.0 / ERROR_ORDER), rel=0.15)
+    assert steps[1] / steps[0] == pytest.approx(1000.0 ** (1.0 / ORDER[IMPLICIT]), rel=0.15)
 
 
 @pytest.mark.parametrize(
@@ -108,7 +107,7 @@ def test_the_curvature_of_a_clearance_is_bounded():
         if d.step.last_method != IMPLICIT or known_clearances(d) == NOTHING:
             continue
         d.search.curvature[:] = np.nan
-        bound_curvatures(d, d.step.size)
+        curvatures(d, d.step.size)
         for k in range(int(d.touch.active_count)):
             theta = np.linspace(0.0, 1.0, 41)
             gaps = np.array([interpolated(d, gap_at(d, k), t) for t in theta])

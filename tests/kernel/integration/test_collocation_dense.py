@@ -5,20 +5,19 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at
-from chain_impact.kernel.integration import collocation_dense
-from chain_impact.kernel.integration.collocation_dense import (
+from chain_impact.kernel.integration import collocation
+from chain_impact.kernel.integration.collocation import (
     CURVE_BOUND,
     SHAPE,
-    bound_curvatures,
     coefficient,
-    finish,
+    curvatures,
     interpolated,
     keep_clearances,
-    keep_impulse,
+    keep_stages,
     lagrange,
 )
 from chain_impact.kernel.integration.dense import interpolate
-from chain_impact.kernel.integration.extended import gap_at, impulse_at
+from chain_impact.kernel.integration.extended import gap_at, quadrature_at
 from chain_impact.kernel.integration.radau import NODES, STAGES
 from tests.kernel.chains import chain, random_state, touch
 from tests.kernel.steps import POWERS
@@ -33,19 +32,19 @@ def step():
     """An implicit step with two contacts, whose stages are of any size; its first point is in the walls."""
     rng = np.random.default_rng(41)
     _, d = chain(rng, LINKS)
+    d.quadrature.wanted = 1
     touch(d, [0, 1])
-    d.impulse.wanted = 1
     own = d.implicit
     d.step.state[:] = random_state(rng, d)
     own.stages[:] = rng.uniform(-1e-3, 1e-3, own.stages.shape)
     own.start[:] = rng.uniform(-1e-3, 1e-3, own.start.shape)
     d.step.state_end[:] = d.step.state
     d.step.state_end[: sundman_u_at(LINKS)] += own.stages[-1, : sundman_u_at(LINKS)]
-    d.impulse.state[:2], d.impulse.state_end[:2] = (
+    d.quadrature.state[:2], d.quadrature.state_end[:2] = (
         [1.0, 2.0],
-        np.array([1.0, 2.0]) + own.stages[-1, impulse_at(d, 0) : impulse_at(d, 2)],
+        np.array([1.0, 2.0]) + own.stages[-1, quadrature_at(d, 0) : quadrature_at(d, 2)],
     )
-    d.step.start, d.step.dense[:], d.impulse.dense[:] = 0.5, 99.0, 99.0
+    d.step.start, d.step.dense[:], d.quadrature.dense[:] = 0.5, 99.0, 99.0
     return d
 
 
@@ -66,8 +65,8 @@ def test_the_polynomial_goes_through_the_stages(step):
     d, n = step, sundman_u_at(LINKS)
     stages = d.implicit.stages.copy()
     d.touch.listings = 7
-    finish(d, H)
-    assert d.implicit.last[:, : impulse_at(d, 2)].tolist() == stages[:, : impulse_at(d, 2)].tolist()
+    keep_stages(d, H)
+    assert d.implicit.last[:, : quadrature_at(d, 2)].tolist() == stages[:, : quadrature_at(d, 2)].tolist()
     assert (d.implicit.began, d.implicit.span, d.implicit.listing) == (0.5, H, 7)
     y = np.zeros(len(d.step.state))
     for theta in (0.0, *NODES, 0.43):
@@ -80,14 +79,12 @@ def test_the_polynomial_goes_through_the_stages(step):
 
 def test_so_does_that_of_an_impulse(step):
     d, stages = step, step.implicit.stages.copy()
-    finish(d, H)
+    keep_stages(d, H)
     for k in range(2):
         for theta in (0.0, *NODES, 0.43):
-            found = functions(theta, POWERS) @ d.impulse.dense[:, k]
-            assert found == pytest.approx(through(stages[:, impulse_at(d, k)], theta), abs=1e-14)
-    d.impulse.dense[:, 1] = 99.0
-    keep_impulse(d, d.impulse, 0, impulse_at(d, 0))
-    assert (d.impulse.dense[:, 1] == 99.0).all()
+            found = functions(theta, POWERS) @ d.quadrature.dense[:, k]
+            assert found == pytest.approx(through(stages[:, quadrature_at(d, k)], theta), abs=1e-14)
+    assert (d.quadrature.dense[:, 2:] == 99.0).all()
 
 
 def test_the_shape_gives_the_functions_their_values_at_the_nodes(step):
@@ -105,9 +102,9 @@ def test_the_bounds_of_bends_are_sharp():
 
 def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
     d = step
-    finish(d, H)
+    keep_stages(d, H)
     d.search.curvature[:] = -1.0
-    bound_curvatures(d, H)
+    curvatures(d, H)
     for k, c in enumerate(d.touch.active_index[:2]):
         sizes = [abs(coefficient(d.implicit.last, m, gap_at(d, k))) for m in range(STAGES)]
         assert d.search.curvature[c] == pytest.approx(np.dot(CURVE_BOUND, sizes) / H**2, rel=1e-12)
@@ -126,7 +123,7 @@ def test_lagranges_polynomials_are_one_at_their_own_node(first):
 
 def test_a_component_of_z_is_its_start_and_the_polynomial(step):
     d, stages = step, step.implicit.stages.copy()
-    finish(d, H)
+    keep_stages(d, H)
     for theta in (0.0, 0.4, 1.0):
         right = d.implicit.start[4] + through(stages[:, 4], theta)
         assert interpolated(d, 4, theta) == pytest.approx(right, abs=1e-14)
@@ -135,7 +132,7 @@ def test_a_component_of_z_is_its_start_and_the_polynomial(step):
 def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clearances(step, monkeypatch):
     """At a third and at two thirds of the step; at its ends they stay."""
     d, rng = step, np.random.default_rng(43)
-    finish(d, H)
+    keep_stages(d, H)
     before, changes = {}, {}
     for theta in (0.0, 1 / 3, 2 / 3, 1.0):
         before[theta] = np.zeros(len(d.step.state))
@@ -147,8 +144,8 @@ def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clea
         change[:] = rng.uniform(-1e-3, 1e-3, len(change))
         changes[len(asked)] = change.copy()
 
-    monkeypatch.setattr(collocation_dense, "project_coordinates", project_coordinates)
-    keep_clearances(d, H)
+    monkeypatch.setattr(collocation, "project_coordinates", project_coordinates)
+    keep_clearances(d)
     assert [one[0] for one in asked] == [0, 1, 0, 1]
     for k in range(2):
         wanted = [
@@ -167,9 +164,9 @@ def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clea
 
 def test_without_contacts_with_a_force_there_is_nothing_to_follow(step):
     d = step
-    finish(d, H)
+    keep_stages(d, H)
     make_rigid(d)
     before = d.step.dense.copy()
     locate_points(d, d.step.state_end)
-    keep_clearances(d, H)
+    keep_clearances(d)
     assert d.step.dense.tolist() == before.tolist()

@@ -9,18 +9,16 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, velocity_at
 from chain_impact.kernel.integration.errors import (
     LARGEST_ERROR,
-    finite,
     impact_energy,
-    largest,
+    largest_errors,
     moment_error,
     penetration_scale,
     scaled_errors,
     set_gap_errors,
-    set_weights,
+    set_scales,
 )
 from chain_impact.kernel.model.geometry import clearance
 from tests.kernel.chains import chain, gradients, random_state, struck, touch
-from tests.plain import make_rigid
 
 LINKS, TOLERANCE = 3, 1e-5
 ONE, OTHER = 0, 1  # rows of the two estimates
@@ -68,16 +66,16 @@ def test_an_error_is_that_of_its_worst_component_in_each_estimate(rng):
     for j, scale in enumerate(scales(d, y)):
         d.work.error[:] = 0.0
         d.work.error[ONE][j], d.work.error[OTHER][j] = -3e-6 * scale, 2e-6 * scale
-        assert scaled_errors(d, ONE, OTHER) == pytest.approx((0.3, 0.2), rel=1e-12)
+        assert scaled_errors(d) == pytest.approx((0.3, 0.2), rel=1e-12)
         # beside a larger one it does not count
         d.work.error[ONE][0], d.work.error[OTHER][0] = 5e-6 * d.model.size, -5e-6 * d.model.size
-        assert scaled_errors(d, ONE, OTHER) == pytest.approx((0.5, 0.5), rel=1e-12)
+        assert scaled_errors(d) == pytest.approx((0.5, 0.5), rel=1e-12)
 
 
 def test_supplied_energy_and_the_variable_of_the_step_are_not_controlled(rng):
     _, d, _, _ = deep(rng)
     d.work.error[:, supplied_at(LINKS) :] = 1e3
-    assert scaled_errors(d, ONE, OTHER) == (0.0, 0.0)
+    assert scaled_errors(d) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("k", [0, 1])
@@ -85,7 +83,7 @@ def test_the_error_of_a_clearance_is_measured_by_its_penetration(rng, k):
     _, d, touched, _ = deep(rng)
     scale = penetration_scale(d, touched[k])
     d.touch.gap_error[ONE, k], d.touch.gap_error[OTHER, k] = -4e-6 * scale, 1e-6 * scale
-    assert scaled_errors(d, ONE, OTHER) == pytest.approx((0.4, 0.1), rel=1e-12)
+    assert scaled_errors(d) == pytest.approx((0.4, 0.1), rel=1e-12)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
@@ -96,50 +94,38 @@ def test_what_is_not_finite_is_infinitely_wrong(rng, bad, where):
         d.work.error[:] = 0.0
         row = {"one": d.work.error[ONE], "other": d.work.error[OTHER], "result": d.trial.state}[where]
         right, row[j] = row[j], bad
-        assert scaled_errors(d, ONE, OTHER) == (math.inf, math.inf)
+        assert scaled_errors(d) == (math.inf, math.inf)
         row[j] = right
-    assert scaled_errors(d, ONE, OTHER) == (0.0, 0.0)
+    assert scaled_errors(d) == (0.0, 0.0)
 
 
-def test_numbers_are_finite_as_far_as_they_are_counted():
-    good, bad = np.array([1.0, -1e300, 2.0]), np.array([0.0, 0.0, math.nan])
-    assert finite(good, good, good, 3)
-    assert finite(bad, good, good, 2)
-    for parts in ((bad, good, good), (good, bad, good), (good, good, bad)):
-        assert not finite(*parts, 3)
+def test_the_largest_of_two_errors_are_over_their_scales_as_far_as_they_are_counted():
+    one, other = np.array([-1.0, 2.0, 9.0]), np.array([3.0, -4.0, math.nan])
+    weight = np.array([0.4, 0.5, 1.0])
+    assert largest_errors(one, other, weight, 2) == pytest.approx((1.0, 2.0), rel=1e-15)
+    assert largest_errors(one, other, weight, 1) == pytest.approx((0.4, 1.2), rel=1e-15)
+    assert largest_errors(one, other, weight, 0) == (0.0, 0.0)
+    assert largest_errors(one, other, weight, 3) == largest_errors(other, one, weight, 3) == (math.inf,) * 2
 
 
-def test_the_largest_of_a_range_is_over_its_scale_and_not_below_what_was_found():
-    one, other, y = (
-        np.array([9.0, -1.0, 2.0, 9.0]),
-        np.array([9.0, 3.0, -4.0, 9.0]),
-        np.array([0.0, 1.0, -3.0, 0.0]),
-    )
-    # scales 0.5 + 2 |y|: 2.5 and 6.5
-    assert largest(one, other, y, 1, 3, 0.5, 2.0, (0.0, 0.0)) == pytest.approx((0.4, 1.2))
-    assert largest(one, other, y, 1, 3, 0.5, 2.0, (0.7, 0.9)) == pytest.approx((0.7, 1.2))
-    assert largest(one, other, y, 1, 1, 0.5, 2.0, (0.7, 0.9)) == (0.7, 0.9)
-
-
-def test_the_weights_of_implicit_steps_are_one_over_the_same_scales(rng):
+def test_scales_are_those_of_the_components(rng):
     _, d, touched, y = deep(rng)
     z, weight = y.copy(), np.full(len(y) + 4, 7.0)
-    set_weights(d, z, weight)
-    right = 1.0 / (TOLERANCE * scales(d, y))
+    set_scales(d, z, weight, 2)
+    right = scales(d, y)
     assert weight[: len(right)] == pytest.approx(right, rel=1e-13)
     first = sundman_u_at(LINKS)
-    gaps = [1.0 / (TOLERANCE * penetration_scale(d, c)) for c in touched]
+    gaps = [penetration_scale(d, c) for c in touched]
     assert weight[first : first + 2] == pytest.approx(gaps, rel=1e-13)
-    assert not weight[len(right) : first].any()
-    assert not weight[first + 2 :].any()
+    assert (weight[len(right) : first] == 7.0).all()
+    assert (weight[first + 2 :] == 7.0).all()
 
 
-def test_only_contacts_with_a_force_have_a_weight(rng):
+def test_contacts_that_do_not_count_have_no_weight(rng):
     _, d, _, y = deep(rng)
-    make_rigid(d)
     weight = np.full(len(y) + 4, 7.0)
-    set_weights(d, y, weight)
-    assert not weight[supplied_at(LINKS) :].any()
+    set_scales(d, y, weight, 0)
+    assert (weight[supplied_at(LINKS) :] == 7.0).all()
 
 
 def test_a_penetration_may_be_off_as_the_speed_of_its_impact_allows(rng):
@@ -189,9 +175,9 @@ def test_moments_count_where_a_rigid_wall_holds_a_point(rng):
     d.trial.state[:], d.work.error[:] = y, 0.0
     d.work.error[ONE][3], d.work.error[OTHER][4] = 1e-7, 2e-7
     touch(d, [])
-    free = scaled_errors(d, ONE, OTHER)
+    free = scaled_errors(d)
     assert free == pytest.approx((1e-7 / TOLERANCE, 2e-7 / TOLERANCE), rel=1e-12)
     touch(d, [0])
     held = tuple(moment_error(d, row) / TOLERANCE for row in (ONE, OTHER))
-    assert scaled_errors(d, ONE, OTHER) == pytest.approx(held, rel=1e-12)
+    assert scaled_errors(d) == pytest.approx(held, rel=1e-12)
     assert min(held) > max(free)

@@ -13,11 +13,11 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration import dop853
+from chain_impact.kernel.integration.control import accepted
 from chain_impact.kernel.integration.dense import interpolate, rate_bounds
 from chain_impact.kernel.integration.explicit import BEYOND, LEFT, estimate, toward_end
 from chain_impact.kernel.integration.last_step import OUTPUTS, accept, ensure_dense
 from chain_impact.kernel.integration.methods import attempt
-from chain_impact.kernel.integration.trial import NOT_FINITE, accepted
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import along, gap_acceleration, normal
 from chain_impact.kernel.status import OK
@@ -331,7 +331,7 @@ def test_a_step_that_is_not_finite_is_not_accepted(entry):
     d["step"]["state_end"][entry] = math.nan
     state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
     attempt(d, 0.1)
-    assert d.trial.result == NOT_FINITE
+    assert d.trial.error == math.inf
 
 
 @pytest.mark.parametrize("size", [1.0, 1e2, 1e4, 1e8])

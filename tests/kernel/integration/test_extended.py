@@ -13,9 +13,10 @@ from chain_impact.kernel.integration.extended import (
     extended_size,
     extended_slopes,
     gap_at,
-    impulse_at,
+    quadrature_at,
     rate_at,
 )
+from chain_impact.kernel.integration.quadratures import reset_quadratures
 from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.contact_force import law_slopes
 from chain_impact.kernel.model.equations import state_rate
@@ -35,19 +36,21 @@ def touching():
     y = struck(rng, d, touched)
     d.step.state_end[:] = y
     state_rate(d, y, d.work.rate_start)
-    d.impulse.wanted = 1
-    d.impulse.state_end[:2], d.touch.force_end[touched] = [3.0, 4.0], [30.0, 40.0]
+    d.quadrature.wanted = 1
+    reset_quadratures(d)
+    d.quadrature.state_end[:2], d.quadrature.rate_end[:2] = [3.0, 4.0], [30.0, 40.0]
     return scene, d, touched, y
 
 
 def test_clearances_their_rates_and_impulses_stand_one_after_the_other(touching):
     _, d, touched, _ = touching
     assert compliant(d) == 2
-    assert [at(d, k) for at in (gap_at, rate_at, impulse_at) for k in range(2)] == list(
+    assert [at(d, k) for at in (gap_at, rate_at, quadrature_at) for k in range(2)] == list(
         range(FIRST, FIRST + 6)
     )
     assert extended_size(d) == FIRST + 6
-    d.impulse.wanted = 0
+    d.quadrature.wanted = 0
+    reset_quadratures(d)
     assert extended_size(d) == FIRST + 4
     make_rigid(d, np.arange(d.candidates) == touched[0])
     assert compliant(d) == 1

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.state import omega_at, velocity_at
-from chain_impact.kernel.integration import collocation, step_size
+from chain_impact.kernel.integration import collocation, control
 from chain_impact.kernel.integration.collocation import (
     BEYOND,
     DIVERGED,
-    ERROR_ORDER,
     FADED,
     FORETOLD,
     LATE,
@@ -20,11 +19,11 @@ from chain_impact.kernel.integration.collocation import (
     prepare,
     toward_end,
 )
+from chain_impact.kernel.integration.control import accepted
 from chain_impact.kernel.integration.extended import extended_size, gap_at, rate_at
-from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, ORDER
 from chain_impact.kernel.integration.newton import UNKNOWN
 from chain_impact.kernel.integration.radau import NODES, REAL_EIGENVALUE, STAGES
-from chain_impact.kernel.integration.trial import ACCEPTED, NOT_FINITE, accepted
 from chain_impact.kernel.model.equations import state_rate
 from tests.kernel.chains import chain, struck, touch
 from tests.reference import mass_matrix
@@ -101,7 +100,7 @@ def test_the_first_step_is_some_time_constants_of_a_fast_motion(tolerance, dampi
     """FADED of them at an amplitude of the tolerance, and less as the error of a step goes."""
     d, rho, fast = stiff_joint(damping, tolerance)
     taken = 1.0 - 1.0 / (1.0 + rho * h * REAL_EIGENVALUE)  # by one solution with the real shift
-    expected = FADED / rho * (rho / (taken * fast)) ** (1.0 / (ERROR_ORDER - 1))
+    expected = FADED / rho * (rho / (taken * fast)) ** (1.0 / (ORDER[IMPLICIT] - 1))
     assert prepare(d, h) == pytest.approx(expected, rel=1e-6)
     attempt(d, expected)
     assert accepted(d)
@@ -215,7 +214,7 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
     assert d.trial.cost_factor == 1.0
     assert d.statistics.rhs_evaluations == before + 4 * STAGES
     if share:
-        assert step_size.factor(d) == pytest.approx(share, rel=0.02)
+        assert control.factor(d) == pytest.approx(share, rel=0.02)
 
 
 def test_the_iteration_of_a_step_that_is_far_too_long_diverges():
@@ -251,14 +250,14 @@ def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatc
     before, evaluations = d.limits.other_work, d.statistics.rhs_evaluations
     monkeypatch.setattr(collocation, "estimate", lambda *_: 0.25)
     attempt(d, h)
-    assert (d.trial.result, d.trial.error) == (ACCEPTED, 0.25)
+    assert d.trial.error == 0.25
     iterations = d.implicit.iterations
     assert d.limits.other_work - before == 6 + 4 * iterations + 3
     assert d.statistics.rhs_evaluations - evaluations == STAGES * iterations
     monkeypatch.setattr(collocation, "estimate", lambda *_: math.nan)
     d.implicit.slowness = 0.5
     attempt(d, h)
-    assert d.trial.result == NOT_FINITE
+    assert not accepted(d)
     assert d.implicit.slowness == UNKNOWN
 
 

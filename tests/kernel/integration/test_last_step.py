@@ -15,6 +15,7 @@ from chain_impact.kernel.events.exclusion import (
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration import last_step
 from chain_impact.kernel.integration.dense import interpolate
+from chain_impact.kernel.integration.explicit import DENSE_EVALUATIONS
 from chain_impact.kernel.integration.last_step import (
     OUTPUTS,
     SOLVER,
@@ -31,7 +32,7 @@ from chain_impact.kernel.integration.last_step import (
     truncate_to_output_time,
 )
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
-from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, attempt, prepare
+from chain_impact.kernel.integration.methods import attempt, prepare
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.variables.model import Model
@@ -153,7 +154,7 @@ def test_the_dense_output_is_made_once_and_counts_if_the_solver_needs_it():
     dense = d["step"]["dense"].copy()
     for _ in range(2):
         ensure_dense(d, SOLVER)
-        assert d["statistics"]["rhs_evaluations"] == before + DENSE_EVALUATIONS[EXPLICIT]
+        assert d["statistics"]["rhs_evaluations"] == before + DENSE_EVALUATIONS
     ensure_dense(d, OUTPUTS)
     np.testing.assert_array_equal(d["step"]["dense"], dense)
 

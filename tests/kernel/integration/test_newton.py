@@ -7,7 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from chain_impact.kernel.integration import collocation
-from chain_impact.kernel.integration.collocation import ERROR_ORDER, LATE, estimate
+from chain_impact.kernel.integration.collocation import LATE, estimate
+from chain_impact.kernel.integration.method import IMPLICIT, ORDER as ERROR_ORDERS
 from chain_impact.kernel.integration.newton import ITERATIONS, UNKNOWN, simplified_newton
 from chain_impact.kernel.integration.radau import (
     COMPLEX_EIGENVALUES,
@@ -141,7 +142,7 @@ def test_the_error_estimates_are_of_order_six_and_five_and_what_is_made_of_them_
         error = error_of(d, h)
         found.append([*np.abs(d.implicit.parts[:2]).max(1), error])
     slopes = np.diff(np.log(found), axis=0) / np.diff(np.log(sizes))[:, None]
-    expected = [STAGES + 1, STAGES, ERROR_ORDER]
+    expected = [STAGES + 1, STAGES, ERROR_ORDERS[IMPLICIT]]
     np.testing.assert_allclose(slopes, [expected] * 2, rtol=0, atol=0.15)
 
 
@@ -211,7 +212,7 @@ def test_van_der_pol_with_mu_of_a_million_takes_few_steps(estimated):
         if error <= 1.0:
             t, steps = t + h, steps + 1
             d.implicit.start[:] += d.implicit.stages[-1]
-        h *= min(6.0, max(0.1, 0.85 * max(error, 1e-16) ** (-1.0 / ERROR_ORDER)))
+        h *= min(6.0, max(0.1, 0.85 * max(error, 1e-16) ** (-1.0 / ERROR_ORDERS[IMPLICIT])))
     np.testing.assert_allclose(d.implicit.start, [1.706167732170469, -0.8928097010248125], rtol=0, atol=1e-6)
     # a million, were the step bound by stability
     assert steps < 350

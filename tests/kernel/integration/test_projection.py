@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.integration.errors import set_weights
+from chain_impact.kernel.integration.collocation import set_weights
 from chain_impact.kernel.integration.extended import extend_start, extended_slopes, gap_at, rate_at
 from chain_impact.kernel.integration.linear_system import contact_impedance, factorize_real
 from chain_impact.kernel.integration.projection import (
@@ -35,7 +35,7 @@ def step():
     extended_slopes(d, d.implicit.start)
     factorize_real(d, SHIFT)
     z = d.implicit.start.copy()
-    set_weights(d, y, d.implicit.weight)
+    set_weights(d)
     locate_points(d, y)
     return scene, d, touched, y, z
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.joints import joint_rate
-from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
-from chain_impact.kernel.integration.methods import AUTO
-from chain_impact.kernel.integration.step_size import at_onset
+from chain_impact.kernel.integration.control import at_onset
+from chain_impact.kernel.integration.method import AUTO, EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.switching import (
     IMPACT,
     LASTS,

@@ -34,20 +34,18 @@ def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     d.touch = SimpleNamespace(event=list(events))
     d.element = SimpleNamespace(event=[NONE, SLIDING_ENDS, NONE])
     t.touch = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])
-    t.touch.force_end = [dual(99.0), dual(7.0, 100.0, 100.0)]
     t.touch.impact_speed = [dual(0.5, 1.0, 2.0)] * 2
     t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
     t.step.state_end = np.array([dual(9.0, *rng.normal(size=2)) for _ in range(SIZE)], object)
     t.work = SimpleNamespace(acceleration="acceleration")
     t.trial = SimpleNamespace(state="y", size=-1.0)
     t.work.rate_end = [dual(0.5 + j, 100.0, 100.0) for j in range(SIZE)]
-    t.impulse = SimpleNamespace(wanted=1, state_end=[dual(4.0, 1.0, 2.0)])
     # friction at candidate 1 and in the joint, element 2
-    t.friction = SimpleNamespace(count=2, contact_count=1, stuck_count=0, integral_count=2)
-    t.friction.power_end = dual(3.0, 100.0, 100.0)
+    t.friction = SimpleNamespace(count=2, contact_count=1, stuck_count=0)
     t.element = SimpleNamespace(index=[1, 2, 9], event=[NONE] * 3)
-    t.element.force_end = [dual(99.0), dual(-5.0, 100.0, 100.0), dual(99.0)]
-    t.friction_impulse = SimpleNamespace(state_end=[dual(6.0, 1.0, 2.0), dual(8.0, 3.0, 4.0)])
+    t.quadrature = SimpleNamespace(count=2)
+    t.quadrature.rate_end = [dual(7.0, 100.0, 100.0), dual(-5.0, 100.0, 100.0)]
+    t.quadrature.state_end = [dual(4.0, 1.0, 2.0), dual(6.0, 1.0, 2.0)]
     return d, t
 
 
@@ -132,23 +130,27 @@ def test_in_time_no_contact_is_that_of_the_step():
     assert not replay.ends_regularized(instances(-1, (END, END))[0])
 
 
-def test_a_step_that_is_made_is_accepted(monkeypatch, calls):
+def test_an_implicit_step_that_is_made_is_accepted(monkeypatch, calls):
     d, t = instances()
     t.step.method = IMPLICIT
-    monkeypatch.setattr(replay, "_make", lambda method, _d, _t, h: calls.append(("made", method, h)))
+    monkeypatch.setattr(replay, "make_implicit", lambda _d, _t, h: calls.append(("made", h)))
     replay.make(d, t, 0.05)
-    assert calls == [("made", IMPLICIT, 0.05), ("accept",)]
+    assert calls == [("made", 0.05), ("accept",)]
     assert t.trial.size == 0.05
 
 
 @pytest.mark.parametrize(("active", "stuck"), [(0, 0), (1, 0), (0, 1)])
-def test_points_are_located_after_an_explicit_step_with_contacts_or_stuck_joints(monkeypatch, active, stuck):
+def test_points_are_located_after_an_explicit_step_with_contacts_or_stuck_joints(
+    monkeypatch, calls, active, stuck
+):
     d, t = instances()
-    done, t.touch.active_count, t.friction.stuck_count = [], active, stuck
+    done, t.step.method = [], EXPLICIT
+    t.touch.active_count, t.friction.stuck_count = active, stuck
     monkeypatch.setattr(replay.explicit, "make", lambda _, h: done.append(h))
     monkeypatch.setattr(replay, "locate_points", lambda _, y: done.append(y))
-    replay.make_explicit(d, t, 0.2)
+    replay.make(d, t, 0.2)
     assert done == [0.2, "y"][: 1 + active + stuck]
+    assert calls == [("accept",)]
 
 
 def test_values_are_those_of_the_run_and_slopes_stay():
@@ -201,7 +203,7 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
 
 
 def test_the_end_of_a_step_moves_along_the_motion(calls):
-    """y by ẏ, the end of the step by the time itself, the impulse by the force of its contact."""
+    """y by ẏ, the end of the step by the time itself, a quadrature by its rate."""
     _, t = instances()
     before = [parts(one) for one in t.step.state_end]
     replay.move_along(t, dual(0.0, 2.0, -3.0))
@@ -213,10 +215,8 @@ def test_the_end_of_a_step_moves_along_the_motion(calls):
             pytest.approx((np.array(slopes) + pace * moved).tolist()),
         )
     assert parts(t.step.end) == (pytest.approx(1.4999), [5.0, 1.0])
-    assert parts(t.impulse.state_end[0]) == (4.0, [1.0 + 7.0 * 2.0, 2.0 - 7.0 * 3.0])
-    # friction's impulse by its force, and its energy by its power
-    assert parts(t.friction_impulse.state_end[0]) == (6.0, [1.0 - 5.0 * 2.0, 2.0 + 5.0 * 3.0])
-    assert parts(t.friction_impulse.state_end[1]) == (8.0, [3.0 + 3.0 * 2.0, 4.0 - 3.0 * 3.0])
+    assert parts(t.quadrature.state_end[0]) == (4.0, [1.0 + 7.0 * 2.0, 2.0 - 7.0 * 3.0])
+    assert parts(t.quadrature.state_end[1]) == (6.0, [1.0 - 5.0 * 2.0, 2.0 + 5.0 * 3.0])
     assert calls == [("mark_jump",)]
 
 

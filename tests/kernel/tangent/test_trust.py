@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.kernel.tangent.trust import REASONS, share_reason
+from chain_impact.kernel.tangent.trust import share_reason
+from chain_impact.simulation.reasons import REASONS
 from tests.problems import ball, flat_rod, rod
 
 NAMES = ("contact.stiffness", "initial.vy")

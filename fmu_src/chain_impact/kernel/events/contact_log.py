@@ -6,7 +6,6 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET, drop_changes, mark
 from chain_impact.kernel.integration.dense import fraction, interpolate
-from chain_impact.kernel.integration.impulse import commit_impulses
 from chain_impact.kernel.integration.last_step import (
     OUTPUTS,
     SOLVER,
@@ -15,6 +14,7 @@ from chain_impact.kernel.integration.last_step import (
     ensure_rate,
     truncate_to_output_time,
 )
+from chain_impact.kernel.integration.quadratures import commit_quadratures
 from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.contact import (
     contact_force,
@@ -109,7 +109,7 @@ def update_own_to_output_time(d):
     end_at_output_time(d)
     ensure_rate(d)
     update_extremes(d)
-    commit_impulses(d)
+    commit_quadratures(d)
     log_active(d)
     uncount_work(d, counted)
 
@@ -251,7 +251,7 @@ def log_with_peaks(d, c, row, end, separation_speed):
     """As ``log_contact``, with what has been recorded of the contact, which also enters the peaks of all."""
     touch, peaks, arm = d.touch, d.peaks, lever(d, c)
     force, depth = touch.peak_force[c], touch.max_penetration[c]
-    log_contact(d, c, row, end, separation_speed, force, depth, d.impulse.total[c])
+    log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.total[c])
     if d.candidate.stop[c] == 0:
         peaks.force = max(peaks.force, force)
         peaks.penetration = max(peaks.penetration, depth)
@@ -285,4 +285,4 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
     log.peak_force[place] = peak_force * arm
     log.max_penetration[place] = max_penetration / arm
     log.effective_mass[place] = touch.effective_mass[c] * arm * arm
-    log.impulse[place] = (impulse - d.impulse.onset[c]) * arm
+    log.impulse[place] = (impulse - d.quadrature.onset[c]) * arm

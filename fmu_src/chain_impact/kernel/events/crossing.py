@@ -10,8 +10,7 @@ from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.events.exclusion import keep_start, set_clearance, sundman_u_now
 from chain_impact.kernel.events.marks import END, NONE, ONSET, mark
 from chain_impact.kernel.events.sampling import locate_at
-from chain_impact.kernel.integration.bracket import TRIES, next_guess
-from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
+from chain_impact.kernel.integration.dense import TRIES, next_guess, rate_bounds, rate_bounds_along
 from chain_impact.kernel.integration.methods import bound_curvatures
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.geometry import normal

@@ -27,8 +27,8 @@ from chain_impact.kernel.chain.state import velocity_at
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.friction_modes import update_modes
 from chain_impact.kernel.events.marks import NEIGHBOUR, ONSET, RELEASE, drop_contact_events, mark
-from chain_impact.kernel.integration.impulse import give_impulses
 from chain_impact.kernel.integration.last_step import dissipate
+from chain_impact.kernel.integration.quadratures import give_impulses
 from chain_impact.kernel.model.compliance import joints_loaded
 from chain_impact.kernel.model.constraints import (
     SIGN_TOLERANCE,

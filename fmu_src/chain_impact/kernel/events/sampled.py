@@ -35,8 +35,8 @@ from chain_impact.kernel.events.marks import (
     mark_change,
 )
 from chain_impact.kernel.events.sampling import first_passage, locate_at
+from chain_impact.kernel.integration.control import FAR_OFF, refuse
 from chain_impact.kernel.integration.dense import interpolate
-from chain_impact.kernel.integration.trial import NOT_LOCATED, refuse
 from chain_impact.kernel.model.compliance import mean_mass
 from chain_impact.kernel.model.contact import kink_height
 from chain_impact.kernel.model.contact_force import note_crossing
@@ -137,7 +137,7 @@ def find_release(d, touch):
     if not least < -pull_limit(d):
         return touch
     if least < -strongest(d) and d.step.size > SHORT:
-        refuse(d, NOT_LOCATED)
+        refuse(d, FAR_OFF)
         return -1.0
     theta = _first_pull(d, -1, touch if touch >= 0.0 else 1.0)
     if theta < 0.0:

@@ -1,8 +1,7 @@
 """Events found by sampling a step: where a function of the motion first falls below zero."""
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.integration.bracket import TRIES, next_guess
-from chain_impact.kernel.integration.dense import interpolate
+from chain_impact.kernel.integration.dense import TRIES, interpolate, next_guess
 from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.work_limit import count_other_work
 

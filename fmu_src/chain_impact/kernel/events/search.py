@@ -23,10 +23,10 @@ from chain_impact.kernel.events.exclusion import (
 from chain_impact.kernel.events.marks import END, NONE, ONSET, mark
 from chain_impact.kernel.events.sampled import find_force_event, find_mode_change, find_release
 from chain_impact.kernel.events.sampling import locate_at
+from chain_impact.kernel.integration.control import FAR_OFF, accepted, refuse
 from chain_impact.kernel.integration.dense import interpolate, interpolate_component
 from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
-from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END
-from chain_impact.kernel.integration.trial import NOT_LOCATED, accepted, refuse
+from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.geometry import clearance, gap_acceleration
 
@@ -51,20 +51,20 @@ def find_event(d):
     """
     if d.candidates == 0:
         return find_event_without_crossing(d)
-    if not RATE_AT_END[d.step.last_method]:
+    if d.step.last_method == IMPLICIT:
         suspect_all(d)
         if known_clearances(d) in (NOTHING, FAR):
             measure(d, 0.0)
         keep_start(d)
     elif excludes_events(d):
         return find_event_without_crossing(d)
-    if DENSE_EVALUATIONS[d.step.last_method] > 0:
+    if d.step.last_method != IMPLICIT:
         ensure_dense(d, SOLVER)
     bound_curvature(d)
     theta = find_crossing(d)
     if theta >= 0.0 and not credible(d, theta):
         if d.step.end - d.step.start > SIMULTANEOUS + RESOLVED * abs(d.step.end):
-            refuse(d, NOT_LOCATED)
+            refuse(d, FAR_OFF)
             return -1.0
         theta = drop_separating(d, theta)
         if theta < 0.0:
@@ -74,7 +74,7 @@ def find_event(d):
     remember_clearances(d, VALUES)
     # the time in a regularized step is not under error control
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
-        refuse(d, NOT_LOCATED)
+        refuse(d, FAR_OFF)
     return theta
 
 
@@ -151,7 +151,7 @@ def onset_fraction(d):
         return -1.0
     theta = 1.0 - late
     if not abs(late) <= LANDED:
-        refuse(d, NOT_LOCATED)
+        refuse(d, FAR_OFF)
         return -1.0
     ensure_dense(d, SOLVER)
     interpolate(d.step, theta, d.work.y)
@@ -160,7 +160,7 @@ def onset_fraction(d):
     interpolate(d.step, theta, d.work.y)
     late, deepest = onset_lateness(d, d.work.y)
     if not (abs(late) <= LANDED and deepest <= DEEP * d.model.size):
-        refuse(d, NOT_LOCATED)
+        refuse(d, FAR_OFF)
     return theta
 
 

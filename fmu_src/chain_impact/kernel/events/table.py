@@ -14,9 +14,8 @@ from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.friction_modes import update_modes
 from chain_impact.kernel.events.impulses import handle_impact, rigid_onset
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE, mark, pending_changes
-from chain_impact.kernel.integration import step_size
-from chain_impact.kernel.integration.method import EXPLICIT
-from chain_impact.kernel.integration.methods import MEASURES_START
+from chain_impact.kernel.integration import control
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.switching import begin_flight, begin_impact
 from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.contact import clear_loads, cross_kink, list_touching, relatch, start_contact
@@ -93,7 +92,7 @@ def apply_events(d):
         count_evaluations(d, 1)
     forces = touch.compliant_count > 0
     if not forces:
-        step_size.keep_for_flight(d)
+        control.keep_for_flight(d)
     for c in range(d.candidates):
         kind = touch.event[c]
         if d.law.impulsive[c]:
@@ -113,7 +112,7 @@ def apply_events(d):
         update_modes(d, False)
     if rigid and touch.compliant_count == 0:
         if forces:
-            step_size.resume_flight(d)  # the last size was that of an impact with a force
+            control.resume_flight(d)  # the last size was that of an impact with a force
         begin_flight(d)
     else:
         choose_size(d, onset, goes_on)
@@ -130,16 +129,16 @@ def choose_size(d, onset, goes_on):
     """
     if d.touch.active_count == 0:
         clear_loads(d)
-        step_size.resume_flight(d)
-        step_size.limit(d, step_size.in_flight(d, d.step.state_end, d.work.rate_start))
+        control.resume_flight(d)
+        control.limit(d, control.in_flight(d, d.step.state_end, d.work.rate_start))
         begin_flight(d)
-    elif onset >= 0 or not (goes_on or MEASURES_START[d.step.method]):
+    elif onset >= 0 or not (goes_on or d.step.method == IMPLICIT):
         c = onset if onset >= 0 else d.touch.active_index[0]
-        step_size.propose(d, step_size.at_onset(d, c, EXPLICIT))
+        control.propose(d, control.at_onset(d, c, EXPLICIT))
     if onset >= 0:
         begin_impact(d, onset)
         if d.step.method == EXPLICIT and d.touch.active_count > 1:
-            step_size.limit(d, step_size.at_onset_beside(d, onset))
+            control.limit(d, control.at_onset_beside(d, onset))
 
 
 def bends_force(d):

@@ -21,6 +21,7 @@ import math
 from chain_impact.kernel.chain.joints import spring_stiffness, stretch
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, supplied_at
+from chain_impact.kernel.integration.control import FAR_OFF, accepted, refuse
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.errors import impact_energy
 from chain_impact.kernel.integration.last_step import (
@@ -32,7 +33,6 @@ from chain_impact.kernel.integration.last_step import (
 )
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.switching import STABLE, joints_over
-from chain_impact.kernel.integration.trial import UNBALANCED, accepted, add_error, refuse
 from chain_impact.kernel.model.contact_force import elastic_force
 from chain_impact.kernel.model.energy import energy_balance, mechanical_energy, other_energy
 from chain_impact.kernel.model.geometry import clearance, coordinates_size
@@ -108,14 +108,14 @@ def check_energy(d, theta):
     change, there = present - balance.at_end, most_energy(d, y, potential)
     share = abs(change) / change_allowed(d, there, change > 0.0)
     if not math.isfinite(share):
-        refuse(d, UNBALANCED)
+        refuse(d, FAR_OFF)
         return
     if share > 1.0 and abs(change) <= round_off(d, y, kinetic + abs(potential)):
         share = 1.0
     if share > NOTABLE:
-        add_error(d, share)
+        refuse(d, share)
     if accepted(d) and d.step.rate_known and is_long(d) and not interpolates(d):
-        refuse(d, UNBALANCED)
+        refuse(d, FAR_OFF)
     if accepted(d):
         balance.at_start, balance.available_at_start = balance.at_end, balance.available
         balance.at_end, balance.available = present, there

@@ -2,7 +2,7 @@
 
 The step finds the polynomial of degree 5 that starts at z_0 and satisfies ż = f(z) at five nodes; its end is
 the result. The equations are in extended.py, newton.py solves them with the linear systems of
-linear_system.py, and projection.py projects the coordinates of the result onto the integrated clearances.
+linear_system.py.
 
 Two estimates of the error compare f with the polynomials through its values F at the nodes,
 
@@ -10,40 +10,40 @@ Two estimates of the error compare f with the polynomials through its values F a
 
 with P through all F, P′ through all but the last, and μ the real eigenvalue. The order of E′ is one less, and
 |E|²/|E′| is of order 7, closer to the order of the result.
+
+The dense output is the polynomial, with an error of h⁶. The first five functions of dense.py span the
+polynomials of degree 5 that are 0 at the start of the step. The last two vanish at both ends, and make the
+coordinates match the integrated clearances in between.
 """
 
 import math
+from fractions import Fraction
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, time_at, velocity_at
-from chain_impact.kernel.integration.collocation_dense import (
-    bound_curvatures,
-    finish,
-    keep_clearances,
-    lagrange,
-)
-from chain_impact.kernel.integration.errors import moment_error, set_weights
+from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, supplied_at, time_at, velocity_at
+from chain_impact.kernel.integration.control import accepted, conclude
+from chain_impact.kernel.integration.dense import POWERS, interpolate
+from chain_impact.kernel.integration.errors import largest_errors, moment_error, set_scales
 from chain_impact.kernel.integration.extended import (
     compliant,
     extend_start,
     extended_rate,
     extended_size,
     extended_slopes,
-    friction_impulse_at,
     gap_at,
-    impulse_at,
+    quadrature_at,
     rate_at,
 )
-from chain_impact.kernel.integration.impulse import set_tried_impulses
 from chain_impact.kernel.integration.linear_system import (
     factorize_complex,
     factorize_real,
     solve_complex,
     solve_real,
 )
-from chain_impact.kernel.integration.method import IMPLICIT, Method
+from chain_impact.kernel.integration.method import IMPLICIT, ORDER
 from chain_impact.kernel.integration.newton import ITERATIONS, UNKNOWN, simplified_newton
-from chain_impact.kernel.integration.projection import project_clearances
+from chain_impact.kernel.integration.projection import project_clearances, project_coordinates
+from chain_impact.kernel.integration.quadratures import take_quadratures
 from chain_impact.kernel.integration.radau import (
     AT_END,
     AT_START,
@@ -53,13 +53,11 @@ from chain_impact.kernel.integration.radau import (
     REAL_EIGENVALUE,
     STAGES,
 )
-from chain_impact.kernel.integration.trial import accepted, conclude
 from chain_impact.kernel.model.constraints import any_constraint
 from chain_impact.kernel.model.equations import clear_stage_notes
 from chain_impact.kernel.work_limit import count_evaluations, count_other_work
 
 LAST = STAGES - 1
-ERROR_ORDER = STAGES + 2
 SLOW = 0.2  # convergence rate θ of Newton's iteration above which shorter steps are cheaper
 # The errors assigned to a refused step, whose iteration did not converge in time or diverged: the next try is
 # half or a third as long.
@@ -72,6 +70,30 @@ FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
 BEYOND = 1.04  # times the predicted time to the end of a contact, whose error is some hundredths
 LEFT = 1e-3  # of a step: a contact that ends within it has practically no force left
 FADED = 3.0  # time constants of a fast motion: the first step after an event at a tolerance of 1
+WITH_START = (0.0, *NODES)
+
+
+def _coefficients():
+    """For each function of the dense output, its coefficient from the increments of the stages.
+
+    The functions at the nodes are inverted in rational numbers and rounded once. The last digits of NumPy's
+    inverse depend on the processor, and with them the compiled kernel would, too.
+    """
+    nodes = [Fraction(node) for node in NODES]
+    rows = [[t**p * (1 - t) ** q for p, q in POWERS[:STAGES]] for t in nodes]
+    for k, row in enumerate(rows):
+        row += [Fraction(int(i == k)) for i in range(STAGES)]
+    for k in range(STAGES):
+        rows[k] = [value / rows[k][k] for value in rows[k]]
+        for i in range(STAGES):
+            if i != k:
+                rows[i] = [x - rows[i][k] * y for x, y in zip(rows[i], rows[k], strict=True)]
+    return tuple(tuple(float(value) for value in row[STAGES:]) for row in rows)
+
+
+# row m: the coefficient of the m-th function, from the increments of the stages
+SHAPE = _coefficients()
+CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)  # the largest second derivatives of these functions on [0, 1]
 
 
 def factorize(d, h):
@@ -123,12 +145,22 @@ def prepare(d, h):
     """Prepare a step; returns its size, which the end of a contact or a fast motion may reduce."""
     extend_start(d)
     extended_slopes(d, d.implicit.start)
-    set_weights(d, d.step.state_end, d.implicit.weight)
+    set_weights(d)
     h = toward_end(d, h)
     if can_extrapolate(d):
         return h
     d.implicit.slowness = UNKNOWN
     return first_size(d, h)
+
+
+def set_weights(d):
+    """Set the weights 1/(tolerance × scale) of errors in z; what is not controlled has a weight of 0."""
+    weight = d.implicit.weight
+    for j in range(supplied_at(d.links), extended_size(d)):
+        weight[j] = math.inf
+    set_scales(d, d.step.state_end, weight, compliant(d))
+    for j in range(extended_size(d)):
+        weight[j] = 1.0 / (d.solver.tolerance * weight[j])
 
 
 def toward_end(d, h):
@@ -165,7 +197,7 @@ def first_size(d, h):
     # of a motion that decays with the rate ρ, the factor 1/(1 + ρ h μ) remains
     rho = (most / remains - 1.0) / shift
     if rho * h > 1.0 and most > rho:
-        return min(h, FADED / rho * (rho / most) ** (1.0 / (ERROR_ORDER - 1)))
+        return min(h, FADED / rho * (rho / most) ** (1.0 / (ORDER[IMPLICIT] - 1)))
     return h
 
 
@@ -241,13 +273,13 @@ def set_result(d, h):
     for j in range(sundman_u_at(d.links)):
         y[j] = own.z[j]
     y[sundman_u_at(d.links)], y[time_at(d.links)] = 1.0, h
-    set_tried_impulses(d, own.z, impulse_at(d, 0), friction_impulse_at(d, 0))
+    take_quadratures(d, own.z, quadrature_at(d, 0))
     locate_points(d, y)
 
 
 def estimate(d, h, size):
     """The error of the step, relative to the tolerance."""
-    own, shift, total = d.implicit, h * REAL_EIGENVALUE, 0.0
+    own, shift = d.implicit, h * REAL_EIGENVALUE
     for j in range(size):
         start, end = own.start_rate[j], own.rates[LAST, j]
         for i in range(STAGES):
@@ -257,11 +289,8 @@ def estimate(d, h, size):
         own.parts[0, j], own.parts[1, j] = shift * start, shift * end
     solve_real(d, shift, own.parts[0])
     solve_real(d, shift, own.parts[1])
-    one, other = 0.0, 0.0
-    for j in range(size):
-        first, second = abs(own.parts[0, j]) * own.weight[j], abs(own.parts[1, j]) * own.weight[j]
-        one, other, total = max(one, first), max(other, second), total + first + second
-    if not math.isfinite(total):
+    one, other = largest_errors(own.parts[0], own.parts[1], own.weight, size)
+    if one == math.inf:
         return math.inf
     if any_constraint(d):
         # The projection onto rigid walls leaves a fast motion of stiff joints at the start, which decays
@@ -275,20 +304,77 @@ def estimate(d, h, size):
     return one * min(1.0, one / other) if other > 0.0 else one
 
 
-METHOD = Method(
-    name="implicit",
-    order=ERROR_ORDER,
-    safety=0.85,
-    implicit=True,
-    measures_start=True,
-    onset_size=1.2,
-    onset_order=3.5,  # the force, δ^(3/2), integrated twice
-    rate_at_end=False,
-    lands=True,
-    dense_evaluations=0,
-    prepare=prepare,
-    attempt=attempt,
-    finish=finish,
-    dense_output=keep_clearances,
-    bound_curvatures=bound_curvatures,
-)
+def lagrange(first, m, x):
+    """The m-th Lagrange polynomial through the start of a step and its nodes, from the ``first`` on, at x."""
+    value = 1.0
+    for k in range(first, STAGES + 1):
+        if k != m:
+            value *= (x - WITH_START[k]) / (WITH_START[m] - WITH_START[k])
+    return value
+
+
+def coefficient(stages, m, j):
+    """The coefficient of the m-th function of the dense output, for component j of z."""
+    total = 0.0
+    for i in range(STAGES):
+        total += SHAPE[m][i] * stages[i, j]
+    return total
+
+
+def keep_stages(d, h):
+    """Store the stages of the step that was tried, to predict the next ones, and the dense output."""
+    own = d.implicit
+    for i in range(STAGES):
+        for j in range(extended_size(d)):
+            own.last[i, j] = own.stages[i, j]
+    own.began, own.span, own.listing = d.step.start, h, d.touch.listings
+    for j in range(len(d.work.y)):
+        set_dense(d.step, j, own.last, j, STAGES if j < sundman_u_at(d.links) else 1)
+    for k in range(d.quadrature.count):
+        set_dense(d.quadrature, k, own.last, quadrature_at(d, k), STAGES)
+
+
+def set_dense(values, j, stages, at, degree):
+    """Set the dense output of component j of the state or of quadratures, which is component ``at`` of z."""
+    values.dense[0, j] = values.state_end[j] - values.state[j]
+    for m in range(1, len(values.dense)):
+        values.dense[m, j] = coefficient(stages, m, at) if m < degree else 0.0
+
+
+def keep_clearances(d):
+    """Make the dense output match the integrated clearances also at the thirds of the last step."""
+    dense, own, change = d.step.dense, d.implicit, d.work.change
+    if compliant(d) == 0:
+        return
+    for third in range(1, 3):
+        interpolate(d.step, third / 3.0, d.work.y)
+        locate_points(d, d.work.y)
+        for derivative in range(2):
+            for k in range(compliant(d)):
+                at = rate_at(d, k) if derivative else gap_at(d, k)
+                own.normal[k] = interpolated(d, at, third / 3.0)
+            project_coordinates(d, d.work.y, derivative, change)
+            for j in range(len(change)):
+                own.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
+    for j in range(dissipated_at(d.links)):
+        one, two = own.thirds[0, j], own.thirds[1, j]
+        # 8/729 F₅ + 8/2187 F₆ and 8/729 F₅ + 16/2187 F₆ shall equal the changes at the thirds
+        dense[6, j] = 2187.0 / 8.0 * (two - one)
+        dense[5, j] = 729.0 / 8.0 * one - dense[6, j] / 3.0
+
+
+def interpolated(d, j, theta):
+    """Component j of z at the fraction θ of the last step."""
+    total = d.implicit.start[j]
+    for m in range(1, STAGES + 1):
+        total += lagrange(0, m, theta) * d.implicit.last[m - 1, j]
+    return total
+
+
+def curvatures(d, h):
+    """Bound |g̈| [m/s²] of the active contacts over the last step, from their clearance polynomials."""
+    for k in range(compliant(d)):
+        bound = 0.0
+        for m in range(STAGES):
+            bound += CURVE_BOUND[m] * abs(coefficient(d.implicit.last, m, gap_at(d, k)))
+        d.search.curvature[d.touch.active_index[k]] = bound / (h * h)

@@ -3,11 +3,21 @@
 import numpy as np
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.integration.bracket import TRIES, next_guess
 
 POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))  # p, q of θᵖ (1−θ)^q, with F₀ to F₆
 DENSE_COEFFICIENTS = len(POWERS)
+# Guesses of a fast method for a root between two bounds, three to ten as a rule. Then the bracket is halved.
+FAST = 20
+# Guesses after which no number is left within a bracket of width 1, or it is narrower than any resolution.
+TRIES = FAST + 64
 RESOLUTION = 1e-15  # of a step: the accuracy of the fraction θ that belongs to a time
+
+
+def next_guess(low, high, guess, tries):
+    """The guess of a fast method, or the middle of the bracket if it lies outside or after FAST ``tries``."""
+    if tries < FAST and low < guess < high:
+        return guess
+    return 0.5 * (low + high)
 
 
 def time_rate(u):

@@ -9,7 +9,6 @@ from chain_impact.kernel.chain.state import (
     dissipated_at,
     omega_at,
     sundman_u_at,
-    supplied_at,
     velocity_at,
 )
 from chain_impact.kernel.inlining import inlined
@@ -21,79 +20,60 @@ from chain_impact.kernel.model.geometry import along, clearance, normal
 LARGEST_ERROR = 0.01
 
 
-def scaled_errors(d, row, other_row):
-    """The largest scaled components of two error estimates in ``work.error``, for the tried step.
+def set_scales(d, y, scale, contacts):
+    """Set the scales of errors in state y over the tolerance, for the points located there.
 
-    The points must be located at its end, and ``gap_error`` must hold the errors in the clearances.
-
-    The scales, times the tolerance: 1 rad for angles and one link length for positions, whatever their
-    value (turning or shifting the scene changes nothing); for speeds their own size plus one of these per
-    second, and for dissipated energy likewise; and for the penetration of every active contact its own scale,
-    which may be a millionth of a link length. The energy supplied by inputs depends on these and is not
-    controlled, nor are u and the time of a step, whose errors are far smaller than those of the motion.
-
-    Returns:
-        At most 1 if the error is within the tolerance; infinity if the result is not finite.
+    They are 1 rad for angles and one link length for positions, whatever their value (turning or
+    shifting the scene changes nothing); for speeds their own size plus one of these per second, and for
+    dissipated energy likewise; and for the penetration of each of the first active ``contacts`` its own
+    scale, which may be a millionth of a link length. The scales of these stand from that of u on, as in z of
+    extended.py. The energy supplied by inputs depends on the others and is not controlled, nor are u and the
+    time of a step, whose errors are far smaller than those of the motion, rates of clearances and
+    quadratures: their scales are not set.
     """
     n, size = d.links, d.model.size
-    one, other, y = d.work.error[row], d.work.error[other_row], d.trial.state
-    speeds, turns, dissipated = velocity_at(n), omega_at(n), dissipated_at(n)
-    if not finite(one, other, y, dissipated + 1):
-        return math.inf, math.inf
-    worst = largest(one, other, y, 0, ANGLES, size, 0.0, (0.0, 0.0))
-    worst = largest(one, other, y, ANGLES, speeds, 1.0, 0.0, worst)
-    worst = largest(one, other, y, speeds, turns, size, 1.0, worst)
-    worst = largest(one, other, y, turns, dissipated, 1.0, 1.0, worst)
-    scale = d.model.energy + abs(y[dissipated]) + impact_energy(d)
-    first, second = largest(one, other, y, dissipated, dissipated + 1, scale, 0.0, worst)
-    for k in range(d.touch.active_count):
-        scale = penetration_scale(d, d.touch.active_index[k])
-        first = max(first, abs(d.touch.gap_error[row, k]) / scale)
-        second = max(second, abs(d.touch.gap_error[other_row, k]) / scale)
-    if any_constraint(d) and d.model.resisting:
-        first, second = max(first, moment_error(d, row)), max(second, moment_error(d, other_row))
-    return first / d.solver.tolerance, second / d.solver.tolerance
-
-
-def set_weights(d, y, weight):
-    """Set the weights 1/(tolerance × scale of ``scaled_errors``) for z of extended.py at located points.
-
-    Components without error control have a weight of 0: supplied energy, rates of clearances, impulses.
-    """
-    n, size, tolerance = d.links, d.model.size, d.solver.tolerance
     for j in range(velocity_at(n)):
-        weight[j] = 1.0 / (tolerance * (size if j < ANGLES else 1.0))
+        scale[j] = size if j < ANGLES else 1.0
     for j in range(velocity_at(n), dissipated_at(n)):
-        weight[j] = 1.0 / (tolerance * ((size if j < omega_at(n) else 1.0) + abs(y[j])))
-    weight[dissipated_at(n)] = 1.0 / (
-        tolerance * (d.model.energy + abs(y[dissipated_at(n)]) + impact_energy(d))
-    )
-    for j in range(supplied_at(n), len(weight)):
-        weight[j] = 0.0
-    for k in range(d.touch.compliant_count):
-        weight[sundman_u_at(n) + k] = 1.0 / (tolerance * penetration_scale(d, d.touch.active_index[k]))
+        scale[j] = (size if j < omega_at(n) else 1.0) + abs(y[j])
+    scale[dissipated_at(n)] = d.model.energy + abs(y[dissipated_at(n)]) + impact_energy(d)
+    for k in range(contacts):
+        scale[sundman_u_at(n) + k] = penetration_scale(d, d.touch.active_index[k])
 
 
 @inlined
-def finite(one, other, y, count):
-    """Whether the result and both estimates are finite: max() can hide a NaN, a sum cannot."""
-    total = 0.0
+def largest_errors(one, other, weight, count):
+    """The largest weighted components of two estimates of an error; infinity if a component is not finite."""
+    first, second, total = 0.0, 0.0, 0.0
     for j in range(count):
-        total += abs(one[j] + y[j]) + abs(other[j] + y[j])
-    return math.isfinite(total)
+        a, b = abs(one[j]) * weight[j], abs(other[j]) * weight[j]
+        first, second, total = max(first, a), max(second, b), total + a + b
+    # max() can hide a NaN, a sum cannot
+    return (first, second) if math.isfinite(total) else (math.inf, math.inf)
 
 
-@inlined
-def largest(one, other, y, begin, end, least, growth, so_far):
-    """The largest components of two errors, over ``least`` + ``growth`` |y|, from ``begin`` to ``end``.
+def scaled_errors(d):
+    """The sizes of the two error estimates in ``work.error`` and ``gap_error``, for the tried step.
 
-    ``so_far`` are the largest values of the previous components.
+    The points must be located at its end. A size is at most 1 if the error is within the tolerance, and
+    infinity if the result is not finite.
     """
-    first, second = so_far
-    for j in range(begin, end):
-        scale = least + growth * abs(y[j])
-        first, second = max(first, abs(one[j]) / scale), max(second, abs(other[j]) / scale)
-    return first, second
+    y, scale, total = d.trial.state, d.implicit.weight, 0.0
+    one, other, first, second = d.work.error[0], d.work.error[1], 0.0, 0.0
+    set_scales(d, y, scale, d.touch.active_count)
+    controlled, gaps = dissipated_at(d.links) + 1, sundman_u_at(d.links)
+    for j in range(controlled):
+        # max() can hide a NaN, a sum cannot
+        total += abs(one[j] + y[j]) + abs(other[j] + y[j])
+        first, second = max(first, abs(one[j]) / scale[j]), max(second, abs(other[j]) / scale[j])
+    for k in range(d.touch.active_count):
+        first = max(first, abs(d.touch.gap_error[0, k]) / scale[gaps + k])
+        second = max(second, abs(d.touch.gap_error[1, k]) / scale[gaps + k])
+    if any_constraint(d) and d.model.resisting:
+        first, second = max(first, moment_error(d, 0)), max(second, moment_error(d, 1))
+    if not math.isfinite(total):
+        return math.inf, math.inf
+    return first / d.solver.tolerance, second / d.solver.tolerance
 
 
 def moment_error(d, row):

@@ -4,16 +4,11 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at
+from chain_impact.kernel.dispatch import sequence
 from chain_impact.kernel.integration import dop853
-from chain_impact.kernel.integration.combination import combination, combinations, sequence
+from chain_impact.kernel.integration.control import conclude
 from chain_impact.kernel.integration.errors import scaled_errors, set_gap_errors
-from chain_impact.kernel.integration.impulse import (
-    friction_count,
-    impulse_count,
-    set_impulse_stage,
-    set_impulse_stage_at_end,
-)
-from chain_impact.kernel.integration.method import Method
+from chain_impact.kernel.integration.quadratures import set_quadrature_stage, set_quadrature_stage_at_end
 from chain_impact.kernel.integration.sundman import (
     NO_CONTACT,
     regularize,
@@ -21,7 +16,6 @@ from chain_impact.kernel.integration.sundman import (
     root_curve,
     runs_back,
 )
-from chain_impact.kernel.integration.trial import conclude
 from chain_impact.kernel.model.friction import any_sticking
 from chain_impact.kernel.model.geometry import clearance, gap_acceleration
 from chain_impact.kernel.work_limit import count_evaluations
@@ -38,6 +32,47 @@ LEFT = 1e-6
 HALVE = 50.0  # an error that makes the next try of a method of order 8 half as long
 HUGE = 1e100  # an error whose square could overflow
 STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step, without the one at its end
+DENSE_EVALUATIONS = STAGES - LAST  # those of the dense output
+
+
+def combination(row):
+    """Return a function for ``out = base + h Σ_j row[j] k_j``, unrolled over the stages j in the row.
+
+    The function takes (stages, base, h, out), with the stages k_j the rows of ``stages``, which may
+    be longer than ``base`` and ``out``.
+    """
+    names, coefficients = tuple(row), tuple(row.values())
+    count = len(row)
+
+    def combine(stages, base, h, out):
+        for j in range(len(base)):
+            total = 0.0
+            for m in range(count):
+                total += coefficients[m] * stages[names[m], j]
+            out[j] = base[j] + h * total
+
+    return combine
+
+
+def combinations(one, two):
+    """Return a function for the sums h Σ_j row[j] k_j of two rows, which reads each k_j once for both.
+
+    The function takes (stages, h, first, second), the last two for the results.
+    """
+    names = tuple(sorted({*one, *two}))
+    row_1, row_2 = (tuple(row.get(name, 0.0) for name in names) for row in (one, two))
+    count = len(names)
+
+    def combine(stages, h, first, second):
+        for j in range(len(first)):
+            total_1, total_2 = 0.0, 0.0
+            for m in range(count):
+                stage = stages[names[m], j]
+                total_1 += row_1[m] * stage
+                total_2 += row_2[m] * stage
+            first[j], second[j] = h * total_1, h * total_2
+
+    return combine
 
 
 def _stage(i, accepted):
@@ -50,7 +85,7 @@ def _stage(i, accepted):
     def stage(d, h):
         combine(d.work.stage, d.step.state if accepted else d.step.state_end, h, d.work.y)
         regularized_rate(d, d.work.y, d.work.stage[i])
-        set_impulse_stage(d, i)
+        set_quadrature_stage(d, i)
 
     return stage
 
@@ -117,7 +152,7 @@ def estimate(d, h):
         locate_points(d, d.trial.state)
     set_gap_errors(d, 0)
     set_gap_errors(d, 1)
-    error_5, error_3 = scaled_errors(d, 0, 1)
+    error_5, error_3 = scaled_errors(d)
     if error_5 == 0.0:
         return 0.0
     if max(error_5, error_3) > HUGE:
@@ -141,29 +176,24 @@ def make(d, h):
     """Make a step of size h from ``step.state_end``, without an estimate of its error."""
     _stages(d, h)
     _step_end(d.work.stage, d.step.state_end, h, d.trial.state)
-    active = impulse_count(d)
-    if active > 0:
-        _step_end(d.impulse.stage, d.impulse.state_end[:active], h, d.impulse.tried[:active])
-    rubbing, own = friction_count(d), d.friction_impulse
-    if rubbing > 0:
-        _step_end(own.stage, own.state_end[:rubbing], h, own.tried[:rubbing])
+    own, count = d.quadrature, d.quadrature.count
+    if count > 0:
+        _step_end(own.stage, own.state_end[:count], h, own.tried[:count])
 
 
 def dense_output(d, h):
     """Set the dense output of the last step, of size h."""
     locate_points(d, d.step.state_end)
     regularize(d, d.step.state_end, d.work.rate_end, d.work.stage[LAST])
-    set_impulse_stage_at_end(d, LAST)
+    set_quadrature_stage_at_end(d, LAST)
     _dense_stages(d, h)
     _interpolant(d.step, d.work.stage, len(d.work.y), h)
-    if impulse_count(d) > 0:
-        _interpolant(d.impulse, d.impulse.stage, impulse_count(d), h)
-    if friction_count(d) > 0:
-        _interpolant(d.friction_impulse, d.friction_impulse.stage, friction_count(d), h)
+    if d.quadrature.count > 0:
+        _interpolant(d.quadrature, d.quadrature.stage, d.quadrature.count, h)
 
 
 def _interpolant(step, stages, count, h):
-    """Set the dense output of the first components of a state, or of impulses, from their stages."""
+    """Set the dense output of the first components of a state, or of quadratures, from their stages."""
     for j in range(count):
         # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆))))))
         change = step.state_end[j] - step.state[j]
@@ -172,26 +202,3 @@ def _interpolant(step, stages, count, h):
         step.dense[2, j] = 2.0 * change - h * (stages[LAST, j] + stages[0, j])
     _high_01(stages, h, step.dense[3, :count], step.dense[4, :count])
     _high_23(stages, h, step.dense[5, :count], step.dense[6, :count])
-
-
-def nothing(_d, _h):
-    """Do nothing: this method stores nothing else of a step, and knows no special bounds on curvatures."""
-
-
-METHOD = Method(
-    name="explicit",
-    order=dop853.ORDER,
-    safety=0.8,
-    implicit=False,
-    measures_start=False,
-    onset_size=4.5,
-    onset_order=dop853.ORDER,
-    rate_at_end=True,
-    lands=False,
-    dense_evaluations=STAGES - LAST,
-    prepare=toward_end,
-    attempt=attempt,
-    finish=nothing,
-    dense_output=dense_output,
-    bound_curvatures=nothing,
-)

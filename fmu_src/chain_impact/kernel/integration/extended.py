@@ -2,8 +2,8 @@
 
 As the links turn, the coordinates of a stage leave the wall's tangent by ½ h² J̇ẏ. That is little, but often
 more than the penetration of a stiff wall. So the clearances g of the active contacts and their rates are
-integrated together with y, z = (y, g, ġ, p), with g̈ the acceleration of the point along the normal and p the
-impulses, if they are requested. The forces are evaluated at g and ġ, in which the fast motions are linear
+integrated together with y, z = (y, g, ġ, q), with g̈ the acceleration of the point along the normal and q the
+quadratures. The forces are evaluated at g and ġ, in which the fast motions are linear
 except for the force law.
 
 A rigid wall has no force law and constrains its points as in all other steps (model/holding.py): z has
@@ -12,18 +12,16 @@ no entries for them.
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import sundman_u_at
-from chain_impact.kernel.integration.impulse import (
-    friction_count,
-    friction_integrand,
-    friction_integrand_at_end,
-    impulse_count,
-)
+from chain_impact.kernel.integration.quadratures import quadrature_rates
 from chain_impact.kernel.model.constraints import any_constraint
 from chain_impact.kernel.model.contact import apply_contact, clear_loads
 from chain_impact.kernel.model.contact_force import law_slopes
 from chain_impact.kernel.model.equations import loaded_rate
 from chain_impact.kernel.model.friction import apply_friction
-from chain_impact.kernel.model.geometry import clearance, gap_acceleration
+from chain_impact.kernel.model.geometry import (
+    clearance,
+    gap_acceleration,
+)
 from chain_impact.kernel.model.holding import add_constraint_forces
 from chain_impact.kernel.model.inputs import set_inputs
 
@@ -43,19 +41,14 @@ def rate_at(d, k):
     return gap_at(d, compliant(d) + k)
 
 
-def impulse_at(d, k):
-    """The index in z of the impulse of that contact."""
+def quadrature_at(d, k):
+    """The index in z of the k-th quadrature: first the impulses of these contacts, if they are requested."""
     return gap_at(d, 2 * compliant(d) + k)
-
-
-def friction_impulse_at(d, k):
-    """The index in z of the k-th integral of dry friction."""
-    return impulse_at(d, impulse_count(d) + k)
 
 
 def extended_size(d):
     """The length of z."""
-    return friction_impulse_at(d, friction_count(d))
+    return quadrature_at(d, d.quadrature.count)
 
 
 def extend_start(d):
@@ -68,12 +61,9 @@ def extend_start(d):
         own.start[j], own.start_rate[j] = d.step.state_end[j], work.rate_start[j]
     for k in range(compliant(d)):
         own.start[gap_at(d, k)], own.start[rate_at(d, k)] = clearance(d, d.touch.active_index[k])
-    for k in range(impulse_count(d)):
-        own.start[impulse_at(d, k)] = d.impulse.state_end[k]
-        own.start_rate[impulse_at(d, k)] = d.touch.force_end[d.touch.active_index[k]]
-    for k in range(friction_count(d)):
-        own.start[friction_impulse_at(d, k)] = d.friction_impulse.state_end[k]
-        own.start_rate[friction_impulse_at(d, k)] = friction_integrand_at_end(d, k)
+    for k in range(d.quadrature.count):
+        own.start[quadrature_at(d, k)] = d.quadrature.state_end[k]
+        own.start_rate[quadrature_at(d, k)] = d.quadrature.rate_end[k]
     clearance_rates(d, own.start, own.start_rate)
 
 
@@ -98,10 +88,7 @@ def extended_rate(d, z, elapsed, rate):
     loaded_rate(d, z, dissipated, rate)  # also sets those of u and time, where z has other entries
     if any_constraint(d):
         add_constraint_forces(d, z, rate)
-    for k in range(impulse_count(d)):
-        rate[impulse_at(d, k)] = d.touch.force[d.touch.active_index[k]]
-    for k in range(friction_count(d)):
-        rate[friction_impulse_at(d, k)] = friction_integrand(d, k)
+    quadrature_rates(d, 1.0, rate[quadrature_at(d, 0) :])
     accelerate_points(d, z, rate)
     clearance_rates(d, z, rate)
 

@@ -14,20 +14,20 @@ from chain_impact.kernel.chain.kinematics import (
     place_points,
 )
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, time_at
+from chain_impact.kernel.integration.control import rescale
 from chain_impact.kernel.integration.dense import fraction, interpolate
-from chain_impact.kernel.integration.impulse import (
-    append_impulses,
-    reset_impulse_step,
-    roll_back_impulses,
-    settle_impulses,
-    truncate_impulses,
-)
 from chain_impact.kernel.integration.method import EXPLICIT
-from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END, dense_output, finish
-from chain_impact.kernel.integration.step_size import rescale
+from chain_impact.kernel.integration.methods import dense_evaluations, dense_output, finish
+from chain_impact.kernel.integration.quadratures import (
+    append_quadratures,
+    keep_end_rates,
+    reset_quadratures,
+    roll_back_quadratures,
+    settle_impulses,
+    truncate_quadratures,
+)
 from chain_impact.kernel.integration.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.model.constraints import any_constraint
-from chain_impact.kernel.model.contact import keep_end_forces
 from chain_impact.kernel.model.equations import located_rate, state_rate
 from chain_impact.kernel.model.friction import keep_anchors
 from chain_impact.kernel.model.holding import project_state
@@ -42,7 +42,7 @@ def clear_breaks(d):
 
 
 def reset_step(d, time, y):
-    """Set the last step to one of zero length at ``time`` [s] in state y, with the committed impulses."""
+    """Set the last step to one of zero length at ``time`` [s] in state y, with the committed quadratures."""
     step = d.step
     for j in range(len(step.state)):
         step.state[j] = y[j]
@@ -53,7 +53,7 @@ def reset_step(d, time, y):
         step.state_end[j] = step.state[j]
     reset_times(d, time)
     step.size = 1.0
-    reset_impulse_step(d)
+    reset_quadratures(d)
     step.regularized = NO_CONTACT
     step.dense_for = SOLVER
     step.last_method = EXPLICIT  # no implicit step extrapolates from it
@@ -75,7 +75,7 @@ def accept(d):
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]
         step.state_end[j] = y[j]
-    append_impulses(d)
+    append_quadratures(d)
     step.start = step.end
     step.size, step.kept = d.trial.size, 1.0
     step.end = step.start + y[time_at(d.links)]
@@ -84,7 +84,7 @@ def accept(d):
     step.rate_known = 0
     note_points_elsewhere(d)
     finish(d)
-    if RATE_AT_END[step.last_method]:
+    if step.last_method == EXPLICIT:
         # the error control of this method has located the points if contacts are active
         find_rate(d, d.touch.active_count > 0)
 
@@ -100,7 +100,7 @@ def roll_back(d):
     step.end = step.start
     for j in range(len(step.state)):
         step.state_end[j] = step.state[j]
-    roll_back_impulses(d)
+    roll_back_quadratures(d)
     mark_jump(d)
 
 
@@ -109,7 +109,7 @@ def truncate_step(d, theta):
     step = d.step
     ensure_dense(d, SOLVER)
     interpolate(step, theta, step.state_end)
-    truncate_impulses(d, theta)
+    truncate_quadratures(d, theta)
     step.kept = theta
     step.end = step.start + step.state_end[time_at(d.links)]
     mark_jump(d)
@@ -127,7 +127,7 @@ def truncate_to_output_time(d):
     ensure_dense(d, OUTPUTS)
     theta = fraction(d, step.time)
     interpolate(step, theta, step.state_end)
-    truncate_impulses(d, theta)
+    truncate_quadratures(d, theta)
     settle_impulses(d)
     step.kept = theta
     step.end = step.time
@@ -184,7 +184,7 @@ def find_rate(d, located):
         if not located:
             locate_points(d, y)
         located_rate(d, y, rate)
-        keep_end_forces(d)
+        keep_end_rates(d)
     else:
         state_rate(d, y, rate)
     if d.candidates > 0:
@@ -231,4 +231,4 @@ def ensure_dense(d, reader):
         dense_output(d)
         uncount_work(d, counted)
     if known < SOLVER <= reader:
-        count_evaluations(d, DENSE_EVALUATIONS[step.last_method])
+        count_evaluations(d, dense_evaluations(d))

@@ -25,8 +25,7 @@ factors, of which a ``row`` is used, and the resulting motion.
 from chain_impact.kernel.chain.elimination import SHIFTED, factorize, no_impedance
 from chain_impact.kernel.chain.joints import joint_resistance, spring_stiffness
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, omega_at, velocity_at
-from chain_impact.kernel.integration.extended import compliant, gap_at, impulse_at, rate_at
-from chain_impact.kernel.integration.impulse import impulse_count
+from chain_impact.kernel.integration.extended import compliant, gap_at, quadrature_at, rate_at
 from chain_impact.kernel.model.compliance import holding_impedance, joints_loaded, solve_space
 from chain_impact.kernel.model.constraints import constraint_rows
 from chain_impact.kernel.model.geometry import (
@@ -76,8 +75,8 @@ def solve_shift(d, s, space, row, x):
     for k in range(compliant(d)):
         x[rate_at(d, k)] -= along(constraint(d, k), space.motion)
         x[gap_at(d, k)] += s * x[rate_at(d, k)]
-    for k in range(min(impulse_count(d), compliant(d))):
-        x[impulse_at(d, k)] -= s * (own.stiffness[k] * x[gap_at(d, k)] + own.damping[k] * x[rate_at(d, k)])
+    for k in range(min(d.quadrature.count, compliant(d))):
+        x[quadrature_at(d, k)] -= s * (own.stiffness[k] * x[gap_at(d, k)] + own.damping[k] * x[rate_at(d, k)])
 
 
 def relative(r, first, i):

@@ -11,7 +11,7 @@ is a small part of the tolerance.
 
 import math
 
-from chain_impact.kernel.integration.combination import sequence
+from chain_impact.kernel.dispatch import sequence
 from chain_impact.kernel.integration.radau import LEFT, NODES, RIGHT, STAGES, Q
 
 LEFT_Q = tuple(

@@ -17,9 +17,8 @@ Rigid walls cause no stiffness: with them only joints do.
 import math
 
 from chain_impact.kernel.chain.joints import joint_rate
-from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
-from chain_impact.kernel.integration.methods import AUTO, chosen
-from chain_impact.kernel.integration.step_size import at_onset, limit, propose
+from chain_impact.kernel.integration.control import at_onset, limit, propose
+from chain_impact.kernel.integration.method import AUTO, EXPLICIT, IMPLICIT, chosen
 from chain_impact.kernel.model.contact import clear_loads, contact_slopes
 
 # hρ of explicit steps beyond which implicit ones could replace them. Impacts are resolved with less than 1,

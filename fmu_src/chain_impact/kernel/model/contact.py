@@ -17,7 +17,6 @@ from chain_impact.kernel.model.contact_force import (
 from chain_impact.kernel.model.friction import (
     apply_friction,
     begin_friction,
-    keep_end_friction,
     list_friction,
     may_rub,
 )
@@ -61,14 +60,6 @@ def keep_force(d, c, force):
     d.touch.force[c] = force
 
 
-def keep_end_forces(d):
-    """Store the forces that were evaluated just now as those at the end of the last step."""
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        d.touch.force_end[c] = d.touch.force[c]
-    keep_end_friction(d)
-
-
 def clear_loads(d):
     """Set the loads on the points to the inputs alone."""
     clear_loads_of(d, d.work.load)
@@ -106,7 +97,6 @@ def begin_contact(d, c):
     touch.onset_speed[c] = max(0.0, 0.0 - gap_rate)
     touch.impact_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
     set_rates(d, c, -gap_rate, 1.0)  # the force rises
-    touch.force_end[c] = 0.0
     set_extremes(d, c, 0.0, 0.0)
     touch.effective_mass[c] = effective_mass(d, c)
     latch(d, c)
@@ -117,7 +107,7 @@ def begin_contact(d, c):
     d.impact.last_point = d.candidate.point[c]
     d.impact.last_wall = d.candidate.wall[c] + 1
     d.impact.last_speed = touch.onset_speed[c] / lever(d, c)
-    d.impulse.onset[c] = d.impulse.total[c]
+    d.quadrature.onset[c] = d.quadrature.total[c]
 
 
 def start_contact(d, c):

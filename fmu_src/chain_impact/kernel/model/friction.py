@@ -50,12 +50,11 @@ def clear_friction(d):
     """Start without friction anywhere: no element has a mode."""
     own = d.friction
     own.count, own.contact_count, own.stuck_count, own.stuck_joints = 0, 0, 0, 0
-    own.integral_count = 0
-    own.power, own.power_end = 0.0, 0.0
+    own.power = 0.0
     for e in range(d.elements):
         set_mode(d, e, NO_FRICTION)
         d.element.index[e], d.element.stuck[e] = 0, 0
-        d.element.force[e], d.element.force_end[e] = 0.0, 0.0
+        d.element.force[e] = 0.0
 
 
 def set_mode(d, e, mode):
@@ -80,7 +79,6 @@ def list_friction(d):
             d.element.index[own.count] = d.touch.active_index[k]
             own.count += 1
     own.contact_count = own.count
-    own.integral_count = own.count + 1 if d.impulse.wanted else 0
     for i in range(0 if d.model.pinned else 1, d.links if d.model.rubbing else 0):
         if d.model.joint_friction[i] > 0.0:
             e = d.candidates + i
@@ -189,14 +187,6 @@ def keep_anchors(d):
         e = d.element.stuck[i]
         if abs(tangential_position(d, e) - d.element.anchor[e]) > NOT_HELD * d.model.size:
             set_anchor(d, e)
-
-
-def keep_end_friction(d):
-    """Store the forces and the power that were evaluated just now as those at the end of the last step."""
-    for i in range(d.friction.contact_count):
-        c = d.element.index[i]
-        d.element.force_end[c] = d.element.force[c]
-    d.friction.power_end = d.friction.power
 
 
 def clear_margins(d):

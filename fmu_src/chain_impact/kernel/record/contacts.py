@@ -41,8 +41,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), d of the force law
         ("speed", REAL, (candidates,)),  # m/s, δ̇ and …
         ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, to find the peaks
-        ("force", REAL, (candidates,)),  # N, of active ones at the last evaluation of the rate …
-        ("force_end", REAL, (candidates,)),  # N, … and at the end of the last step
+        ("force", REAL, (candidates,)),  # N, of active ones at the last evaluation of the rate
         ("beyond_kink", INTEGER, (candidates,)),  # 1: δ̇ is beyond the kink of its force
         ("kink_margin", REAL, (candidates,)),  # m/s, by which δ̇ may be on the wrong side; else 0
         ("kink_crossed", INTEGER, (candidates,)),  # 1: a stage of the tried step was on its other side
@@ -150,35 +149,26 @@ def peaks_dtype() -> np.dtype:
     )
 
 
-def integral_fields(columns: int) -> tuple[tuple[object, ...], ...]:
-    """The fields of integrals along the motion, as those of the state in `step` and `work`."""
-    return (
-        ("state", REAL, (columns,)),  # N·s, at the start of the last step …
-        ("state_end", REAL, (columns,)),  # … and at its end
-        ("tried", REAL, (columns,)),  # N·s, at the end of the tried step
-        ("dense", REAL, (DENSE_COEFFICIENTS, columns)),  # the interpolant of the last step
-        ("stage", REAL, (STAGES, columns)),  # dp/ds at the stages
-    )
+@written_by("integration/quadratures.py", onset="model/contact.py")
+def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
+    """Integrals along the motion, each at its place, as integration/quadratures.py lists them.
 
-
-@written_by("integration/impulse.py", onset="model/contact.py")
-def impulse_dtype(candidates: int) -> np.dtype:
-    """∫F dt of the walls on the points, packed unless noted."""
+    Those that are integrated are packed.
+    """
+    places = candidates + elements + 1
     return record(
-        ("wanted", INTEGER),  # 1: impulses are integrated
-        ("total", REAL, (candidates,)),  # N·s since the start, not packed
-        ("onset", REAL, (candidates,)),  # N·s, the total at the onset of the contact, not packed
-        *integral_fields(candidates),
-    )
-
-
-@written_by("integration/impulse.py")
-def friction_impulse_dtype(elements: int) -> np.dtype:
-    """∫F dt of dry friction at contacts, packed unless noted, and last the energy [J] that it dissipates."""
-    return record(
-        ("total", REAL, (elements,)),  # N·s along t of a candidate since the start, not packed
-        ("energy", REAL),  # J, dissipated by dry friction since the start
-        *integral_fields(elements),
+        ("wanted", INTEGER),  # 1: they are integrated
+        ("onset", REAL, (candidates,)),  # N·s, the impulse at the onset of the contact
+        ("total", REAL, (places,)),  # since the start, when contacts last began or ended, …
+        ("rate", REAL, (places,)),  # … and their rates then
+        ("count", INTEGER),
+        ("index", INTEGER, (places,)),  # the places of those that are integrated, packed
+        ("state", REAL, (places,)),  # at the start of the last step …
+        ("state_end", REAL, (places,)),  # … and at its end, …
+        ("rate_end", REAL, (places,)),  # … with their rates there
+        ("tried", REAL, (places,)),  # at the end of the tried step
+        ("dense", REAL, (DENSE_COEFFICIENTS, places)),  # the interpolant of the last step
+        ("stage", REAL, (STAGES, places)),  # dq/ds at the stages
     )
 
 
@@ -191,9 +181,7 @@ def friction_dtype() -> np.dtype:
         ("contact_count", INTEGER),  # of them, contacts
         ("stuck_count", INTEGER),  # of them, those that stick, …
         ("stuck_joints", INTEGER),  # … and of these the joints
-        ("integral_count", INTEGER),  # see integration/impulse.py
-        ("power", REAL),  # W, dissipated by dry friction at the last evaluation …
-        ("power_end", REAL),  # … and at the end of the last step
+        ("power", REAL),  # W, dissipated by dry friction at the last evaluation
     )
 
 
@@ -215,8 +203,7 @@ def element_dtype(elements: int) -> np.dtype:
         ("undecided", INTEGER, (elements,)),
         ("slack", REAL, (elements,)),  # m/s, by which sliding may be backward when its mode begins
         ("anchor", REAL, (elements,)),  # m, the tangential coordinate at which it sticks
-        ("force", REAL, (elements,)),  # N along t, at the last evaluation of the rate …
-        ("force_end", REAL, (elements,)),  # … and at the end of the last step
+        ("force", REAL, (elements,)),  # N along t, at the last evaluation of the rate
         # N, the largest static friction, at the last evaluation; of a joint constant
         ("limit", REAL, (elements,)),
         # m/s of sliding, N of sticking: how far its mode was from ending in the stages of the tried step

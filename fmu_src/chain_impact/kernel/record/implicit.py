@@ -21,11 +21,12 @@ from chain_impact.kernel.record.solver import factors_dtype
     **dict.fromkeys(("start", "start_rate", "link", "stiffness", "damping"), "integration/extended.py"),
     **dict.fromkeys(("shift", "pairs"), "integration/linear_system.py"),
     **dict.fromkeys(("iterations", "correction", "contraction"), "integration/newton.py"),
-    **dict.fromkeys(("last", "began", "span", "listing", "thirds"), "integration/collocation_dense.py"),
+    **dict.fromkeys(("last", "began", "span", "listing", "thirds"), "integration/collocation.py"),
     **dict.fromkeys(
         ("z", "stages", "parts", "slowness"), ("integration/collocation.py", "integration/newton.py")
     ),
-    normal=("integration/collocation_dense.py", "integration/projection.py"),
+    normal=("integration/collocation.py", "integration/projection.py"),
+    weight="integration/collocation.py",
 )
 def implicit_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """The work space of an implicit step, and the data that it uses of the last one.

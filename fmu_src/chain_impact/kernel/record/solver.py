@@ -19,8 +19,8 @@ from chain_impact.kernel.record.fields import (
 
 @written_by(
     "integration/last_step.py",
-    dense=("integration/last_step.py", "integration/explicit.py", "integration/collocation_dense.py"),
-    **dict.fromkeys(("next_size", "flight_size"), "integration/step_size.py"),
+    dense=("integration/last_step.py", "integration/explicit.py", "integration/collocation.py"),
+    **dict.fromkeys(("next_size", "flight_size"), "integration/control.py"),
     **dict.fromkeys(
         ("method", "stiff_count", "switch_hysteresis", "explicit_size"), "integration/switching.py"
     ),
@@ -52,15 +52,14 @@ def step_dtype(links: int) -> np.dtype:
     )
 
 
-@written_by("integration/trial.py", state="integration/collocation.py")
+@written_by("integration/control.py", state="integration/collocation.py")
 def trial_dtype(links: int) -> np.dtype:
     """The outcome of the tried step, of which there is one until the next try."""
     return record(
         ("size", REAL),  # s, in the step's integration variable
         ("state", REAL, (state_size(links),)),  # y at its end
-        ("error", REAL),  # relative to the tolerance, see kernel/integration/trial.py
+        ("error", REAL),  # relative to the tolerance; it is accepted if this is at most 1
         ("cost_factor", REAL),  # the factor on the size of the next step by the cost of this one
-        ("result", INTEGER),  # see kernel/integration/trial.py
     )
 
 
@@ -169,7 +168,7 @@ def work_dtype(links: int) -> np.dtype:
     )
 
 
-@written_by("events/exclusion.py", curvature=("events/crossing.py", "integration/collocation_dense.py"))
+@written_by("events/exclusion.py", curvature=("events/crossing.py", "integration/collocation.py"))
 def search_dtype(candidates: int) -> np.dtype:
     """The data of the search for events, at the ends of the searched interval."""
     return record(

@@ -18,16 +18,10 @@ Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Ap
 from chain_impact.kernel.advance import apply_pending_events, set_first_stage
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.dispatch import dispatch
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.marks import END, ONSET, RELATCH, copy_marks, pending_changes
 from chain_impact.kernel.integration import explicit
-from chain_impact.kernel.integration.impulse import (
-    friction_count,
-    friction_integrand_at_end,
-    impulse_count,
-    settle_impulses,
-)
+from chain_impact.kernel.integration.control import begin_trial
 from chain_impact.kernel.integration.last_step import (
     accept,
     choose_variable,
@@ -36,9 +30,8 @@ from chain_impact.kernel.integration.last_step import (
     mark_jump,
     truncate_step,
 )
-from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
-from chain_impact.kernel.integration.methods import METHOD_COUNT
-from chain_impact.kernel.integration.trial import begin_trial
+from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.integration.quadratures import settle_impulses
 from chain_impact.kernel.model.friction import any_sticking
 from chain_impact.kernel.model.geometry import clearance, gap_acceleration
 from chain_impact.kernel.tangent.directions import carried, value
@@ -74,19 +67,13 @@ def replay(d, t):
 def make(d, t, h):
     """Make a step of size h as d did, without its error control."""
     begin_trial(t, h)
-    _make(t.step.method, d, t, h)
+    if t.step.method == IMPLICIT:
+        make_implicit(d, t, h)
+    else:
+        explicit.make(t, h)
+        if t.touch.active_count > 0 or any_sticking(t):
+            locate_points(t, t.trial.state)
     accept(t)
-
-
-def make_explicit(_d, t, h):
-    """Make an explicit step of size h, and locate the points at its end."""
-    explicit.make(t, h)
-    if t.touch.active_count > 0 or any_sticking(t):
-        locate_points(t, t.trial.state)
-
-
-_MAKERS = {EXPLICIT: make_explicit, IMPLICIT: make_implicit}
-_make = dispatch([_MAKERS[method] for method in range(METHOD_COUNT)])
 
 
 def ends_regularized(d):
@@ -144,8 +131,7 @@ def move_along(t, time):
         y[j] += value(rate[j]) * time
     y[time_at(t.links)] += time
     t.step.end += time
-    for k in range(impulse_count(t)):
-        t.impulse.state_end[k] += value(t.touch.force_end[t.touch.active_index[k]]) * time
-    for k in range(friction_count(t)):
-        t.friction_impulse.state_end[k] += value(friction_integrand_at_end(t, k)) * time
+    own = t.quadrature
+    for k in range(own.count):
+        own.state_end[k] += value(own.rate_end[k]) * time
     mark_jump(t)

@@ -1,14 +1,12 @@
 """The start of a tangent instance: the derivatives of all that follows from the parameters."""
 
-from chain_impact.kernel.advance import latch_again, recompute_active_set
-from chain_impact.kernel.events.friction_modes import reinit_modes
-from chain_impact.kernel.initialize import clear_run, derive_chain, set_initial_state
+from chain_impact.kernel.advance import apply_laws
+from chain_impact.kernel.initialize import clear_run, derive_chain, set_start
 from chain_impact.kernel.integration.last_step import reset_step
 from chain_impact.kernel.integration.switching import begin_explicit
 from chain_impact.kernel.laws.contact_laws import ANY, LAW_COUNT, RATE_EXPONENTS, damping_factor
-from chain_impact.kernel.model.contact import clear_loads, set_kink_sides
+from chain_impact.kernel.model.contact import clear_loads
 from chain_impact.kernel.model.contact_law import copy_law, set_parameters
-from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.kernel.model.inputs import apply_inputs
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START
 from chain_impact.kernel.tangent.blocks import copy_given, copy_values
@@ -23,13 +21,9 @@ def start_tangent(d, t):
     derive_chain(t)
     clear_run(t, d.step.time)
     apply_given_of(d, t)
-    place_walls(t)
-    set_initial_state(t, t.work.y)
-    reset_step(t, d.step.time, t.work.y)
-    clear_loads(t)
     trust(t)
     copy_modes(d, t)
-    reinit_modes(t, True)
+    set_start(t, d.step.time)
     check_coefficients(t)
     begin_explicit(t)
 
@@ -41,12 +35,9 @@ def reinit_tangent(d, t):
     if t.trust.time > value(t.step.end):
         trust(t)
     apply_given_of(d, t)
-    latch_again(t)
-    recompute_active_set(t)
     copy_modes(d, t)
-    reinit_modes(t, False)
+    apply_laws(t)
     check_coefficients(t)
-    set_kink_sides(t)
     clear_loads(t)
 
 

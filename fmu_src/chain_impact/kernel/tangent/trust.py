@@ -1,7 +1,7 @@
 """Up to which time derivatives can be trusted: until they do not exist, or are too inaccurate.
 
 The cause is an impact, dry friction whose mode is open (tangent/friction.py), or an implicit step whose
-equations for the derivatives could not be solved.
+equations for the derivatives could not be solved. simulation/reasons.py has a sentence for each.
 """
 
 import math
@@ -21,32 +21,6 @@ NO_IMPACT = -1  # in place of a candidate
 JOINT = -1  # in place of a wall
 # the rates ±NEAR_REST v₀ at which the force is compared, and the relative difference that counts as a jump
 NEAR_REST, JUMPS = 1e-9, 1e-6
-
-REASONS = {
-    GRAZING: "its point arrives so slowly that the tolerance leaves open whether it arrives at all",
-    AT_FLOOR: "its approach speed is below contact.minimum_impact_speed, which the contact law takes instead",
-    SIMULTANEOUS: "several points arrive at one moment, and what follows depends on which is first",
-    JUMP: "the force of its contact law jumps where the point turns",
-    NOT_SOLVED: "the implicit step from there on is too long for them: their iteration does not converge",
-}
-"""Why derivatives end: all but the last at an impact."""
-
-REASONS_AT_STOPS = REASONS | {
-    GRAZING: "its joint reaches the stop so slowly that the tolerance leaves open whether it does so at all",
-    AT_FLOOR: "its joint's speed is below stop.minimum_impact_speed, which the contact law takes instead",
-    SIMULTANEOUS: "several contacts begin at one moment, and what follows depends on which is first",
-    JUMP: "the moment of its contact law jumps where the joint turns back",
-}
-"""The same for an impact at a stop of a joint."""
-
-REASONS_OF_FRICTION = {
-    SLOW_CHANGE: "its sliding or sticking ends so slowly that the tolerance leaves open whether it ends",
-    AT_LIMIT: "the force that would hold it is as large as static friction can be, so it may stick or slide",
-    TOGETHER: "the sliding or sticking of several ends at one moment, and it matters which is first",
-    NO_LESS: "its coefficient is 0, and cannot be less",
-    FROM_REST: "it begins to slide from rest, and a small speed against its direction would first be stopped",
-}
-"""Why derivatives end because of dry friction."""
 
 
 def check_onsets(t):

@@ -84,7 +84,7 @@ def layout(record: np.dtype) -> dict[str, Any]:
     return {
         "status": word("statistics", "status"),
         "time": word("step", "time"),
-        "impulses": word("impulse", "wanted"),
+        "impulses": word("quadrature", "wanted"),
         "finished": {
             "count": word("finished", "count"),
             "collected": word("finished", "collected"),

@@ -1,27 +1,35 @@
-"""Sizes of steps that are foreseen instead of tried."""
+"""The outcome of a tried step, and the sizes of those that are foreseen instead of tried."""
 
 import math
 
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.state import omega_at
-from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
-from chain_impact.kernel.integration.methods import EXPONENT, ONSET_EXPONENT, ONSET_SIZE, SAFETY
-from chain_impact.kernel.integration.step_size import (
+from chain_impact.kernel.advance import begin_step
+from chain_impact.kernel.chain.state import omega_at, time_at
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.integration.control import (
+    EXPONENT,
+    FAR_OFF,
+    ONSET_EXPONENT,
+    accepted,
     at_onset,
     at_onset_beside,
+    conclude,
     factor,
     in_flight,
     keep_for_flight,
     limit,
     propose,
+    refuse,
     rescale,
     resume_flight,
     time_scale,
 )
-from chain_impact.kernel.integration.trial import NOT_LOCATED, UNBALANCED, conclude, refuse
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, ONSET_SIZE, SAFETY
+from chain_impact.kernel.integration.methods import attempt
 from chain_impact.kernel.model.contact_force import damping_share
+from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation.simulate import simulate
 from tests.kernel.chains import chain, struck
@@ -79,10 +87,9 @@ def test_a_size_follows_from_the_error_and_from_the_cost():
             assert factor(d) == 0.1  # not less
         conclude(d, 0.0, 0.7)
         assert 6.0 < factor(d) < math.inf
-        for result in (NOT_LOCATED, UNBALANCED):
-            conclude(d, 1e-5, 1.0)
-            refuse(d, result)
-            assert 1 / 8.5 < factor(d) < 1 / 7
+        conclude(d, 1e-5, 1.0)
+        refuse(d, FAR_OFF)
+        assert 1 / 8.5 < factor(d) < 1 / 7
 
 
 def test_in_flight_the_fastest_turn_decides():
@@ -112,3 +119,26 @@ def test_a_proposed_size_is_limited_rescaled_and_kept_for_the_next_flight():
     assert (d.step.next_size, d.step.flight_size) == (0.75, 0.25)
     resume_flight(d)
     assert d.step.next_size == 0.25
+
+
+@pytest.mark.parametrize("error", [0.0, 1.0, np.nextafter(1.0, 2.0), 1e300, math.inf, math.nan])
+def test_a_step_is_accepted_with_an_error_of_the_tolerance_and_without_a_larger_one(error):
+    _, d = chain(np.random.default_rng(1), 2)
+    conclude(d, error, 0.7)
+    assert accepted(d) == (error <= 1.0)
+    np.testing.assert_array_equal([d.trial.error, d.trial.cost_factor], [error, 0.7])
+    if not math.isnan(error):
+        conclude(d, 0.5, 0.7)
+        refuse(d, error)
+        assert (d.trial.error, d.trial.cost_factor) == (max(0.5, error), 0.7)
+
+
+def test_a_try_has_its_size_and_a_run_begins_without_the_error_of_an_earlier_one():
+    _, d = chain(np.random.default_rng(1), 2)
+    begin_step(d)
+    attempt(d, 1e-3)
+    assert d.trial.size == 1e-3
+    assert d.trial.state[time_at(2)] == pytest.approx(1e-3, rel=1e-14)
+    refuse(d, FAR_OFF)
+    assert initialize(d, 0.0) == OK
+    assert accepted(d)

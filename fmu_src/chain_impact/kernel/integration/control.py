@@ -1,26 +1,51 @@
-"""Sizes of steps: the one that follows from an error, and those that the error control cannot provide.
+"""The outcome of a tried step, and the size of the next one: from its error, or where there is none yet.
 
-A rejected step costs as much as an accepted one. So the sizes of the first step in flight and of the first
-step of a contact are estimated in advance.
+A method tries a step and concludes it with its error. If that is within the tolerance, the search for events
+and the energy check can still refuse the step: it is accepted if its error is at most 1 after them. A
+rejected step costs as much as an accepted one. So the sizes of the first step in flight and of the first step
+of a contact are estimated in advance.
 """
 
 import math
 
 from chain_impact.kernel.chain.state import omega_at
-from chain_impact.kernel.integration.method import EXPLICIT
-from chain_impact.kernel.integration.methods import EXPONENT, ONSET_EXPONENT, ONSET_SIZE, SAFETY
-from chain_impact.kernel.integration.trial import NOT_FINITE
+from chain_impact.kernel.integration.method import EXPLICIT, ONSET_ORDER, ONSET_SIZE, ORDER, SAFETY
 from chain_impact.kernel.model.contact_force import damping_share
 
 # Limits of the factor by which the size of a step changes. DOP853's authors use 1/3 and 6.
 SHRINK, GROW = 0.1, 6.0
+EXPONENT = tuple(-1.0 / order for order in ORDER)
+ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
+# The error of a step that is refused, whatever its own: the next try is a seventh as long, or an eighth if it
+# is implicit.
+FAR_OFF = 1e6
 LEAST = 1e-16  # a smaller error, which may be 0, counts as this one
 # Rotation of the links [rad] in the first step of a flight at a tolerance of 1: the largest for which few of
-# them are rejected (tests/kernel/integration/test_step_size.py). `onset_size` of the methods: likewise.
+# them are rejected (tests/kernel/integration/test_control.py). `onset_size` of the methods: likewise.
 TURN = 2.8
 # `onset_size` and `onset_order` of an explicit step in time: there the force begins as a power of the time
 # since the onset, so errors are of a lower order than those of the method.
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
+
+
+def begin_trial(d, h):
+    """Begin to try a step of size h."""
+    d.trial.size = h
+
+
+def conclude(d, error, cost_factor):
+    """Set the error of the tried step, over the tolerance, and what its cost says about the next size."""
+    d.trial.error, d.trial.cost_factor = error, cost_factor
+
+
+def refuse(d, error):
+    """Let something else count as an error of the tried step, over the tolerance, if it is larger."""
+    d.trial.error = max(d.trial.error, error)
+
+
+def accepted(d):
+    """Whether the tried step is accepted, as far as it has been checked."""
+    return d.trial.error <= 1.0
 
 
 def propose(d, size):
@@ -50,7 +75,7 @@ def resume_flight(d):
 
 def factor(d):
     """The factor on the size of the tried step that follows from its outcome."""
-    if d.trial.result == NOT_FINITE:
+    if not math.isfinite(d.trial.error):
         return SHRINK
     method, error = d.step.method, max(d.trial.error, LEAST)
     return max(SHRINK, SAFETY[method] * d.trial.cost_factor * error ** EXPONENT[method])

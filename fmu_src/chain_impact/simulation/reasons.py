@@ -1,0 +1,40 @@
+"""Why derivatives end: a sentence for each number of ``trust.reason`` (kernel/tangent/trust.py)."""
+
+from chain_impact.kernel.tangent.trust import (
+    AT_FLOOR,
+    AT_LIMIT,
+    FROM_REST,
+    GRAZING,
+    JUMP,
+    NO_LESS,
+    NOT_SOLVED,
+    SIMULTANEOUS,
+    SLOW_CHANGE,
+    TOGETHER,
+)
+
+REASONS = {
+    GRAZING: "its point arrives so slowly that the tolerance leaves open whether it arrives at all",
+    AT_FLOOR: "its approach speed is below contact.minimum_impact_speed, which the contact law takes instead",
+    SIMULTANEOUS: "several points arrive at one moment, and what follows depends on which is first",
+    JUMP: "the force of its contact law jumps where the point turns",
+    NOT_SOLVED: "the implicit step from there on is too long for them: their iteration does not converge",
+}
+"""Why derivatives end: all but the last at an impact."""
+
+REASONS_AT_STOPS = REASONS | {
+    GRAZING: "its joint reaches the stop so slowly that the tolerance leaves open whether it does so at all",
+    AT_FLOOR: "its joint's speed is below stop.minimum_impact_speed, which the contact law takes instead",
+    SIMULTANEOUS: "several contacts begin at one moment, and what follows depends on which is first",
+    JUMP: "the moment of its contact law jumps where the joint turns back",
+}
+"""The same for an impact at a stop of a joint."""
+
+REASONS_OF_FRICTION = {
+    SLOW_CHANGE: "its sliding or sticking ends so slowly that the tolerance leaves open whether it ends",
+    AT_LIMIT: "the force that would hold it is as large as static friction can be, so it may stick or slide",
+    TOGETHER: "the sliding or sticking of several ends at one moment, and it matters which is first",
+    NO_LESS: "its coefficient is 0, and cannot be less",
+    FROM_REST: "it begins to slide from rest, and a small speed against its direction would first be stopped",
+}
+"""Why derivatives end because of dry friction."""

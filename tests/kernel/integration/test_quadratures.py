@@ -1,0 +1,357 @@
+"""Quadratures: beside a step, from the stages to the totals; and impulses of the walls in runs.
+
+What gravity and the walls give is what the momentum of the chain changes by.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from chain_impact import CONTACT_LAWS, load_scene, simulate
+from chain_impact.kernel.chain.state import time_at
+from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS, interpolate_component
+from chain_impact.kernel.integration.quadratures import (
+    append_quadratures,
+    commit_quadratures,
+    give_impulses,
+    keep_end_rates,
+    quadrature_within,
+    reset_quadratures,
+    roll_back_quadratures,
+    set_quadrature_stage,
+    set_quadrature_stage_at_end,
+    settle_impulses,
+    truncate_quadratures,
+)
+from chain_impact.scene.candidates import candidates
+from chain_impact.scene.scene import scene_from_dict, with_values
+from chain_impact.simulation.instance import Instance
+from tests import random_scenes
+from tests.kernel.chains import chain, touch
+from tests.kernel.rubbing import rubbing_chain
+from tests.plain import make_rigid
+from tests.problems import GRAVITY, default_scene, dropped_ball, of_law
+from tests.reference import momenta
+
+
+def unbalanced(result):
+    """The momentum [N·s] at each communication point that neither gravity nor the walls have given."""
+    scene = result.scene
+    momentum, _ = momenta(result)
+    mass = sum(link.mass for link in scene.chain.links)
+    walls = [scene.half_planes[scene.wall_names[wall]].normal for _, wall in candidates(scene)]
+    given = result.outputs["impulse"] @ np.array(walls) + mass * np.outer(result.time, scene.gravity)
+    return abs(momentum - momentum[0] - given).max()
+
+
+@pytest.mark.parametrize("law", CONTACT_LAWS)
+def test_momentum_balances_at_every_communication_point_under_every_law(law):
+    result = simulate(default_scene(**of_law(law)), tolerance=1e-10)
+    assert len(result.impacts) >= 5
+    assert unbalanced(result) < 1e-8
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.parametrize("method", ["auto", "implicit"])
+def test_inside_of_an_impact_too(method):
+    """In the first impact of the default scene, every 2 µs."""
+    scene = load_scene("four_link_box")
+    first = simulate(scene).impacts[0]
+    result = simulate(scene, first["end"], 2e-6, method, 1e-9)
+    inside = (result.time > first["onset"]) & (result.time < first["end"])
+    assert inside.sum() > 100
+    assert unbalanced(result) < 1e-6
+
+
+def test_the_imbalance_falls_with_the_tolerance():
+    off = [unbalanced(simulate(default_scene(), tolerance=tol)) for tol in (1e-4, 1e-6, 1e-8, 1e-10)]
+    assert off == sorted(off, reverse=True)
+    assert off[-1] < 1e-4 * off[0]
+
+
+@pytest.mark.parametrize("law", ["zhang_sharf", "newton_impact"])
+def test_a_rod_that_comes_to_rest(law):
+    """Points that lie on the floor are held by the weight, explicitly, implicitly or by a rigid wall."""
+    result = simulate(with_values(load_scene("rod_drop"), {"contact.model": law}), 6.0, tolerance=1e-9)
+    assert unbalanced(result) < 1e-7
+    weight = GRAVITY * sum(link.mass for link in result.scene.chain.links)
+    change = result.outputs["impulse"][-1].sum() - result.outputs["impulse"][-1001].sum()
+    assert change == pytest.approx(weight, rel=1e-6)  # in the last second
+
+
+def test_a_bounce_has_the_impulse_of_its_change_of_speed():
+    scene, _ = dropped_ball(model="newton_impact", restitution=0.6)
+    impact = simulate(scene).impacts[0]
+    mass = scene.chain.links[0].mass
+    assert impact["impulse"] == pytest.approx(mass * 1.6 * impact["impact_speed"], rel=1e-12)
+
+
+@pytest.mark.parametrize("law", ["hertz", "zhang_sharf", "kelvin_voigt"])
+def test_each_impact_has_its_own(law):
+    """In free fall m (v⁺ + v⁻) + m g T, whatever the force."""
+    scene, _ = dropped_ball(stop_time=1.5, **of_law(law))
+    mass = scene.chain.links[0].mass
+    for impact in simulate(scene, tolerance=1e-11).impacts[:3]:
+        change = impact["impact_speed"] + impact["separation_speed"]
+        weight = GRAVITY * (impact["end"] - impact["onset"])
+        assert impact["impulse"] == pytest.approx(mass * (change + weight), rel=1e-8)
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_points_that_a_rigid_wall_releases_have_the_integral_of_their_force(tolerance):
+    """A chain lies on the floor, and its tip is drawn up: one point after the other leaves."""
+    lying = {
+        "name": "Drawn",
+        "chain": {"links": [{"length": 0.5, "mass": 1.0}] * 3},
+        "box": {"y_min": 0.0},
+        "contact": {"model": "newton_impact", "restitution": 0.0},
+        "inputs": {"tip_force": True},
+        "initial": {"angles": [0.0] * 3},
+    }
+    result = simulate(
+        scene_from_dict(lying, "lying"),
+        0.5,
+        1e-4,
+        tolerance=tolerance,
+        inputs={"tip.force.y": lambda t: 60.0 * t, "tip.force.x": lambda t: 3.0 * t},
+    )
+    force, impulse = result.outputs["force"], result.outputs["impulse"]
+    floor = force.max(axis=0) > 0.0
+    assert floor.sum() == 4
+    assert (force[-1, floor] == 0.0).sum() >= 2, "released"
+    # where no row is between a force and its end, by Simpson's rule
+    released = (force[2::2] == 0.0) != (force[:-2:2] == 0.0)
+    steps = (force[:-2:2] + 4.0 * force[1:-1:2] + force[2::2]) / 6.0 * 2e-4
+    errors = np.where(released, 0.0, np.abs(np.diff(impulse[::2], axis=0) - steps)).sum(axis=0)
+    assert errors.max() < 300.0 * tolerance * impulse.max()
+
+
+def test_they_do_not_depend_on_communication_points():
+    scene = load_scene("four_link_box")
+    coarse, fine = (simulate(scene, output_step=step) for step in (0.1, 1e-3))
+    np.testing.assert_array_equal(coarse.outputs["impulse"], fine.outputs["impulse"][::100])
+    np.testing.assert_array_equal(coarse.impacts["impulse"], fine.impacts["impulse"])
+
+
+def test_an_input_that_changes_in_an_impact_does_not_lose_any():
+    scene = with_values(load_scene("four_link_box"), {"inputs.tip_force": True})
+    onset = simulate(scene).impacts[0]["onset"]
+    times = onset + np.array([-1e-4, 2e-5, 5e-5, 1e-4])
+    result = simulate(scene, inputs={"tip.force.x": (times, [0.0, 5.0, -5.0, 0.0])}, tolerance=1e-10)
+    free = simulate(scene, tolerance=1e-10)
+    pushed = 5.0 * (times[2] - times[1]) - 5.0 * (times[3] - times[2])
+    row = np.searchsorted(result.time, times[-1])
+    momentum, _ = momenta(result)
+    mass = sum(link.mass for link in scene.chain.links)
+    change = momentum[row] - momentum[0] - mass * result.time[row] * np.array(scene.gravity)
+    floor = np.array([wall == 2 for _, wall in candidates(scene)])
+    assert change[1] == pytest.approx(result.outputs["impulse"][row, floor].sum(), abs=1e-8)
+    assert change[0] == pytest.approx(pushed, abs=1e-8)
+    assert free.impacts[0]["impulse"] == pytest.approx(result.impacts[0]["impulse"], rel=1e-2)
+
+
+def test_without_them_the_motion_is_the_same_bit_by_bit():
+    scene = load_scene("four_link_box")
+    without = replace(scene, outputs=replace(scene.outputs, contacts=False, impacts=0))
+    assert Instance(without).record["quadrature"]["wanted"] == 0
+    one, other = simulate(scene), simulate(without)
+    for name in ("point_position", "point_velocity", "force", "dissipated"):
+        np.testing.assert_array_equal(one.outputs[name], other.outputs[name])
+    assert not other.outputs["impulse"].any()
+    assert one.statistics == other.statistics
+
+
+@pytest.mark.parametrize(
+    ("seed", "law"), [(14, "kuwabara_kono"), (30, "kuwabara_kono"), (124, "kelvin_voigt"), (157, "tsuji")]
+)
+def test_none_falls_where_the_force_ends_before_the_contact(seed, law):
+    """From row to row, by more than the tolerance of what all of the chain has as momentum."""
+    drawn = random_scenes.scene(seed)
+    changes = {f"contact.{key}": value for key, value in of_law(law).items()}
+    scene = drawn.with_values(changes | {"contact.restitution": max(0.05, drawn.contact.restitution)})
+    result = simulate(scene, output_step=scene.simulation.stop_time / 2000)
+    links = scene.chain.links
+    speed = max(link.length for link in links) + result.impacts["impact_speed"].max()
+    momentum = sum(link.mass for link in links) * speed
+    falls = -np.diff(result.outputs["impulse"], axis=0).min()
+    assert falls <= scene.solver.tolerance * momentum
+
+
+# --- beside a step ------------------------------------------------------------------------------------------
+
+TOUCHED = [1, 3]
+FIELDS = ("state", "state_end", "tried", "total", "rate", "rate_end", "onset")
+
+
+@pytest.fixture
+def d():
+    """Two contacts whose impulses, forces and stages are all different."""
+    rng = np.random.default_rng(13)
+    _, d = chain(rng, 2)
+    d.quadrature.wanted = 1
+    touch(d, TOUCHED)
+    for name in FIELDS:
+        d.quadrature[name][:] = rng.uniform(1.0, 9.0, len(d.quadrature[name]))
+    d.quadrature.dense[:], d.quadrature.stage[:] = (
+        rng.uniform(1.0, 9.0, part.shape) for part in (d.quadrature.dense, d.quadrature.stage)
+    )
+    d.touch.force[:] = rng.uniform(1.0, 9.0, d.candidates)
+    d.work.stage[:] = rng.uniform(0.1, 0.9, d.work.stage.shape)
+    return d
+
+
+def values(d, *names):
+    return [d.quadrature[name][:2].tolist() for name in names]
+
+
+def test_those_of_the_active_contacts_are_integrated_if_they_are_wanted(d):
+    reset_quadratures(d)
+    assert d.quadrature.index[: d.quadrature.count].tolist() == TOUCHED
+    touch(d, [2])
+    reset_quadratures(d)
+    assert d.quadrature.index[: d.quadrature.count].tolist() == [2]
+    d.quadrature.wanted = 0
+    reset_quadratures(d)
+    assert d.quadrature.count == 0
+
+
+@pytest.mark.parametrize(("contacts", "joints"), [(2, False), (1, True), (0, True)])
+def test_those_of_dry_friction_follow(contacts, joints):
+    """A place for each element, and the last one for the energy."""
+    _, d, _ = rubbing_chain(np.random.default_rng(1), "free", contacts, joints)
+    d.quadrature.wanted = 1
+    reset_quadratures(d)
+    own, touched = d.quadrature, d.touch.active_index[:contacts]
+    last = len(own.total) - 1
+    assert last == d.candidates + d.elements
+    assert own.index[: own.count].tolist() == [*touched, *(d.candidates + touched), last]
+    rng = np.random.default_rng(2)
+    d.touch.force[:], d.element.force[:] = rng.normal(size=d.candidates), rng.normal(size=d.elements)
+    d.friction.power = 3.5
+    own.rate[:] = 99.0
+    keep_end_rates(d)
+    commit_quadratures(d)
+    right = np.zeros(last + 1)
+    right[touched], right[d.candidates + touched] = d.touch.force[touched], d.element.force[touched]
+    right[-1] = 3.5
+    assert own.rate.tolist() == right.tolist()
+
+
+@pytest.mark.parametrize("at_end", [False, True])
+def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
+    """dp/ds = F dt/ds."""
+    before = d.quadrature.stage.copy()
+    (set_quadrature_stage_at_end if at_end else set_quadrature_stage)(d, 4)
+    forces = d.quadrature.rate_end[:2] if at_end else d.touch.force[TOUCHED]
+    right = forces * d.work.stage[4, time_at(2)]
+    assert d.quadrature.stage[4, :2].tolist() == right.tolist()
+    before[4, :2] = right
+    assert d.quadrature.stage.tolist() == before.tolist()
+
+
+def test_an_accepted_step_begins_where_the_last_one_ended(d):
+    end, tried = values(d, "state_end", "tried")
+    append_quadratures(d)
+    assert values(d, "state", "state_end") == [end, tried]
+
+
+def test_a_step_that_is_dropped_leaves_the_impulses_of_its_start(d):
+    (start,) = values(d, "state")
+    roll_back_quadratures(d)
+    assert values(d, "state", "state_end") == [start, start]
+
+
+def test_a_step_that_is_cut_ends_with_the_impulses_there(d):
+    right = [interpolate_component(d.quadrature, 0.3, k) for k in range(2)]
+    truncate_quadratures(d, 0.3)
+    assert values(d, "state_end") == [right]
+
+
+def test_totals_are_those_at_the_end_of_the_step(d):
+    before = d.quadrature.total.copy()
+    commit_quadratures(d)
+    before[TOUCHED] = d.quadrature.state_end[:2]
+    assert d.quadrature.total.tolist() == before.tolist()
+
+
+def test_one_that_has_fallen_stays_as_it_was(d):
+    d.quadrature.state[:2], d.quadrature.state_end[:2] = (5.0, 5.0), (4.9, 5.5)
+    settle_impulses(d)
+    assert values(d, "state_end") == [[5.0, 5.5]]
+
+
+def test_of_points_that_a_rigid_wall_holds_the_sum_stays(d):
+    make_rigid(d)
+    d.candidate.wall[TOUCHED] = 2
+    d.quadrature.state[:2], d.quadrature.state_end[:2] = (5.0, 1.0), (4.0, 3.0)
+    settle_impulses(d)
+    assert values(d, "state_end") == [[5.0, 2.0]]
+    # never by more than the other one has been given
+    d.quadrature.state_end[:2] = 4.0, 1.5
+    settle_impulses(d)
+    assert values(d, "state_end") == [[5.0, 1.0]]
+    # stops of other joints have nothing to do with it
+    d.candidate.stop[TOUCHED], d.quadrature.state_end[:2] = 1, (4.0, 3.0)
+    settle_impulses(d)
+    assert values(d, "state_end") == [[5.0, 3.0]]
+    # nor have other walls
+    d.candidate.stop[TOUCHED] = 0
+    d.candidate.wall[TOUCHED] = 2, 3
+    d.quadrature.state_end[:2] = 4.0, 3.0
+    settle_impulses(d)
+    assert values(d, "state_end") == [[5.0, 3.0]]
+
+
+@pytest.mark.parametrize("kept", [1.0, 0.7])
+def test_a_course_that_falls_is_below_all_that_follows(d, kept):
+    """3 θ² − 2 θ³ rises slowly at first, and here it falls before that."""
+    thetas = np.linspace(0.0, kept, 71)
+    d.quadrature.dense[:, 0], d.step.kept = 0.0, kept
+    d.quadrature.dense[:3, 0], d.quadrature.state[0] = (1.0, -1.9, 2.0), 3.0
+    d.quadrature.state_end[0] = interpolate_component(d.quadrature, kept, 0)
+    dense = np.array([interpolate_component(d.quadrature, theta, 0) for theta in thetas])
+    course = np.array([quadrature_within(d, theta, 0) for theta in thetas])
+    assert np.diff(dense).min() < -1e-3
+    assert np.diff(course).min() >= 0.0
+    assert (course[0], course[-1]) == (3.0, d.quadrature.state_end[0])
+    assert np.abs(course - np.maximum(3.0, dense)).max() <= np.abs(dense - dense.clip(3.0)).max()
+
+
+def test_a_new_phase_starts_from_the_totals(d):
+    total, rate = d.quadrature.total[TOUCHED].tolist(), d.quadrature.rate[TOUCHED].tolist()
+    reset_quadratures(d)
+    assert values(d, "rate_end") == [rate]
+    assert values(d, "state", "state_end") == [total, total]
+    assert d.quadrature.dense.shape[0] == DENSE_COEFFICIENTS
+    assert not d.quadrature.dense[:, :2].any()
+    assert d.quadrature.dense[:, 2:].all()
+
+
+@pytest.mark.parametrize(
+    "function", [append_quadratures, roll_back_quadratures, commit_quadratures, reset_quadratures]
+)
+def test_without_them_nothing_is_done(d, function):
+    d.quadrature.wanted, d.quadrature.count, d.quadrature.rate[:] = 0, 0, 0.0
+    before = d._record.tobytes()
+    function(d)
+    assert d._record.tobytes() == before
+
+
+def test_rigid_walls_give_their_impulses_at_once_and_none_that_pulls(d):
+    make_rigid(d)
+    d.rigid.impulse[:2] = 2.5, -1e-17
+    right = d.quadrature.total.copy()
+    right[TOUCHED[0]] += 2.5
+    give_impulses(d)
+    assert d.quadrature.total.tolist() == right.tolist()
+
+
+def test_contacts_with_a_force_are_given_no_impulse_at_once(d):
+    make_rigid(d, np.arange(d.candidates) == TOUCHED[1])
+    d.quadrature.onset[:] = 0.0
+    before = d.quadrature.total.copy()
+    d.rigid.impulse[:2] = 7.0, 2.0
+    give_impulses(d)
+    before[TOUCHED[1]] += 2.0
+    assert d.quadrature.total.tolist() == before.tolist()
