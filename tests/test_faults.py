@@ -275,8 +275,7 @@ def test_restarts_do_not_add_up_to_a_drift_of_the_energy():
         inputs["joint_torque"][3], inputs["changed"] = 1e-3 * math.sin(5e-5 * k), 1
         assert instance.advance(1e-5 * (k + 1)) == OK
     record = instance.record["balance"]
-    errors = 1e-4 * (record["unit_motion"] ** 2 + record["unit_scale"])
-    assert abs(record["at_end"] - record["origin"]) < 15.0 * errors
+    assert abs(record["at_end"] - record["reference"]) < 5.0 * record["least_allowed"]
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e10])

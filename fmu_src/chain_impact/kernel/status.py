@@ -45,7 +45,8 @@ STATUS_TEXT = {
     "raise it, loosen solver.tolerance, or lower contact.stiffness or the joint_stiffness of links",
     EXPONENT_NOT_ALLOWED: "the contact law is defined for another exponent",
     RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while nothing touches",
-    ENERGY_NOT_KEPT: "errors have added or taken a fifth of the energy: tighten solver.tolerance if it is "
+    ENERGY_NOT_KEPT: "the energy drifts in a second of simulated time by more than 100 times what "
+    "solver.tolerance allows for a step, or errors have added or taken a fifth of it: tighten it if it is "
     "above 1e-8, or else loosen it",
     MASS_MATRIX_SINGULAR: "links without inertia can turn about their centres of mass without moving any "
     "mass: the inertia of one of them must be > 0",

@@ -96,17 +96,21 @@ def limits_dtype() -> np.dtype:
 
 @written_by("integration/balance.py")
 def balance_dtype() -> np.dtype:
-    """The energy balance, and what the allowed change of it follows from."""
+    """The energy balance, and the changes of it that are allowed."""
     return record(
         ("at_end", REAL),  # J, the energy balance at the end of the last step …
         ("at_start", REAL),  # … and at its start
         ("breaks", INTEGER),  # the value of `step.breaks` when the balance was last rebased
+        ("start", REAL),  # s, of the present window
+        ("reference", REAL),  # J, the energy balance at its start, with later changes by parameters added
+        ("allowed", REAL),  # J, the largest change allowed to a step in the window so far, …
+        ("least_allowed", REAL),  # … and the change allowed to every step
         ("since", REAL),  # s, the start of the run
-        ("origin", REAL),  # J, the energy balance there, with later changes by parameters added
-        ("available", REAL),  # J, the energy available so far, …
-        ("available_at_start", REAL),  # … and up to the start of the last step
+        ("origin", REAL),  # J, the energy balance at the start of the run, with the same changes added
+        ("available_at_start", REAL),  # J, the same at the start of the last step
+        ("available", REAL),  # J, the energy available so far
         ("unit_motion", REAL),  # √J, √E₁
-        ("unit_scale", REAL),  # J, the constant part of B
+        ("unit_scale", REAL),  # J, the constant part of S
         ("weight", REAL),  # N, of the chain
     )
 
