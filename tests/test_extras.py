@@ -1,7 +1,9 @@
 """Packages of the extras: there, or asked for in one line."""
 
+import json
 import math
 import sys
+from types import SimpleNamespace
 
 import pytest
 
@@ -13,13 +15,25 @@ def test_a_package_that_is_there_is_imported():
     assert require("math", "any") is math
 
 
-def test_a_package_that_is_missing_names_this_python_and_the_extra(monkeypatch):
+@pytest.mark.parametrize(
+    ("origin", "wanted"),
+    [
+        (None, "'chain-impact[sweep]'"),
+        ({"url": "file:///a/clone", "dir_info": {}}, "'/a/clone[sweep]'"),
+        (
+            {"url": "https://example.org/it", "vcs_info": {"vcs": "git"}},
+            "'chain-impact[sweep] @ git+https://example.org/it'",
+        ),
+    ],
+)
+def test_a_package_that_is_missing_names_this_python_and_where_the_extra_is_from(monkeypatch, origin, wanted):
     monkeypatch.setattr(extras.sys, "executable", "/a venv/bin/python")
+    known = SimpleNamespace(read_text=lambda _: origin and json.dumps(origin))
+    monkeypatch.setattr(extras, "distribution", lambda _: known)
     with pytest.raises(MissingExtraError) as caught:
         require("no_such_package", "sweep")
     assert str(caught.value) == (
-        "no_such_package is not installed: '/a venv/bin/python' -m pip install 'chain-impact[sweep]'; "
-        "installed from a folder, a file or an address, chain-impact stands for that"
+        f"no_such_package is not installed: '/a venv/bin/python' -m pip install {wanted}"
     )
 
 

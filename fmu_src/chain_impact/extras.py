@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from importlib import import_module
+from importlib.metadata import distribution
 from typing import Any
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 from chain_impact.system import quoted
 
@@ -29,9 +33,12 @@ def require(package: str, extra: str) -> Any:
 
 
 def how_to_install(extra: str) -> str:
-    """The command that adds an extra to this installation."""
-    named = quoted(f"chain-impact[{extra}]")
-    return (
-        f"{quoted(sys.executable)} -m pip install {named}; installed from a folder, a file or an address, "
-        f"chain-impact stands for that"
-    )
+    """The command that adds an extra to this installation, from where it came."""
+    origin = json.loads(distribution("chain-impact").read_text("direct_url.json") or "{}")
+    url = origin.get("url", "")
+    if url.startswith("file:"):
+        wanted = f"{url2pathname(urlsplit(url).path)}[{extra}]"
+    else:
+        prefix = f"{origin['vcs_info']['vcs']}+" if "vcs_info" in origin else ""
+        wanted = f"chain-impact[{extra}]" + (f" @ {prefix}{url}" if url else "")
+    return f"{quoted(sys.executable)} -m pip install {quoted(wanted)}"

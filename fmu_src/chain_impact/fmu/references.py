@@ -199,12 +199,14 @@ def check_references(path: Path) -> Outcome | None:
     kinds = {variable.name: variable.causality for variable in description.modelVariables}
     try:
         head, *rows = csv.reader(io.StringIO(text))
+        if head[0] != "time":
+            raise ValueError("its first column must be time")
         table = np.array([[cell or "nan" for cell in row] for row in rows[1:]], float)
         allowed = dict(zip(head, [float(cell or "nan") for cell in ["nan", *rows[0][1:]]], strict=True))
         time, columns = table[:, 0], dict(zip(head, table.T, strict=True))
         if len(time) < FEWEST or not (np.diff(time) > 0.0).all():
             raise ValueError("it must have two times or more, and the times must increase")
-    except (ValueError, IndexError) as error:
+    except (ValueError, IndexError, csv.Error) as error:
         return Outcome(False, f"must be a table of numbers with a row of tolerances: {error}")
     unknown = [name for name in head[1:] if name not in kinds]
     if unknown:

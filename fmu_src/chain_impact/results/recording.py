@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import count, takewhile
 from pathlib import Path
 from typing import Any
 
@@ -81,7 +82,8 @@ class Recording:
     def points(self) -> np.ndarray:
         """Positions of the points 0…N, shape (T, N+1, 2) [m]."""
         points = self._of("point")
-        each = [np.stack([points[k, ""][axis] for axis in "xy"], axis=-1) for k in range(len(points))]
+        known = takewhile(lambda at: points.get(at, {}).keys() >= {"x", "y"}, ((k, "") for k in count()))
+        each = [np.stack([points[at][axis] for axis in "xy"], axis=-1) for at in known]
         return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
 
     @property
@@ -95,10 +97,10 @@ class Recording:
         found = [
             Touch(
                 *at,
-                values["force"],
-                *map(values.get, ("penetration", "penetration_rate", "friction_force", "sticking")),
+                *map(values.get, ("force", "penetration", "penetration_rate", "friction_force", "sticking")),
             )
             for at, values in self._of("contact").items()
+            if "force" in values
         ]
         for (joint, _), values in self._of("joint").items():
             if "stop_moment" in values:

@@ -1,6 +1,6 @@
 """Numbers of a scene on which little else depends: they are changed with the checks of what depends on them.
 
-To read a whole scene anew takes fifty times as long, and more than a short simulation.
+To read a whole scene anew takes longer than a short simulation.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from chain_impact.scene.scene import Scene
 
 LARGEST = sys.float_info.max
-LINKS = 64  # whose numbers are among them
+LINKS = 64  # only so many links are changed this way
 _KEYS: dict[Place, tuple[Any, tuple[str, ...]]] = {
     ("contact",): (Contact, ("stiffness", "restitution", "minimum_impact_speed")),
     ("solver",): (Solver, ("tolerance", "work_limit")),
@@ -34,7 +34,7 @@ _KEYS: dict[Place, tuple[Any, tuple[str, ...]]] = {
         for i in range(LINKS)
     },
 }
-"""The numbers of tables, by the path of the table; others are entries of lists."""
+"""The numbers of tables, by the path of the table; those in lists are in ``_LISTS``."""
 _LISTS = {"position": 2, "velocity": 2, "angles": LINKS, "angular_velocities": LINKS}
 """The lists of the initial state, and how many entries they may have."""
 
@@ -55,7 +55,8 @@ def _numbers() -> dict[str | Place, tuple[Place, Mapping[str, Any]]]:
 def with_numbers(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) -> Scene | None:
     """The scene with some numbers changed, as ``with_values`` makes it.
 
-    None if that has to read all of it: of other values, and where it finds a fault or a hint.
+    None where ``with_values`` must read the whole scene: for other values, and if there may be a fault or a
+    hint. The file of a law is read anew, too.
     """
     start, found = scene.initial, None if scene.contact.law_file else scene
     for name, given in changes.items():
@@ -106,7 +107,7 @@ def _with_link(scene: Scene, i: int, key: str, value: float) -> Scene | None:
     if key == "mass" and ("chain", "links", i, "inertia") in scene.derived_places:
         rule = _rules_of_links()["inertia"]["default"]
         link = replace(link, inertia=rule.value({"mass": link.mass, "length": link.length}))
-    if key in ("mass", "inertia") and not link.inertia > 0.0:
+    if key in ("mass", "inertia") and not 0.0 < link.inertia < math.inf:
         return None
     return replace(scene, chain=replace(scene.chain, links=(*links[:i], link, *links[i + 1 :])))
 

@@ -45,7 +45,8 @@ def animate(
 
     Raises:
         AnimationError: when the suffix is unknown, a number is out of its range, the recording has fewer than
-            two rows or no position of a point, or an mp4 is asked for where there is no program ffmpeg.
+            two rows or no position of a point.
+        MissingExtraError: when PyAV is not installed, for an mp4.
         SceneError, SimulationError: when the scene cannot be read, or the solver cannot go on.
         OSError: when the file cannot be written.
     """
@@ -84,7 +85,7 @@ def record_slowly(
     lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
     others = (onsets[:, None] + lasting * WITHIN).ravel()[:MOST_ROWS]
     driven = drive(result.model, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
-    instance = Instance(result.model, driven)
+    instance = Instance(result.model, driven, varied=())
     rows = WordRows(len(driven.times), result.model.output_words)
     done, _ = instance.run(driven, rows, lambda part: show(0.5 + part / 2))
     return Result(

@@ -297,7 +297,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     times = np.concatenate(
         [[max(0.0, np.nextafter(impact["onset"], 0.0))], inside, [np.nextafter(impact["end"], np.inf)]]
     )
-    instance = Instance(result.model)
+    instance = Instance(result.model, varied=())
     outputs = np.zeros(len(times), result.model.row)
     instance.trajectory(times, outputs)
     c, sign = _place(result, impact)

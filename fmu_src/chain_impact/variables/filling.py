@@ -41,7 +41,7 @@ class _Kept:
 
 
 _kept: dict[Sizes, _Kept] = {}
-"""One of each of some sizes."""
+"""The last scene of each size, with its record."""
 MOST_KEPT = 16
 
 
@@ -71,9 +71,10 @@ def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> 
 
 
 def changed_numbers(before: Scene, scene: Scene) -> list[Callable[[Any, Scene], None]] | None:
-    """What writes the tables anew by which two scenes differ; None if they differ by more than numbers.
+    """What writes the tables anew by which two scenes differ; None if all of the record has to be written.
 
-    A table that is the same object in both has not changed.
+    That is where scenes differ in more than numbers, or in numbers on which the layout of the record or the
+    variables depend. A table that is the same object in both has not changed.
     """
     for name in ("box", "walls", "stops", "inputs", "outputs", "derived_places"):
         if getattr(before, name) is not getattr(scene, name):
@@ -86,13 +87,13 @@ def changed_numbers(before: Scene, scene: Scene) -> list[Callable[[Any, Scene], 
 
 
 def _kind_of_contact(scene: Scene) -> tuple[Any, ...]:
-    """What other things than numbers depend on."""
+    """Values on which the layout of the record or the variables depend."""
     contact = scene.contact
     return id(contact.wall), contact.points, contact.law_file, contact.friction, contact.static_friction
 
 
 def _kind_of_chain(scene: Scene) -> tuple[Any, ...]:
-    """What other things than numbers depend on."""
+    """Values on which the layout of the record or the variables depend."""
     links = scene.chain.links
     return scene.chain.base, [(link.joint_friction, link.joint_min, link.joint_max) for link in links]
 

@@ -42,20 +42,20 @@ class Model:
     """
 
     _last: Model | None = None
-    """The one that was made last: one of a scene that differs from its in numbers only has its variables."""
+    """The last model made. A model of a scene that differs from its scene in numbers only has its variables."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene, before = scene, Model._last
-        Model._last = self
         if before and changed_numbers(before.scene, scene) is not None:
             known = vars(before)
             vars(self).update((name, known[name]) for name in SAME if name in known)
-            return
-        self.candidates = candidates(scene)
-        links, pairs = len(scene.chain.links), len(self.candidates)
-        self.sizes = links, pairs, links + pairs if scene.has_friction else 0
-        self.layout = layout_of(*self.sizes)
-        self.row: np.dtype = self.layout["output"]
+        else:
+            self.candidates = candidates(scene)
+            links, pairs = len(scene.chain.links), len(self.candidates)
+            self.sizes = links, pairs, links + pairs if scene.has_friction else 0
+            self.layout = layout_of(*self.sizes)
+            self.row: np.dtype = self.layout["output"]
+        Model._last = self  # complete: another thread may take over what it has
 
     def __eq__(self, other: object) -> bool:
         """Whether it is the model of an equal scene."""

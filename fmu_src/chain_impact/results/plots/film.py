@@ -193,10 +193,8 @@ class Film:
         (self.joints,) = self.scene.plot([], [], color="white", markeredgecolor=CHAIN, markersize=5, **look)
         (self.tip,) = self.scene.plot([], [], color=TIP, markeredgecolor="white", markersize=7, **look)
         peaks = recording.impacts["peak_force"][~recording.at_stops]
-        self.peak = np.nanmax(peaks, initial=0.0) or max(
-            (one.force.max(initial=0.0) for one in self.touches if one.at_wall and one.force is not None),
-            default=0.0,
-        )
+        seen = [one.force.max(initial=0.0) for one in self.touches if one.at_wall and one.force is not None]
+        self.peak = max([np.nanmax(peaks, initial=0.0), *seen])
 
     def _draw_ground(self, radius: float) -> None:
         view, anchor = framed(self.points, self.recording.walls, radius)
