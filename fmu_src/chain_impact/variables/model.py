@@ -42,7 +42,7 @@ class Model:
     """
 
     _last: Model | None = None
-    """The last model made. A model of a scene that differs from its scene in numbers only has its variables."""
+    """The last model made. One of a scene that differs from its scene in numbers only has its variables."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene, before = scene, Model._last
