@@ -114,7 +114,7 @@ def message(module, record):
 
 
 @pytest.mark.full("more cases", but=2)
-@pytest.mark.parametrize("name", ["rest", "rhs", "scaling", "stability", "stiffness"])
+@pytest.mark.parametrize("name", ["stability", "stiffness", "rest", "rhs", "scaling"])
 def test_a_chart_is_drawn_with_a_message(charts, name):
     module = charts(name if name != "stability" else "stability_chart")
     assert re.search(r"\d", message(module, stored(name))[0])
