@@ -20,7 +20,7 @@ def main() -> None:
     """Write what the module's ``entry_points()`` are and call to the file."""
     name, file = sys.argv[1:]
     module = import_module(name)
-    collect_only()
+    collect_only(any_python=False, guarded=True)
     Path(file).write_text(lowered(module.entry_points()), encoding="utf-8")
 
 

@@ -23,12 +23,15 @@ def path(all_fmus):
     return all_fmus["pythonfmu"]["rod_drop"]
 
 
+REFERENCES = "chain_impact_reference.csv"
+
+
 def test_only_the_files_that_are_needed_and_another_script_for_another_value(path, tmp_path):
     names = zipfile.ZipFile(path).namelist()
     rest = [name for name in names if not name.startswith(("resources/pythonfmu/", "extra/"))]
     script, slave = sorted((name for name in rest if name.endswith(".py")), key=len)
     assert slave == script.replace(".py", "_slave.py")
-    resources = ("chain_impact_reference.csv", "instance.bin", "kernel-linux64.so", "model.json", "slavemodule.txt")
+    resources = ("instance.bin", "kernel-linux64.so", "model.json", "slavemodule.txt", REFERENCES)
     expected = {f"resources/{name}" for name in resources}
     expected |= {"documentation/index.html", "documentation/licenses/license.txt", "model.png"}
     assert set(rest) == expected | {"modelDescription.xml", "binaries/linux64/RodDrop.so", script, slave}

@@ -225,10 +225,14 @@ class Instance:
 
     @property
     def _finished_places(self) -> np.ndarray:
-        """Where the log has the contacts that have ended since the last time; the oldest may be lost."""
+        """Where the log has the contacts that have ended since the last time; the oldest may be lost.
+
+        The log keeps room for a contact of each candidate that has not ended yet.
+        """
         log = self.record["finished"]
-        count, room = int(log["count"]), len(log["point"])
-        return np.arange(max(int(log["collected"]), count - room), count) % room
+        count, size = int(log["count"]), len(log["point"])
+        room = size - int(self.record["candidates"])
+        return np.arange(max(int(log["collected"]), count - room), count) % size
 
     @property
     def all_changes(self) -> np.ndarray:
