@@ -54,9 +54,9 @@ def link(lowered: str, links: int | None, library: Path) -> None:
         library: the file to write; others are put beside it.
     """
     functions = library.with_name("functions.o")
-    compilers.compile_kernel(lowered, functions, HOST, links)
+    compilers.compile_part(lowered, functions, HOST, compilers.KERNEL, links)
     compilers.prepare_zig(HOST)
-    compilers._zig_library(HOST, library, functions, REGISTERS)
+    compilers._zig_library(HOST, library, functions, REGISTERS, *compilers.write_beside(library, None))
 
 
 def zig(folder: Path, *arguments: object) -> None:

@@ -188,10 +188,10 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
             raise SlaveError(f"fmi2GetReal: the value reference {error} is no Real's", self) from None
 
     def get_integer(self, vrs: list[int]) -> list[int]:
-        """Return integers and enumerations; as outputs these are counts and codes, always up to date."""
-        if not self.initialized and max(vrs, default=0) >= self.model["first_output"]:
-            self._initialize()
+        """Return integers and enumerations; outputs, which come last, are worked out as reals are."""
         integers, words = self.integers, self.integer_words
+        if max(vrs, default=0) >= self.model["first_output"]:
+            integers = (self.observed or self._observe()).cast("B").cast("q")
         try:
             return [integers[words[vr]] for vr in vrs]
         except KeyError as error:
@@ -300,12 +300,12 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         If the kernel cannot go on with it, the outputs are those before it: other values may still be set.
         """
         self._initialize()
-        reals, address = self.reals, self.address
-        if self.integers[self.words["changed"]]:
+        reals, address, tried = self.reals, self.address, self.integers[self.words["changed"]]
+        if tried:
             block = bytearray(self.block)
             reals, address = memoryview(block).cast("d"), ctypes.addressof(ctypes.c_char.from_buffer(block))
         status = self._kernel().observe(address)
-        if status and self.phase == STEPPING:
+        if status and tried and self.phase == STEPPING:
             text = f"fmi2GetReal: what has been set cannot act: {self._text(status, reals)}"
             self.log(text, Fmi2Status.warning)
         elif not status:

@@ -273,6 +273,19 @@ def test_the_description_tells_what_is_derived(fmus):
     assert found["link[1].inertia"].endswith("; unless set: mass * length^2 / 12")
 
 
+@importing("four_link_box")
+def test_counts_and_codes_are_those_of_the_time_whatever_is_read_first(fmu):
+    codes = [*(f"impact[{k}].{what}" for k in (1, 2) for what in ("point", "wall")), "impact.count"]
+    codes_first, reals_first = Instance(fmu).start(), Instance(fmu).start()
+    for time in (0.3, 0.6, 0.9, 1.2):
+        codes_first.step(time)
+        reals_first.step(time)
+        found = codes_first.get(codes)
+        assert reals_first["energy.total"] == codes_first["energy.total"]
+        assert found == reals_first.get(codes)
+    assert codes_first["impact.count"] > 3
+
+
 # --- communication points --------------------------------------------------------------------------------
 
 
