@@ -227,12 +227,12 @@ class Instance:
     def _finished_places(self) -> np.ndarray:
         """Where the log has the contacts that have ended since the last time; the oldest may be lost.
 
-        The log keeps room for a contact of each candidate that has not ended yet.
+        The contacts that have not ended are listed behind these, and overwrite the oldest in a full log.
         """
         log = self.record["finished"]
-        count, size = int(log["count"]), len(log["point"])
-        room = size - int(self.record["candidates"])
-        return np.arange(max(int(log["collected"]), count - room), count) % size
+        count, room = int(log["count"]), len(log["point"])
+        oldest = count + int(self.record["touch"]["active_count"]) - room
+        return np.arange(max(int(log["collected"]), oldest), count) % room
 
     @property
     def all_changes(self) -> np.ndarray:
