@@ -37,7 +37,7 @@ def advance(d, time, work=UNLIMITED):
     return loop.advance(d, time, UNLIMITED, work)
 
 
-def refused_twice(otherwise):
+def refused_twice(otherwise, value):
     """A function that refuses two steps, and then does what another one does."""
     calls = []
 
@@ -46,16 +46,16 @@ def refused_twice(otherwise):
         if len(calls) > 2:
             return otherwise(d, *args)
         refuse(d, FAR_OFF)
-        return -1.0
+        return value
 
     return refusing
 
 
-@pytest.mark.parametrize("name", ["find_event", "check_energy"])
-def test_a_step_that_is_refused_is_tried_anew_with_a_smaller_size(monkeypatch, name):
+@pytest.mark.parametrize(("name", "value"), [("find_event", -1.0), ("check_energy", (0.0, 0.0))])
+def test_a_step_that_is_refused_is_tried_anew_with_a_smaller_size(monkeypatch, name, value):
     free, refused = started(), started()
     assert advance(free, 1e-9) == OK
-    monkeypatch.setattr(loop, name, refused_twice(getattr(loop, name)))
+    monkeypatch.setattr(loop, name, refused_twice(getattr(loop, name), value))
     assert advance(refused, 1e-9) == OK
     assert refused["statistics"]["rejected_steps"] == free["statistics"]["rejected_steps"] + 2
     assert refused["step"]["end"] < 0.1 * free["step"]["end"]

@@ -32,12 +32,14 @@ class Trials:
         monkeypatch.setattr(loop, "roll_back", self.note("roll back"))
         monkeypatch.setattr(loop, "drop_events", self.note("drop events"))
         monkeypatch.setattr(loop, "find_event", lambda _: -1.0)
-        monkeypatch.setattr(
-            loop, "check_energy", lambda d, _: refuse(d, self.losses.pop(0) if self.losses else 0.0)
-        )
+        monkeypatch.setattr(loop, "check_energy", self.check_energy)
 
     def note(self, what):
         return lambda *_: self.noted.append(what)
+
+    def check_energy(self, d, _):
+        refuse(d, self.losses.pop(0) if self.losses else 0.0)
+        return 0.0, 0.0
 
     def attempt(self, d, h):
         self.sizes.append(h)

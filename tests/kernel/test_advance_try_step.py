@@ -13,6 +13,7 @@ from chain_impact.kernel.model.constraints import MOVING, SOLVED
 from tests.kernel.chains import chain
 
 SIZE = 0.01  # s
+KEPT = 2.5, 3.5  # J: the energies at the end of a tried step
 
 
 class Landing:
@@ -39,6 +40,7 @@ class Landing:
             refuse(d, loss)
             if not keeps:
                 refuse(d, FAR_OFF)
+            return KEPT
 
         monkeypatch.setattr(loop, "attempt", attempt)
         monkeypatch.setattr(loop, "accept", lambda _: self.noted.append("accept"))
@@ -120,13 +122,16 @@ def test_a_step_without_the_forces_of_constraints_is_refused(monkeypatch, unsolv
     check_energy = loop.check_energy
 
     def fails(d, theta):
-        check_energy(d, theta)
+        energies = check_energy(d, theta)
         d.rigid.unsolved = unsolved
+        return energies
 
     monkeypatch.setattr(loop, "check_energy", fails)
+    before = landing.d.balance.at_end, landing.d.balance.available
     error, noted = landing.run(-1.0)
     assert error == (FAR_OFF if refused else 0.2)
     assert ("roll back" in noted) == refused
+    assert (landing.d.balance.at_end, landing.d.balance.available) == (before if refused else KEPT)
 
 
 def test_a_refused_step_is_not_repeated_for_an_event_that_was_found_before(monkeypatch):

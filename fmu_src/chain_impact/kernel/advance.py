@@ -20,6 +20,7 @@ from chain_impact.kernel.integration import control
 from chain_impact.kernel.integration.balance import (
     check_balance,
     check_energy,
+    keep_energy,
     rebase_energy,
     reinit_balance,
 )
@@ -295,14 +296,16 @@ def try_step(d, h):
     theta = find_event(d)
     if control.accepted(d) and must_land(d, theta):
         theta = land(d, theta)
+    present, available = 0.0, 0.0
     if control.accepted(d):
-        check_energy(d, theta)
+        present, available = check_energy(d, theta)
     if control.accepted(d) and d.rigid.unsolved != SOLVED:
         control.refuse(d, control.FAR_OFF)
     if not control.accepted(d):
         roll_back(d)
         drop_events(d)
         return
+    keep_energy(d, present, available)
     if theta >= 0.0:
         truncate_step(d, theta)
     settle_impulses(d)

@@ -7,11 +7,12 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.balance import (
     check_balance,
     check_energy,
+    keep_energy,
     loss_budget,
     reinit_balance,
     start_balance,
 )
-from chain_impact.kernel.integration.control import FAR_OFF, conclude
+from chain_impact.kernel.integration.control import FAR_OFF, accepted, conclude
 from chain_impact.kernel.model.energy import energy_balance
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 from chain_impact.scene.scene import load_scene
@@ -34,7 +35,9 @@ def after_a_step():
 def error_after_check(d, theta):
     """The error of the last step after the energy check; before it was a tenth of the tolerance."""
     conclude(d, 0.1, 1.0)
-    check_energy(d, theta)
+    energies = check_energy(d, theta)
+    if accepted(d):
+        keep_energy(d, *energies)
     return float(d.trial.error)
 
 

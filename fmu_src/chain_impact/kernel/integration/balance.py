@@ -126,6 +126,9 @@ def check_energy(d, theta):
     """Refuse the last step if it does not keep the energy balance, up to an event at θ or (−1) to its end.
 
     Its loss over the allowed loss, if it is notable, counts as an error of the step.
+
+    Returns:
+        The energy balance and the available energy [J] there, for ``keep_energy``.
     """
     balance, y = d.balance, d.step.state_end
     if theta >= 0.0:
@@ -138,17 +141,17 @@ def check_energy(d, theta):
     kinetic, potential = mechanical_energy(d, y)
     present = kinetic + potential + other_energy(d, y)
     change = present - balance.at_end
+    there = most_energy(d, y, potential)
     # not >, which would let a NaN pass
     if not abs(change) <= balance.least_allowed:
         allowed = allowance(d, y)
         if not abs(change) <= allowed:
             refuse(d, FAR_OFF)
-            return
+            return present, there
         balance.allowed = max(balance.allowed, allowed)
-    there = most_energy(d, y, potential)
     if change > SLIP * there and present - balance.origin > GAIN * there:
         refuse(d, FAR_OFF)
-        return
+        return present, there
     loss = -change / loss_allowed(d, there) if change < 0.0 else 0.0
     if loss > 1.0 and not -change > round_off(d, y):
         loss = 1.0
@@ -156,9 +159,14 @@ def check_energy(d, theta):
         refuse(d, loss)
     if accepted(d) and d.step.rate_known and is_long(d) and not interpolates(d):
         refuse(d, FAR_OFF)
-    if accepted(d):
-        balance.at_start, balance.available_at_start = balance.at_end, balance.available
-        balance.at_end, balance.available = present, there
+    return present, there
+
+
+def keep_energy(d, present, available):
+    """Keep the energy balance and the available energy [J] at the end of an accepted step."""
+    balance = d.balance
+    balance.at_start, balance.available_at_start = balance.at_end, balance.available
+    balance.at_end, balance.available = present, available
 
 
 def most_energy(d, y, potential):
