@@ -33,7 +33,7 @@ from chain_impact.variables.variable import Variable
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests.fmu.planted_faults import FMI2, FMI3, FMPY_BREAKS, FMPY_FINDS, WHOLE
+from tests.fmu.planted_faults import BROKEN, FAULTS, FOUND, MISSED, WHOLE
 
 DOCS = Path(__file__).parent
 SCHEMA = DOCS / "scene.schema.json"
@@ -305,17 +305,17 @@ def sensitivity_limits() -> str:
 
 def planted_faults() -> str:
     """What FMPy does with the faults that the tests plant, each of which ``validate`` finds."""
-    kinds = {"native": [*FMI2, *WHOLE], "fmi3": [*FMI3, *WHOLE]}
-    found = {kind: (set(FMPY_FINDS[kind]), set(FMPY_BREAKS[kind])) for kind in kinds}
+    kinds = [{name: fault.by_fmpy for name, fault in some.items()} for some in FAULTS.values()]
+    kinds = [verdicts | dict.fromkeys(WHOLE, MISSED) for verdicts in kinds]
     rows = []
-    for what, chosen in (
-        ("finds", lambda kind, name: name in found[kind][0]),
-        ("ends in an error of its own", lambda kind, name: name in found[kind][1]),
-        ("does not find", lambda kind, name: not any(name in names for names in found[kind])),
+    for what, verdict in (
+        ("finds", FOUND),
+        ("ends in an error of its own", BROKEN),
+        ("does not find", MISSED),
     ):
-        those = [[name for name in names if chosen(kind, name)] for kind, names in kinds.items()]
+        those = [[name for name, one in verdicts.items() if one == verdict] for verdicts in kinds]
         rows.append((what, *(f"{len(names)}: {', '.join(names)}" for names in those)))
-    counts = [len(names) for names in kinds.values()]
+    counts = [len(verdicts) for verdicts in kinds]
     return (
         f"The tests plant {counts[0]} faults in an FMU for FMI 2.0 and {counts[1]} in one for FMI 3.0, "
         "each alone. `validate` finds all of them.\n\n" + table(("FMPy", "FMI 2.0", "FMI 3.0"), rows)

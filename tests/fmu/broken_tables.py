@@ -74,7 +74,7 @@ def mutants_of(whole):
         for other in others - {right}:
             mutants[f"{at}: {other}"] = whole[:at] + struct.pack("<q", other) + whole[at + 8 :]
     chance = random.Random(1)
-    anywhere = [chance.randrange(head_ends, len(whole)) for _ in range(300)]
+    anywhere = [chance.randrange(head_ends, len(whole)) for _ in range(100)]
     for at in [*range(guid_ends, head_ends), *anywhere]:
         for flip in (0x01, 0x80, 0xFF):
             changed = bytes([whole[at] ^ flip])

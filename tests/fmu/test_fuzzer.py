@@ -18,12 +18,10 @@ from tests.fmu.zig import zig
 
 pytestmark = pytest.mark.full("takes long")
 
-SEEDS = range(4)
-SEQUENCES, CALLS = 300, 500
+SEEDS = range(3)
+SEQUENCES, CALLS = 150, 500
 MODEL = "pinned_arm"  # it has inputs
-NO_COMPILER = pytest.mark.skipif(
-    shutil.which("cc") is None, reason="an address sanitizer does not come with zig"
-)
+NO_COMPILER = pytest.mark.skipif(not shutil.which("cc"), reason="an address sanitizer does not come with zig")
 
 
 @pytest.fixture(scope="module", params=["zig", pytest.param("cc", marks=NO_COMPILER)])
@@ -31,31 +29,15 @@ def fuzzer(request, tmp_path_factory):
     """The program, compiled with sanitizers; by cc with the kernel, too, else with its library as it is."""
     folder, links = tmp_path_factory.mktemp("fuzzer"), len(load_scene(MODEL).chain.links)
     source, program = Path(__file__).with_name("fuzzer.c"), folder / "fuzzer"
-    options = ["-g", "-O1", "-fno-omit-frame-pointer", "-fsanitize=undefined"]
-    headers = [f"-I{place}" for place in INCLUDES]
-    inputs = [*headers, source, *interface_sources(), "-lm"]
-    if request.param == "zig":
+    inputs = [*(f"-I{place}" for place in INCLUDES), source, *interface_sources(), "-lm", "-g"]
+    inputs += ["-fno-omit-frame-pointer", "-o", program]
+    if request.param == "zig":  # it would take long to make the library that says what is undefined
         kernel = kernel_library(links)
-        # zig would take long to make the library that says what is undefined
-        zig(
-            folder,
-            "-g",
-            "-fno-omit-frame-pointer",
-            *inputs,
-            kernel,
-            f"-Wl,-rpath,{kernel.parent}",
-            "-o",
-            program,
-        )
+        zig(folder, *inputs, kernel, f"-Wl,-rpath,{kernel.parent}")
     else:
-        inputs += [
-            sanitized_kernel(folder, links),
-            *write_beside(program, None),
-            "-fsanitize=address",
-            "-fno-sanitize-recover=undefined",
-        ]
-        command = ["cc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", *options, *inputs]
-        subprocess.run([*map(str, command), "-o", str(program)], check=True)
+        command = ["cc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1", "-fsanitize=undefined,address"]
+        command += ["-fno-sanitize-recover=undefined", *inputs, sanitized_kernel(folder, links)]
+        subprocess.run([*map(str, command), *map(str, write_beside(program, None))], check=True)
     return program
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from chain_impact.compilation.compilers import INCLUDES, ZIG_TARGETS, interface_sources
+from chain_impact.system import HOST
 from tests.fmu.clean import calling
 from tests.fmu.interface import (
     ALLOWED,
@@ -43,13 +44,15 @@ from tests.fmu.zig import WARNINGS, zig
 
 
 @pytest.mark.full("takes long")
-@pytest.mark.parametrize("headers", [(), (HEADERS,)], ids=["own headers", "standard's headers"])
-@pytest.mark.parametrize("platform", ZIG_TARGETS)
-def test_it_compiles_without_a_warning(headers, platform, tmp_path):
+@pytest.mark.parametrize(
+    "platform", ["linux64", "win64", "aarch64-linux", "aarch64-darwin", "standard's headers"]
+)
+def test_it_compiles_without_a_warning(platform, tmp_path):
     """With the standard's own headers, too: so each function has the type that the standard gives it."""
-    target, _ = ZIG_TARGETS[platform]
+    target, _ = ZIG_TARGETS.get(platform, ZIG_TARGETS[HOST])
+    headers = INCLUDES if platform in ZIG_TARGETS else (HEADERS, *INCLUDES)
+    options = ["-target", target, *WARNINGS, *(f"-I{folder}" for folder in headers)]
     for source in interface_sources():
-        options = ["-target", target, *WARNINGS, *(f"-I{folder}" for folder in (*headers, *INCLUDES))]
         zig(tmp_path, *options, "-c", source, "-o", tmp_path / f"{source.stem}.o")
 
 
@@ -345,7 +348,7 @@ def test_no_byte_of_a_state_can_change(fmu):
     for component in (one, plain):
         component.step(0.0, 0.5)
     data = one.serialized()
-    for place in range(len(data)):
+    for place in (*range(128), *range(128, len(data), 5), len(data) - 1):
         flipped = data[:place] + bytes([data[place] ^ (1 << place % 8)]) + data[place + 1 :]
         assert one.restore(flipped) == ERROR
         assert len(library.said()) == 1
