@@ -14,9 +14,11 @@ from chain_impact.scene.angles import degrees_pattern
 from chain_impact.scene.limits import Derived, keys, without_none
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.tables import Wall
+from chain_impact.scene.tables import Initial, Wall
 
 LIMITS = {"minimum": "minimum", "above": "exclusiveMinimum", "maximum": "maximum"}
+ALTERNATIVES = {Wall: ("angle", "normal"), Initial: ("angles", "joint_angles")}
+"""Tables of which the reader wants one of two keys."""
 TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
 
@@ -33,8 +35,8 @@ def _table(table: Any) -> dict[str, Any]:
     rules["properties"] = {entry.name: _key(entry) for entry in entries}
     if needed := [entry.name for entry in entries if _is_needed(entry)]:
         rules["required"] = needed
-    if table is Wall:  # the reader wants one of the two
-        rules["oneOf"] = [{"required": ["angle"]}, {"required": ["normal"]}]
+    if table in ALTERNATIVES:
+        rules["oneOf"] = [{"required": [key]} for key in ALTERNATIVES[table]]
     for entry in entries:
         file = entry.metadata.get("extended_by")
         if file in {one.name for one in entries}:
@@ -48,7 +50,7 @@ def _table(table: Any) -> dict[str, Any]:
 def _is_needed(entry: Any) -> bool:
     """Whether a key, or something in a table, has no default."""
     if dataclasses.is_dataclass(entry.type):
-        return any(_is_needed(inner) for inner in keys(entry.type))
+        return entry.type in ALTERNATIVES or any(_is_needed(inner) for inner in keys(entry.type))
     return entry.metadata["default"] is dataclasses.MISSING
 
 

@@ -70,6 +70,8 @@ def test_outputs_are_those_of_the_state_at_the_communication_point(theta):
     np.testing.assert_allclose(out.point_position @ [1.0, 1j], here, rtol=0, atol=1e-12)
     np.testing.assert_allclose(out.angle, y[2:half], rtol=0, atol=1e-13)
     np.testing.assert_allclose(out.angular_velocity, y[half + 2 : 2 * half], rtol=0, atol=1e-12)
+    for joint, link in ((out.joint_angle, out.angle), (out.joint_angular_velocity, out.angular_velocity)):
+        np.testing.assert_array_equal(joint, np.diff(link, prepend=0.0))
     h = 1e-6
     ends = []
     for side in (h, -h):

@@ -3,11 +3,19 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.scene.checks import hints
-from chain_impact.scene.scene import load_scene, model_names, parse_scene, scene_to_dict, with_values
+from chain_impact.scene.scene import (
+    load_scene,
+    model_names,
+    parse_scene,
+    scene_from_dict,
+    scene_to_dict,
+    with_values,
+)
 from tests.problems import of_law
 from tests.refusal import refusal
 from tests.scene.test_stops import FILE
@@ -92,6 +100,22 @@ def test_a_wall_has_an_angle_or_a_normal_and_keeps_the_angle():
     assert (turned.walls[0].angle, turned.walls[1].point) == (-0.5, (3.0, -2.0))
     again = {("walls", 0, "angle"): None, ("walls", 0, "normal"): [0, 2]}
     assert with_values(scene, again).walls[0].angle == 0.0
+
+
+def test_initial_angles_of_joints_take_the_place_of_those_of_links():
+    data = scene_to_dict(load_scene("four_link_box"))
+    joints = {"angles": None, "joint_angles": [0.35, "-45 deg", 1.3, -1.0]}
+    scene = scene_from_dict(data | {"initial": data["initial"] | joints}, "here")
+    angles = np.cumsum([0.35, -math.pi / 4.0, 1.3, -1.0])
+    np.testing.assert_array_equal(scene.initial.angles, angles)
+    # they are given then, as angles
+    assert scene_to_dict(scene)["initial"]["angles"] == angles.tolist()
+    assert "joint_angles" not in scene_to_dict(scene)["initial"]
+    assert not any("angles" in place for place in scene.derived_places)
+    changed = load_scene("four_link_box").with_values({"initial.joint_angles": joints["joint_angles"]})
+    assert changed.initial == scene.initial
+    both = data | {"initial": data["initial"] | {"joint_angles": [0.0, 0.0, 0.0, 0.0]}}
+    assert "both angles and joint_angles" in refusal(scene_from_dict, both, "here")
 
 
 def test_models_give_no_hints():

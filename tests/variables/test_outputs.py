@@ -40,6 +40,13 @@ def test_a_group_that_is_not_asked_for_is_not_there(left_out):
     )
 
 
+def test_a_joint_that_exists_has_its_angle_and_rate():
+    found = {name: one for name, one in all_outputs(BOX).items() if name.startswith("joint[")}
+    assert list(found) == [f"joint[{i}].{one}" for i in (2, 3, 4) for one in ("angle", "angular_velocity")]
+    assert [one.unit for one in found.values()] == 3 * ["rad", "rad/s"]
+    assert {"joint[1].angle", "joint[1].angular_velocity"} <= set(all_outputs(ARM))
+
+
 @pytest.mark.parametrize("output", [(), "point[4].x", ["energy.*", "solver.steps"]])
 def test_to_choose_outputs_makes_no_variables_again(monkeypatch, output):
     """Not even of another scene, if it differs in nothing but numbers."""

@@ -126,6 +126,7 @@ def test_outputs_of_the_four_link_box():
     found = Counter(re.sub(r"\d+", "#", name) for name in names(SCENES["four_link_box"], "output"))
     expected = {f"point[#].{key}": 5 for key in ("x", "y", "vx", "vy", "ax", "ay")}
     expected |= {f"link[#].{key}": 4 for key in ("angle", "angular_velocity", "angular_acceleration")}
+    expected |= dict.fromkeys(("joint[#].angle", "joint[#].angular_velocity"), 3)
     for wall in WALLS:
         expected |= {f"contact[#].{wall}.{key}": 5 for key in CONTACT}
     single = [f"energy.{key}" for key in ("kinetic", "potential", "elastic", "dissipated", "total")]
@@ -140,7 +141,8 @@ def test_outputs_are_those_asked_for():
     asked = dict.fromkeys(("points", "links", "contacts", "energies", "solver"), False) | {"impacts": 2}
     scene = SCENES["four_link_box"].with_values({f"outputs.{key}": value for key, value in asked.items()})
     found = names(scene, "output")
-    last = [f"impact.{key}" for key in ("count", "last_time", "last_point", "last_wall", "last_speed")]
+    last = [f"joint[{i}].{key}" for i in (2, 3, 4) for key in ("angle", "angular_velocity")]
+    last += [f"impact.{key}" for key in ("count", "last_time", "last_point", "last_wall", "last_speed")]
     assert found == last + [f"impact[{j}].{key}" for j in (1, 2) for key in IMPACT]
     none = scene.with_values({"outputs.impacts": 0})
     assert names(none, "output") == last

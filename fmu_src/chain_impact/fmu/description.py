@@ -19,6 +19,7 @@ RATES = {
     "point_acceleration": "point_velocity",
     "angular_velocity": "angle",
     "angular_acceleration": "angular_velocity",
+    "joint_angular_velocity": "joint_angle",
 }
 """Fields of the output record, and those that they are the derivatives of."""
 

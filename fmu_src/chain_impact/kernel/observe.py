@@ -64,10 +64,16 @@ def fill_motion(d, theta):
             work.acceleration.x[k],
             work.acceleration.y[k],
         )
+    angle, turning = 0.0, 0.0
     for i in range(n):
         out.angle[i] = y[ANGLES + i]
         out.angular_velocity[i] = y[omega_at(n) + i]
         out.angular_acceleration[i] = rate[omega_at(n) + i]
+        out.joint_angle[i], out.joint_angular_velocity[i] = (
+            out.angle[i] - angle,
+            out.angular_velocity[i] - turning,
+        )
+        angle, turning = out.angle[i], out.angular_velocity[i]
     fill_forces(d)
     if d.elements > 0:
         fill_friction(d)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from chain_impact.scene.scene import Scene
 
 _MASSES = ("length", "center_of_mass", "inertia")
+ANGLES = ("initial", "angles")
 PACKAGE = __name__.partition(".")[0]
 START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
 
@@ -52,6 +53,17 @@ def with_angles(scene: Scene) -> Scene:
             raise SceneError(f"wall.{wall.name}.normal = {list(wall.normal)} must not be zero")
         walls.append(replace(wall, angle=direction(wall.normal), normal=None) if wall.normal else wall)
     return replace(scene, walls=tuple(walls))
+
+
+def with_absolute_angles(scene: Scene) -> Scene:
+    """Return the scene with the initial angles given, also where its file gives those of the joints."""
+    initial, places = scene.initial, scene.derived_places
+    if initial.joint_angles is None:
+        return scene
+    if ANGLES not in places:
+        raise SceneError("initial has both angles and joint_angles; must have one of them", ANGLES)
+    places = tuple(place for place in places if place != ANGLES)
+    return replace(scene, initial=replace(initial, joint_angles=None), derived_places=places)
 
 
 def with_materials(scene: Scene) -> Scene:

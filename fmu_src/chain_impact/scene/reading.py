@@ -142,13 +142,13 @@ class Reader:
             value = data.get(entry.name)
             if value is None:
                 value = rule.get("default", {})  # a table has no default but those of its keys
+            if isinstance(value, Derived):
+                value = value.value(scope)
+                if value not in (None, MISSING):
+                    self.derived.append(where)
             if value is MISSING:
                 meaning = "" if rule["description"] == entry.name else f" ({rule['description']})"
                 raise SceneError(f"{self.label(where)} is missing{meaning}", where)
-            if isinstance(value, Derived):
-                value = value.value(scope)
-                if value is not None:
-                    self.derived.append(where)
             # what is None still is not there, such as a wall
             read = None if value is None else self._value(entry.type, rule, value, where, scope)
             values[entry.name] = scope[entry.name] = read

@@ -208,7 +208,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
         scene: Scene = reader.read(data)
         scene = replace(scene, derived_places=tuple(sorted(of_every_link(reader.derived, data))))
         scene = checks.with_angles(checks.with_law_path(scene, Path(source).parent))
-        scene = checks.with_materials(scene)
+        scene = checks.with_materials(checks.with_absolute_angles(scene))
         hints = checks.angle_hints(scene)
         checks.check_together(scene)
         stops.check_stops(scene)
@@ -289,9 +289,11 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
 
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     """As with_values: all is read anew."""
-    data = _plain(scene)
+    data, paths = _plain(scene), [path for path, _ in values]
+    if JOINT_ANGLES in paths and checks.ANGLES not in paths:
+        del data["initial"]["angles"]
     # of a derived list of which one value is given, all are given
-    without_derived(data, scene.derived_places, kept=above(path for path, _ in values))
+    without_derived(data, scene.derived_places, kept=above(paths))
     for path, value in values:
         try:
             *parents, last = path
@@ -301,6 +303,8 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     return _validated(_without_empty(data), scene.name, in_file=False)
 
 
+JOINT_ANGLES = ("initial", "joint_angles")
+"""What can be given in place of the absolute angles."""
 _INDEPENDENT: dict[str, frozenset[str]] = {
     name: frozenset(entry.name for entry in keys(table))
     for name, table in (("inputs", Inputs), ("solver", Solver), ("simulation", Simulation))

@@ -5,7 +5,8 @@ Unit, description, range and default are in each field's metadata; see scene.py.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import MISSING, dataclass, replace
+from itertools import accumulate
 
 from chain_impact.kernel.integration.method import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
@@ -36,6 +37,10 @@ def _product(text: str, *factors: str, divisor: int) -> Derived:
 _MIDDLE = _product("length / 2", "length", divisor=2)
 _ROD = _product("mass * length^2 / 12", "mass", "length", "length", divisor=12)
 _MOVABLE = Derived("all that move", lambda known: tuple(known["chain"].movable_points))
+_FROM_JOINTS = Derived(
+    "the sums of joint_angles",
+    lambda known: tuple(accumulate(known["joint_angles"])) if known["joint_angles"] else MISSING,
+)
 _ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), constant=True)
 
 
@@ -242,7 +247,16 @@ class Initial:
     """The state at time 0."""
 
     position: tuple[float, float] = quantity("m", "position of the base", (0.0, 0.0))
-    angles: tuple[float, ...] = quantity("rad", "angle of each link, absolute, from +x", per_link=True)
+    joint_angles: tuple[float, ...] | None = quantity(
+        "rad",
+        "angle of each link, relative to the link before, of link 1 from +x; in place of angles",
+        None,
+        per_link=True,
+        file_only=True,
+    )
+    angles: tuple[float, ...] = quantity(
+        "rad", "angle of each link, absolute, from +x", _FROM_JOINTS, per_link=True
+    )
     velocity: tuple[float, float] = quantity("m/s", "velocity of the base", (0.0, 0.0))
     angular_velocities: tuple[float, ...] = quantity(
         "rad/s", "angular velocity of each link, absolute", _ZEROS, per_link=True

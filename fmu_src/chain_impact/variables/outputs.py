@@ -115,6 +115,7 @@ def _outputs(shape: Shape) -> Iterator[Variable]:
         yield from _points(shape)
     if asked.links:
         yield from _links(shape)
+    yield from _joints(shape)
     if asked.contacts:
         yield from _contacts(shape)
         yield from _stops(shape)
@@ -146,6 +147,15 @@ def _links(shape: Shape) -> Iterator[Variable]:
     for i in range(shape.links):
         for quantity, unit, text in rotations:
             yield _output(f"link[{i + 1}].{quantity}", unit, f"link {i + 1}: {text}", "output", quantity, i)
+
+
+def _joints(shape: Shape) -> Iterator[Variable]:
+    rotations = (("angle", "rad", "angle"), ("angular_velocity", "rad/s", "angular velocity"))
+    for i in range(0 if shape.pinned else 1, shape.links):
+        of = f"of link {i + 1} relative to " + (f"link {i}" if i > 0 else "the ground, from +x")
+        for quantity, unit, text in rotations:
+            place = ("output", f"joint_{quantity}", i)
+            yield _output(f"joint[{i + 1}].{quantity}", unit, f"joint {i + 1}: {text} {of}", *place)
 
 
 def _contacts(shape: Shape) -> Iterator[Variable]:

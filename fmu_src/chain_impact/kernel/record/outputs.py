@@ -16,6 +16,8 @@ def output_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("angle", REAL, (links,)),  # rad, absolute, from +x
         ("angular_velocity", REAL, (links,)),  # rad/s
         ("angular_acceleration", REAL, (links,)),  # rad/s²
+        ("joint_angle", REAL, (links,)),  # rad, from the link before, of the first one from +x
+        ("joint_angular_velocity", REAL, (links,)),  # rad/s, likewise
         ("force", REAL, (candidates,)),  # N, wall on point, along the inward normal
         ("penetration", REAL, (candidates,)),  # m, 0 when apart
         ("penetration_rate", REAL, (candidates,)),  # m/s, > 0 compressing, 0 when apart
