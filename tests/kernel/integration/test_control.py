@@ -8,24 +8,7 @@ import pytest
 from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain.state import omega_at, time_at
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration.control import (
-    EXPONENT,
-    FAR_OFF,
-    ONSET_EXPONENT,
-    accepted,
-    at_onset,
-    at_onset_beside,
-    conclude,
-    factor,
-    in_flight,
-    keep_for_flight,
-    limit,
-    propose,
-    refuse,
-    rescale,
-    resume_flight,
-    time_scale,
-)
+from chain_impact.kernel.integration import control
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, ONSET_SIZE, SAFETY
 from chain_impact.kernel.integration.methods import attempt
 from chain_impact.kernel.model.contact_force import damping_share
@@ -65,13 +48,13 @@ def test_a_force_rises_in_the_time_in_which_its_depth_is_reached_or_damping_stop
     share = damping_share(d, 0)
     assert (share > 0.1) == (restitution < 1.0)
     time = 4e-3 * (1.0 + share) ** (-1.0 / (1.0 + power))
-    assert time_scale(d, 0) == pytest.approx(time, rel=1e-13)
+    assert control.time_scale(d, 0) == pytest.approx(time, rel=1e-13)
     d.solver.tolerance = 1e-6
     for method in (EXPLICIT, IMPLICIT):
-        right = ONSET_SIZE[method] * time * 1e-6 ** ONSET_EXPONENT[method]
-        assert at_onset(d, 0, method) == pytest.approx(right, rel=1e-13)
+        right = ONSET_SIZE[method] * time * 1e-6 ** control.ONSET_EXPONENT[method]
+        assert control.at_onset(d, 0, method) == pytest.approx(right, rel=1e-13)
     # 15 tolerance^(1/3)
-    assert at_onset_beside(d, 0) == pytest.approx(0.15 * time, rel=1e-13)
+    assert control.at_onset_beside(d, 0) == pytest.approx(0.15 * time, rel=1e-13)
 
 
 def test_a_size_follows_from_the_error_and_from_the_cost():
@@ -79,17 +62,17 @@ def test_a_size_follows_from_the_error_and_from_the_cost():
     for method in (EXPLICIT, IMPLICIT):
         d.step.method = method
         for error in (5.0, 1e-5):
-            conclude(d, error, 0.7)
-            right = SAFETY[method] * 0.7 * error ** EXPONENT[method]
-            assert factor(d) == pytest.approx(right, rel=1e-13)
+            control.conclude(d, error, 0.7)
+            right = SAFETY[method] * 0.7 * error ** control.EXPONENT[method]
+            assert control.factor(d) == pytest.approx(right, rel=1e-13)
         for error in (1e12, math.inf, math.nan):
-            conclude(d, error, 0.7)
-            assert factor(d) == 0.1  # not less
-        conclude(d, 0.0, 0.7)
-        assert 6.0 < factor(d) < math.inf
-        conclude(d, 1e-5, 1.0)
-        refuse(d, FAR_OFF)
-        assert 1 / 8.5 < factor(d) < 1 / 7
+            control.conclude(d, error, 0.7)
+            assert control.factor(d) == 0.1  # not less
+        control.conclude(d, 0.0, 0.7)
+        assert 6.0 < control.factor(d) < math.inf
+        control.conclude(d, 1e-5, 1.0)
+        control.refuse(d, control.FAR_OFF)
+        assert 1 / 8.5 < control.factor(d) < 1 / 7
 
 
 def test_in_flight_the_fastest_turn_decides():
@@ -97,39 +80,39 @@ def test_in_flight_the_fastest_turn_decides():
     d.solver.tolerance = 1e-8
     turn = 2.8 * 1e-8 ** (1.0 / 8.0)
     y, rate = np.zeros(len(d.step.state)), np.zeros(len(d.step.state))
-    assert in_flight(d, y, rate) == 1.0
+    assert control.in_flight(d, y, rate) == 1.0
     y[omega_at(3) + 1] = -5.0
-    assert in_flight(d, y, rate) == pytest.approx(turn / 5.0, rel=1e-13)
+    assert control.in_flight(d, y, rate) == pytest.approx(turn / 5.0, rel=1e-13)
     rate[omega_at(3) + 2] = -49.0  # rad/s²
-    assert in_flight(d, y, rate) == pytest.approx(turn / 7.0, rel=1e-13)
+    assert control.in_flight(d, y, rate) == pytest.approx(turn / 7.0, rel=1e-13)
     y[omega_at(3)] = 0.5 * turn
     y[omega_at(3) + 1] = rate[omega_at(3) + 2] = 0.0
-    assert in_flight(d, y, rate) == 1.0
+    assert control.in_flight(d, y, rate) == 1.0
 
 
 def test_a_proposed_size_is_limited_rescaled_and_kept_for_the_next_flight():
     _, d = chain(np.random.default_rng(7), 1)
-    propose(d, 0.5)
-    limit(d, 0.7)
+    control.propose(d, 0.5)
+    control.limit(d, 0.7)
     assert d.step.next_size == 0.5
-    limit(d, 0.25)
+    control.limit(d, 0.25)
     assert d.step.next_size == 0.25
-    keep_for_flight(d)
-    rescale(d, 3.0)
+    control.keep_for_flight(d)
+    control.rescale(d, 3.0)
     assert (d.step.next_size, d.step.flight_size) == (0.75, 0.25)
-    resume_flight(d)
+    control.resume_flight(d)
     assert d.step.next_size == 0.25
 
 
 @pytest.mark.parametrize("error", [0.0, 1.0, np.nextafter(1.0, 2.0), 1e300, math.inf, math.nan])
 def test_a_step_is_accepted_with_an_error_of_the_tolerance_and_without_a_larger_one(error):
     _, d = chain(np.random.default_rng(1), 2)
-    conclude(d, error, 0.7)
-    assert accepted(d) == (error <= 1.0)
+    control.conclude(d, error, 0.7)
+    assert control.accepted(d) == (error <= 1.0)
     np.testing.assert_array_equal([d.trial.error, d.trial.cost_factor], [error, 0.7])
     if not math.isnan(error):
-        conclude(d, 0.5, 0.7)
-        refuse(d, error)
+        control.conclude(d, 0.5, 0.7)
+        control.refuse(d, error)
         assert (d.trial.error, d.trial.cost_factor) == (max(0.5, error), 0.7)
 
 
@@ -139,6 +122,6 @@ def test_a_try_has_its_size_and_a_run_begins_without_the_error_of_an_earlier_one
     attempt(d, 1e-3)
     assert d.trial.size == 1e-3
     assert d.trial.state[time_at(2)] == pytest.approx(1e-3, rel=1e-14)
-    refuse(d, FAR_OFF)
+    control.refuse(d, control.FAR_OFF)
     assert initialize(d, 0.0) == OK
-    assert accepted(d)
+    assert control.accepted(d)

@@ -26,7 +26,7 @@ from chain_impact.variables.model import Model
 from tests.friction import pendulum
 from tests.kernel.chains import chain, located, struck
 from tests.plain import Plain
-from tests.problems import FAR, ball, build, contact_table, rod
+from tests.problems import FAR, build, contact_table, rod
 
 STAGES = len(dop853.A)
 
@@ -68,7 +68,7 @@ def partitions(total, largest):
 
 
 def size(tree):
-    return 1 + sum(size(child) for child in tree)
+    return 1 + sum(map(size, tree))
 
 
 def density(tree):
@@ -81,23 +81,16 @@ def weights(tree):
     return math.prod((A @ weights(child) for child in tree), start=np.ones(STAGES))
 
 
-def test_there_are_as_many_rooted_trees_as_cayley_counted():
-    assert [len(trees(order)) for order in range(1, 9)] == [1, 1, 2, 4, 9, 20, 48, 115]
-
-
-@pytest.mark.parametrize("order", range(1, dop853.ORDER + 1))
-def test_step_fulfils_every_order_condition(order):
+@pytest.mark.parametrize(("order", "count"), [*enumerate([1, 1, 2, 4, 9, 20, 48, 115], 1)])
+def test_step_fulfils_every_order_condition(order, count):
+    """There are as many rooted trees as Cayley counted."""
+    assert len(trees(order)) == count
     for tree in trees(order):
         assert B @ weights(tree) == pytest.approx(1 / density(tree), abs=1e-13)
 
 
 def test_step_is_of_no_higher_order():
     assert max(abs(B @ weights(tree) - 1 / density(tree)) for tree in trees(dop853.ORDER + 1)) > 1e-6
-
-
-@pytest.mark.parametrize("power", range(8))
-def test_step_integrates_polynomials_exactly(power):
-    assert pytest.approx(1 / (power + 1), abs=1e-14) == B @ C**power
 
 
 @pytest.mark.parametrize(("estimate", "order"), [(E5, 5), (E3, 3)])
@@ -151,12 +144,17 @@ def started(scene):
     return d
 
 
-def step(d, h):
-    """One step of the size h, whatever its error; returns that."""
+def tried(d, h):
+    """The record after a step of the size h has been tried."""
     d["step"]["state_end"][-1] = 0.0  # the time since its start
     state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
     attempt(d, h)
-    accept(d)
+    return d
+
+
+def step(d, h):
+    """One step of the size h, whatever its error; returns that."""
+    accept(tried(d, h))
     ensure_dense(d, OUTPUTS)
     return d.trial.error
 
@@ -188,16 +186,13 @@ def flyer_at(t):
     spin, angle = initial.angular_velocities[0], initial.angles[0] + initial.angular_velocities[0] * t
 
     def arm(theta):
-        return 0.5 * np.array([math.cos(theta), math.sin(theta)])
+        return 0.5 * np.exp(1j * theta)
 
-    def arm_rate(theta):
-        return 0.5 * spin * np.array([-math.sin(theta), math.cos(theta)])
-
-    start = np.array(initial.position) + arm(initial.angles[0])
-    velocity = np.array(initial.velocity) + arm_rate(initial.angles[0])
-    gravity = np.array([0.0, -9.81])
-    place = start + velocity * t + gravity * t**2 / 2 - arm(angle)
-    return np.concatenate([place, [angle], velocity + gravity * t - arm_rate(angle), [spin]])
+    start = complex(*initial.position) + arm(initial.angles[0])
+    velocity = complex(*initial.velocity) + 1j * spin * arm(initial.angles[0])
+    place = start + velocity * t - 9.81j * t**2 / 2 - arm(angle)
+    rate = velocity - 9.81j * t - 1j * spin * arm(angle)
+    return np.array([place.real, place.imag, angle, rate.real, rate.imag, spin])
 
 
 PROBLEMS = pytest.mark.parametrize(
@@ -242,14 +237,6 @@ def test_dense_output_converges_with_order_7(scene, exact, columns):
     assert slope(sizes, errors) == pytest.approx(8.0, abs=0.3)
 
 
-def test_dense_output_joins_the_ends_of_the_step():
-    d, y = started(PENDULUM), np.zeros(10)
-    step(d, 0.1)
-    for theta, end in ((0.0, "state"), (1.0, "state_end")):
-        interpolate(d["step"], theta, y)
-        np.testing.assert_allclose(y, d["step"][end], rtol=0, atol=1e-15)
-
-
 @PROBLEMS
 def test_bounds_on_the_interpolant_hold(scene, exact, columns):
     d, y = started(scene), np.zeros((201, 10))
@@ -287,14 +274,6 @@ def test_error_estimate_is_not_below_the_true_error(scene, exact, columns, h):
     assert true < estimate < 1e5 * true
 
 
-def test_error_is_measured_in_units_of_the_tolerance():
-    d = started(FLYER)
-    tight = step(d, 0.1)
-    d = started(FLYER)
-    d["solver"]["tolerance"] *= 1e3
-    assert step(d, 0.1) == pytest.approx(tight / 1e3, rel=1e-12)
-
-
 @pytest.mark.parametrize("turns", [0, 100])
 @pytest.mark.parametrize("shift", [0.0, 500.0])
 def test_error_does_not_depend_on_where_the_chain_is_and_how_often_it_has_turned(shift, turns):
@@ -303,46 +282,19 @@ def test_error_does_not_depend_on_where_the_chain_is_and_how_often_it_has_turned
     assert step(there, 0.1) == pytest.approx(step(here, 0.1), rel=1e-3)
 
 
-def test_error_does_not_depend_on_the_unit_of_length():
-    """A chain ten times as long, in gravity ten times as strong, moves in the same way."""
-    long = rod(0.4, 30.0, speed=-20.0, spin=8.0, gravity=98.1, box={"y_max": FAR}, length=10.0, points=[1])
-    here, there = started(FLYER), started(long)
-    # speeds count from one length per second
-    assert step(there, 0.1) == pytest.approx(step(here, 0.1), rel=1e-3)
-
-
-def test_error_of_a_contact_is_measured_against_its_depth():
-    """The penetration is a millionth of a link: an error of that size must not pass as 1e-6."""
-    errors = []
-    for depth_scale in (1e-4, 1e-6):
-        d = started(ball(0.0, 1e-9, stiffness=1e5))
-        d["step"]["state_end"][1] = -1e-7
-        d["touch"]["active"][0] = 1
-        d["touch"]["active_count"] = d["touch"]["compliant_count"] = 1
-        d["touch"]["impact_speed"][0] = 1.0
-        d["touch"]["depth_scale"][0] = depth_scale
-        errors.append(step(d, 0.1))
-    assert errors[1] == pytest.approx(100 * errors[0], rel=1e-6)
-
-
 @pytest.mark.parametrize("entry", range(6))
 def test_a_step_that_is_not_finite_is_not_accepted(entry):
     d = started(FLYER)
     d["step"]["state_end"][entry] = math.nan
-    state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
-    attempt(d, 0.1)
-    assert d.trial.error == math.inf
+    assert tried(d, 0.1).trial.error == math.inf
 
 
 @pytest.mark.parametrize("size", [1.0, 1e2, 1e4, 1e8])
 def test_a_step_far_too_long_is_not_accepted(size):
     """Its error estimates are so large that their squares overflow, and the quotient of these is 0."""
     d = started(FLYER)
-    n = len(d["model"]["length"])
-    d["step"]["state_end"][n + 4 : 2 * n + 4] = 1e3 * np.arange(1, n + 1)
-    state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
-    attempt(d, size)
-    assert not accepted(d)
+    d["step"]["state_end"][5] = 1e3
+    assert not accepted(tried(d, size))
 
 
 def test_only_a_step_with_an_event_or_an_output_gets_a_dense_output():

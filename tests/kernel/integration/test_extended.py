@@ -5,17 +5,7 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import sundman_u_at
-from chain_impact.kernel.integration.extended import (
-    clearance_rates,
-    compliant,
-    extend_start,
-    extended_rate,
-    extended_size,
-    extended_slopes,
-    gap_at,
-    quadrature_at,
-    rate_at,
-)
+from chain_impact.kernel.integration import extended
 from chain_impact.kernel.integration.quadratures import reset_quadratures
 from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.contact_force import law_slopes
@@ -44,17 +34,21 @@ def touching():
 
 def test_clearances_their_rates_and_impulses_stand_one_after_the_other(touching):
     _, d, touched, _ = touching
-    assert compliant(d) == 2
-    assert [at(d, k) for at in (gap_at, rate_at, quadrature_at) for k in range(2)] == list(
-        range(FIRST, FIRST + 6)
-    )
-    assert extended_size(d) == FIRST + 6
+    assert extended.compliant(d) == 2
+    assert [
+        at(d, k) for at in (extended.gap_at, extended.rate_at, extended.quadrature_at) for k in range(2)
+    ] == list(range(FIRST, FIRST + 6))
+    assert extended.extended_size(d) == FIRST + 6
     d.quadrature.wanted = 0
     reset_quadratures(d)
-    assert extended_size(d) == FIRST + 4
+    assert extended.extended_size(d) == FIRST + 4
     make_rigid(d, np.arange(d.candidates) == touched[0])
-    assert compliant(d) == 1
-    assert (gap_at(d, 0), rate_at(d, 0), extended_size(d)) == (FIRST, FIRST + 1, FIRST + 2)
+    assert extended.compliant(d) == 1
+    assert (extended.gap_at(d, 0), extended.rate_at(d, 0), extended.extended_size(d)) == (
+        FIRST,
+        FIRST + 1,
+        FIRST + 2,
+    )
 
 
 def normal_accelerations(scene, d, y, rate, touched):
@@ -72,7 +66,7 @@ def test_a_step_starts_from_the_state_and_from_the_clearances_there(touching, at
     if not at_end:
         locate_points(d, y + 0.1)
     d.work.at_end = at_end
-    extend_start(d)
+    extended.extend_start(d)
     start, rate = d.implicit.start, d.implicit.start_rate
     assert start[:FIRST].tolist() == y[:FIRST].tolist()
     assert rate[:FIRST].tolist() == d.work.rate_start[:FIRST].tolist()
@@ -87,29 +81,32 @@ def test_a_step_starts_from_the_state_and_from_the_clearances_there(touching, at
 def test_forces_are_those_at_the_clearances_of_the_step(touching):
     """Not at those of the coordinates, where the two differ."""
     scene, d, touched, _ = touching
-    extend_start(d)
+    extended.extend_start(d)
     z, rate = d.implicit.start.copy(), np.zeros(len(d.implicit.start))
-    z[gap_at(d, 0)] -= 2e-3
-    z[rate_at(d, 1)] -= 0.3
-    extended_rate(d, z, 0.0, rate)
-    forces = [contact_force(d, c, z[gap_at(d, k)], z[rate_at(d, k)]) for k, c in enumerate(touched)]
+    z[extended.gap_at(d, 0)] -= 2e-3
+    z[extended.rate_at(d, 1)] -= 0.3
+    extended.extended_rate(d, z, 0.0, rate)
+    forces = [
+        contact_force(d, c, z[extended.gap_at(d, k)], z[extended.rate_at(d, k)])
+        for k, c in enumerate(touched)
+    ]
     assert rate[FIRST + 4 : FIRST + 6] == pytest.approx(forces, rel=1e-12)
     assert rate[FIRST : FIRST + 2].tolist() == z[FIRST + 2 : FIRST + 4].tolist()
     bends = normal_accelerations(scene, d, z, rate, touched)
     assert rate[FIRST + 2 : FIRST + 4] == pytest.approx(bends, rel=1e-6)
     # with those of the coordinates it is the rate of the state
-    extended_rate(d, d.implicit.start.copy(), 0.0, rate)
+    extended.extended_rate(d, d.implicit.start.copy(), 0.0, rate)
     assert rate[:FIRST] == pytest.approx(d.work.rate_start[:FIRST], rel=1e-9)
 
 
 def test_slopes_are_those_of_the_forces_and_the_links_are_kept(touching):
     _, d, touched, _ = touching
-    extend_start(d)
+    extended.extend_start(d)
     z = d.implicit.start.copy()
-    z[gap_at(d, 0)], z[gap_at(d, 1)] = -3e-3, 1e-3  # one has left its wall
-    extended_slopes(d, z)
+    z[extended.gap_at(d, 0)], z[extended.gap_at(d, 1)] = -3e-3, 1e-3  # one has left its wall
+    extended.extended_slopes(d, z)
     for k, depth in enumerate((3e-3, 0.0)):
-        right = law_slopes(d, touched[k], depth, -z[rate_at(d, k)])
+        right = law_slopes(d, touched[k], depth, -z[extended.rate_at(d, k)])
         assert (d.implicit.stiffness[k], d.implicit.damping[k]) == pytest.approx(right, rel=1e-13)
     for axis in "xy":
         assert d.implicit.link[axis][:LINKS].tolist() == d.work.link[axis][:LINKS].tolist()
@@ -117,9 +114,9 @@ def test_slopes_are_those_of_the_forces_and_the_links_are_kept(touching):
 
 def test_a_clearance_goes_with_its_rate_in_z(touching):
     _, d, _, _ = touching
-    extend_start(d)
+    extended.extend_start(d)
     z, rate = d.implicit.start.copy(), np.zeros(len(d.implicit.start))
-    z[rate_at(d, 0)] = 77.0
-    clearance_rates(d, z, rate)
-    assert rate[gap_at(d, 0)] == 77.0
+    z[extended.rate_at(d, 0)] = 77.0
+    extended.clearance_rates(d, z, rate)
+    assert rate[extended.gap_at(d, 0)] == 77.0
     assert not rate[:FIRST].any()

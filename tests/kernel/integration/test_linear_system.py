@@ -5,18 +5,7 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import sundman_u_at
-from chain_impact.kernel.integration.extended import (
-    extend_start,
-    extended_slopes,
-    gap_at,
-    rate_at,
-)
-from chain_impact.kernel.integration.linear_system import (
-    factorize_complex,
-    factorize_real,
-    solve_complex,
-    solve_real,
-)
+from chain_impact.kernel.integration import extended, linear_system
 from chain_impact.kernel.integration.radau import COMPLEX_EIGENVALUES
 from chain_impact.kernel.model.compliance import holding_impedance
 from chain_impact.scene.scene import load_scene
@@ -43,8 +32,8 @@ def linearized(turn, stiffness, damping):
         d.model.sprung = d.model.resisting = 1
     assert int(d.touch.active_count) > 0
     locate_points(d, d.step.state_end)
-    extend_start(d)
-    extended_slopes(d, d.implicit.start)
+    extended.extend_start(d)
+    extended.extended_slopes(d, d.implicit.start)
     return d
 
 
@@ -54,18 +43,13 @@ def jacobian(d, turn):
     size = sundman_u_at(d.links) + 3 * count
     angles = d.step.state_end[2 : N + 2]
     scene, candidate = turned(load_scene("four_link_box"), turn), d.candidate
-    names = list(scene.half_planes)
-    chosen = [int(c) for c in d.touch.active_index[:count]]
-    normals = np.array(
-        [
-            clearance_gradient(scene, angles, int(candidate.point[c]), names[int(candidate.wall[c]) % 4])
-            for c in chosen
-        ]
-    )
+    names, chosen = list(scene.half_planes), d.touch.active_index[:count]
+    places = [(int(candidate.point[c]), names[candidate.wall[c] % 4]) for c in chosen]
+    normals = np.array([clearance_gradient(scene, angles, *place) for place in places])
     across = np.hstack([np.zeros((N, 2)), np.eye(N) - np.eye(N, k=-1)])
     forces = np.zeros((N + 2, size))
-    v, gap = slice(N + 2, 2 * N + 4), slice(gap_at(d, 0), rate_at(d, 0))
-    rate, impulse = slice(rate_at(d, 0), size - count), slice(size - count, size)
+    v, gap = slice(N + 2, 2 * N + 4), slice(extended.gap_at(d, 0), extended.rate_at(d, 0))
+    rate, impulse = slice(extended.rate_at(d, 0), size - count), slice(size - count, size)
     forces[:, gap] = -normals.T * d.implicit.stiffness[:count]
     forces[:, rate] = -normals.T * d.implicit.damping[:count]
     forces[:, v] = -across.T @ np.diag(d.model.joint_damping) @ across
@@ -86,11 +70,11 @@ def solutions(d, size, h):
         r = rng.uniform(-1.0, 1.0, size) + 1j * rng.uniform(-1.0, 1.0, size) * (shift.imag != 0.0)
         x, y = r.real.copy(), r.imag.copy()
         if shift.imag == 0.0:
-            factorize_real(d, shift.real)
-            solve_real(d, shift.real, x)
+            linear_system.factorize_real(d, shift.real)
+            linear_system.solve_real(d, shift.real, x)
         else:
-            factorize_complex(d, shift, pair)
-            solve_complex(d, shift, pair, x, y, size)
+            linear_system.factorize_complex(d, shift, pair)
+            linear_system.solve_complex(d, shift, pair, x, y, size)
         yield shift, r, x + 1j * y
 
 
@@ -127,8 +111,8 @@ def held(base, stiffness, damping):
     candidates = [6, 16] if base == "free" else [5, 15]
     d.step.state_end[:] = struck(rng, d, candidates, 0.0)
     d.model.resisting = d.model.sprung = 1
-    extend_start(d)
-    extended_slopes(d, d.implicit.start)
+    extended.extend_start(d)
+    extended.extended_slopes(d, d.implicit.start)
     angles, free = d.step.state_end[2 : N + 2], free_coordinates(d)
     normals = gradients(scene, d, angles, candidates)[:, free]
     inverse = np.linalg.inv(mass_matrix(scene, angles)[free, free])

@@ -4,15 +4,10 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.integration import projection
 from chain_impact.kernel.integration.collocation import set_weights
 from chain_impact.kernel.integration.extended import extend_start, extended_slopes, gap_at, rate_at
 from chain_impact.kernel.integration.linear_system import contact_impedance, factorize_real
-from chain_impact.kernel.integration.projection import (
-    APART,
-    largest_mismatch,
-    project_clearances,
-    project_coordinates,
-)
 from chain_impact.kernel.model.geometry import clearance
 from tests.kernel.chains import chain, gradients, struck
 from tests.reference import mass_matrix
@@ -56,7 +51,7 @@ def test_coordinates_move_to_clearances_as_the_chain_responds_to_impulses(step, 
     d.implicit.normal[:2] = now + wanted
     expected = response(scene, d, y, touched, wanted)
     moved = y.copy()
-    project_coordinates(d, moved, derivative, change)
+    projection.project_coordinates(d, moved, derivative, change)
     assert change == pytest.approx(expected, rel=1e-9)
     part = slice(derivative * HALF, (derivative + 1) * HALF)
     assert moved[part] - y[part] == pytest.approx(expected, abs=1e-15)
@@ -67,7 +62,7 @@ def test_coordinates_move_to_clearances_as_the_chain_responds_to_impulses(step, 
 def test_coordinates_that_agree_stay(step):
     _, d, _, y, z = step
     moved = y.copy()
-    assert project_clearances(d, z, moved) == (0.0, 0.0)
+    assert projection.project_clearances(d, z, moved) == (0.0, 0.0)
     assert moved.tolist() == y.tolist()
 
 
@@ -80,7 +75,7 @@ def test_the_mismatch_is_that_of_the_worst_contact_by_its_depth(step, k):
     z[gap_at(d, 0)] += off[0]
     z[gap_at(d, 1)] += off[1]
     z[gap_at(d, k)] += 9.0 * off[k]
-    assert largest_mismatch(d, z) == pytest.approx(1e-4 / depths[k], rel=1e-9)
+    assert projection.largest_mismatch(d, z) == pytest.approx(1e-4 / depths[k], rel=1e-9)
 
 
 def test_a_projection_tells_its_largest_weighted_change_and_the_mismatch_before(step):
@@ -90,11 +85,11 @@ def test_a_projection_tells_its_largest_weighted_change_and_the_mismatch_before(
         z[gap_at(d, k)] += gaps[k]
         z[rate_at(d, k)] += rates[k]
     changes = np.concatenate([response(scene, d, y, touched, wanted) for wanted in (gaps, rates)])
-    apart, moved = largest_mismatch(d, z) / APART, y.copy()
-    worst = project_clearances(d, z, moved)
+    apart, moved = projection.largest_mismatch(d, z) / projection.APART, y.copy()
+    worst = projection.project_clearances(d, z, moved)
     assert worst == pytest.approx((max(abs(changes) * d.implicit.weight[: 2 * HALF]), apart), rel=1e-7)
     assert moved[: 2 * HALF] - y[: 2 * HALF] == pytest.approx(changes, rel=1e-7, abs=1e-14)
-    assert APART == 0.03
+    assert projection.APART == 0.03
 
 
 def test_the_change_of_either_part_may_be_the_largest(step):
@@ -104,5 +99,5 @@ def test_the_change_of_either_part_may_be_the_largest(step):
         off[at(d, 0)] += wanted[0]
         changes = response(scene, d, y, touched, np.array(wanted))
         weights = d.implicit.weight[:HALF] if at is gap_at else d.implicit.weight[HALF : 2 * HALF]
-        worst, _ = project_clearances(d, off, y.copy())
+        worst, _ = projection.project_clearances(d, off, y.copy())
         assert worst == pytest.approx(max(abs(changes) * weights), rel=1e-7)

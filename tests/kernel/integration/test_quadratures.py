@@ -10,20 +10,8 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.kernel.chain.state import time_at
+from chain_impact.kernel.integration import quadratures
 from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS, interpolate_component
-from chain_impact.kernel.integration.quadratures import (
-    append_quadratures,
-    commit_quadratures,
-    give_impulses,
-    keep_end_rates,
-    quadrature_within,
-    reset_quadratures,
-    roll_back_quadratures,
-    set_quadrature_stage,
-    set_quadrature_stage_at_end,
-    settle_impulses,
-    truncate_quadratures,
-)
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance
@@ -80,14 +68,7 @@ def test_a_rod_that_comes_to_rest(law):
     assert change == pytest.approx(weight, rel=1e-6)  # in the last second
 
 
-def test_a_bounce_has_the_impulse_of_its_change_of_speed():
-    scene, _ = dropped_ball(model="newton_impact", restitution=0.6)
-    impact = simulate(scene).impacts[0]
-    mass = scene.chain.links[0].mass
-    assert impact["impulse"] == pytest.approx(mass * 1.6 * impact["impact_speed"], rel=1e-12)
-
-
-@pytest.mark.parametrize("law", ["hertz", "zhang_sharf", "kelvin_voigt"])
+@pytest.mark.parametrize("law", ["hertz", "zhang_sharf", "kelvin_voigt", "newton_impact"])
 def test_each_impact_has_its_own(law):
     """In free fall m (v⁺ + v⁻) + m g T, whatever the force."""
     scene, _ = dropped_ball(stop_time=1.5, **of_law(law))
@@ -95,7 +76,8 @@ def test_each_impact_has_its_own(law):
     for impact in simulate(scene, tolerance=1e-11).impacts[:3]:
         change = impact["impact_speed"] + impact["separation_speed"]
         weight = GRAVITY * (impact["end"] - impact["onset"])
-        assert impact["impulse"] == pytest.approx(mass * (change + weight), rel=1e-8)
+        off = 1e-12 if law == "newton_impact" else 1e-8
+        assert impact["impulse"] == pytest.approx(mass * (change + weight), rel=off)
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
@@ -206,13 +188,13 @@ def values(d, *names):
 
 
 def test_those_of_the_active_contacts_are_integrated_if_they_are_wanted(d):
-    reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     assert d.quadrature.index[: d.quadrature.count].tolist() == TOUCHED
     touch(d, [2])
-    reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     assert d.quadrature.index[: d.quadrature.count].tolist() == [2]
     d.quadrature.wanted = 0
-    reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     assert d.quadrature.count == 0
 
 
@@ -221,7 +203,7 @@ def test_those_of_dry_friction_follow(contacts, joints):
     """A place for each element, and the last one for the energy."""
     _, d, _ = rubbing_chain(np.random.default_rng(1), "free", contacts, joints)
     d.quadrature.wanted = 1
-    reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     own, touched = d.quadrature, d.touch.active_index[:contacts]
     last = len(own.total) - 1
     assert last == d.candidates + d.elements
@@ -230,8 +212,8 @@ def test_those_of_dry_friction_follow(contacts, joints):
     d.touch.force[:], d.element.force[:] = rng.normal(size=d.candidates), rng.normal(size=d.elements)
     d.friction.power = 3.5
     own.rate[:] = 99.0
-    keep_end_rates(d)
-    commit_quadratures(d)
+    quadratures.keep_end_rates(d)
+    quadratures.commit_quadratures(d)
     right = np.zeros(last + 1)
     right[touched], right[d.candidates + touched] = d.touch.force[touched], d.element.force[touched]
     right[-1] = 3.5
@@ -242,7 +224,7 @@ def test_those_of_dry_friction_follow(contacts, joints):
 def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
     """dp/ds = F dt/ds."""
     before = d.quadrature.stage.copy()
-    (set_quadrature_stage_at_end if at_end else set_quadrature_stage)(d, 4)
+    (quadratures.set_quadrature_stage_at_end if at_end else quadratures.set_quadrature_stage)(d, 4)
     forces = d.quadrature.rate_end[:2] if at_end else d.touch.force[TOUCHED]
     right = forces * d.work.stage[4, time_at(2)]
     assert d.quadrature.stage[4, :2].tolist() == right.tolist()
@@ -250,57 +232,37 @@ def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
     assert d.quadrature.stage.tolist() == before.tolist()
 
 
-def test_an_accepted_step_begins_where_the_last_one_ended(d):
-    end, tried = values(d, "state_end", "tried")
-    append_quadratures(d)
+def test_a_step_goes_on_from_the_last_one_and_may_be_cut_or_dropped(d):
+    """Totals are those at its end."""
+    end, tried, total = *values(d, "state_end", "tried"), d.quadrature.total.copy()
+    quadratures.append_quadratures(d)
     assert values(d, "state", "state_end") == [end, tried]
-
-
-def test_a_step_that_is_dropped_leaves_the_impulses_of_its_start(d):
-    (start,) = values(d, "state")
-    roll_back_quadratures(d)
-    assert values(d, "state", "state_end") == [start, start]
-
-
-def test_a_step_that_is_cut_ends_with_the_impulses_there(d):
     right = [interpolate_component(d.quadrature, 0.3, k) for k in range(2)]
-    truncate_quadratures(d, 0.3)
+    quadratures.truncate_quadratures(d, 0.3)
+    assert values(d, "state", "state_end") == [end, right]
+    quadratures.commit_quadratures(d)
+    total[TOUCHED] = right
+    assert d.quadrature.total.tolist() == total.tolist()
+    quadratures.roll_back_quadratures(d)
+    assert values(d, "state", "state_end") == [end, end]
+
+
+@pytest.mark.parametrize(
+    ("rigid", "wall", "course", "right"),
+    [
+        (0, (2, 0), [(5.0, 5.0), (4.9, 5.5)], [5.0, 5.5]),
+        (1, (2, 0), [(5.0, 1.0), (4.0, 3.0)], [5.0, 2.0]),
+        (1, (2, 0), [(5.0, 1.0), (4.0, 1.5)], [5.0, 1.0]),  # never by more than the other one has been given
+        (1, (2, 1), [(5.0, 1.0), (4.0, 3.0)], [5.0, 3.0]),  # stops of other joints have nothing to do with it
+        (1, ((2, 3), 0), [(5.0, 1.0), (4.0, 3.0)], [5.0, 3.0]),  # nor have other walls
+    ],
+)
+def test_one_that_has_fallen_stays_or_at_a_rigid_wall_the_sum(d, rigid, wall, course, right):
+    make_rigid(d, rigid)
+    d.candidate.wall[TOUCHED], d.candidate.stop[TOUCHED] = wall
+    d.quadrature.state[:2], d.quadrature.state_end[:2] = course
+    quadratures.settle_impulses(d)
     assert values(d, "state_end") == [right]
-
-
-def test_totals_are_those_at_the_end_of_the_step(d):
-    before = d.quadrature.total.copy()
-    commit_quadratures(d)
-    before[TOUCHED] = d.quadrature.state_end[:2]
-    assert d.quadrature.total.tolist() == before.tolist()
-
-
-def test_one_that_has_fallen_stays_as_it_was(d):
-    d.quadrature.state[:2], d.quadrature.state_end[:2] = (5.0, 5.0), (4.9, 5.5)
-    settle_impulses(d)
-    assert values(d, "state_end") == [[5.0, 5.5]]
-
-
-def test_of_points_that_a_rigid_wall_holds_the_sum_stays(d):
-    make_rigid(d)
-    d.candidate.wall[TOUCHED] = 2
-    d.quadrature.state[:2], d.quadrature.state_end[:2] = (5.0, 1.0), (4.0, 3.0)
-    settle_impulses(d)
-    assert values(d, "state_end") == [[5.0, 2.0]]
-    # never by more than the other one has been given
-    d.quadrature.state_end[:2] = 4.0, 1.5
-    settle_impulses(d)
-    assert values(d, "state_end") == [[5.0, 1.0]]
-    # stops of other joints have nothing to do with it
-    d.candidate.stop[TOUCHED], d.quadrature.state_end[:2] = 1, (4.0, 3.0)
-    settle_impulses(d)
-    assert values(d, "state_end") == [[5.0, 3.0]]
-    # nor have other walls
-    d.candidate.stop[TOUCHED] = 0
-    d.candidate.wall[TOUCHED] = 2, 3
-    d.quadrature.state_end[:2] = 4.0, 3.0
-    settle_impulses(d)
-    assert values(d, "state_end") == [[5.0, 3.0]]
 
 
 @pytest.mark.parametrize("kept", [1.0, 0.7])
@@ -311,7 +273,7 @@ def test_a_course_that_falls_is_below_all_that_follows(d, kept):
     d.quadrature.dense[:3, 0], d.quadrature.state[0] = (1.0, -1.9, 2.0), 3.0
     d.quadrature.state_end[0] = interpolate_component(d.quadrature, kept, 0)
     dense = np.array([interpolate_component(d.quadrature, theta, 0) for theta in thetas])
-    course = np.array([quadrature_within(d, theta, 0) for theta in thetas])
+    course = np.array([quadratures.quadrature_within(d, theta, 0) for theta in thetas])
     assert np.diff(dense).min() < -1e-3
     assert np.diff(course).min() >= 0.0
     assert (course[0], course[-1]) == (3.0, d.quadrature.state_end[0])
@@ -320,7 +282,7 @@ def test_a_course_that_falls_is_below_all_that_follows(d, kept):
 
 def test_a_new_phase_starts_from_the_totals(d):
     total, rate = d.quadrature.total[TOUCHED].tolist(), d.quadrature.rate[TOUCHED].tolist()
-    reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     assert values(d, "rate_end") == [rate]
     assert values(d, "state", "state_end") == [total, total]
     assert d.quadrature.dense.shape[0] == DENSE_COEFFICIENTS
@@ -328,30 +290,22 @@ def test_a_new_phase_starts_from_the_totals(d):
     assert d.quadrature.dense[:, 2:].all()
 
 
-@pytest.mark.parametrize(
-    "function", [append_quadratures, roll_back_quadratures, commit_quadratures, reset_quadratures]
-)
-def test_without_them_nothing_is_done(d, function):
+@pytest.mark.parametrize("name", ["append", "roll_back", "commit", "reset"])
+def test_without_them_nothing_is_done(d, name):
     d.quadrature.wanted, d.quadrature.count, d.quadrature.rate[:] = 0, 0, 0.0
     before = d._record.tobytes()
-    function(d)
+    getattr(quadratures, f"{name}_quadratures")(d)
     assert d._record.tobytes() == before
 
 
-def test_rigid_walls_give_their_impulses_at_once_and_none_that_pulls(d):
-    make_rigid(d)
-    d.rigid.impulse[:2] = 2.5, -1e-17
+@pytest.mark.parametrize(
+    ("rigid", "impulses", "given"), [([1, 3], (2.5, -1e-17), (2.5, 0.0)), ([3], (7.0, 2.0), (0.0, 2.0))]
+)
+def test_rigid_walls_give_their_impulses_at_once_and_none_that_pulls(d, rigid, impulses, given):
+    """Contacts with a force are given none at once."""
+    make_rigid(d, np.isin(np.arange(d.candidates), rigid))
+    d.rigid.impulse[:2] = impulses
     right = d.quadrature.total.copy()
-    right[TOUCHED[0]] += 2.5
-    give_impulses(d)
+    right[TOUCHED] += given
+    quadratures.give_impulses(d)
     assert d.quadrature.total.tolist() == right.tolist()
-
-
-def test_contacts_with_a_force_are_given_no_impulse_at_once(d):
-    make_rigid(d, np.arange(d.candidates) == TOUCHED[1])
-    d.quadrature.onset[:] = 0.0
-    before = d.quadrature.total.copy()
-    d.rigid.impulse[:2] = 7.0, 2.0
-    give_impulses(d)
-    before[TOUCHED[1]] += 2.0
-    assert d.quadrature.total.tolist() == before.tolist()

@@ -3,56 +3,45 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.integration.radau import (
-    AT_END,
-    AT_START,
-    COMPLEX_EIGENVALUES,
-    LEFT,
-    NODES,
-    ORDER,
-    REAL_EIGENVALUE,
-    RIGHT,
-    STAGES,
-    Q,
-)
+from chain_impact.kernel.integration import radau
 
-C, MATRIX = np.array(NODES), np.array(Q)
+C, MATRIX = np.array(radau.NODES), np.array(radau.Q)
 
 
-@pytest.mark.parametrize("k", range(1, STAGES + 1))
+@pytest.mark.parametrize("k", range(1, radau.STAGES + 1))
 def test_each_stage_is_of_the_stage_order(k):
     """Σ_j Q_ij c_j^(k−1) = c_i^k/k."""
     np.testing.assert_allclose(MATRIX @ C ** (k - 1), C**k / k, rtol=0, atol=2e-16)
 
 
-@pytest.mark.parametrize("k", range(1, ORDER + 2))
+@pytest.mark.parametrize("k", range(1, radau.ORDER + 2))
 def test_the_result_is_of_its_order_and_no_more(k):
-    assert (abs(MATRIX[-1] @ C ** (k - 1) - 1 / k) < 2e-16) == (k <= ORDER)
+    assert (abs(MATRIX[-1] @ C ** (k - 1) - 1 / k) < 2e-16) == (k <= radau.ORDER)
 
 
 def test_it_is_stiffly_accurate_and_collocation_at_the_end():
-    assert NODES[-1] == 1.0
-    assert np.linalg.matrix_rank(MATRIX) == STAGES
+    assert radau.NODES[-1] == 1.0
+    assert np.linalg.matrix_rank(MATRIX) == radau.STAGES
 
 
 def test_the_eigenvectors_are_those_of_its_eigenvalues():
-    blocks = np.zeros((STAGES, STAGES))
-    blocks[0, 0] = REAL_EIGENVALUE
-    for pair, (real, imaginary) in enumerate(COMPLEX_EIGENVALUES):
+    blocks = np.zeros((radau.STAGES, radau.STAGES))
+    blocks[0, 0] = radau.REAL_EIGENVALUE
+    for pair, (real, imaginary) in enumerate(radau.COMPLEX_EIGENVALUES):
         at = 1 + 2 * pair
         blocks[at : at + 2, at : at + 2] = [[real, -imaginary], [imaginary, real]]
-    np.testing.assert_allclose(np.array(RIGHT) @ LEFT, np.eye(STAGES), rtol=0, atol=3e-15)
-    np.testing.assert_allclose(np.array(LEFT) @ MATRIX @ RIGHT, blocks, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(np.array(radau.RIGHT) @ radau.LEFT, np.eye(radau.STAGES), rtol=0, atol=3e-15)
+    np.testing.assert_allclose(np.array(radau.LEFT) @ MATRIX @ radau.RIGHT, blocks, rtol=0, atol=1e-15)
 
 
 def test_all_shifts_lie_in_a_sector_in_which_no_pivot_vanishes():
     """Sums of 1, s and s² with factors ≥ 0 are no zero as long as |arg s| < 90°."""
-    for real, imaginary in COMPLEX_EIGENVALUES:
+    for real, imaginary in radau.COMPLEX_EIGENVALUES:
         assert 0.0 < np.degrees(np.arctan2(imaginary, real)) < 61.0
 
 
-@pytest.mark.parametrize("k", range(STAGES))
+@pytest.mark.parametrize("k", range(radau.STAGES))
 def test_the_polynomials_of_the_error_estimates(k):
-    assert np.dot(AT_START, C**k) == pytest.approx(0.0**k, abs=3e-15)
-    if k < STAGES - 1:
-        assert np.dot(AT_END, C[:-1] ** k) == pytest.approx(1.0, abs=3e-15)
+    assert np.dot(radau.AT_START, C**k) == pytest.approx(0.0**k, abs=3e-15)
+    if k < radau.STAGES - 1:
+        assert np.dot(radau.AT_END, C[:-1] ** k) == pytest.approx(1.0, abs=3e-15)

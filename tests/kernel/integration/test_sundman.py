@@ -6,14 +6,21 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.advance import begin_step
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events.marks import ONSET
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration.dense import fraction, interpolate
+from chain_impact.kernel.integration import sundman
+from chain_impact.kernel.integration.dense import fraction, interpolate, time_rate
 from chain_impact.kernel.integration.last_step import OUTPUTS, accept, ensure_dense
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import attempt
+from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.geometry import clearance, gap_acceleration
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
-from tests.plain import Plain
+from tests.kernel.chains import chain, struck, touch
+from tests.plain import Plain, make_rigid
 from tests.problems import ball
 
 SPEED, STIFFNESS = 2.0, 1e8
@@ -95,3 +102,147 @@ def test_an_impact_takes_few_evaluations(tolerance, most):
     (impact,) = instance.collect()
     assert impact["separation_speed"] == pytest.approx(0.7 * SPEED, rel=10 * tolerance)
     assert int(instance.statistics["rhs_evaluations"]) - before <= most
+
+
+# --- its rates, the way back to time, and the contacts for which it is taken -------------------------------
+
+LINKS = 2
+DEPTH, SCALE = 1e-3, 4e-3  # m
+U, NO_CONTACT = sundman_u_at(LINKS), sundman.NO_CONTACT
+IN_TIME = NO_CONTACT, 1.0
+
+
+def contact(seed=17):
+    """Two links with one point in a wall, whose contact is that of the step; its candidate and the state."""
+    _, d = chain(np.random.default_rng(seed), LINKS)
+    c = d.candidate.point.tolist().index(2)
+    y = struck(np.random.default_rng(seed), d, [c], DEPTH)
+    d.touch.depth_scale[c], d.touch.impact_speed[c] = SCALE, 1.0
+    d.touch.effective_mass[c] = 1.0
+    d.step.regularized, d.step.method = c, EXPLICIT
+    return d, c, y
+
+
+@pytest.mark.parametrize("u", [-0.3, 0.0, 0.4, 1.0, 1.7])
+def test_a_rate_in_its_variable_is_that_in_time_times_p(u):
+    d, c, y = contact()
+    y[U] = u
+    in_time, rate, again = np.zeros((3, len(y)))
+    state_rate(d, y, in_time)
+    sundman.regularize(d, y, in_time, rate)
+    right = u / (1.0 + u * u) * in_time
+    # du/ds = δ̇/(2 δ* (1 + u²))
+    right[U] = -clearance(d, c)[1] / (2.0 * SCALE * (1.0 + u * u))
+    assert rate == pytest.approx(right, rel=1e-13)
+    assert sundman.root_rate(d, u) == pytest.approx(right[U], rel=1e-13)
+    again[:] = in_time
+    sundman.to_fictitious_time(d, y, again)
+    assert again.tolist() == rate.tolist()
+    # as is that of a step, and without a contact that in time
+    for regularized, expected in ((c, rate.tolist()), (NO_CONTACT, in_time.tolist())):
+        d.step.regularized = regularized
+        sundman.regularized_rate(d, y, again)
+        assert again.tolist() == expected
+    sundman.regularize(d, y, in_time, again)
+    assert again.tolist() == in_time.tolist()
+
+
+@pytest.mark.parametrize("u", [-0.3, 0.2, 1.0, 1.6])
+def test_p_changes_along_the_step_as_u_does(u):
+    """p = u/(1 + u²) by its slope, for the rate u′ = 3."""
+    slope = (time_rate(u + 1e-6) - time_rate(u - 1e-6)) / 2e-6
+    assert sundman.time_rate_change(u, 3.0) == pytest.approx(3.0 * slope, abs=1e-9)
+
+
+@pytest.mark.parametrize("u", [0.2, 1.0, 1.6])
+def test_u_bends_as_its_rate_changes_along_the_motion(u):
+    """u″ by the change of u′ over a short way in s, along which u, the points and their speeds move."""
+    d, c, y = contact()
+    n, rate = LINKS, np.zeros(len(y))
+    state_rate(d, y, rate)
+    accelerate_points(d, y, rate)
+    slope, p = sundman.root_rate(d, u), time_rate(u)
+    found = sundman.root_curve(d, u, slope)
+    h, rates = 1e-7, []
+    for s in (-h, h):
+        moved = y + s * p * rate
+        # along the tangent of the velocities, not of the places of a chain with constant angles
+        moved[: n + 2] += 0.5 * (s * p) ** 2 * rate[n + 2 : 2 * n + 4]
+        locate_points(d, moved)
+        rates.append(sundman.root_rate(d, u + s * slope))
+    assert found == pytest.approx((rates[1] - rates[0]) / (2 * h), rel=1e-5)
+    locate_points(d, y)
+    accelerate_points(d, y, rate)
+    bend = -gap_acceleration(d, c)
+    right = (0.5 * p * bend / SCALE - 2.0 * u * slope**2) / (1.0 + u * u)
+    assert found == pytest.approx(right, rel=1e-12)
+
+
+def test_time_passes_as_p_says_and_as_itself_without_a_contact():
+    d, c, y = contact()
+    for regularized, rate, least in ((c, 0.4, sundman.SLOW), (0, 0.4, sundman.SLOW), (NO_CONTACT, 1.0, 1.0)):
+        d.step.regularized, y[U] = regularized, 0.5
+        assert sundman.time_rate_of(d, 0.5) == sundman.time_rate_now(d, y) == pytest.approx(rate)
+        y[U] = 1e-9
+        assert sundman.time_rate_now(d, y) == least
+
+
+@pytest.mark.parametrize(
+    ("u", "time", "right"),
+    [
+        (0.9 * sundman.BACK, 1e-9, False),
+        (1.1 * sundman.BACK, 1e-9, True),
+        (0.5, -1e-9, True),
+        (0.5, 0.0, True),
+        (0.5, 1e-9, False),
+    ],
+)
+def test_a_step_must_not_go_far_beyond_the_end(u, time, right):
+    d, _, y = contact()
+    y[U], y[time_at(LINKS)] = u, time
+    assert sundman.runs_back(d, y) == right
+    d.step.regularized = NO_CONTACT
+    assert not sundman.runs_back(d, y)
+
+
+def test_an_only_contact_has_its_own_variable():
+    """More than one do not, nor does a rigid one, nor an implicit step."""
+    d, c, _ = contact()
+    assert sundman.lone_contact(d) == (c, pytest.approx((DEPTH / SCALE) ** 0.5, rel=1e-9))
+    d.step.method = IMPLICIT
+    assert sundman.lone_contact(d) == IN_TIME
+    d.step.method = EXPLICIT
+    make_rigid(d)
+    assert sundman.lone_contact(d) == IN_TIME
+    make_rigid(d, np.arange(d.candidates) != c)
+    touch(d, [c, d.candidate.point.tolist().index(0)])
+    assert (d.touch.compliant_count, d.touch.active_count) == (1, 2)
+    assert sundman.lone_contact(d) == IN_TIME
+    make_rigid(d, 0)
+    assert sundman.lone_contact(d) == IN_TIME
+    touch(d, [])
+    assert sundman.lone_contact(d) == IN_TIME
+
+
+def place(d, c, gap):
+    d.candidate.offset[c] += clearance(d, c)[0] - gap
+
+
+def test_a_point_at_rest_on_a_wall_has_time_as_its_variable():
+    d, c, _ = contact()
+    place(d, c, -SCALE * (0.5 * sundman.SLOW) ** 2)  # u = SLOW/2
+    own = c, pytest.approx(0.5 * sundman.SLOW, rel=1e-6)
+    for part, right in ((0.49, IN_TIME), (0.51, own)):
+        d.touch.impact_speed[c] = abs(clearance(d, c)[1]) / (part * sundman.SLOW)
+        assert sundman.lone_contact(d) == right
+
+
+def test_at_the_wall_a_point_that_arrives_is_in_contact_and_one_that_leaves_is_not():
+    seen = set()
+    for seed in range(6):
+        d, c, _ = contact(seed)
+        place(d, c, 1e-12)
+        arrives = bool(clearance(d, c)[1] < 0.0)
+        assert sundman.lone_contact(d) == ((c, 0.0) if arrives else (NO_CONTACT, 1.0))
+        seen.add(arrives)
+    assert seen == {True, False}

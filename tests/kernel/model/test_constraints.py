@@ -1,17 +1,23 @@
-"""Impulses at rigid walls, against dense matrices and every possible set of contacts."""
+"""The impulses of constraints: who is pressed, what is missing, and who is wrong.
 
+They are compared with dense matrices and with every possible set of contacts.
+"""
+
+import itertools
 import math
 
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.elimination import FREE, HELD
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.model.constraints import factorize_free, solve_equality, solve_lcp
-from chain_impact.kernel.model.geometry import clearance
-from chain_impact.kernel.model.holding import project_state
+from chain_impact.kernel.model import compliance, constraints
+from chain_impact.kernel.model.geometry import along, normal
+from chain_impact.kernel.model.holding import least_impulse
 from chain_impact.scene.scene import WALLS, with_values
 from chain_impact.variables.model import Model
+from tests.kernel.chains import touch
+from tests.kernel.model.pressed import CANDIDATES, problem
 from tests.plain import Plain
 from tests.problems import default_scene
 from tests.reference import clearance_gradient, complementary_impulses, mass_matrix
@@ -21,9 +27,7 @@ POINTS, FAR = 5, 10.0
 
 
 def located(angles, touching, turn=0.0):
-    """The default chain at some angles, located, as if it touched there: the walls are far.
-
-    It is turned as a whole by an angle ``turn`` [rad].
+    """The default chain, turned by ``turn`` [rad], as if it touched some (points, walls): the walls are far.
 
     Returns:
         Its record, W = J M⁻¹ Jᵀ and M⁻¹ Jᵀ.
@@ -31,75 +35,45 @@ def located(angles, touching, turn=0.0):
     far = {("box", name): -FAR if name.endswith("min") else FAR for name in WALLS}
     start = {("initial", "angles"): angles, ("initial", "position"): (0.0, 0.0)}
     scene = turned(with_values(default_scene(model="newton_impact"), start | far), turn)
-    d, angles, names = (
-        Plain(Model(scene).new_instance()[0]),
-        scene.initial.angles,
-        dict(zip(WALLS, scene.half_planes, strict=True)),
-    )
+    d, angles, names = Plain(Model(scene).new_instance()[0]), scene.initial.angles, list(scene.half_planes)
     start_touching(d, touching)
-    gradient = np.array([clearance_gradient(scene, angles, point, names[wall]) for point, wall in touching])
+    walls = [(point, names[WALLS.index(wall)]) for point, wall in touching]
+    gradient = np.array([clearance_gradient(scene, angles, point, wall) for point, wall in walls])
     response = np.linalg.solve(mass_matrix(scene, angles), gradient.T)
     return d, gradient @ response, response
 
 
 def start_touching(d, touching):
-    """Initialize, and let these (points, walls) touch."""
     assert initialize(d, 0.0) == 0
+    d.touch.active_count = len(touching)
     for k, (point, wall) in enumerate(touching):
-        d["touch"]["active_index"][k] = 4 * point + WALLS.index(wall)
-        d["touch"]["active"][4 * point + WALLS.index(wall)] = 1
-    d["touch"]["active_count"] = len(touching)
+        d.touch.active_index[k] = c = 4 * point + WALLS.index(wall)
+        d.touch.active[c] = 1
 
 
 def set_problem(d, start, aim, pressed):
-    own = d["rigid"]
-    for name, values in (("start", start), ("target", aim), ("in_active_set", pressed)):
-        own[name][: len(start)] = values
+    own, count = d.rigid, len(start)
+    own.start[:count], own.target[:count], own.in_active_set[:count] = start, aim, pressed
+    constraints.factorize_free(d)
     return own
-
-
-ON_FLOOR = [(point, "y_min") for point in range(POINTS)]
-
-
-@pytest.mark.parametrize("base", ["free", "pinned"])
-@pytest.mark.parametrize("pressed", [[1, 1, 1, 1], [0, 1, 0, 1]])
-def test_pressed_points_reach_their_aims(base, pressed):
-    touching = ON_FLOOR[1:]
-    # a point of a pinned chain does not need the base's two coordinates
-    d, w, response = located([0.3, -0.4, 0.9, -0.1], touching)
-    if base == "pinned":
-        d["model"]["pinned"] = 1
-        start_touching(d, touching)
-    start, aim = np.array([-1.0, 0.3, 0.1, -2.0]), np.array([0.5, 0.0, 0.0, 0.7])
-    own = set_problem(d, start, aim, pressed)
-    factorize_free(d)
-    solve_equality(d, 1.0)
-    rows = np.flatnonzero(pressed)
-    np.testing.assert_allclose(own["reached"][rows], aim[rows], atol=1e-14)
-    assert (own["impulse"][:4][np.array(pressed) == 0] == 0.0).all()
-    if base == "free":
-        p = np.zeros(4)
-        p[rows] = np.linalg.solve(w[np.ix_(rows, rows)], (aim - start)[rows])
-        np.testing.assert_allclose(own["impulse"][:4], p, rtol=1e-12, atol=1e-13)
-        np.testing.assert_allclose(own["change"], response @ p, rtol=1e-11, atol=1e-13)
 
 
 @pytest.mark.parametrize("ratio", [1e-6, 1.0, 1e6])
 def test_masses_that_differ_by_a_million_are_no_hindrance(ratio):
-    d, _, _ = located([0.1, -0.2, 0.1, 0.2], ON_FLOOR)
+    floor = [(point, "y_min") for point in range(POINTS)]
+    d, _, _ = located([0.1, -0.2, 0.1, 0.2], floor)
     masses = np.array([1.0, ratio, 1.0, 1.0])
     d["model"]["mass"], d["model"]["inertia"] = masses, masses * 0.25 / 12
-    start_touching(d, ON_FLOOR)
+    start_touching(d, floor)
     own = set_problem(d, -np.ones(5), np.full(5, 0.5), np.ones(5))
-    factorize_free(d)
-    solve_equality(d, 1.0)
+    constraints.solve_equality(d, 1.0)
     np.testing.assert_allclose(own["reached"][:5], 0.5, atol=1e-10)
 
 
 @pytest.mark.full("more cases", but=28)
 @pytest.mark.parametrize("seed", range(40))
 def test_impulses_are_complementary(seed):
-    """Against all 2^k sets of contacts; the points are anywhere, as if the walls passed through them.
+    """Against all 2^k sets of contacts, from any guess; the points are anywhere, as if in the walls.
 
     For every other seed all is turned.
     """
@@ -107,16 +81,17 @@ def test_impulses_are_complementary(seed):
     angles = random.uniform(-math.pi, math.pi, 4)
     places = [(point, wall) for point in range(POINTS) for wall in ("y_min", "x_max")]
     touching = [places[i] for i in sorted(random.choice(len(places), random.integers(1, 6), replace=False))]
+    count = len(touching)
     d, w, response = located(angles.tolist(), touching, turn=0.4 * (seed % 2))
-    start = random.normal(size=len(touching))
-    aim = random.choice([0.0, 0.5], len(touching)) * np.abs(start)
+    start = random.normal(size=count)
+    aim = random.choice([0.0, 0.5], count) * np.abs(start)
     expected = complementary_impulses(w, start, aim)
-    own = set_problem(d, start, aim, random.integers(0, 2, len(touching)))
-    factorize_free(d)
-    solve_lcp(d, np.abs(start).max())
+    own = set_problem(d, start, aim, random.integers(0, 2, count))
+    constraints.solve_lcp(d, np.abs(start).max())
     scale = np.linalg.cond(w) * max(1.0, np.abs(expected).max())
-    np.testing.assert_allclose(own["impulse"][: len(touching)], expected, atol=1e-14 * scale)
+    np.testing.assert_allclose(own["impulse"][:count], expected, atol=1e-14 * scale)
     np.testing.assert_allclose(own["change"], response @ expected, atol=1e-13 * scale)
+    assert ((own.impulse[:count] > 0.0) <= (own.in_active_set[:count] == 1)).all()
 
 
 def test_a_link_jammed_between_two_walls_has_a_solution_of_many():
@@ -124,20 +99,185 @@ def test_a_link_jammed_between_two_walls_has_a_solution_of_many():
     d, w, _ = located([0.0] * 4, [(0, "x_min"), (4, "x_max")])
     assert np.linalg.matrix_rank(w) == 1
     own = set_problem(d, np.array([-1.0, 1.0]), np.zeros(2), np.ones(2))
-    factorize_free(d)
-    solve_lcp(d, 1.0)
+    constraints.solve_lcp(d, 1.0)
     np.testing.assert_allclose(own["reached"][:2], 0.0, atol=1e-14)
     assert (own["impulse"][:2] >= 0.0).all()
 
 
-def test_a_state_is_moved_onto_the_walls():
-    d, _, _ = located([0.0, 1e-6, -2e-6, 1e-6], ON_FLOOR[:3])
-    y = d["step"]["state_end"].copy()
-    y[1] = 1e-6 - FAR
-    y[6:12] *= 1e-9  # errors, not a motion
-    locate_points(d, y)
-    project_state(d, y)
-    for c in d["touch"]["active_index"][:3]:
-        gap, gap_rate = clearance(d, c)
-        assert abs(gap) < 1e-15
-        assert abs(gap_rate) < 1e-14
+def test_only_the_pressed_have_an_impedance_and_miss_their_aims():
+    d, *_ = problem()
+    own = d.rigid
+    own.impedance[:] = own.residual[:] = own.impulse[:] = own.change[:] = 9.0
+    constraints.clear_impulses(d)
+    assert not own.change.any()
+    assert not own.impulse[:4].any()
+    assert (own.impulse[4:] == 9.0).all()
+    np.testing.assert_array_equal(own.reached[:4], own.start[:4])
+    own.target[1] = 1e3  # of one that is not pressed
+    for amount in (0.0, 4.5):
+        constraints.set_impedance(d, amount)
+        assert own.impedance[:5].tolist() == [amount, 0.0, amount, amount, 9.0]
+    for sign in (1.0, -1.0):
+        own.reached[:4] = own.target[:4] - sign * np.array([0.3, 7.0, 0.5, 0.1])
+        assert constraints.find_residual(d) == pytest.approx(0.5, rel=1e-9)
+        np.testing.assert_allclose(own.residual[:4], sign * np.array([0.3, 0.0, 0.5, 0.1]), atol=1e-9)
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
+    """An impulse p moves it by W/(1 + D W) p, some millionths of W p."""
+    d, _, _, _, w = problem(base)
+    amount = compliance.holding_impedance(d)
+    assert amount == pytest.approx(compliance.STIFF * d.model.mass.mean(), rel=1e-14)
+    for k, c in enumerate(d.touch.active_index[:4]):
+        touch(d, [c])
+        d.rigid.impedance[0] = amount
+        compliance.factorize_contacts(d, HELD, d.rigid.impedance)
+        compliance.solve_contacts(d, HELD, np.ones(len(d.rigid.impulse)), d.rigid.change)
+        moved = along(normal(d, c), d.work.motion)
+        assert moved == pytest.approx(w[k, k] / (1.0 + amount * w[k, k]), rel=1e-6)
+        assert moved < 1e-5 * w[k, k]
+        touch(d, CANDIDATES if base == "free" else [c - 1 for c in CANDIDATES])
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize("pressed", [(1,), (1, 0, 1), (1, 1, 1, 1)])
+def test_a_sweep_is_a_step_of_the_augmented_lagrangian(base, pressed):
+    """p ← p + D (m − J z), (M + Jᵀ D J) z = Jᵀ D m, and u = u⁻ + W p thereafter."""
+    d, _, _, _, w = problem(base, pressed)
+    own, count, impedance = d.rigid, len(pressed), 40.0
+    constraints.set_impedance(d, 0.0)
+    compliance.factorize_contacts(d, FREE, own.impedance)
+    constraints.set_impedance(d, impedance)
+    compliance.factorize_contacts(d, HELD, own.impedance)
+    constraints.clear_impulses(d)
+    p, amounts = np.zeros(count), impedance * np.array(pressed)
+    for _ in range(3):
+        work = d.limits.other_work
+        constraints.find_residual(d)
+        m = np.array(pressed) * (own.target[:count] - own.start[:count] - w @ p)
+        np.testing.assert_allclose(own.residual[:count], m, rtol=0, atol=1e-10)
+        # J z = W (1 + D W)⁻¹ D m
+        moved = w @ np.linalg.solve(np.eye(count) + amounts[:, None] * w, amounts * m)
+        p = p + amounts * (m - moved)
+        constraints.correct_impulses(d)
+        np.testing.assert_allclose(own.impulse[:count], p, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(own.reached[:count], own.start[:count] + w @ p, rtol=1e-9, atol=1e-9)
+        assert d.limits.other_work == work + 2
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize(
+    "pressed", [(0, 0, 0, 0), (1, 1, 1, 1), (1, 0, 0, 1), (1, 0, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)]
+)
+def test_all_of_the_pressed_reach_their_aims_and_impulses_are_counted_as_work(base, pressed):
+    """One that is pressed alone takes one solution, and others a few sweeps."""
+    d, _, _, response, w = problem(base, pressed)
+    own, rows, before, alone = d.rigid, np.flatnonzero(pressed), d.limits.other_work, sum(pressed) == 1
+    assert constraints.only_active(d) == (rows[0] if alone else -1)
+    constraints.factorize_free(d)
+    constraints.solve_equality(d, 2.0)
+    expected, off = np.zeros(4), 1e-12 if alone else 1e-9
+    expected[rows] = np.linalg.solve(w[np.ix_(rows, rows)], (own.target - own.start)[rows])
+    np.testing.assert_allclose(own.impulse[:4], expected, rtol=off, atol=off * (not alone))
+    np.testing.assert_allclose(own.change, response @ expected, rtol=10 * off, atol=off)
+    np.testing.assert_allclose(own.reached[:4], own.start[:4] + w @ expected, rtol=10 * off, atol=off)
+    if alone:
+        assert d.limits.other_work == before + 1
+    elif any(pressed):
+        assert 2 <= d.limits.other_work - before <= 12
+
+
+def test_one_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
+    d, _, _, _, w = problem(pressed=[0, 1, 0, 0])
+    own = d.rigid
+    for part, iterates in ((1.01, True), (0.99, False)):
+        monkeypatch.setattr(constraints, "LEAST_SINGLE", part * w[1, 1] * compliance.mean_mass(d))
+        before = d.limits.other_work
+        constraints.factorize_free(d)
+        constraints.solve_equality(d, 2.0)
+        assert own.impulse[1] == pytest.approx((own.target - own.start)[1] / w[1, 1], rel=1e-12)
+        assert d.limits.other_work >= before + 4 if iterates else d.limits.other_work == before + 1
+
+
+def test_who_pulls_or_falls_short_is_wrong_but_for_round_off():
+    d, *_ = problem(pressed=(1, 1, 0, 0))
+    own = d.rigid
+    scale = 3.0
+    own.target[:4] = 0.5
+    for pull, short in ((2.0, 2.0), (0.5, 2.0), (2.0, 0.5), (0.5, 0.5)):
+        own.violated[:] = 7
+        own.impulse[:4] = 4.0, -pull * constraints.SIGN_TOLERANCE * 4.0, 0.0, 0.0
+        own.reached[:4] = -9.0, 0.5, 0.7, 0.5 - short * constraints.SIGN_TOLERANCE * scale
+        expected = [0, int(pull > 1.0), 0, int(short > 1.0)]
+        assert constraints.count_violations(d, scale) == sum(expected)
+        assert own.violated[:4].tolist() == expected
+    # the largest may be one that pulls
+    own.impulse[:4], own.reached[:4] = (1.0, -4.0, 0.0, 0.0), 1.0
+    assert constraints.count_violations(d, scale) == 1
+    assert least_impulse(d) == -4.0
+    own.impulse[:4] = 1.0
+    assert least_impulse(d) == 0.0
+
+
+def test_all_that_are_wrong_change_at_once_and_only_the_last_after_stalls(monkeypatch):
+    """The block pivots; those that fail to reduce the number of the wrong; and one at a time from then on."""
+    d, *_ = problem()
+    wrong, sets, own = [4, 4, 4, 4, 4, 4, 2, 2, 0], [], d.rigid
+
+    def told(_, __):
+        sets.append(own.in_active_set[:4].copy())
+        count = wrong.pop(0)
+        own.violated[:4] = [k < count for k in range(4)]
+        return count
+
+    monkeypatch.setattr(constraints, "solve_equality", lambda *_: None)
+    monkeypatch.setattr(constraints, "count_violations", told)
+    constraints.solve_lcp(d, 1.0)
+    changed = [np.flatnonzero(one != other).tolist() for one, other in itertools.pairwise(sets)]
+    assert changed == [[0, 1, 2, 3]] * (1 + constraints.MAX_STALLED_PIVOTS) + [[3], [3], [0, 1], [0, 1]]
+
+
+def test_a_chain_that_is_nearly_straight_is_held_by_a_smooth_force():
+    """The share of a motion that sweeps leave is (1 + D W)⁻ⁿ, also that which one element alone leaves."""
+    d, *_ = problem()
+    amount = compliance.holding_impedance(d)
+    for part in (0.0, 1e-6, 0.1, 1.0, 30.0, 1e6):
+        mobility = part / amount
+        left = 1.0 - mobility / compliance.held_mobility(d, mobility)
+        assert left == pytest.approx((1.0 + part) ** -compliance.SWEEPS, rel=1e-9, abs=1e-15)
+    least = compliance.held_mobility(d, 0.0)
+    assert compliance.held_mobility(d, -1e-30) == least == pytest.approx(1.0 / (compliance.SWEEPS * amount))
+
+
+def test_points_that_cannot_be_held_are_told_by_what_is_left():
+    """Two constraints on one motion that contradict each other: the search ends, and half of it is left."""
+    d, *_ = problem(pressed=(1, 1, 0, 0))
+    own = d.rigid
+    d.touch.active_index[1] = d.touch.active_index[0]
+    own.start[:2], own.target[:2] = 0.0, (1.0, -1.0)
+    before = d.limits.other_work
+    constraints.factorize_free(d)
+    assert constraints.solve_equality(d, 1.0) == pytest.approx(1.0, rel=1e-6)
+    assert d.limits.other_work - before <= 20
+    for tolerated, noted in ((2.0, constraints.SOLVED), (0.5, constraints.MOVING)):
+        constraints.clear_unsolved(d)
+        constraints.note_moving(d, tolerated)
+        assert d.rigid.unsolved == noted
+    constraints.note_unsolved(d)
+    constraints.note_moving(d, 0.5)
+    assert d.rigid.unsolved == constraints.UNSOLVED
+
+
+@pytest.mark.parametrize("part", [0.5, 1.0, 2.0])
+def test_a_point_that_hardly_moves_is_held_in_a_few_iterations(monkeypatch, part):
+    """Where D W is about 1 the residual would take 30 iterations and more to become round-off."""
+    d, _, _, _, w = problem(pressed=(0, 1, 0, 0))
+    monkeypatch.setattr(constraints, "LEAST_SINGLE", 1e9)
+    monkeypatch.setattr(constraints, "holding_impedance", lambda _: part / w[1, 1])
+    monkeypatch.setattr(constraints, "STIFFEST", 1e12 * part / w[1, 1] / compliance.mean_mass(d))
+    before = d.limits.other_work
+    constraints.factorize_free(d)
+    assert constraints.solve_equality(d, 2.0) <= 2e-15
+    assert d.limits.other_work - before <= 22
+    assert d.rigid.impulse[1] == pytest.approx((d.rigid.target - d.rigid.start)[1] / w[1, 1], rel=1e-12)

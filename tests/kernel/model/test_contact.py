@@ -5,19 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from chain_impact.kernel.model import contact
 from chain_impact.kernel.model.constraints import activate_all
-from chain_impact.kernel.model.contact import (
-    apply_contact,
-    apply_contacts,
-    begin_contact,
-    clear_loads,
-    contact_force,
-    contact_slopes,
-    kink_height,
-    list_touching,
-    set_kink_side,
-    set_kink_sides,
-)
 from chain_impact.kernel.model.contact_force import elastic_energy, law_force
 from chain_impact.kernel.model.equations import clear_stage_notes
 from chain_impact.kernel.model.geometry import clearance
@@ -39,10 +28,10 @@ def in_contact(law="zhang_sharf", touching=3):
     candidates = [1, 6, 15][:touching]
     y = struck(rng, d, candidates)
     for c in candidates:
-        begin_contact(d, c)
+        contact.begin_contact(d, c)
     for k, c in enumerate(candidates):
         press_in(d, c, DEPTH * (k + 1))
-    set_kink_sides(d)
+    contact.set_kink_sides(d)
     return scene, d, y, candidates, gradients(scene, d, y[2:5], candidates)
 
 
@@ -53,8 +42,8 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
     scene, d, y, candidates, jacobian = in_contact(law, touching)
     d.work.load.x[:] = d.work.load.y[:] = 9.0  # of another state
     rates = jacobian @ y[5:10]
-    forces = np.array([contact_force(d, c, *clearance(d, c)) for c in candidates])
-    lost = apply_contacts(d)
+    forces = np.array([contact.contact_force(d, c, *clearance(d, c)) for c in candidates])
+    lost = contact.apply_contacts(d)
     found = sum(point_jacobian(scene, y[2:5], k).T @ load for k, load in enumerate(vectors(d.work.load)))
     expected = point_jacobian(scene, y[2:5], 3).T @ [0.3, -0.8]
     if touching:
@@ -69,7 +58,7 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
         stored += (ends[0] - ends[1]) / (2 * h)
     assert lost == pytest.approx(-forces @ rates - stored, abs=1e-6 * np.abs(forces * rates).sum())
     assert lost >= 0.0
-    clear_loads(d)
+    contact.clear_loads(d)
     assert vectors(d.work.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, -0.8]]
 
 
@@ -77,9 +66,9 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
 def test_a_force_acts_along_the_inward_normal_of_its_point_alone(law):
     _scene, d, _y, (c, *_), _jacobian = in_contact(law)
     d.touch.beyond_kink[c] = 0
-    clear_loads(d)
+    contact.clear_loads(d)
     before = vectors(d.work.load)
-    apply_contact(d, c, -DEPTH, -0.7)
+    contact.apply_contact(d, c, -DEPTH, -0.7)
     added = vectors(d.work.load) - before
     force, _elastic = law_force(d, c, DEPTH, 0.7)
     point = d.candidate.point[c]
@@ -89,8 +78,8 @@ def test_a_force_acts_along_the_inward_normal_of_its_point_alone(law):
     assert np.linalg.norm(added[point]) == pytest.approx(force, rel=1e-12)
     assert not np.delete(added, point, axis=0).any()
     # apart from the wall by round-off there is no spring
-    assert apply_contact(d, c, 1e-16, 0.0) == 0.0
-    assert contact_force(d, c, 1e-16, -0.7) == law_force(d, c, 0.0, 0.7)[0]
+    assert contact.apply_contact(d, c, 1e-16, 0.0) == 0.0
+    assert contact.contact_force(d, c, 1e-16, -0.7) == law_force(d, c, 0.0, 0.7)[0]
 
 
 @LAWS
@@ -101,12 +90,16 @@ def test_slopes_at_the_points_are_those_of_the_force(law):
     for k, c in enumerate(candidates):
         gap, rate = clearance(d, c)
         if law_force(d, c, -gap, -rate)[0] == 0.0:
-            assert contact_slopes(d, c) == (0.0, 0.0)
+            assert contact.contact_slopes(d, c) == (0.0, 0.0)
             continue
         assert -gap == pytest.approx(DEPTH * (k + 1), rel=1e-9)
-        by_depth = (contact_force(d, c, gap - h, rate) - contact_force(d, c, gap + h, rate)) / (2 * h)
-        by_rate = (contact_force(d, c, gap, rate - h) - contact_force(d, c, gap, rate + h)) / (2 * h)
-        stiffness, damping = contact_slopes(d, c)
+        by_depth = (
+            contact.contact_force(d, c, gap - h, rate) - contact.contact_force(d, c, gap + h, rate)
+        ) / (2 * h)
+        by_rate = (
+            contact.contact_force(d, c, gap, rate - h) - contact.contact_force(d, c, gap, rate + h)
+        ) / (2 * h)
+        stiffness, damping = contact.contact_slopes(d, c)
         assert stiffness == pytest.approx(by_depth, rel=1e-5)
         assert damping == pytest.approx(by_rate, rel=1e-5, abs=1e-3)
 
@@ -127,7 +120,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     for field in ("peak_force", "max_penetration", "force_rate"):
         d.touch[field][c] = 7.0
     d.step.end, d.quadrature.total[c], d.impact.count = 1.25, 3.5, 4
-    begin_contact(d, c)
+    contact.begin_contact(d, c)
     touched = d.touch
     first = max(speed, 1e-2)
     mass = 1.0 / (gradient @ np.linalg.solve(mass_matrix(scene, y[2:5]), gradient))
@@ -149,7 +142,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     else:
         energy = 0.5 * mass * first**2
         assert elastic_energy(d, c, touched.depth_scale[c]) == pytest.approx(energy, rel=1e-9)
-        lost = contact_force(d, c, -1e-3, -first) - contact_force(d, c, -1e-3, 0.0)
+        lost = contact.contact_force(d, c, -1e-3, -first) - contact.contact_force(d, c, -1e-3, 0.0)
         assert lost > 0.0
 
 
@@ -162,17 +155,17 @@ def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
     for c, rate in zip(candidates, (-3.0, 0.0, 1e3), strict=True):
         d.work.velocity.x[point[c]], d.work.velocity.y[point[c]] = rate * n[0][c], rate * n[1][c]
         sides.append(int(rate > 0.0))
-        assert (kink_height(d, c) < 0.0) == (rate > 0.0)
+        assert (contact.kink_height(d, c) < 0.0) == (rate > 0.0)
     assert len({int(point[c]) for c in candidates}) == 3
     d.touch.beyond_kink[:] = [*[5] * d.candidates]
     make_rigid(d, law == "newton_impact")
-    set_kink_sides(d)
+    contact.set_kink_sides(d)
     if d.contact.any_rigid:  # a rigid wall has no force
         assert (d.touch.beyond_kink == 5).all()
         return
     assert d.touch.beyond_kink[candidates].tolist() == sides
     assert (np.delete(d.touch.beyond_kink, candidates) == 5).all()
-    set_kink_side(d, candidates[2])
+    contact.set_kink_side(d, candidates[2])
     assert d.touch.beyond_kink[candidates[2]] == 1
 
 
@@ -189,16 +182,6 @@ def test_only_what_the_contacts_have_noted_is_forgotten():
     assert (d.rigid.least_force[others] == -2.0).all()
 
 
-@pytest.mark.parametrize("touching", [[], [0], [3, 5], range(16)])
-def test_contacts_are_listed_in_the_order_of_the_candidates(touching):
-    _, d = chain(np.random.default_rng(0), 3)
-    d.touch.active[:] = np.isin(np.arange(d.candidates), list(touching))
-    d.touch.active_count = 5
-    list_touching(d)
-    assert d.touch.active_index[: d.touch.active_count].tolist() == list(touching)
-    assert d.touch.compliant_count == d.touch.active_count
-
-
 @pytest.mark.parametrize("touching", [[], [0], [3, 5], [2, 3, 7, 9, 14], range(16)])
 @pytest.mark.parametrize("rigid", [[], [3], [0, 3, 8, 9], range(16)])
 def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touching, rigid):
@@ -207,7 +190,7 @@ def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touchi
     make_rigid(d, np.isin(np.arange(d.candidates), list(rigid)))
     d.touch.active_count = d.touch.compliant_count = 5
     d.touch.active_index[:], listings = 11, int(d.touch.listings)
-    list_touching(d)
+    contact.list_touching(d)
     forces = [c for c in touching if c not in rigid]
     held = [c for c in touching if c in rigid]
     assert d.touch.compliant_count == len(forces)
@@ -224,11 +207,11 @@ def test_beside_a_rigid_contact_only_the_others_have_a_force(rigid):
     _, d, _, candidates, _ = in_contact()
     others = [c for c in candidates if c != rigid]
     touch(d, others)
-    lost, loads = apply_contacts(d), vectors(d.work.load)
+    lost, loads = contact.apply_contacts(d), vectors(d.work.load)
     touch(d, candidates)
     d.touch.force[rigid] = -5.0
     make_rigid(d, np.arange(d.candidates) == rigid)
-    assert apply_contacts(d) == lost
+    assert contact.apply_contacts(d) == lost
     np.testing.assert_array_equal(vectors(d.work.load), loads)
     assert d.touch.force[rigid] == -5.0
 
@@ -239,6 +222,6 @@ def test_the_stops_among_the_contacts_are_counted():
     for touching in ([], [0, 1], stops[:1], [0, *stops[:3]], [*stops, 0]):
         d.touch.active[:] = np.isin(np.arange(d.candidates), touching)
         d.touch.stop_count = 9
-        list_touching(d)
+        contact.list_touching(d)
         assert d.touch.active_count == len(touching)
         assert d.touch.stop_count == len(set(touching) & set(stops))

@@ -3,25 +3,11 @@
 import numpy as np
 import pytest
 
+from chain_impact.kernel.chain import state
 from chain_impact.kernel.chain.joints import spring_energy
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import (
-    dissipated_at,
-    omega_at,
-    sundman_u_at,
-    supplied_at,
-    time_at,
-    velocity_at,
-)
+from chain_impact.kernel.model import equations
 from chain_impact.kernel.model.contact import apply_contacts, begin_contact, clear_loads
-from chain_impact.kernel.model.equations import (
-    add_spring_moments,
-    free_rate,
-    joint_moments,
-    loaded_rate,
-    located_rate,
-    state_rate,
-)
 from tests.kernel.chain.test_elimination import relative_motion
 from tests.kernel.chains import (
     chain,
@@ -55,18 +41,18 @@ def prepared(base, count, touching=(), **more):
 
 
 def omega_of(d, y):
-    return y[omega_at(d.links) : omega_at(d.links) + d.links]
+    return y[state.omega_at(d.links) : state.omega_at(d.links) + d.links]
 
 
 def rates(d, rate):
-    return rate[velocity_at(d.links) : velocity_at(d.links) + d.links + 2]
+    return rate[state.velocity_at(d.links) : state.velocity_at(d.links) + d.links + 2]
 
 
 @BASES
 def test_moments_of_the_springs_are_the_slopes_of_their_energy(base, count):
     _, d, y, _ = prepared(base, count)
     d.work.moment[:] = 0.5
-    add_spring_moments(d, y)
+    equations.add_spring_moments(d, y)
     h = 1e-6
     for i in range(count):
         ahead, behind = y.copy(), y.copy()
@@ -82,11 +68,11 @@ def test_moments_of_the_joints_act_on_both_links_and_their_powers_are_theirs(bas
     """Gᵀ (u − c G ω), with G ω the rates of the joints; lost is Σ c (G ω)², supplied u·G ω + f·v."""
     scene, d, y, joints = prepared(base, count)
     d.model.sprung = sprung
-    dissipated, supplied = joint_moments(d, y)
+    dissipated, supplied = equations.joint_moments(d, y)
     found = d.work.moment.copy()
     if sprung:
         d.work.moment[:] = 0.0
-        add_spring_moments(d, y)
+        equations.add_spring_moments(d, y)
         found -= d.work.moment
     damping = np.array([link.joint_damping for link in scene.chain.links])
     relative = joints @ omega_of(d, y)
@@ -108,22 +94,22 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
     set_vectors(d.work.load, loads)
     moments, powers = np.zeros(count), (0.0, 0.0)
     if inputs or d.model.resisting:
-        powers = joint_moments(d, y)
+        powers = equations.joint_moments(d, y)
         moments = d.work.moment.copy()
         d.work.moment[:] = 9.0
     else:
         d.work.moment[:] = 0.0
-    loaded_rate(d, y, 1.5, rate)
+    equations.loaded_rate(d, y, 1.5, rate)
     angles, free = y[2 : count + 2], free_coordinates(d)
     force = generalized_force(scene, angles, omega_of(d, y), loads, moments)
     expected = np.zeros(count + 2)
     expected[free] = np.linalg.solve(mass_matrix(scene, angles)[free, free], force[free])
     np.testing.assert_array_equal(rate[: count + 2], y[count + 2 : 2 * count + 4])
     np.testing.assert_allclose(rates(d, rate), expected, rtol=0, atol=1e-10 * np.abs(expected).max())
-    assert rate[dissipated_at(count)] == pytest.approx(1.5 + powers[0], rel=1e-13)
-    assert rate[supplied_at(count)] == powers[1]
+    assert rate[state.dissipated_at(count)] == pytest.approx(1.5 + powers[0], rel=1e-13)
+    assert rate[state.supplied_at(count)] == powers[1]
     # a step in time: there is no root, and time goes on
-    assert (rate[sundman_u_at(count)], rate[time_at(count)]) == (0.0, 1.0)
+    assert (rate[state.sundman_u_at(count)], rate[state.time_at(count)]) == (0.0, 1.0)
 
 
 @BASES
@@ -133,20 +119,20 @@ def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base,
         begin_contact(d, c)
         press_in(d, c, 1e-3 * (k + 1))
     rate, expected, whole = (np.full(len(y), np.nan) for _ in range(3))
-    located_rate(d, y, rate)
+    equations.located_rate(d, y, rate)
     loads = vectors(d.work.load)
-    loaded_rate(d, y, apply_contacts(d), expected)
+    equations.loaded_rate(d, y, apply_contacts(d), expected)
     np.testing.assert_array_equal(rate[:-2], expected[:-2])
     assert (vectors(d.work.load) == loads).all()
-    state_rate(d, y, whole)
+    equations.state_rate(d, y, whole)
     np.testing.assert_array_equal(whole[:-2], rate[:-2])
     # as if the walls were not there: rigid ones without their forces
     make_rigid(d)
     clear_loads(d)
     only_inputs = vectors(d.work.load)
-    loaded_rate(d, y, 0.0, expected)
+    equations.loaded_rate(d, y, 0.0, expected)
     d.work.load.x[:] = d.work.load.y[:] = 9.0
-    free_rate(d, y, rate)
+    equations.free_rate(d, y, rate)
     np.testing.assert_array_equal(rate[:-2], expected[:-2])
     assert (vectors(d.work.load) == only_inputs).all()
     assert np.abs(rate[:-2] - whole[:-2]).max() > 1.0
@@ -161,10 +147,10 @@ def test_rigid_walls_hold_what_touches_them_by_forces_that_do_no_work(base, touc
     candidates = [5, 14][:touching]
     y = struck(rng, d, candidates, 0.0)
     rate, free = np.full(len(y), np.nan), free_coordinates(d)
-    located_rate(d, y, rate)
+    equations.located_rate(d, y, rate)
     if touching == 0:
         expected = np.full(len(y), np.nan)
-        free_rate(d, y, expected)
+        equations.free_rate(d, y, expected)
         np.testing.assert_array_equal(rate[:-2], expected[:-2])
         return
     angles, omega = y[2:6], omega_of(d, y)
@@ -182,7 +168,7 @@ def test_rigid_walls_hold_what_touches_them_by_forces_that_do_no_work(base, touc
     solution = np.linalg.solve(matrix, [*force[free], *-drift])
     np.testing.assert_allclose(rates(d, rate)[free], solution[:size], rtol=0, atol=1e-7)
     np.testing.assert_allclose(d.touch.force[candidates], solution[size:], rtol=0, atol=1e-7)
-    assert rate[dissipated_at(4)] == 0.0
+    assert rate[state.dissipated_at(4)] == 0.0
 
 
 def test_in_free_flight_no_point_is_located():
@@ -191,22 +177,22 @@ def test_in_free_flight_no_point_is_located():
     y = random_state(rng, d)
     rate, other = np.full(len(y), np.nan), np.full(len(y), np.nan)
     d.work.position.x[:] = 77.0
-    state_rate(d, y, rate)
+    equations.state_rate(d, y, rate)
     assert (d.work.position.x == 77.0).all()
     locate_points(d, y)
-    located_rate(d, y, other)
+    equations.located_rate(d, y, other)
     np.testing.assert_array_equal(rate[:-2], other[:-2])
     # an input acts on the tip, whose speed its power takes
     d.model.driven, d.inputs.tip_force[0] = 1, 2.0
     d.work.velocity.x[:] = 77.0
-    state_rate(d, y, rate)
-    assert rate[supplied_at(3)] == pytest.approx(2.0 * d.work.velocity.x[3])
+    equations.state_rate(d, y, rate)
+    assert rate[state.supplied_at(3)] == pytest.approx(2.0 * d.work.velocity.x[3])
     assert d.work.velocity.x[3] != 77.0
     # as does one contact, though nothing drives
     d.model.driven = 0
     touch(d, [2])
     d.work.velocity.x[:] = 77.0
-    state_rate(d, y, rate)
+    equations.state_rate(d, y, rate)
     assert d.work.velocity.x[3] != 77.0
 
 
@@ -214,6 +200,6 @@ def test_the_inputs_are_those_at_the_time_of_the_state():
     _, d, y, _ = prepared("pinned", 1)
     d.inputs.course.order, d.inputs.course.scale, d.step.clock = 1, 1.0, 0.5
     d.inputs.course.joint_torque[:2, 0] = 1.0, 2.0
-    y[time_at(1)] = 0.25
-    located_rate(d, y, np.zeros(len(y)))
+    y[state.time_at(1)] = 0.25
+    equations.located_rate(d, y, np.zeros(len(y)))
     assert d.inputs.joint_torque[0] == 1.0 + 2.0 * 0.75

@@ -6,32 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.model.contact import (
-    clear_loads,
-    list_touching,
-    start_contact,
-)
+from chain_impact.kernel.model import contact, friction
 from chain_impact.kernel.model.equations import clear_stage_notes, located_rate
-from chain_impact.kernel.model.friction import (
-    NO_FRICTION,
-    NOT_HELD,
-    STICKS,
-    any_sticking,
-    apply_friction,
-    begin_friction,
-    clear_friction,
-    clear_margins,
-    friction_load,
-    joint_of,
-    keep_anchors,
-    keep_static_forces,
-    list_friction,
-    list_sticking,
-    may_rub,
-    set_friction_used,
-    slide,
-    suspend_sticking,
-)
 from chain_impact.kernel.model.geometry import tangential_acceleration, tangential_position, tangential_rate
 from tests.kernel.chains import chain, struck
 from tests.kernel.rubbing import MOMENT, MU, MU_S, mobility, rubbing_chain, tangents
@@ -57,30 +33,30 @@ def test_contacts_are_listed_before_joints(base, contacts, joints):
     _, d, _ = rubbing_chain(np.random.default_rng(1), base, contacts, joints)
     found, own = elements_of(d), d.friction
     assert found[: own.contact_count] == [int(c) for c in d.touch.active_index[:contacts]]
-    assert [joint_of(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
+    assert [friction.joint_of(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
     assert own.used
-    assert not any_sticking(d)
-    d.element.mode[found[-1]] = STICKS
-    list_sticking(d)
+    assert not friction.any_sticking(d)
+    d.element.mode[found[-1]] = friction.STICKS
+    friction.list_sticking(d)
     assert (own.stuck_count, int(d.element.stuck[0])) == (1, found[-1])
     assert own.stuck_joints == joints
-    suspend_sticking(d)
-    assert not any_sticking(d)
-    list_friction(d)
+    friction.suspend_sticking(d)
+    assert not friction.any_sticking(d)
+    friction.list_friction(d)
     assert own.stuck_count == 1
-    clear_friction(d)
+    friction.clear_friction(d)
     assert (own.count, own.stuck_count) == (0, 0)
-    assert (d.element.mode[:] == NO_FRICTION).all()
+    assert (d.element.mode[:] == friction.NO_FRICTION).all()
 
 
 def test_only_a_law_with_friction_rubs():
     _, d, _ = rubbing_chain(np.random.default_rng(1), "free", 1, False)
     c = int(d.touch.active_index[0])
-    assert may_rub(d, c)
+    assert friction.may_rub(d, c)
     d.law.static_friction[:] = 0.0
-    assert not may_rub(d, c)
+    assert not friction.may_rub(d, c)
     d.contact.any_friction = 0
-    set_friction_used(d)
+    friction.set_friction_used(d)
     assert not d.friction.used
 
 
@@ -118,9 +94,9 @@ def test_what_sticks_has_no_tangential_acceleration(base, contacts, joints):
     d.friction.count = d.friction.contact_count = 0
     free = rate_of(d, y)
     bias = np.array([tangential_acceleration(d, e) for e in found])
-    list_friction(d)
-    d.element.mode[found] = STICKS
-    list_sticking(d)
+    friction.list_friction(d)
+    d.element.mode[found] = friction.STICKS
+    friction.list_sticking(d)
     rate = rate_of(d, y)
     left = [tangential_acceleration(d, e) for e in found]
     np.testing.assert_allclose(left, 0.0, atol=1e-11 * (1.0 + np.abs(bias).max()))
@@ -137,12 +113,12 @@ def test_a_contact_begins_in_the_direction_of_its_motion():
     _, d, _ = rubbing_chain(np.random.default_rng(4), "free", 1, False)
     c = int(d.touch.active_index[0])
     speed = tangential_rate(d, c)
-    begin_friction(d, c)
+    friction.begin_friction(d, c)
     assert d.element.mode[c] == np.sign(speed)
     for vector in (d.work.velocity.x, d.work.velocity.y):
         vector[:] = 0.0
-    begin_friction(d, c)
-    assert d.element.mode[c] == STICKS
+    friction.begin_friction(d, c)
+    assert d.element.mode[c] == friction.STICKS
     assert d.element.anchor[c] == tangential_position(d, c) != 0.0
 
 
@@ -152,18 +128,18 @@ def test_margins_are_the_least_of_a_step():
     speed = tangential_rate(d, c)
     d.element.mode[c] = -int(np.sign(speed))
     d.element.margin[c] = 7.0
-    clear_margins(d)
+    friction.clear_margins(d)
     assert d.element.margin[c] == 0.0
-    clear_loads(d)
-    power = slide(d, c, 2.0)
+    contact.clear_loads(d)
+    power = friction.slide(d, c, 2.0)
     assert power == pytest.approx(-2.0 * abs(speed), rel=1e-14)
     assert d.element.margin[c] == -abs(speed)
     d.touch.force[c] = 5.0
-    assert apply_friction(d) == pytest.approx(-5.0 * MU * abs(speed), rel=1e-14)
-    d.element.mode[c] = STICKS
-    list_sticking(d)
+    assert friction.apply_friction(d) == pytest.approx(-5.0 * MU * abs(speed), rel=1e-14)
+    d.element.mode[c] = friction.STICKS
+    friction.list_sticking(d)
     d.rigid.impulse[d.touch.active_count] = 5.0 * MU_S + 100.0
-    dissipated = keep_static_forces(d)
+    dissipated = friction.keep_static_forces(d)
     assert d.element.margin[c] == pytest.approx(-100.0, rel=1e-12)
     assert dissipated == pytest.approx(-d.element.force[c] * speed, rel=1e-14)
 
@@ -171,40 +147,34 @@ def test_margins_are_the_least_of_a_step():
 def test_an_anchor_moves_only_where_it_cannot_be_held():
     _, d, _ = rubbing_chain(np.random.default_rng(6), "free", 1, False)
     c = int(d.touch.active_index[0])
-    d.element.mode[c] = STICKS
-    list_sticking(d)
+    d.element.mode[c] = friction.STICKS
+    friction.list_sticking(d)
     there = tangential_position(d, c)
-    near = there + 0.5 * NOT_HELD * d.model.size
+    near = there + 0.5 * friction.NOT_HELD * d.model.size
     d.element.anchor[c] = near
-    keep_anchors(d)
+    friction.keep_anchors(d)
     assert d.element.anchor[c] == near
-    d.element.anchor[c] = there + 2.0 * NOT_HELD * d.model.size
-    keep_anchors(d)
+    d.element.anchor[c] = there + 2.0 * friction.NOT_HELD * d.model.size
+    friction.keep_anchors(d)
     assert d.element.anchor[c] == there
 
 
-def test_a_contact_has_no_mode_in_a_record_without_room_for_friction():
-    """Such a record may come from outside, with a coefficient that its scene cannot have."""
+@pytest.mark.parametrize("room", [True, False])
+def test_a_contact_that_begins_has_a_mode_and_is_listed(room):
+    """But not in a record without room for it, as from outside, with a coefficient its scene cannot have."""
     rng = np.random.default_rng(7)
-    _, d = chain(rng, 3)
+    _, d = chain(rng, 3, **({"friction": MU} if room else {}))
     struck(rng, d, [])
-    d.law.friction[:] = d.law.static_friction[:] = 0.3
+    d.law.friction[:] = d.law.static_friction[:] = MU
     d.contact.any_friction = 1
-    set_friction_used(d)
-    assert (d.elements, d.friction.used) == (0, 0)
-    start_contact(d, 1)
-    list_touching(d)
-    assert (d.touch.active_count, d.friction.count) == (1, 0)
-
-
-def test_a_contact_that_begins_has_a_mode_and_is_listed():
-    rng = np.random.default_rng(7)
-    _, d = chain(rng, 3, friction=MU)
-    struck(rng, d, [])
-    start_contact(d, 1)
-    list_touching(d)
-    assert elements_of(d) == [1]
-    assert d.element.mode[1] == np.sign(tangential_rate(d, 1)) != 0.0
+    friction.set_friction_used(d)
+    assert (d.elements > 0, d.friction.used) == (room, room)
+    contact.start_contact(d, 1)
+    contact.list_touching(d)
+    assert d.touch.active_count == 1
+    assert elements_of(d) == [1] * room
+    if room:
+        assert d.element.mode[1] == np.sign(tangential_rate(d, 1)) != 0.0
 
 
 def test_what_a_step_has_noted_of_friction_is_forgotten_with_the_step():
@@ -223,4 +193,4 @@ def test_what_a_step_has_noted_of_friction_is_forgotten_with_the_step():
 def test_friction_goes_with_a_force_that_is_continued_beyond_its_kink(force, approach_only, load):
     """But not where a law that damps on approach only pulls."""
     touch, law = SimpleNamespace(force=[99.0, force]), SimpleNamespace(approach_only=[0, approach_only])
-    assert friction_load(SimpleNamespace(touch=touch, law=law), 1) == load
+    assert friction.friction_load(SimpleNamespace(touch=touch, law=law), 1) == load

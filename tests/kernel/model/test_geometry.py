@@ -35,7 +35,6 @@ from chain_impact.variables.model import Model
 from tests.kernel.chains import random_state, stopped_chain, stops_of
 from tests.plain import Plain
 from tests.problems import default_scene
-from tests.reference import set_vectors
 
 # angle and point; the last angle is beyond what the kernel's own sines are for
 SLOPES = [
@@ -61,13 +60,6 @@ def placed(request):
     scene, d = prepared(request.param)
     place_walls(d)
     return scene, d
-
-
-def vectors(d, seed):
-    """Any vectors of all points, in the record and as an array (N+1, 2)."""
-    values = np.random.default_rng(seed).normal(size=(d.links + 1, 2))
-    set_vectors(d.work.motion, values)
-    return d.work.motion, values
 
 
 def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
@@ -103,29 +95,6 @@ def test_a_clearance_and_its_rate_are_those_of_the_point(placed):
         speed = np.array([d.work.velocity.x[point], d.work.velocity.y[point]])
         assert gap == pytest.approx(wall.clearance(*place) - 0.07, abs=1e-14)
         assert rate == pytest.approx(speed @ wall.normal, abs=1e-14)
-
-
-def test_what_is_added_along_a_normal_is_found_along_it(placed):
-    _, d = placed
-    for c in range(d.candidates):
-        motion, values = vectors(d, c)
-        point, n = d.candidate.point[c], np.array(normal(d, c)[1:])
-        assert along(normal(d, c), motion) == pytest.approx(values[point] @ n, abs=1e-15)
-        add_along(normal(d, c), motion, 2.5)
-        found = np.transpose([motion.x, motion.y])[: d.links + 1]
-        values[point] += 2.5 * n
-        np.testing.assert_allclose(found, values, rtol=0, atol=1e-15)
-
-
-def test_an_impedance_acts_along_the_normal_alone(placed):
-    _, d = placed
-    total = np.zeros((d.links + 1, 2, 2))
-    for c in range(d.candidates):
-        add_impedance(normal(d, c), d.work.impedance, 1.0 + c)
-        total[d.candidate.point[c]] += (1.0 + c) * np.outer(normal(d, c)[1:], normal(d, c)[1:])
-    impedance = d.work.impedance
-    for name, found in (("xx", total[:, 0, 0]), ("xy", total[:, 0, 1]), ("yy", total[:, 1, 1])):
-        np.testing.assert_allclose(impedance[name][: d.links + 1], found, rtol=1e-14, atol=1e-13)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
@@ -169,84 +138,78 @@ def stopped(request):
     return d, y
 
 
+def differenced(d, y, change):
+    """The changes of all clearances along a change of the coordinates, by central differences."""
+    gaps, h = [], 1e-6
+    for shift in (h, -h):
+        moved = y.copy()
+        moved[: d.links + 2] += shift * change
+        locate_points(d, moved)
+        gaps.append(np.array([clearance(d, c)[0] for c in range(d.candidates)]))
+    locate_points(d, y)
+    return (gaps[0] - gaps[1]) / (2 * h)
+
+
 def test_the_clearance_of_a_stop_is_that_of_the_angle_of_its_joint_at_the_arm(stopped):
     """g = s (ψ − joint_min) or s (joint_max − ψ), and its rate by a difference along the motion."""
     d, y = stopped
-    size, gaps, h = d.model.size, [], 1e-6
-    angles = np.diff(y[2:5], prepend=0.0)
+    size, angles, joints = d.model.size, np.diff(y[2:5], prepend=0.0), [1, 2, 3] if d.model.pinned else [2, 3]
+    assert lever(d, 0) == 1.0
+    assert d.candidate.point[stops_of(d)].tolist() == list(np.repeat(joints, 2))
     for c in stops_of(d):
         joint, side = d.candidate.point[c] - 1, d.candidate.stop[c]
         limit = (d.model.joint_min if side > 0 else d.model.joint_max)[joint]
         assert clearance(d, c)[0] == pytest.approx(size * side * (angles[joint] - limit), rel=1e-13)
         assert lever(d, c) == size
         assert (d.candidate.place[c], d.candidate.normal_x[c]) == (d.links + joint + 1, side)
-        before = abs(y[joint + 1]) if joint else 0.0
-        assert coordinates_size(d, c, y) == pytest.approx(size * (abs(y[joint + 2]) + before), rel=1e-14)
     rates = np.array([clearance(d, c)[1] for c in range(d.candidates)])
-    for shift in (h, -h):
-        moved = y.copy()
-        moved[:5] += shift * y[5:10]
-        locate_points(d, moved)
-        gaps.append(np.array([clearance(d, c)[0] for c in range(d.candidates)]))
-    np.testing.assert_allclose(rates, (gaps[0] - gaps[1]) / (2 * h), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(rates, differenced(d, y, y[5:10]), rtol=0, atol=1e-6)
 
 
-def test_a_stop_is_each_way_of_its_joint_alone(stopped):
-    """Two for each joint, of which only the base's own, when it is free, has none."""
-    d, _ = stopped
-    joints = [1, 2, 3] if d.model.pinned else [2, 3]
-    assert d.candidate.point[stops_of(d)].tolist() == list(np.repeat(joints, 2))
-    assert lever(d, 0) == 1.0
+def assert_adjoint(d, rows, change):
+    """F·(J v) = (Jᵀ F)·v for directions of points and joints; impedances have the energy D (J v)².
 
-
-def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
-    """F·(J v) = (Jᵀ F)·v for any motion v of points and joints; the impedance has the energy ½ D (J v)²."""
-    d, y = stopped
-    rng = np.random.default_rng(9)
-    change = rng.normal(size=5)
-    if d.model.pinned:
-        change[:2] = 0.0
-    move_points(d, d.work.link, change, d.work.motion)
-    motion = d.work.motion
-    bound = speed_bound(d, motion)
-    for c in range(d.candidates):
-        speed, force = along(normal(d, c), motion), rng.normal()
-        assert abs(speed) <= bound
-        d.work.load.x[:] = d.work.load.y[:] = d.work.load.joint[:] = 9.0
-        clear_loads_of(d, d.work.load)
-        add_along(normal(d, c), d.work.load, force)
-        load, own = d.work.load, d.work.impedance
+    Also where loads and impedances of joints have become moments and those of the joints.
+    """
+    rng, motion, load, own = np.random.default_rng(9), d.work.motion, d.work.load, d.work.impedance
+    turns, points = np.diff(change[2:], prepend=0.0), slice(0, d.links + 1)
+    for row in rows:
+        speed, force = along(row, motion), rng.normal()
+        load.x[:] = load.y[:] = load.joint[:] = own.xx[:] = own.xy[:] = own.yy[:] = own.joint[:] = 9.0
+        clear_loads_of(d, load)
+        add_along(row, load, 0.25 * force)
+        add_along(row, load, 0.75 * force)
         assert load.x @ motion.x + load.y @ motion.y == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
-        # as moments in the joints and forces on the points
         to_joints(d, load)
-        turns, points = np.diff(change[2:], prepend=0.0), slice(0, d.links + 1)
         power = load.x[points] @ motion.x[points] + load.y[points] @ motion.y[points] + load.joint @ turns
         assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
-        own.xx[:] = own.xy[:] = own.yy[:] = own.joint[:] = 9.0
         no_impedance(d, own)
         own.xy[d.links + 1 :] = own.yy[d.links + 1 :] = 0.0  # which nothing reads
-        add_impedance(normal(d, c), own, 2.5)
+        add_impedance(row, own, 1.0)
+        add_impedance(row, own, 1.5)
         energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2
         assert energy == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
         join(d, own, 0.0)
-        if d.candidate.stop[c]:
+        if row[0] > d.links:
             assert own.joint @ turns**2 == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
-    # J v by a difference of g
-    gaps, h = [], 1e-6
-    moved = [along(normal(d, c), motion) for c in range(d.candidates)]
-    for shift in (h, -h):
-        there = y.copy()
-        there[:5] += shift * change
-        locate_points(d, there)
-        gaps.append(np.array([clearance(d, c)[0] for c in range(d.candidates)]))
-    np.testing.assert_allclose(moved, (gaps[0] - gaps[1]) / (2 * h), rtol=0, atol=1e-6)
 
 
-def test_the_fastest_joint_is_in_the_bound_of_speeds(stopped):
-    d, _ = stopped
-    d.work.motion.x[:] = d.work.motion.y[:] = 0.1
-    d.work.motion.x[4:] = 0.5, -4.0, 1.0
-    assert speed_bound(d, d.work.motion) == 4.0
+def any_change(d):
+    """Some change of the coordinates, along which the points and joints move."""
+    change = np.random.default_rng(8).normal(size=d.links + 2)
+    change[: 2 * d.model.pinned] = 0.0
+    move_points(d, d.work.link, change, d.work.motion)
+    return change
+
+
+def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
+    d, y = stopped
+    change, bound = any_change(d), speed_bound(d, d.work.motion)
+    rows = [normal(d, c) for c in range(d.candidates)]
+    assert_adjoint(d, rows, change)
+    speeds = [along(row, d.work.motion) for row in rows]
+    assert np.abs(speeds).max() <= bound
+    np.testing.assert_allclose(speeds, differenced(d, y, change), rtol=0, atol=1e-6)
 
 
 def test_the_acceleration_of_a_joint_is_that_of_its_angle(stopped):
@@ -323,7 +286,7 @@ def test_the_tangent_of_a_wall_is_its_normal_turned_backward(rubbing):
 
 
 def test_the_tangent_of_a_joint_is_its_angle_at_the_arm(rubbing):
-    """J v by the angle's rate, ψ̇ = θ̇_i − θ̇_{i−1}."""
+    """J v by the angle's rate, ψ̇ = θ̇_i − θ̇_{i−1}; motions and loads along tangents are adjoint."""
     _, d, y = rubbing
     n = d.links
     rates = np.diff(y[n + 4 : 2 * n + 4], prepend=0.0)
@@ -332,35 +295,5 @@ def test_the_tangent_of_a_joint_is_its_angle_at_the_arm(rubbing):
         assert tangent(d, e) == (n + 1 + i, 1.0, 0.0)
         speed = tangential_rate(d, e)
         assert speed == pytest.approx(d.model.size * rates[i], rel=1e-12, abs=1e-14)
-
-
-def test_the_motion_and_the_load_along_tangents_are_adjoint(rubbing):
-    """F·(J v) = (Jᵀ F)·v, also where loads of joints are moments; the impedance has the energy D (J v)²."""
-    _, d, _ = rubbing
-    rng, n = np.random.default_rng(9), d.links
-    change = rng.normal(size=n + 2)
-    if d.model.pinned:
-        change[:2] = 0.0
-    motion, load, own = d.work.motion, d.work.load, d.work.impedance
-    move_points(d, d.work.link, change, motion)
-    turns, points = np.diff(change[2:], prepend=0.0), slice(0, n + 1)
-    for e in range(d.elements):
-        speed, force = along(tangent(d, e), motion), rng.normal()
-        assert abs(speed) > 0.0 or (d.model.pinned and d.candidate.point[e] == 0)
-        clear_loads_of(d, load)
-        add_along(tangent(d, e), load, 0.25 * force)
-        add_along(tangent(d, e), load, 0.75 * force)
-        power = load.x @ motion.x + load.y @ motion.y
-        assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
-        to_joints(d, load)
-        power = load.x[points] @ motion.x[points] + load.y[points] @ motion.y[points] + load.joint @ turns
-        assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
-        own.xy[:] = own.yy[:] = 0.0  # nothing reads those of joints
-        no_impedance(d, own)
-        add_impedance(tangent(d, e), own, 1.0)
-        add_impedance(tangent(d, e), own, 1.5)
-        energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2
-        assert energy == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
-        join(d, own, 0.0)
-        if e >= d.candidates:
-            assert own.joint @ turns**2 == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
+    change = any_change(d)
+    assert_adjoint(d, [tangent(d, e) for e in range(d.elements)], change)

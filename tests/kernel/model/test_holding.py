@@ -7,45 +7,29 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.model import holding
-from chain_impact.kernel.model.compliance import (
-    effective_mass,
-)
-from chain_impact.kernel.model.constraints import (
-    activate_all,
-    any_point_held,
-)
+from chain_impact.kernel.model.compliance import effective_mass
+from chain_impact.kernel.model.constraints import activate_all, any_point_held
 from chain_impact.kernel.model.equations import free_rate
+from chain_impact.kernel.model.friction import STICKS, list_sticking
 from chain_impact.kernel.model.geometry import clearance
-from chain_impact.kernel.model.holding import (
-    MISPLACED,
-    RISE,
-    add_constraint_forces,
-    project_state,
-    solve_positions,
-    solve_stopping_impulses,
-    start_from_accelerations,
-    tolerated_momentum,
-)
+from chain_impact.kernel.model.holding import add_constraint_forces, sticks_alone
 from tests.kernel.chains import press_in, touch
 from tests.kernel.model.pressed import CANDIDATES, problem
+from tests.kernel.rubbing import rubbing_chain
 from tests.plain import make_rigid
 from tests.reference import complementary_impulses
 
 
-@pytest.mark.parametrize(("impulsive", "touching"), [(0, 0), (0, 2), (1, 0), (1, 2)])
-def test_rigid_walls_hold_what_touches(impulsive, touching):
-    d, *_ = problem()
-    touch(d, CANDIDATES[:touching])
-    make_rigid(d, impulsive)
-    assert bool(any_point_held(d)) == (impulsive == 1 and touching > 0)
-
-
-def test_all_that_touch_are_pressed_to_rest():
-    d, *_ = problem()
+def test_rigid_walls_hold_what_touches_and_press_it_to_rest():
+    for impulsive, touching in ((0, 0), (0, 2), (1, 0), (1, 2)):
+        d, *_ = problem()
+        touch(d, CANDIDATES[:touching])
+        make_rigid(d, impulsive)
+        assert bool(any_point_held(d)) == (impulsive == 1 and touching > 0)
     d.rigid.in_active_set[:] = d.rigid.target[:] = 7
     activate_all(d)
-    assert d.rigid.in_active_set[:5].tolist() == [1, 1, 1, 1, 7]
-    assert d.rigid.target[:5].tolist() == [0.0, 0.0, 0.0, 0.0, 7.0]
+    assert d.rigid.in_active_set[:3].tolist() == [1, 1, 7]
+    assert d.rigid.target[:3].tolist() == [0.0, 0.0, 7.0]
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
@@ -65,12 +49,12 @@ def test_held_points_have_no_acceleration_and_the_least_of_each_force_is_kept(ba
         gaps.append([clearance(d, c)[0] for c in candidates])
     second = (np.array(gaps[0]) - 2 * np.array(gaps[1]) + np.array(gaps[2])) / 1e-8
     locate_points(d, y)
-    most = start_from_accelerations(d, y, rate)
+    most = holding.start_from_accelerations(d, y, rate)
     np.testing.assert_allclose(own.start[:4], second, rtol=1e-4, atol=1e-4)
     assert most == max(np.abs(d.work.acceleration.x).max(), np.abs(d.work.acceleration.y).max())
     force = np.linalg.solve(w, -own.start[:4])
     own.least_force[:] = np.where(np.arange(d.candidates) % 2, -1e9, 0.0)
-    add_constraint_forces(d, y, rate)
+    holding.add_constraint_forces(d, y, rate)
     np.testing.assert_allclose(own.impulse[:4], force, rtol=1e-8, atol=1e-8)
     np.testing.assert_allclose(rate[6:12], before[6:12] + response @ force, rtol=1e-8, atol=1e-8)
     np.testing.assert_array_equal(np.delete(rate, range(6, 12)), np.delete(before, range(6, 12)))
@@ -83,11 +67,11 @@ def test_the_momentum_that_errors_explain_is_that_of_the_tolerance_and_of_a_fall
     """m √(2 (g + 1/s²·size) RISE size) + m tol (size/s + v)."""
     d, *_ = problem()
     total = d.model.mass.sum()
-    rise = math.sqrt(2.0 * (math.hypot(2.3, 9.81) + d.model.size) * RISE * d.model.size)
+    rise = math.sqrt(2.0 * (math.hypot(2.3, 9.81) + d.model.size) * holding.RISE * d.model.size)
     for tolerance, speed in ((1e-4, 0.0), (1e-8, 7.0)):
         d.solver.tolerance = tolerance
         expected = total * (rise + tolerance * (d.model.size + speed))
-        assert tolerated_momentum(d, speed) == pytest.approx(expected, rel=1e-12)
+        assert holding.tolerated_momentum(d, speed) == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -100,8 +84,8 @@ def test_walls_stop_by_impulses_unless_these_would_pull_by_more_than_errors_expl
         d.work.velocity.x[:], d.work.velocity.y[:] = size, 0.0
         d.solver.tolerance = 1e-7
         equal = np.linalg.solve(w, -own.start[:4])
-        solve_stopping_impulses(d)
-        if equal.min() < -tolerated_momentum(d, size):
+        holding.solve_stopping_impulses(d)
+        if equal.min() < -holding.tolerated_momentum(d, size):
             expected = complementary_impulses(w, own.start[:4], np.zeros(4))
             assert (own.reached[:4] > -1e-11).all()
         else:
@@ -127,7 +111,7 @@ def test_points_are_put_onto_their_walls_unless_that_takes_far_more_than_is_miss
     own.start[:2] = 1e-6, -1e-6
     activate_all(d)
     d.solver.tolerance = tolerance
-    solve_positions(d)
+    holding.solve_positions(d)
     moved = np.abs(own.change / np.array([size, size, 1.0, 1.0, 1.0, 1.0])).max()
     if bad and tolerance < 1.0:
         # the point that is inside is brought out, and the other one stays where it is, or goes further off
@@ -137,7 +121,7 @@ def test_points_are_put_onto_their_walls_unless_that_takes_far_more_than_is_miss
         np.testing.assert_allclose(own.change, response[:, 1] * own.impulse[1], rtol=1e-6)
     else:
         np.testing.assert_allclose(own.reached[:2], 0.0, atol=1e-13)
-        assert not bad or moved > MISPLACED * 2e-6 / size
+        assert not bad or moved > holding.MISPLACED * 2e-6 / size
 
 
 def response_of(d, c):
@@ -153,7 +137,7 @@ def test_what_meeting_the_walls_takes_of_the_kinetic_energy_is_dissipated(base):
         press_in(d, c, 1e-9 * (k - 1.5))
     d.solver.tolerance, before = 1e3, y.copy()
     y[12] = 5.0
-    project_state(d, y)
+    holding.project_state(d, y)
     rates = jacobian @ before[6:12]
     impulses = -np.linalg.solve(w, rates)
     np.testing.assert_allclose(y[6:12], before[6:12] + response @ impulses, rtol=1e-5, atol=1e-5)
@@ -171,7 +155,7 @@ def test_a_change_is_judged_by_the_largest_that_is_asked_for_and_by_link_lengths
     own, size, called = d.rigid, d.model.size, []
     own.start[:2], own.target[:2] = [2e-3, 5e-3], [3e-3, 1e-3]
     d.solver.tolerance = 1e-6
-    limit = MISPLACED * (1e-6 + 4e-3 / size)
+    limit = holding.MISPLACED * (1e-6 + 4e-3 / size)
 
     def solve_equality(d, scale):
         called.append(scale)
@@ -180,5 +164,59 @@ def test_a_change_is_judged_by_the_largest_that_is_asked_for_and_by_link_lengths
 
     monkeypatch.setattr(holding, "solve_equality", solve_equality)
     monkeypatch.setattr(holding, "solve_lcp", lambda _, scale: called.append(scale))
-    solve_positions(d)
+    holding.solve_positions(d)
     assert called == [size] * (1 + again)
+
+
+# --- The force on a contact that sticks alone, against that of the general constraints. ---
+
+
+def stuck_chain(base, contacts, joints, stuck):
+    """A chain with friction of which the elements numbered ``stuck`` stick, in the order of their list."""
+    _, d, y = rubbing_chain(np.random.default_rng(8), base, contacts, joints)
+    for k in stuck:
+        d.element.mode[d.element.index[k]] = STICKS
+    list_sticking(d)
+    return d, y
+
+
+@pytest.mark.parametrize(
+    ("contacts", "joints", "stuck", "alone"),
+    [
+        (1, False, [], False),
+        (1, False, [0], True),
+        (2, False, [0, 1], False),
+        (2, False, [1], True),
+        (1, True, [0], True),
+        (1, True, [1], False),
+        (1, True, [0, 1], False),
+    ],
+)
+def test_one_contact_alone_sticks(contacts, joints, stuck, alone):
+    d, _ = stuck_chain("free", contacts, joints, stuck)
+    assert sticks_alone(d) == alone
+
+
+def test_beside_a_rigid_wall_no_contact_sticks_alone():
+    d, _ = stuck_chain("free", 2, False, [1])
+    make_rigid(d, [c == d.touch.active_index[0] for c in range(d.candidates)])
+    assert d.touch.compliant_count == 1
+    assert not sticks_alone(d)
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize(("contacts", "stuck"), [(1, 0), (2, 0), (2, 1)])
+def test_its_force_is_that_of_the_constraint(base, contacts, stuck, monkeypatch):
+    results = []
+    for alone in (sticks_alone, lambda _d: False):
+        monkeypatch.setattr(holding, "sticks_alone", alone)
+        d, y = stuck_chain(base, contacts, True, [stuck])
+        rate = np.zeros(len(y))
+        free_rate(d, y, rate)
+        free = rate.copy()
+        add_constraint_forces(d, y, rate)
+        e = d.element.stuck[0]
+        impulse = d.rigid.impulse[d.touch.active_count]
+        results.append([*(rate - free), impulse, d.element.force[e], d.element.margin[e], d.friction.power])
+    assert np.abs(results[0]).max() > 1.0
+    np.testing.assert_allclose(results[1], results[0], rtol=1e-9, atol=1e-9)

@@ -5,17 +5,7 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.kernel.chain.state import time_at
-from chain_impact.kernel.model.inputs import (
-    AT_ONCE,
-    CONTINUES,
-    DEGREE,
-    apply_inputs,
-    ensure_inputs,
-    inputs_continue,
-    limit_to_piece,
-    polynomial,
-    set_inputs,
-)
+from chain_impact.kernel.model import inputs
 from chain_impact.variables.model import Model
 from tests.plain import Plain
 
@@ -30,20 +20,20 @@ def driven(order=2):
     course["joint_torque"][1:3, 0] = 2.0, 3.0
     block[0]["step"]["regularized"] = -1
     d = Plain(block[0])
-    apply_inputs(d)
+    inputs.apply_inputs(d)
     return d
 
 
 def test_a_polynomial_is_that_of_its_coefficients():
-    powers = np.random.default_rng(0).normal(size=(DEGREE + 1, 2))
-    for order in range(DEGREE + 1):
+    powers = np.random.default_rng(0).normal(size=(inputs.DEGREE + 1, 2))
+    for order in range(inputs.DEGREE + 1):
         expected = np.polynomial.polynomial.polyval(0.7, powers[: order + 1, 1])
-        assert polynomial(powers, order, 1, 0.7) == pytest.approx(expected, rel=1e-14)
+        assert inputs.polynomial(powers, order, 1, 0.7) == pytest.approx(expected, rel=1e-14)
 
 
 def test_the_inputs_are_those_of_a_time():
     d = driven()
-    set_inputs(d, 1.5)
+    inputs.set_inputs(d, 1.5)
     assert list(d.inputs.joint_torque) == [1.0 + 2.0 * 0.5 + 3.0 * 0.25, 4.0]
     assert list(driven(order=0).inputs.joint_torque) == [1.0, 4.0]
 
@@ -52,18 +42,18 @@ def test_the_inputs_are_those_of_a_time():
 def test_a_step_ends_with_the_piece_or_well_before(size, expected):
     d = driven()
     d.step.end = 1.0
-    assert limit_to_piece(d, size) == expected
-    assert limit_to_piece(driven(order=0), size) == size
+    assert inputs.limit_to_piece(d, size) == expected
+    assert inputs.limit_to_piece(driven(order=0), size) == size
 
 
 def test_inputs_go_on_where_the_last_step_ends_with_the_piece():
     d = driven()
-    d.step.time, d.step.end, d.given.changed = 2.0, 2.0 + 1e-15, CONTINUES
-    assert inputs_continue(d)
+    d.step.time, d.step.end, d.given.changed = 2.0, 2.0 + 1e-15, inputs.CONTINUES
+    assert inputs.inputs_continue(d)
     d.step.end = 2.1
-    assert not inputs_continue(d)
-    d.step.end, d.given.changed = 2.0, AT_ONCE
-    assert not inputs_continue(d)
+    assert not inputs.inputs_continue(d)
+    d.step.end, d.given.changed = 2.0, inputs.AT_ONCE
+    assert not inputs.inputs_continue(d)
 
 
 def test_a_state_sees_the_inputs_at_its_time():
@@ -71,26 +61,29 @@ def test_a_state_sees_the_inputs_at_its_time():
     d = driven()
     y = d.step.state.copy()
     d.step.clock, y[time_at(d.links)] = 1.25, 0.5
-    ensure_inputs(d, y)
+    inputs.ensure_inputs(d, y)
     assert list(d.inputs.joint_torque) == [1.0 + 2.0 * 0.75 + 3.0 * 0.75**2, 4.0]
     d = driven(order=0)
     d.inputs.joint_torque[0] = 77.0
-    ensure_inputs(d, y)
+    inputs.ensure_inputs(d, y)
     assert d.inputs.joint_torque[0] == 77.0
 
 
-@pytest.mark.parametrize("order", [0, 1, DEGREE])
+@pytest.mark.parametrize("order", [0, 1, inputs.DEGREE])
 def test_what_was_given_holds_for_all_torques_and_the_force_on_the_tip(order):
     d, rng = driven(order), np.random.default_rng(order)
     own, given = d.given.course, d.given
     own.middle, own.scale, own.until, own.change_rate = 0.4, 2.0, 3.0, 7.0
-    own.joint_torque[:], own.tip_force[:] = rng.normal(size=(DEGREE + 1, 2)), rng.normal(size=(DEGREE + 1, 2))
+    own.joint_torque[:], own.tip_force[:] = (
+        rng.normal(size=(inputs.DEGREE + 1, 2)),
+        rng.normal(size=(inputs.DEGREE + 1, 2)),
+    )
     given.joint_torque[:], given.tip_force[:] = rng.normal(size=2), rng.normal(size=2)
-    apply_inputs(d)
+    inputs.apply_inputs(d)
     np.testing.assert_array_equal(d.inputs.joint_torque, given.joint_torque)
     np.testing.assert_array_equal(d.inputs.tip_force, given.tip_force)
     assert (d.inputs.course.until, d.inputs.course.change_rate) == (3.0, 7.0)
-    set_inputs(d, 1.1)
+    inputs.set_inputs(d, 1.1)
     for name in ("joint_torque", "tip_force"):
         powers = np.vstack([given[name], own[name][1 : order + 1]])
         expected = np.polynomial.polynomial.polyval((1.1 - 0.4) * 2.0, powers)
@@ -100,6 +93,6 @@ def test_what_was_given_holds_for_all_torques_and_the_force_on_the_tip(order):
 def test_a_regularized_step_or_one_at_the_end_of_its_piece_is_not_cut():
     d = driven()
     d.step.end, d.step.regularized = 1.0, 0
-    assert limit_to_piece(d, 5.0) == 5.0
+    assert inputs.limit_to_piece(d, 5.0) == 5.0
     d.step.regularized, d.step.end = -1, 2.0
-    assert limit_to_piece(d, 5.0) == 5.0
+    assert inputs.limit_to_piece(d, 5.0) == 5.0

@@ -1,18 +1,16 @@
 """The layout of an instance of dual numbers."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from chain_impact import load_scene, model_names
+from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START, GIVEN
 from chain_impact.kernel.record.instance import instance_dtype
-from chain_impact.kernel.tangent.directions import (
-    DIRECTIONS,
-    carried,
-    dual_dtype,
-    slope,
-    tangent_dtype,
-    value,
-    varies,
-)
+from chain_impact.kernel.tangent import directions
+from chain_impact.kernel.tangent.blocks import copy_given
+from chain_impact.variables.model import Model
 from tests.kernel.tangent.dual import Dual
 
 REAL = np.dtype(np.float64)
@@ -32,24 +30,72 @@ def leaves(dtype, path=(), rows=()):
 @pytest.mark.parametrize(("links", "candidates"), [(1, 0), (4, 20), (10, 44)])
 def test_each_real_has_its_derivatives_behind_it_and_nothing_else_changes(links, candidates):
     layout = instance_dtype(links, candidates)
-    plain, dual = list(leaves(layout)), list(leaves(tangent_dtype(layout)))
+    plain, dual = list(leaves(layout)), list(leaves(directions.tangent_dtype(layout)))
     assert [path for path, *_ in dual[: len(plain)]] == [path for path, *_ in plain]
     own = {path[0] for path, *_ in dual[len(plain) :]}
     assert own.isdisjoint(layout.names)
     for (path, kind, shape), (_, found, other) in zip(plain, dual, strict=False):
         assert shape == other, path
-        assert found == (dual_dtype(REAL) if kind == REAL else kind), path
+        assert found == (directions.dual_dtype(REAL) if kind == REAL else kind), path
     reals = sum(int(np.prod(shape)) for _, kind, shape in plain if kind == REAL)
-    more = sum(tangent_dtype(layout)[name].itemsize for name in own)
-    assert tangent_dtype(layout).itemsize == layout.itemsize + 8 * DIRECTIONS * reals + more
+    more = sum(directions.tangent_dtype(layout)[name].itemsize for name in own)
+    assert (
+        directions.tangent_dtype(layout).itemsize
+        == layout.itemsize + 8 * directions.DIRECTIONS * reals + more
+    )
 
 
 def test_what_the_kernel_asks_of_a_dual_number():
     number = Dual(2.0, [1.0, 0.0, -3.0])
-    assert value(number) == 2.0
-    other = carried(5.0, 0.5, number)
+    assert directions.value(number) == 2.0
+    other = directions.carried(5.0, 0.5, number)
     assert other.value == 5.0
     assert other.slope.tolist() == [0.5, 0.0, -1.5]
-    assert [slope(number, k) for k in range(3)] == [1.0, 0.0, -3.0]
-    assert varies(number)
-    assert not varies(carried(1.0, 0.0, number))
+    assert [directions.slope(number, k) for k in range(3)] == [1.0, 0.0, -3.0]
+    assert directions.varies(number)
+    assert not directions.varies(directions.carried(1.0, 0.0, number))
+
+
+# --- The parts of the record that the scene or an importer gives, which are copied for derivatives. ---
+
+PARTS = [name for name in instance_dtype(2, 2, 4).names if instance_dtype(2, 2, 4)[name].base.names]
+
+
+def declared(when):
+    return {part for part in PARTS if GIVEN.get(part) == when}
+
+
+def reals(record):
+    """All real numbers of a record or a table."""
+    for name in record.dtype.names:
+        kind = record.dtype[name].base
+        if kind.names:
+            yield from reals(record[name])
+        elif kind == np.float64:
+            yield from np.ravel(record[name])
+
+
+def test_the_parts_that_apply_then_are_copied_and_no_other():
+    d = {part: part for part in PARTS}
+    for when in (AT_START, AT_ANY_TIME):
+        copied = []
+        t = SimpleNamespace(**{part: SimpleNamespace(copy_values=copied.append) for part in PARTS})
+        copy_given(SimpleNamespace(**d), t, when)
+        assert sorted(copied) == sorted(declared(when))
+
+
+def test_the_declared_parts_are_those_with_numbers_in_a_new_instance():
+    """A part with parameters that is not declared would have numbers before a run begins."""
+    found = set()
+    for name in model_names():
+        instance = Model(load_scene(name)).new_instance()[0]
+        for part in PARTS:
+            if any(number != 0.0 for number in reals(instance[part])):
+                found.add(part)
+    assert found == set(GIVEN) == declared(AT_START) | declared(AT_ANY_TIME)
+
+
+def test_every_parameter_with_derivatives_is_in_a_declared_part():
+    for name in model_names():
+        model = Model(load_scene(name))
+        assert {variable.place[0] for variable in model.varied_by(["*"])} <= set(GIVEN)

@@ -1,11 +1,18 @@
 """Each step once more in dual numbers: the values are those of the run, whatever happens in it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from chain_impact import simulate
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, SLIDING_ENDS
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
+from chain_impact.kernel.tangent import replay
 from tests.derivative_scenes import AT_STOPS, pinned_chain, pressed_tip, sprung_chain, struck_twice
-from tests.kernel.tangent.dual import followed, started
+from tests.kernel.tangent.dual import Dual, followed, started
 
 CASES = {
     "explicit": sprung_chain(),
@@ -61,3 +68,202 @@ def test_the_run_is_the_same_with_derivatives_and_without(name):
     values, _ = followed(started(case), [*case.times])
     plain = simulate(case.scene, inputs=case.inputs, output_step=case.scene.simulation.stop_time)
     np.testing.assert_array_equal(values[-1], [column[-1] for column in plain.motion.values()])
+
+
+# --- one part at a time: what is made, taken over and moved ------------------------------------------------
+
+LINKS = 1
+SIZE = 2 * (LINKS + 2) + 4  # of a state
+
+
+def dual(number, *slopes):
+    return Dual(number, slopes or (0.0, 0.0))
+
+
+def parts(number):
+    return number.value, number.slope.tolist()
+
+
+def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
+    """An instance after a step of 0.2 s, and one of dual numbers before it."""
+    rng = np.random.default_rng(31)
+    sizes = {"candidates": 2, "elements": 3}
+    d, t = SimpleNamespace(**sizes), SimpleNamespace(links=LINKS, **sizes)
+    d.step = SimpleNamespace(last_method=method, size=0.2, kept=kept, regularized=regularized, end=1.5)
+    d.step.state_end = rng.normal(size=SIZE)
+    d.touch = SimpleNamespace(event=list(events))
+    d.element = SimpleNamespace(event=[NONE, SLIDING_ENDS, NONE])
+    t.touch = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])
+    t.touch.impact_speed = [dual(0.5, 1.0, 2.0)] * 2
+    t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
+    t.step.state_end = np.array([dual(9.0, *rng.normal(size=2)) for _ in range(SIZE)], object)
+    t.work = SimpleNamespace(acceleration="acceleration")
+    t.trial = SimpleNamespace(state="y", size=-1.0)
+    t.work.rate_end = [dual(0.5 + j, 100.0, 100.0) for j in range(SIZE)]
+    # friction at candidate 1 and in the joint, element 2
+    t.friction = SimpleNamespace(count=2, contact_count=1, stuck_count=0)
+    t.element = SimpleNamespace(index=[1, 2, 9], event=[NONE] * 3)
+    t.quadrature = SimpleNamespace(count=2)
+    t.quadrature.rate_end = [dual(7.0, 100.0, 100.0), dual(-5.0, 100.0, 100.0)]
+    t.quadrature.state_end = [dual(4.0, 1.0, 2.0), dual(6.0, 1.0, 2.0)]
+    return d, t
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """The functions that are called, with what they are given beside the instances."""
+    called = []
+
+    def note(name):
+        def call(*arguments):
+            called.append((name, *(one for one in arguments if not isinstance(one, SimpleNamespace))))
+
+        monkeypatch.setattr(replay, name, call)
+
+    for name in [
+        "copy_modes",
+        "apply_pending_events",
+        "copy_inputs",
+        "choose_variable",
+        "set_first_stage",
+        "check_turns",
+        "mark_jump",
+        "truncate_step",
+        "settle_impulses",
+        "accept",
+        "ensure_rate",
+        "ensure_points",
+        "check_onsets",
+    ]:
+        note(name)
+    return called
+
+
+@pytest.mark.parametrize(
+    ("last", "size", "more"),
+    [
+        ({"method": EXPLICIT, "events": (NONE, KINK)}, 0.2, ([], [])),
+        ({"method": IMPLICIT, "events": (NONE, KINK)}, 0.2, ([], [])),
+        ({"kept": 0.25, "events": (NONE, ONSET)}, 0.2, ([("truncate_step", 0.25)], [])),
+        ({"kept": 0.25, "events": (NONE, END), "regularized": 1}, 0.05, ([], [("mark_jump",)])),
+    ],
+)
+def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
+    """Whole, and cut if it was; up to the end of its contact it is short, as a force has a kink there."""
+    d, t = instances(**last)
+    monkeypatch.setattr(replay, "make", lambda _d, t, h: calls.append(("make", t.step.method, h)))
+    monkeypatch.setattr(replay, "take_values", lambda _d, _t: calls.append(("take_values",)))
+    monkeypatch.setattr(replay, "move_end", lambda t: calls.append(("move_end", *t.touch.event)))
+    replay.replay(d, t)
+    begin = [("copy_modes",), ("apply_pending_events",), ("copy_inputs",), ("choose_variable", True)]
+    made = [("set_first_stage",), ("make", last.get("method", EXPLICIT), size), ("check_turns",)]
+    end = [("settle_impulses",), ("move_end", *last["events"])]
+    cut, jump = more
+    assert calls == [*begin, *made, *cut, ("take_values",), *jump, *end]
+    assert t.element.event == [NONE, SLIDING_ENDS, NONE]
+
+
+@pytest.mark.parametrize(
+    ("regularized", "events", "right"),
+    [
+        *((1, (NONE, END), True), (0, (END, NONE), True), (0, (NONE, END), False), (1, (NONE, ONSET), False)),
+        (-1, (END, END), False),
+    ],
+)
+def test_a_step_ends_with_its_contact_or_with_another(regularized, events, right):
+    assert replay.ends_regularized(instances(regularized, events)[0]) == right
+
+
+def test_an_implicit_step_that_is_made_is_accepted(monkeypatch, calls):
+    d, t = instances()
+    t.step.method = IMPLICIT
+    monkeypatch.setattr(replay, "make_implicit", lambda _d, _t, h: calls.append(("made", h)))
+    replay.make(d, t, 0.05)
+    assert calls == [("made", 0.05), ("accept",)]
+    assert t.trial.size == 0.05
+
+
+@pytest.mark.parametrize(("active", "stuck"), [(0, 0), (1, 0), (0, 1)])
+def test_points_are_located_after_an_explicit_step_with_contacts_or_stuck_joints(
+    monkeypatch, calls, active, stuck
+):
+    d, t = instances()
+    done, t.step.method = [], EXPLICIT
+    t.touch.active_count, t.friction.stuck_count = active, stuck
+    monkeypatch.setattr(replay.explicit, "make", lambda _, h: done.append(h))
+    monkeypatch.setattr(replay, "locate_points", lambda _, y: done.append(y))
+    replay.make(d, t, 0.2)
+    assert done == [0.2, "y"][: 1 + active + stuck]
+    assert calls == [("accept",)]
+
+
+def test_values_are_those_of_the_run_and_slopes_stay():
+    d, t = instances()
+    slopes = [one.slope.tolist() for one in t.step.state_end]
+    replay.take_values(d, t)
+    assert [one.value for one in t.step.state_end] == d.step.state_end.tolist()
+    assert [one.slope.tolist() for one in t.step.state_end] == slopes
+    assert parts(t.step.end) == (1.5, [3.0, 4.0])
+
+
+@pytest.mark.parametrize("kind", [ONSET, END])
+def test_an_event_is_late_by_its_clearance_over_its_rate(monkeypatch, kind):
+    _, t = instances()
+    monkeypatch.setattr(replay, "clearance", lambda _t, _c: (dual(1e-9, 3.0, -6.0), dual(-2.0, 50.0, 50.0)))
+    assert parts(replay.delay(t, 1, kind)) == (0.0, [1.5, -3.0])
+
+
+def test_a_contact_that_is_latched_anew_is_late_by_its_speed_over_its_acceleration(monkeypatch):
+    """φ = −ġ − 2 v₀, and φ̇ = −g̈."""
+    _, t = instances()
+    monkeypatch.setattr(replay, "clearance", lambda _t, _c: (dual(1.0, 7.0, 7.0), dual(-1.0, 3.0, 8.0)))
+    monkeypatch.setattr(replay, "gap_acceleration", lambda _t, c: dual(-4.0 * c, 9.0, 9.0))
+    value, slopes = parts(replay.delay(t, 1, RELATCH))
+    assert value == 0.0
+    assert slopes == pytest.approx([-(-3.0 - RELATCH_RATIO) / 4.0, -(-8.0 - 2.0 * RELATCH_RATIO) / 4.0])
+
+
+@pytest.mark.parametrize(
+    ("regularized", "events", "moved"),  # those of two candidates and of an element
+    [
+        (-1, (NONE, ONSET, NONE), (1, ONSET)),
+        (-1, (RELATCH, ONSET, NONE), (0, RELATCH)),
+        (-1, (NONE, END, NONE), (1, END)),
+        (0, (NONE, END, NONE), (1, END)),
+        (1, (NONE, END, NONE), None),
+        (-1, (KINK, NONE, NONE), None),
+        (-1, (NONE, ONSET, SLIDING_ENDS), (1, ONSET)),
+        (-1, (NONE, NONE, SLIDING_ENDS), "late"),
+    ],
+)
+def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
+    monkeypatch, calls, regularized, events, moved
+):
+    """That of a contact goes before that of a change of a mode."""
+    _, t = instances(regularized)
+    *t.touch.event, t.element.event[1] = events
+    monkeypatch.setattr(replay, "delay", lambda _t, c, kind: (c, kind))
+    monkeypatch.setattr(replay, "delay_of_change", lambda _t: "late")
+    monkeypatch.setattr(replay, "check_changes", lambda _t, time: calls.append(("checked", time)))
+    monkeypatch.setattr(replay, "move_along", lambda _t, time: calls.append(("moved", time)))
+    replay.move_end(t)
+    check = ("checked", "late") if moved == "late" else ("check_onsets",)
+    assert calls == ([("ensure_rate",), ("ensure_points",), check, ("moved", moved)] if moved else [])
+
+
+def test_the_end_of_a_step_moves_along_the_motion(calls):
+    """y by ẏ, the end of the step by the time itself, a quadrature by its rate."""
+    _, t = instances()
+    before = [parts(one) for one in t.step.state_end]
+    replay.move_along(t, dual(0.0, 2.0, -3.0))
+    moved = np.array([2.0, -3.0])
+    for j, (value, slopes) in enumerate(before):
+        pace = 0.5 + j if j < sundman_u_at(LINKS) else 1.0 if j == time_at(LINKS) else 0.0
+        assert parts(t.step.state_end[j]) == (
+            value,
+            pytest.approx((np.array(slopes) + pace * moved).tolist()),
+        )
+    assert parts(t.step.end) == (pytest.approx(1.4999), [5.0, 1.0])
+    assert parts(t.quadrature.state_end[0]) == (4.0, [1.0 + 7.0 * 2.0, 2.0 - 7.0 * 3.0])
+    assert parts(t.quadrature.state_end[1]) == (6.0, [1.0 - 5.0 * 2.0, 2.0 + 5.0 * 3.0])
+    assert calls == [("mark_jump",)]

@@ -1,7 +1,5 @@
 """How an instance of dual numbers begins."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -17,50 +15,31 @@ from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent import start as starts
 from chain_impact.kernel.tangent.blocks import copy_given
 from chain_impact.kernel.tangent.directions import TRUST
-from chain_impact.kernel.tangent.start import (
-    apply_given_of,
-    copy_inputs,
-    derive_law_of,
-    reinit_tangent,
-    start_tangent,
-)
 from chain_impact.kernel.tangent.trust import TRUSTED
 from chain_impact.variables.model import Model
 from tests.complex_laws import FAMILY, TINY, WITH_MASS
 from tests.derivative_scenes import Case, pinned_chain, sprung_chain, struck_twice
 from tests.kernel.chains import chain, press_in, random_state, touch, vectors
-from tests.kernel.tangent.dual import Dual, followed, random_duals, started
+from tests.kernel.tangent.dual import Dual, random_duals, started
 from tests.plain import Plain, make_rigid
 from tests.problems import ball, of_law
 
 FACTORS = FAMILY | {name: factor for name, (factor, *_) in WITH_MASS.items()}
 
 
-def damping_factor(law, e):
-    """What an instance of dual numbers makes of a restitution: value and slope."""
-    scene = ball(1e-3, 1.0, restitution=e, **of_law(law))
-    contact = started(Case(scene, ("contact.restitution",), ()))._tangents["law"]["damping_factor"][0, 0]
-    return contact["value"], contact["slope"][0]
-
-
-@pytest.mark.full("more cases", but=66)
-@pytest.mark.parametrize("e", [0.1, 0.3, 0.5, 0.7, 0.95])
+@pytest.mark.full("more cases", but=40)
+@pytest.mark.parametrize("e", [0.1, 0.5, 0.95])
 @pytest.mark.parametrize("law", FACTORS)
 def test_the_factor_of_a_law_varies_with_the_restitution(law, e):
+    """That of every law with a force."""
+    assert {*CONTACT_LAWS} - {*FACTORS} == {"newton_impact"}
     found = complex(FACTORS[law](complex(e, TINY)))
-    value, slope = damping_factor(law, e)
+    case = Case(ball(1e-3, 1.0, restitution=e, **of_law(law)), ("contact.restitution",), ())
+    factor = started(case)._tangents["law"]["damping_factor"][0, 0]
     # the polynomial of Kuwabara and Kono has 10 digits
     bound = 1e-10 if law == "kuwabara_kono" else 1e-11
-    assert value == pytest.approx(found.real, rel=bound, abs=1e-14)
-    assert slope == pytest.approx(found.imag / TINY, rel=bound, abs=1e-14)
-
-
-def test_every_law_with_a_force_has_a_factor():
-    assert {*CONTACT_LAWS} - {*FACTORS} == {"newton_impact"}
-
-
-def values_of(record):
-    return record["value"] if record.dtype.names == ("value", "slope") else record
+    assert factor["value"] == pytest.approx(found.real, rel=bound, abs=1e-14)
+    assert factor["slope"][0] == pytest.approx(found.imag / TINY, rel=bound, abs=1e-14)
 
 
 def assert_same_values(tangents, own, path):
@@ -68,7 +47,7 @@ def assert_same_values(tangents, own, path):
     for name in own.dtype.names or ():
         assert_same_values(tangents[name], own[name], f"{path}.{name}")
     if not own.dtype.names:
-        for block in values_of(tangents):
+        for block in tangents["value"] if tangents.dtype.names else tangents:
             np.testing.assert_array_equal(block, own, err_msg=path)
 
 
@@ -107,57 +86,6 @@ def test_a_start_takes_all_values_of_the_instance(case):
     for name in ("state_end", "end", "time", "size", "method"):
         assert_same_values(t["step"][name], d["step"][name], name)
     assert (t["trust"]["reason"] == 0).all()
-
-
-def test_what_follows_from_the_parameters_varies_with_them():
-    """The start of two links: the angles and rates themselves, energies and the points by hand."""
-    case = struck_twice("hunt_crossley")
-    names = (
-        "initial.angle[1]",
-        "initial.angular_velocity[2]",
-        "link[1].mass",
-        "initial.vy",
-        "link[1].length",
-    )
-    case = Case(case.scene, names, case.times)
-    instance = started(case)
-    followed(instance, [0.0])
-    output = instance._tangents["output"]
-    slopes = {
-        name: output[name]["slope"] for name in ("angle", "angular_velocity", "point_position", "kinetic")
-    }
-
-    def of(field, parameter, *index):
-        block, direction = divmod(names.index(parameter), 4)
-        return slopes[field][(block, *index, direction)]
-
-    assert of("angle", "initial.angle[1]", 0) == 1.0
-    assert of("angle", "initial.angle[1]", 1) == 0.0
-    assert of("angular_velocity", "initial.angular_velocity[2]", 1) == 1.0
-    # l e(φ), of which both points move
-    angle = case.scene.initial.angles[0]
-    for k in (1, 2):
-        assert of("point_position", "initial.angle[1]", k, 0) == pytest.approx(
-            -0.5 * math.sin(angle), rel=1e-15
-        )
-        assert of("point_position", "initial.angle[1]", k, 1) == pytest.approx(
-            0.5 * math.cos(angle), rel=1e-15
-        )
-        assert of("point_position", "link[1].length", k, 0) == pytest.approx(math.cos(angle), rel=1e-15)
-    # ½ v_C² for the mass, the inertia held
-    vx, vy = case.scene.initial.velocity
-    omega, arm = case.scene.initial.angular_velocities[0], case.scene.chain.links[0].center_of_mass
-    speed = (vx - omega * arm * math.sin(angle), vy + omega * arm * math.cos(angle))
-    assert of("kinetic", "link[1].mass") == pytest.approx(0.5 * math.hypot(*speed) ** 2, rel=1e-14)
-    # the momentum
-    result = instance.record["output"]
-    momentum = sum(
-        link.mass
-        * ((1.0 - part) * result["point_velocity"][i, 1] + part * result["point_velocity"][i + 1, 1])
-        for i, link in enumerate(case.scene.chain.links)
-        for part in [link.center_of_mass / link.length]
-    )
-    assert of("kinetic", "initial.vy") == pytest.approx(momentum, rel=1e-14)
 
 
 # --- in plain Python: whose values and whose derivatives it has ------------------------------------------
@@ -205,7 +133,7 @@ def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
     d.given.law = CONTACT_LAWS["hunt_crossley"].number
     assert update_laws(d) == OK
     copy_given(d, t, AT_START)
-    apply_given_of(d, t)  # which takes the walls, whose material may change in a run
+    starts.apply_given_of(d, t)  # which takes the walls, whose material may change in a run
     for (record, name), own in before.items():
         found = getattr(getattr(t, record), name)
         np.testing.assert_array_equal(values(found), d[record][name], err_msg=name)
@@ -219,7 +147,7 @@ def test_the_inputs_that_hold_are_the_constants_of_their_course(both):
     d.inputs.course.order = 1
     d.inputs.course.joint_torque[:], d.inputs.course.tip_force[:] = 9.0, 9.0
     d.inputs.course.joint_torque[0], d.inputs.course.tip_force[0] = 7.0, 8.0
-    copy_inputs(d, t)
+    starts.copy_inputs(d, t)
     own = t.inputs
     assert list(own.joint_torque) == list(own.course.joint_torque[0])
     assert list(own.tip_force) == list(own.course.tip_force[0])
@@ -236,7 +164,7 @@ def test_what_was_given_holds_with_its_derivatives(both):
     d.given.course.order, d.given.course.until = 1, 6.5
     before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
     assert update_laws(d) == OK
-    apply_given_of(d, t)
+    starts.apply_given_of(d, t)
     assert (t.law.number == number).all()
     assert t.given.law == number
     assert t.contact.any_friction == 1
@@ -259,7 +187,7 @@ def test_the_factor_of_a_law_has_the_value_of_the_instance_and_its_own_derivativ
     d.contact.exponent = 1.5
     assert start_laws(d) == OK
     t.law.restitution[0] = Dual(e, t.law.restitution[0].slope)
-    derive_law_of(d, t, 0)
+    starts.derive_law_of(d, t, 0)
     slope = (entry.damping_factor(e + h) - entry.damping_factor(e - h)) / (2 * h)
     own = t.law
     factor = own.damping_factor[0]
@@ -275,7 +203,7 @@ def test_the_factor_of_a_law_has_the_value_of_the_instance_and_its_own_derivativ
 def test_a_users_law_has_the_factor_that_it_has(both):
     d, t = both
     d.law.number[0], d.law.damping_factor[0], d.law.rate_exponent[0] = len(CONTACT_LAWS) + 1, 0.0, 1.5
-    derive_law_of(d, t, 0)
+    starts.derive_law_of(d, t, 0)
     assert (t.law.damping_factor[0], t.law.rate_exponent[0]) == (0.0, 1.5)
 
 
@@ -305,7 +233,7 @@ def test_it_starts_as_the_instance_does(twins):
     d.given.tip_force[:] = 1.0, 2.0
     assert initialize(d, 1.5) == OK
     t.work.load.x[:], t.touch.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
-    start_tangent(d, t)
+    starts.start_tangent(d, t)
     records = ("model", "contact", "law", "initial", "candidate", "walls", "inputs", "impact", "touch")
     for record in records:
         dtype = d._record.dtype[record].base  # that of the rows of a table
@@ -325,7 +253,7 @@ def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law,
     """Contacts that last take the new law; those at rigid walls stay as they are."""
     d, t = twins
     assert initialize(d, 0.0) == OK
-    start_tangent(d, t)
+    starts.start_tangent(d, t)
     rng = np.random.default_rng(1)
     y = random_state(rng, t)
     t.step.state_end[:], t.step.end = y, 2.5
@@ -340,7 +268,7 @@ def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law,
     t.work.load.x[:], t.touch.beyond_kink[4], t.step.time = 9.0, 5, 1.0
     told = []
     monkeypatch.setattr(advance, "recompute_active_set", lambda *arguments: told.append(arguments))
-    reinit_tangent(d, t)
+    starts.reinit_tangent(d, t)
     assert told == [(t,)]
     assert t.step.time == t.step.start == t.step.end == 2.5
     np.testing.assert_array_equal(t.step.state[:-2], y[:-2])
@@ -363,7 +291,7 @@ def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law,
 def test_derivatives_that_ended_in_what_is_dropped_go_on(twins, ended, expected):
     d, t = twins
     assert initialize(d, 0.0) == OK
-    start_tangent(d, t)
+    starts.start_tangent(d, t)
     t.step.end, t.trust.reason, t.trust.time = 2.5, 3, ended
-    reinit_tangent(d, t)
+    starts.reinit_tangent(d, t)
     assert t.trust.reason == expected

@@ -7,32 +7,26 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
+from chain_impact.kernel.events.marks import END, NONE, ONSET
+from chain_impact.kernel.tangent import trust
 from chain_impact.kernel.tangent.trust import share_reason
-from chain_impact.simulation.reasons import REASONS
+from tests.kernel.tangent.dual import Dual
 from tests.problems import ball, flat_rod, rod
 
 NAMES = ("contact.stiffness", "initial.vy")
-# what the sentence of each reason says
+FLOOR = "contact.minimum_impact_speed"
 WORDS = {
     1: "arrives so slowly",
-    2: "contact.minimum_impact_speed",
+    2: FLOOR,
     3: "several points arrive at one moment",
     4: "jumps where the point turns",
-    5: "does not converge",
 }
-FLOOR = "contact.minimum_impact_speed"
 
 
 def falling(speed):
     """A ball that arrives at the floor with a speed [m/s] close to this."""
     scene = ball(1e-7, speed, stiffness=1e6, stop_time=0.02)
     return scene.with_values({"solver.tolerance": 1e-10, "simulation.step_size": 1e-4})
-
-
-def test_each_reason_has_a_sentence():
-    assert {number: words in REASONS[number] for number, words in WORDS.items()} == dict.fromkeys(
-        REASONS, True
-    )
 
 
 @pytest.mark.parametrize(("times_the_floor", "trusted"), [(0.8, False), (1.2, True)])
@@ -127,3 +121,139 @@ def test_the_earliest_end_of_the_derivatives_holds_for_all(own, other, expected)
     share_reason(first, second)
     assert (first.trust.reason, first.trust.time) == expected
     assert first.trust.point == first.trust.wall == (0 if expected == own else 1)
+
+
+# --- what is checked at an onset, without a run -----------------------------------------------------------
+
+TOLERANCE, LEAST, TIME = 1e-6, 1e-2, 2.5
+
+
+def dual(number):
+    """A number whose derivatives say nothing about it."""
+    return Dual(number, [100.0, -100.0])
+
+
+def instance(events=(), speeds=(3.0, 4.0)):
+    """Two points with these speeds along x and y [m/s], and four candidates with these events."""
+    events = (*events, *[NONE] * (4 - len(events)))
+    t = SimpleNamespace(links=1, candidates=4)
+    t.touch = SimpleNamespace(event=list(events), active_index=[2], compliant_count=1)
+    t.touch.impact_speed, t.touch.speed = [dual(0.5)] * 4, [dual(0.3)] * 4
+    t.candidate = SimpleNamespace(point=[4, 5, 6, 7], wall=[0, 1, 2, 3])
+    t.law = SimpleNamespace(impulsive=[0] * 4, number=[trust.USER_LAW] * 4)
+    t.law.minimum_impact_speed, t.law.static_friction = [dual(LEAST)] * 4, [Dual(0.0, [0.0, 0.0])] * 4
+    t.solver = SimpleNamespace(tolerance=dual(TOLERANCE))
+    t.step = SimpleNamespace(start=dual(TIME - 1.0), end=dual(TIME), time=dual(TIME), state_end="state")
+    x, y = (np.array([dual(0.0), dual(one)], object) for one in speeds)
+    t.work = SimpleNamespace(velocity=SimpleNamespace(x=x, y=y), at_end=1)
+    t.trust = SimpleNamespace(reason=trust.TRUSTED, time=0.0, point=9, wall=9)
+    return t
+
+
+def approaching(monkeypatch, *rates):
+    """Let the candidates have these rates of their clearances [m/s]."""
+    monkeypatch.setattr(trust, "clearance", lambda _, c: (dual(-1e-4), dual(rates[c])))
+
+
+def told(t):
+    return t.trust.reason, t.trust.time, t.trust.point, t.trust.wall
+
+
+@pytest.mark.parametrize(
+    ("rate", "rigid", "reason"),
+    # √tolerance of the fastest speed, 5 m/s, is 5e-3 m/s; the floor is 1e-2 m/s, and a rigid wall has none
+    [
+        *((-4.9e-3, 0, trust.GRAZING), (5e-3, 0, trust.GRAZING), (-5.1e-3, 0, trust.AT_FLOOR)),
+        *((-0.99e-2, 0, trust.AT_FLOOR), (-1.01e-2, 0, trust.TRUSTED), (-0.99e-2, 1, trust.TRUSTED)),
+    ],
+)
+def test_an_onset_is_judged_by_its_speed(monkeypatch, rate, rigid, reason):
+    for speeds in ((3.0, 4.0), (-4.0, 3.0)):
+        t = instance([NONE, ONSET], speeds)
+        for vector in (t.work.velocity.x, t.work.velocity.y):
+            vector[:] = vector[:: int(np.sign(speeds[0]))].copy()
+        t.law.impulsive[1] = rigid
+        approaching(monkeypatch, 0.0, rate, 0.0, 0.0)
+        assert trust.fastest_speed(t) == pytest.approx(5.0)
+        trust.check_onsets(t)
+        assert told(t) == ((trust.TRUSTED, 0.0, 9, 9) if reason == trust.TRUSTED else (reason, TIME, 5, 1))
+
+
+def test_of_several_onsets_the_slowest_is_named(monkeypatch):
+    events = [ONSET, END, ONSET, ONSET]
+    for rates, slowest in (
+        ((-3.0, 0.0, -2.0, -4.0), 2),
+        ((-1.0, 0.0, -2.0, -4.0), 0),
+        ((-3.0, 0.0, -2.0, -1.0), 3),
+    ):
+        t = instance(events)
+        approaching(monkeypatch, *rates)
+        trust.check_onsets(t)
+        assert told(t) == (trust.SIMULTANEOUS, TIME, 4 + slowest, slowest)
+
+
+def test_what_is_no_onset_or_comes_after_the_end_of_trust_changes_nothing(monkeypatch):
+    approaching(monkeypatch, 1.0, 1.0, 1.0, 1.0)
+    t = instance([END, NONE])
+    trust.check_onsets(t)
+    assert told(t) == (trust.TRUSTED, 0.0, 9, 9)
+    t = instance([ONSET])
+    t.trust.reason = trust.NOT_SOLVED
+    trust.check_onsets(t)
+    assert told(t) == (trust.NOT_SOLVED, 0.0, 9, 9)
+
+
+@pytest.mark.parametrize(
+    ("rates", "turned"),
+    [((0.3, 0.1), True), ((-0.3, -0.1), True), ((0.3, -0.1), False), ((0.3, 0.0), False)],
+)
+@pytest.mark.parametrize("jumps", [True, False])
+@pytest.mark.parametrize("at_end", [1, 0])
+def test_where_a_point_turns_the_force_of_a_users_law_may_jump(monkeypatch, rates, turned, jumps, at_end):
+    """What is kept is the rate of the penetration: a rate of the clearance of the same sign is a turn."""
+    asked, located = [], []
+    approaching(monkeypatch, 0.0, 0.0, rates[1], 0.0)
+    monkeypatch.setattr(trust, "locate_points", lambda t, y: located.append(y))
+    monkeypatch.setattr(trust, "jumps_at_rest", lambda _t, c, depth: asked.append((c, depth.value)) or jumps)
+    # the laws of the registry are not asked
+    for present, number in ((False, trust.USER_LAW), (True, 1), (True, trust.USER_LAW)):
+        t = instance()
+        t.touch.speed[2], t.law.number[2], t.work.at_end = dual(rates[0]), number, at_end
+        monkeypatch.setattr(trust.user_law, "present", lambda present=present: present)
+        assert asked == []
+        trust.check_turns(t)
+        if not (present and number == trust.USER_LAW):
+            assert t.trust.reason == trust.TRUSTED
+    assert told(t) == ((trust.JUMP, TIME - 1.0, 6, 2) if turned and jumps else (trust.TRUSTED, 0.0, 9, 9))
+    assert asked == ([(2, 1e-4)] if turned else [])
+    assert set(located) == ({"state"} if not at_end else set())
+
+
+@pytest.mark.parametrize(
+    ("rising", "falling", "right"),
+    [
+        *((1.0, 1.0, False), (1.0, 1.0 + 2e-6, True), (1.0, 1.0 + 5e-7, False), (0.0, 0.0, False)),
+        *((1.0, -1.0, True), (-2.0, -2.0 - 3e-6, True), (-2.0, -2.0 - 1e-6, False)),
+    ],
+)
+def test_a_force_jumps_that_differs_beside_rest(monkeypatch, rising, falling, right):
+    asked = []
+
+    def uncut_force(_, c, depth, rate, beyond):
+        asked.append((c, depth, rate.value, beyond))
+        return dual(rising if rate.value > 0.0 else falling), None
+
+    monkeypatch.setattr(trust, "uncut_force", uncut_force)
+    assert trust.jumps_at_rest(instance(), 2, 1e-3) == right
+    assert asked == [(2, 1e-3, 5e-10, False), (2, 1e-3, -5e-10, False)]
+
+
+def test_derivatives_are_trusted_up_to_the_time_of_the_reason_which_names_its_impact():
+    t = instance()
+    assert trust.trusted(t)
+    for time, right in ((TIME + 0.1, True), (TIME, False), (TIME - 0.1, False)):
+        trust.mark_untrusted(t, trust.GRAZING, 2, time)
+        assert told(t) == (trust.GRAZING, time, 6, 2)
+        assert trust.trusted(t) == right
+    trust.mark_untrusted(t, trust.NOT_SOLVED, trust.NO_IMPACT, 0.5)
+    assert told(t) == (trust.NOT_SOLVED, 0.5, trust.NO_IMPACT, 0)
