@@ -88,22 +88,15 @@ def sides(root: Path) -> dict[str, dict]:
     return made
 
 
-def compare(scene: str, new: dict, old: dict) -> dict:
-    """Both kernels on a scene."""
+def compare(scene: str, new: dict, old: dict) -> None:
+    """Time both kernels on a scene, and print a row."""
     runs = {"new": Run(new), "old": Run(old)}
     equal = runs["new"].expected == runs["old"].expected
     timings = common.interleave(runs, ROUNDS)
-    row = {
-        "scene": scene,
-        "microseconds": {name: common.median([1e6 * value for value in timings[name]]) for name in runs},
-        "new / old": common.ratio(timings, "new", "old"),
-        "equal": equal,
-        "copies a record": {name: run.copies for name, run in runs.items()},
-    }
-    ratios, times = row["new / old"], row["microseconds"]
+    ratios = common.ratio(timings, "new", "old")
+    times = {name: common.median([1e6 * value for value in timings[name]]) for name in runs}
     shown = f"{scene:15}{times['old']:9.1f}{times['new']:9.1f}{ratios['median']:9.3f}{ratios['least']:9.3f}"
     print(f"{shown}{ratios['largest']:9.3f}  {'equal' if equal else 'different'}", flush=True)
-    return row
 
 
 def main() -> None:
@@ -111,13 +104,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("revision", help="any name that git has for a commit")
     commit = git("rev-parse", "--verify", f"{parser.parse_args().revision}^{{commit}}")
-    started = common.environment()
     with worktree(commit) as tree:
         old = sides(tree)
     new = sides(common.ROOT)
     print(f"{'scene':15}{'old [µs]':>9}{'new [µs]':>9}{'new/old':>9}{'least':>9}{'largest':>9}  bytes")
-    results = [compare(scene, new[scene], old[scene]) for scene in new]
-    common.save("against", started, {"old commit": commit, "rounds": ROUNDS}, results)
+    for scene in new:
+        compare(scene, new[scene], old[scene])
 
 
 if __name__ == "__main__":

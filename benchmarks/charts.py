@@ -7,19 +7,17 @@ import common  # isort: skip
 import fidelity
 import friction
 import rest
-import rhs
 import scaling
 import stability_chart
-import stiffness
 import work_precision_chart
 
 
 def main() -> None:
     """Draw them."""
-    for module in (fidelity, friction, rest, rhs, scaling, stiffness):
+    for module in (fidelity, friction, rest, scaling):
         common.picture(module.__name__, module.draw, module.SIZE)
-    work_precision_chart.draw_all()
-    stability_chart.draw_all()
+    common.picture("work_precision", work_precision_chart.draw, work_precision_chart.SIZE)
+    common.picture("stability", stability_chart.draw, stability_chart.SIZE)
 
 
 if __name__ == "__main__":

@@ -31,13 +31,8 @@ LOOKS = {
     "CVODE Adams": (PURPLE, "v", "-"),
     "CVODE BDF": (BLACK, "P", "-"),
     "heyoka": (ORANGE, "^", "-"),
-    "diffrax Dopri8": (ORANGE, "*", PYTHON),
     "scipy DOP853": (BLUE, "s", PYTHON),
     "scipy LSODA": (GREEN, "D", PYTHON),
-    # of stability.py
-    "scipy RK45": (INK, "<", PYTHON),
-    "scipy Radau": ("0.5", ">", PYTHON),
-    "scipy BDF": (GREY, "p", PYTHON),
     "NumPy, scipy DOP853": ("0.5", "h", PYTHON),
 }
 """Colour, mark and line of each contender; the two of one method share a colour."""

@@ -15,7 +15,7 @@ ACHIEVED = (1e-4, 1e-8, 1e-12)  # tolerances of which our error is shown
 OURS_ON_THE_SLOPE, OURS_THROWN = (1e-4, 1e-8), (1e-2, 1e-4, 1e-8)  # tolerances
 STEPS = (1e-2, 1e-3, 1e-4)  # s, of MuJoCo
 NO_DRIFT = 1e-9  # µm/s: less is round-off
-VERSIONS = ("scipy", "numbalsoda", "heyoka", "diffrax", "jax")
+VERSIONS = ("scipy", "numbalsoda", "heyoka")
 
 
 def times(value: float | None) -> str:

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from chain_impact.scene.scene import Scene, load_scene, with_values
+import numpy as np
+
+from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_values
 
 STEEL = 2.145e10  # N/m^1.5, a steel sphere of 20 mm on a steel wall
 
@@ -46,3 +48,23 @@ PROBLEMS = {
         Problem("flight", "flight", "four_link_box", (2.0,), _NO_WALLS | {("contact", "points"): []}),
     )
 }
+
+
+def flight(links: int) -> Scene:
+    """A chain in flight, folded and turning."""
+    wave = np.arange(links)
+    return scene_from_dict(
+        {
+            "name": "Flight",
+            "gravity": [0.0, -9.81],
+            "chain": {"base": "free", "links": [{"length": 0.5, "mass": 1.0}] * links},
+            "box": {},
+            "contact": {"points": []},
+            "initial": {
+                "position": [0.6, 1.4],
+                "angles": list(0.8 * np.sin(1.0 + 1.7 * wave)),
+                "angular_velocities": list(1.5 * np.cos(2.3 * wave)),
+            },
+        },
+        "chain",
+    )

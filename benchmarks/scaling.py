@@ -1,6 +1,6 @@
 """Cost against the number of links: ``python benchmarks/scaling.py [--quick] [--most N]``.
 
-Flight: the folded, turning chain of rhs.py for 1 s. Heap: a chain of short links falls on a floor, with every
+Flight: a folded, turning chain for 1 s. Heap: a chain of short links falls on a floor, with every
 point of it, and comes to rest; 1 s.
 """
 
@@ -18,9 +18,8 @@ from looks import LOOKS, curve, headline, label, look, names_at_ends, number
 from peers import Contender, Outcome, cvode
 from peers.ours import Kernel, OnInstance
 from plain_chain import start
-from problems import Problem
+from problems import Problem, flight
 from race import ROUNDS, race
-from rhs import chain
 from scipy.integrate import solve_ivp
 
 from chain_impact.scene.scene import Scene, scene_from_dict
@@ -43,7 +42,7 @@ class Made(Problem):
 
     def scene(self, tolerance: float | None = None) -> Scene:
         """The scene, with a tolerance."""
-        made = chain(self.links) if self.model == "flight" else heap(self.links)
+        made = flight(self.links) if self.model == "flight" else heap(self.links)
         return replace(made, solver=replace(made.solver, tolerance=tolerance or TOLERANCE))
 
 

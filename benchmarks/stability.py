@@ -21,7 +21,7 @@ from peers.fixed_steps import fixed_steps
 from peers.model import energy_of
 from peers.scipy import Run, Scipy
 from plain_chain import Chain, plain_chain, start
-from stability_chart import ADAPTIVE, METHODS, draw_all
+from stability_chart import ADAPTIVE, METHODS, SIZE, draw
 
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.instance import Instance, SimulationError
@@ -224,7 +224,7 @@ def main() -> None:
         "energy gain": GAIN, "deepest": DEEPEST, "peers run": peers_run,
     }  # fmt: skip
     common.save("stability", started, settings, {"tally": tally, "cells": cells})
-    draw_all()
+    common.picture("stability", draw, SIZE)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,9 @@
-"""The charts of stability.py, from its JSON: ``python benchmarks/stability_chart.py`` draws them anew."""
+"""The chart of stability.py."""
 
 from __future__ import annotations
 
-import common
 import numpy as np
-from looks import INK, LOOKS, OURS, curve, headline, names_at_ends, number, strong
+from looks import INK, headline
 from matplotlib import colormaps
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.lines import Line2D
@@ -12,13 +11,12 @@ from matplotlib.patches import Patch
 
 ADAPTIVE = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
 METHODS = ("explicit", "implicit", "auto")
-STEPS_AT = 0.1  # restitution
+SIZE = (9.5, 8.6)  # inches
 LEVELS = (1e-3, 1e-2, 1e-1, 1.0)  # errors of the energy, parts of that at the start, where the colour changes
 NAMES = ("below 0.1 %", "to 1 %", "to 10 %", "to 100 %", "more")
 SHADES = ListedColormap(colormaps["cividis_r"](np.linspace(0.05, 1.0, len(NAMES))))
 LATE = {"marker": "s", "markersize": 3.5, "markerfacecolor": "none", "linestyle": ""}
 FAULTY = {"marker": "x", "markersize": 4.0, "markeredgewidth": 1.1, "linestyle": ""}
-LINES = {"ours explicit": ":", "ours implicit": "--"}
 
 
 def title_of(method: str) -> str:
@@ -110,40 +108,3 @@ def draw(page, record) -> None:
     keys.append(Line2D([], [], color=INK, label=late, **LATE))
     keys.append(Line2D([], [], color=INK, label="gained energy or tunnelled", **FAULTY))
     page.legend(handles=keys, loc="outside lower center", ncols=len(keys), columnspacing=1.2)
-
-
-def draw_steps(page, record) -> None:
-    """Accepted steps of the error-controlled methods over stiffness."""
-    axes, ends = page.subplots(), []
-    cells = [row for row in record["results"]["cells"] if row["restitution"] == STEPS_AT]
-    counts = {}
-    for method in (*(f"ours {method}" for method in METHODS), *ADAPTIVE):
-        colour = OURS if method.startswith("ours") else LOOKS[f"scipy {method}"][0]
-        rows = [row for row in cells if row["method"] == method]
-        counts[method] = done = [(r["stiffness"], r["steps"]) for r in rows if r["outcome"] == "completed"]
-        failed = [(row["stiffness"], row["steps"]) for row in rows if row["outcome"] != "completed"]
-        text = title_of(method.replace("ours auto", "chain-impact").replace("ours", "chain-impact, only"))
-        drawn = strong(method == "ours auto", colour, "o", LINES.get(method, "-"))
-        ends.append(curve(axes, done, drawn, text))
-        if failed:
-            axes.loglog(*zip(*failed, strict=True), linestyle="", marker="x", color=colour)
-    (softest, least), *_, (stiffest, most) = counts["ours auto"]
-    headline(
-        page,
-        f"Contacts {number(stiffest / softest)} times as stiff take {most / least:.2g} times as many steps",
-        f"a rod falls, clatters and settles in {record['settings']['stop [s]']:g} s  ·  e = {STEPS_AT}  ·  "
-        f"tolerance {number(record['settings']['tolerance'])}  ·  ×: steps until it stopped or failed",
-    )
-    axes.set(xlabel="contact stiffness K [N/m$^{1.5}$]", ylabel="accepted steps")
-    axes.minorticks_off()
-    names_at_ends(page, {axes: ends})
-
-
-def draw_all() -> None:
-    """The map and the steps."""
-    common.picture("stability", draw, (9.5, 8.6))
-    common.picture("stability_steps", draw_steps, (8.0, 4.6), record="stability")
-
-
-if __name__ == "__main__":
-    draw_all()

@@ -16,7 +16,7 @@ from equal_error import at_equal_error, usable
 from peers.ours import Kernel
 from problems import PROBLEMS, Problem
 from race import FAST, ROUNDS, judge, race
-from work_precision_chart import draw_all
+from work_precision_chart import SIZE, draw
 
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 PATIENCE = 5.0  # s
@@ -99,7 +99,7 @@ def main() -> None:
     for row in results["at equal error"]:
         print({key: value for key, value in row.items() if key != "all"})
     common.save("work_precision", started, settings, results)
-    draw_all()
+    common.picture("work_precision", draw, SIZE)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,7 @@
-"""The charts of work_precision.py, from its JSON: ``python benchmarks/work_precision_chart.py``."""
+"""The chart of work_precision.py."""
 
 from __future__ import annotations
 
-import common
 from equal_error import seconds_at, usable
 from looks import LOOKS, OURS, QUIET, curve, headline, look, names_at_ends, number
 from problems import PROBLEMS
@@ -20,10 +19,7 @@ NAMED = {
 """What the first chart names: ours, the fastest method of each family, and what most people use."""
 DEFAULT = 1e-8  # tolerance of a scene
 USUAL = "scipy DOP853"
-ERRORS = {
-    "error": "error of the final state (m, rad, m/s, rad/s)",
-    "onset_error": "largest error of an impact's time [s]",
-}
+SIZE = (9.5, 5.0)  # inches, of the chart
 CHAOS = 3.0  # an error above it shows nothing
 WRONG = 20.0  # up to which error a run with other impacts is marked
 
@@ -66,7 +62,7 @@ def draw(page, record) -> None:
         f"{len(runs.keys() - NAMED.keys())} more  ·  factors at an error of {number(AT)}  ·  bars: all rounds"
         "  ·  ×: other impacts",
     )
-    axes.set(xlabel=ERRORS["error"], ylabel="CPU time [ms]")
+    axes.set(xlabel="error of the final state (m, rad, m/s, rad/s)", ylabel="CPU time [ms]")
     axes.margins(y=0.08)
     axes.minorticks_off()
     point_to_better(axes)
@@ -106,62 +102,3 @@ def point_to_better(axes) -> None:
     places = {"xycoords": "axes fraction", "textcoords": "axes fraction"}
     bold = {"color": OURS, "fontsize": 11, "fontweight": "bold"}
     axes.annotate("better", (0.015, 0.02), (0.075, 0.085), arrowprops=arrow, **places, **bold)
-
-
-def panels(page, record, error: str = "error") -> None:
-    """One panel for each problem and end time; CPU time upwards, the field ``error`` to the right."""
-    rows, grid = record["results"]["rows"], page.subplots(3, 2)
-    seen = {row["name"] for row in rows if "seconds" in row}
-    for axes, (problem, stop) in zip(grid.ravel(), PLACES, strict=True):
-        for name in LOOKS:
-            points = [
-                (row[error], 1e3 * row["seconds"], row["onsets_right"])
-                for row in rows
-                if (row["problem"], row["stop"], row["name"]) == (problem, stop, name)
-                and "seconds" in row
-                and row["error"] < CHAOS
-                and row[error] is not None
-            ]
-            right = [(x, y) for x, y, saw_all in points if saw_all]
-            wrong = [(x, y) for x, y, saw_all in points if not saw_all]
-            axes.loglog(*(zip(*right, strict=True) if right else ([], [])), **look(name))
-            if wrong:
-                x, y = zip(*wrong, strict=True)
-                axes.loglog(x, y, linestyle="", marker="x", color=LOOKS[name][0])
-        title = PROBLEMS[problem].title
-        axes.set_title(title if problem == "rod" else f"{title}, to {stop} s", fontsize=9)
-        axes.minorticks_off()
-        axes.set_visible(error == "error" or problem != "flight")
-    for axes in grid[:, 0]:
-        axes.set_ylabel("CPU time [ms]")
-    point_to_better(grid[0, 0])
-    page.supxlabel(ERRORS[error], fontsize=10)
-    for name in LOOKS:
-        if name in seen:
-            grid[0, 0].plot([], [], label=name, **look(name))
-    grid[0, 0].plot([], [], linestyle="", marker="x", color="0.3", label="missed an impact")
-    handles, labels = grid[0, 0].get_legend_handles_labels()
-    page.legend(handles, labels, loc="outside right center", fontsize=8)
-
-
-def draw_full(page, record) -> None:
-    """CPU time against error, all problems and contenders."""
-    headline(page, "All problems and solvers: time against the error of the final state")
-    panels(page, record)
-
-
-def draw_onsets(page, record) -> None:
-    """CPU time against the error of the impacts' times."""
-    headline(page, "All problems and solvers: time against the error of the impacts' times")
-    panels(page, record, "onset_error")
-
-
-def draw_all() -> None:
-    """The first chart, and the two of the appendix."""
-    common.picture("work_precision", draw, (9.5, 5.0))
-    for name, drawing in (("full", draw_full), ("onsets", draw_onsets)):
-        common.picture(f"work_precision_{name}", drawing, (9.5, 10.5), record="work_precision")
-
-
-if __name__ == "__main__":
-    draw_all()

@@ -67,7 +67,7 @@ def test_what_benchmarks_import_is_there():
 def test_functions_for_other_solvers_are_lowered_and_linked(tmp_path, monkeypatch):
     sources = "".join(file.read_text(encoding="utf-8") for file in FILES)
     modules = re.findall(r'\bbuilt\("([\w.]+)"', sources)
-    assert len(modules) == 3
+    assert len(modules) == 2
     (tmp_path / "one_function.py").write_text(SOURCE.format(modules=", ".join(modules)))
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     library = runpy.run_path(str(BENCHMARKS / "functions_library.py"))
@@ -114,7 +114,7 @@ def message(module, record):
 
 
 @pytest.mark.full("more cases", but=2)
-@pytest.mark.parametrize("name", ["stability", "stiffness", "rest", "rhs", "scaling"])
+@pytest.mark.parametrize("name", ["stability", "rest", "scaling", "fidelity"])
 def test_a_chart_is_drawn_with_a_message(charts, name):
     module = charts(name if name != "stability" else "stability_chart")
     assert re.search(r"\d", message(module, stored(name))[0])
@@ -155,7 +155,6 @@ def test_a_missing_time_is_a_gap_in_the_chart(charts, gap):
     texts = {text.get_text().partition(":")[0] for text in page.axes[0].texts}
     assert module.NAMED[gap] not in texts
     assert ("SciPy" in said) == (gap == "heyoka")
-    module.draw_full(Figure(layout="constrained"), record)
 
 
 def test_the_factors_of_friction_are_those_of_the_stored_figures(charts):

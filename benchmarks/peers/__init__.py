@@ -15,8 +15,8 @@ from typing import Protocol
 import numpy as np
 from problems import Problem
 
-FAMILIES = ("ours", "scipy", "numbalsoda", "cvode", "heyoka", "diffrax")
-PACKAGES = ("numbalsoda", "heyoka", "diffrax", "jax", "mujoco")
+FAMILIES = ("ours", "scipy", "numbalsoda", "cvode", "heyoka")
+PACKAGES = ("numbalsoda", "heyoka", "mujoco")
 # driven by compiled code from event to event, on a right-hand side compiled with it
 COMPILED = ("numbalsoda", "CVODE", "heyoka")
 
