@@ -52,8 +52,9 @@ def source(request, fmu):
 
 
 @pytest.mark.full("more cases", but=1)
-@pytest.mark.parametrize("option", ["-o", "--output"])
-@pytest.mark.parametrize("scene", ["rod_drop", ROD, ROD / "scene.toml"], ids=["name", "folder", "file"])
+@pytest.mark.parametrize(
+    ("scene", "option"), [("rod_drop", "-o"), (ROD, "--output"), (ROD / "scene.toml", "-o")], ids=str
+)
 def test_build_puts_the_fmu_of_a_scene_into_the_folder(run, here, option, scene):
     code, said, errors = run("build", scene, option, "out/deep")
     assert (code, errors) == (0, "")
@@ -62,22 +63,14 @@ def test_build_puts_the_fmu_of_a_scene_into_the_folder(run, here, option, scene)
     assert [path.name for path in (here / "out" / "deep").iterdir()] == ["RodDrop.fmu"]
 
 
-def test_build_takes_the_four_link_box_by_default(run, here):
-    assert run("build")[1].splitlines()[0] == "FMU      build/FourLinkBox.fmu"
-
-
 @pytest.mark.parametrize(
-    ("options", "other"),
-    [
-        (["--target", "pythonfmu"], "--target native"),
-        (["--target", "native"], "--fmi 3"),
-        (["--fmi", "3"], "--fmi 2"),
-    ],
+    ("options", "other"), [("--target native", "--fmi 3"), ("--fmi 3", "--fmi 2"), ("", "--target native")]
 )
-def test_build_says_which_option_makes_the_other_kind(run, here, options, other):
-    said = run("build", "rod_drop", *options)[1]
+def test_build_takes_a_scene_by_default_and_says_which_option_makes_the_other_kind(run, here, options, other):
+    said = run("build", *options.split())[1]
+    assert said.splitlines()[0] == "FMU      build/FourLinkBox.fmu"
     assert said.endswith(f": {other}\n")
-    assert run("build", "rod_drop", *options, *other.split())[0] == 0
+    assert run("build", "rod_drop", *options.split(), *other.split())[0] == 0
 
 
 def test_build_for_another_platform(run, here, monkeypatch):
@@ -113,8 +106,9 @@ def test_build_and_simulate_writes_three_files_and_a_summary(run, here):
 
 def test_build_fmu_py_is_build(here):
     script = Path(__file__).parents[2] / "build_fmu.py"
-    command = [sys.executable, script, "no_scene"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=here)
+    done = subprocess.run(
+        [sys.executable, script, "no_scene"], capture_output=True, text=True, check=False, cwd=here
+    )
     assert done.returncode == 2
     assert done.stderr.startswith("chain-impact: no_scene: cannot be read")
 
@@ -139,10 +133,9 @@ def test_a_kernel_that_does_not_compile(run, here, monkeypatch):
 @pytest.mark.full("takes long")
 def test_simulate_prints_the_same_of_a_scene_and_of_its_fmu(run, fmu):
     scene, of_fmu = run("simulate"), run("simulate", fmu)
-    assert scene[0] == of_fmu[0] == 0
-    assert scene[2] == of_fmu[2] == ""
-    assert len(impact_lines(scene[1])) == 14
+    assert (scene[0], scene[2]) == (of_fmu[0], of_fmu[2]) == (0, "")
     assert impact_lines(scene[1]) == impact_lines(of_fmu[1])
+    assert len(impact_lines(scene[1])) == 14
 
 
 def test_simulate_runs_once_and_writes_nothing_unless_asked(run, here, monkeypatch):
@@ -173,11 +166,10 @@ def test_csv_has_time_and_the_outputs_of_the_fmu_to_the_last_bit(run, here, fmu)
 
 
 @pytest.mark.full("takes long")
-@pytest.mark.parametrize("name", ["out.png", "out.svg", "out.pdf", "OUT.PNG"])
+@pytest.mark.parametrize("name", ["out.pdf", "OUT.PNG"])
 def test_plot_writes_a_picture(run, here, name):
-    code, said, _ = run("simulate", "rod_drop", "--plot", name)
-    assert code == 0
-    assert said.startswith(f"picture  {name}\n")
+    code, said, _ = run("simulate", "rod_drop", "--stop-time", "0.5", "--plot", name)
+    assert (code, said.splitlines()[0]) == (0, f"picture  {name}")
     assert [path.name for path in here.iterdir()] == [name]
     assert (here / name).stat().st_size > 10_000
 
@@ -206,10 +198,9 @@ def test_a_simulation_that_stops_early_gives_what_it_has(run, here, source):
 
 
 def test_show_opens_one_window_with_the_picture(run, monkeypatch):
-    shown = []
-    monkeypatch.setattr(pyplot, "switch_backend", lambda _: None)
-    page = mpl.figure.Figure()
+    shown, page = [], mpl.figure.Figure()
     page.canvas.required_interactive_framework = "a toolkit"
+    monkeypatch.setattr(pyplot, "switch_backend", lambda _: None)
     monkeypatch.setattr(pyplot, "figure", lambda **_: page)
     monkeypatch.setattr(pyplot, "show", lambda: shown.append(page.get_suptitle()))
     assert run("simulate", "rod_drop", "--show")[0] == 0
@@ -306,10 +297,8 @@ def test_what_info_prints_can_be_set(run, source):
 
 def test_signs_are_printed_as_they_are_or_as_question_marks_where_the_console_has_few(run, here):
     """As main() prepares the console."""
-    text = re.sub(
-        'description = ".*"', 'description = "[bold] λ [/] b"', (ROD / "scene.toml").read_text("utf-8")
-    )
-    (here / "odd.toml").write_text(text, encoding="utf-8")
+    text, odd = (ROD / "scene.toml").read_text("utf-8"), 'description = "[bold] λ [/] b"'
+    (here / "odd.toml").write_text(re.sub('description = ".*"', odd, text), encoding="utf-8")
     assert run("info", "odd.toml")[1].startswith("RodDrop  [bold] λ [/] b\n")
     done = program("info", "odd.toml", env=os.environ | {"PYTHONIOENCODING": "ascii:strict"})
     assert (done.returncode, done.stderr) == (0, "")
@@ -337,12 +326,12 @@ def test_every_command_has_help_and_the_program_a_version(run):
     assert run("--version") == (0, f"chain-impact {version('chain-impact')}\n", "")
 
 
-@pytest.mark.full("more cases", but=2)
-@pytest.mark.parametrize("verb", ["build", "simulate", "compare", "info"])
-def test_quiet_prints_nothing(run, here, verb):
-    options = ["--csv", "out.csv"] if verb in ("simulate", "compare") else []
-    assert run(verb, "rod_drop", "--quiet", *options) == (0, "", "")
-    assert (here / "out.csv").exists() == bool(options)
+@pytest.mark.full("takes long")
+def test_quiet_prints_nothing(run, here):
+    for verb, table in (("build", ""), ("info", ""), ("simulate", "a.csv"), ("compare", "b.csv")):
+        options = ("--csv", table) if table else ()
+        assert run(verb, "rod_drop", "--quiet", *options) == (0, "", "")
+    assert {path.name for path in here.iterdir()} == {"build", "a.csv", "b.csv"}
     assert run("info", "rod_drop")[1] != ""
 
 

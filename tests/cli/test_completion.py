@@ -13,14 +13,8 @@ from chain_impact.cli import completion
 def asked(line, folder):
     """What a shell is told for a line that is being typed, as the scripts of argcomplete ask."""
     answer = folder / "answer"
-    settings = {
-        "_ARGCOMPLETE": "1",
-        "_ARGCOMPLETE_IFS": "\n",
-        "_ARGCOMPLETE_STDOUT_FILENAME": str(answer),
-        "COMP_LINE": line,
-        "COMP_POINT": str(len(line)),
-        "COMP_TYPE": "9",
-    }
+    settings = {"_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_STDOUT_FILENAME": str(answer)}
+    settings |= {"COMP_LINE": line, "COMP_POINT": str(len(line)), "COMP_TYPE": "9"}
     command = [sys.executable, "-m", "chain_impact.cli"]
     done = subprocess.run(command, cwd=folder, env=os.environ | settings, capture_output=True, check=False)
     assert done.returncode == 0
@@ -36,10 +30,7 @@ def asked(line, folder):
         ("chain-impact simulate rod_drop --set contact.re", ["contact.restitution="]),
         ("chain-impact sweep rod_drop --vary box.y", ["box.y_min="]),
         ("chain-impact sweep rod_drop --output energy.t", ["energy.total"]),
-        (
-            "chain-impact fit rod_drop data.csv --free initial.x,contact.sti",
-            ["initial.x,contact.stiffness"],
-        ),
+        ("chain-impact fit rod_drop data.csv --free initial.x,contact.sti", ["initial.x,contact.stiffness"]),
         ("chain-impact fit rod_drop data.csv --sigma energy.t", ["energy.total="]),
         ("chain-impact fit rod_drop data.csv --columns energy.t", ["energy.total"]),
         ("chain-impact compare --laws hertz,flo", ["hertz,flores"]),

@@ -33,23 +33,21 @@ def refusals():
             yield from ((int(code), verb, arguments, said) for verb in verbs.split(","))
 
 
-def wrong(run, here, case):
-    """What is wrong with a refusal; nothing if it is as it must be."""
-    code, pattern, *arguments = case
+def wrong(run, here, code, pattern, *arguments):
+    """What is wrong with a refusal, which is one line that matches and leaves no file behind."""
     before = sorted(here.rglob("*"))
     found, _, said = run(*arguments)
     right = re.fullmatch(r"chain-impact[^\n]*: [^\n]+\n", said) and re.search(pattern, said)
-    return (
-        [] if (found, bool(right), sorted(here.rglob("*"))) == (code, True, before) else [(case, found, said)]
-    )
+    good = (found, bool(right), sorted(here.rglob("*"))) == (code, True, before)
+    return [] if good else [(arguments, found, said)]
 
 
 @pytest.fixture
 def refused(run, here):
-    """Run a command that must fail with one line that matches, an exit code, and no file left behind."""
+    """Run a command that must fail."""
 
     def refused(*case):
-        assert wrong(run, here, case) == []
+        assert wrong(run, here, *case) == []
 
     return refused
 
@@ -80,7 +78,7 @@ def test_what_is_refused_and_in_which_words(run, here, files, fmu):
     for code, verb, arguments, said in refusals():
         for each in ("four_link_box", str(fmu)) if "{each}" in arguments else ("",):
             words = shlex.split(arguments.format(fmu=fmu, each=each, **WORDS))
-            found += wrong(run, here, (code, re.escape(said.format(**WORDS)), verb, *words))
+            found += wrong(run, here, code, re.escape(said.format(**WORDS)), verb, *words)
     assert found == []
     assert run("info", "tank.fmu")[0] == 0
 

@@ -20,24 +20,14 @@ def test_an_impulse_and_a_law_without_a_result_have_a_row():
     comparison = compare(default_scene())
     hertz, *others = comparison.runs
     impulse = replace(hertz, duration=0.0, max_penetration=0.0, peak_force=0.0)
-    failed = replace(
-        others[0], result=None, note="cannot start", **dict.fromkeys(("restitution", "peak_force"), math.nan)
-    )
+    nothing = dict.fromkeys(("restitution", "peak_force"), math.nan)
+    failed = replace(others[0], result=None, note="cannot start", **nothing)
     _, table, *_ = law_table(replace(comparison, runs=(impulse, failed, *others[1:])))
     lines = [line.strip() for line in plain_lines(table)]
     first, second = (next(line for line in lines if line.startswith(run.law)) for run in (impulse, failed))
     assert first.split()[2:5] == ["0.000"] * 3
     assert second.split()[1:3] == ["–", "–"]
     assert second.endswith("  –  cannot start")
-
-
-def test_the_columns_and_what_differs_are_explained():
-    *_, note, _ = law_table(compare(default_scene()))
-    assert note == (
-        "Columns e′ to lost describe the first impact; e′ is its restitution, separation over approach "
-        "speed. 'differs at' is the first impact with another point "
-        "or wall than under zhang_sharf: its number and time."
-    )
 
 
 def test_the_list_of_impacts_has_their_peak_forces():

@@ -39,12 +39,8 @@ def test_a_picture_and_parquet(run, here):
 
 def test_samples(run, here):
     arguments = ("sweep", *SHORT, "--vary", "contact.stiffness=1e6:1e9:log", "--samples", "8")
-    for name, more in (
-        ("a", ()),
-        ("b", ("--seed", "0")),
-        ("c", ("--seed", "1")),
-        ("d", ("--sampling", "sobol")),
-    ):
+    seeds = {"a": (), "b": ("--seed", "0"), "c": ("--seed", "1"), "d": ("--sampling", "sobol")}
+    for name, more in seeds.items():
         code, said, _ = run(*arguments, *more, "-o", f"{name}.csv")
         assert code == 0
         assert said.endswith("FourLinkBox  8 runs: 8 ok\n")

@@ -45,17 +45,13 @@ def sections(content):
 
 
 @pytest.mark.full("takes long")
-def test_the_module_imports_nothing_and_exports_what_a_page_calls():
-    found = sections(browser_module().read_bytes())
+def test_the_module_is_small_imports_nothing_exports_what_a_page_calls_and_has_no_path():
+    """Nor the name of a function; .ci/run compares modules that were made in two folders, byte by byte."""
+    content = browser_module().read_bytes()
+    found = sections(content)
     assert SECTIONS["import"] not in found
     exported = set(re.findall(rb"[a-z_]{6,}", found[SECTIONS["export"]]))
     assert exported == {name.encode() for name in (*browser.EXPORTS, "memory")}
-
-
-@pytest.mark.full("takes long")
-def test_the_module_is_small_and_has_no_path():
-    """Nor the name of a function; .ci/run compares modules that were made in two folders, byte by byte."""
-    content = browser_module().read_bytes()
     assert len(content) < 300_000
     assert not re.search(rb"/(?:tmp|home|root|usr|work)/|\.ll\b|\.c\b", content)
 

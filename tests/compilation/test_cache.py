@@ -37,27 +37,24 @@ def files():
     return sorted(path.name for path in cache_folder().iterdir() if not path.name.endswith(others))
 
 
-def test_a_file_is_made_once():
+def whole(path):
+    path.write_text("whole")
+
+
+def test_a_file_is_made_once_and_appears_when_it_is_whole():
     calls = []
 
     def make(path):
         calls.append(path)
+        path.write_text("half")
+        assert cache.find("a.so") is None
         path.write_text("whole")
 
     first, second = made("a.so", make), made("a.so", make)
     assert first == second == cache_folder() / "a.so"
     assert first.read_text() == "whole"
-    assert len(calls) == 1
-
-
-def test_a_file_appears_when_it_is_whole():
-    def make(path):
-        path.write_text("half")
-        assert cache.find("a.so") is None
-        path.write_text("whole")
-
-    made("a.so", make)
-    assert files() == ["a.so"]
+    assert (files(), len(calls)) == (["a.so"], 1)
+    assert stat.S_IMODE(base_folder().stat().st_mode) == 0o700  # for its user only
 
 
 def test_one_makes_it_and_the_others_wait():
@@ -69,9 +66,7 @@ def test_one_makes_it_and_the_others_wait():
         time.sleep(0.3)
         path.write_text("whole")
 
-    threads = [
-        threading.Thread(target=lambda: found.append(made("a.so", make).read_text())) for _ in range(4)
-    ]
+    threads = [threading.Thread(target=lambda: found.append(made("a.so", make).read_text())) for _ in "four"]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -102,7 +97,7 @@ def test_who_is_killed_leaves_nothing_that_matters():
     killed.wait()
     killed.stdout.close()
     assert left.is_dir()
-    made("a.so", lambda path: path.write_text("whole"))
+    made("a.so", whole)
     assert files() == ["a.so"]
 
 
@@ -133,21 +128,15 @@ def test_a_file_that_is_found_counts_as_use():
     assert cache_folder().stat().st_mtime > time.time() - 60
 
 
-def test_another_compiler_has_another_place(monkeypatch):
-    before = cache_folder()
-    monkeypatch.setattr(cache, "version", lambda _: "0.0.1")
-    cache._version.cache_clear()
-    assert cache_folder() != before
-
-
-def test_without_compilers_it_is_the_place_of_those_of_the_extra(monkeypatch):
+def test_another_compiler_has_another_place_and_none_that_of_the_extra(monkeypatch):
     def absent(name):
         raise cache.PackageNotFoundError(name)
 
     before = cache_folder()
-    monkeypatch.setattr(cache, "version", absent)
-    cache._version.cache_clear()
-    assert cache_folder() == before
+    for version, same in ((lambda _: "0.0.1", False), (absent, True)):
+        monkeypatch.setattr(cache, "version", version)
+        cache._version.cache_clear()
+        assert (cache_folder() == before) == same
 
 
 def test_without_a_home_an_error_says_what_to_set(monkeypatch):
@@ -164,14 +153,14 @@ def test_a_cache_that_can_only_be_read_is_read(monkeypatch):
     def refused(*_):
         raise PermissionError
 
-    made("a.so", lambda path: path.write_text("whole"))
+    made("a.so", whole)
     monkeypatch.setattr(cache.os, "utime", refused)
     assert made("a.so", lambda _: None).read_text() == "whole"
 
 
 def test_where_the_cache_can_only_be_read_an_error_says_what_to_set(monkeypatch):
     """Not even root can write there, whom permissions do not stop."""
-    made("a.so", lambda path: path.write_text("whole"))
+    made("a.so", whole)
 
     def refused(dir):
         raise PermissionError(errno.EACCES, "Permission denied", str(dir))
@@ -179,12 +168,15 @@ def test_where_the_cache_can_only_be_read_an_error_says_what_to_set(monkeypatch)
     monkeypatch.setattr(places.tempfile, "TemporaryFile", refused)
     places.writable.cache_clear()
     assert made("a.so", lambda _: None).read_text() == "whole"
-    with pytest.raises(BuildError) as caught:
-        made("b.so", lambda path: path.write_text("other"))
-    assert str(caught.value) == (
-        f"nothing can be kept in {base_folder()} (Permission denied): {places.ADVICE}"
-    )
+    assert not_kept(base_folder(), "Permission denied")
     places.writable.cache_clear()
+
+
+def not_kept(folder, reason):
+    """Nothing can be kept in a folder, and it is said why."""
+    with pytest.raises(BuildError) as caught:
+        made("b.so", whole)
+    return str(caught.value) == f"nothing can be kept in {folder} ({reason}): {places.ADVICE}"
 
 
 @pytest.fixture(params=["of another user", "that others can write", "that a group can write"])
@@ -219,23 +211,14 @@ def _owned_by(folder, user, monkeypatch, group=0):
 
 def test_a_cache_that_others_can_write_is_refused(shared):
     assert cache.find("a.so") is None
-    with pytest.raises(BuildError) as caught:
-        made("a.so", lambda path: path.write_text("own"))
-    assert str(caught.value) == (
-        f"nothing can be kept in {shared} (other users can write there): {places.ADVICE}"
-    )
+    assert not_kept(shared, "other users can write there")
     assert entries() == []
-
-
-def test_a_cache_is_made_for_its_user_only():
-    made("a.so", lambda path: path.write_text("whole"))
-    assert stat.S_IMODE(base_folder().stat().st_mode) == 0o700
 
 
 @pytest.mark.parametrize("damage", ["cut", "empty", "changed", "without its checksum"])
 def test_what_is_damaged_is_made_again(damage):
     """A library that is cut would end the process with SIGBUS."""
-    file = made("a.so", lambda path: path.write_text("whole"))
+    file = made("a.so", whole)
     if damage == "without its checksum":
         cache._mark(file).unlink()
     else:
@@ -262,7 +245,7 @@ def test_other_errors_than_of_a_place_to_keep_are_as_they_are(tmp_path, where):
 def test_a_cache_that_cannot_be_made_is_one_sentence(monkeypatch, place):
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", f"{place}/cache")
     with pytest.raises(BuildError) as caught:
-        made("a.so", lambda path: path.write_text("whole"))
+        made("a.so", whole)
     reason = "Not a directory" if place == __file__ else "No such file or directory"
     assert re.fullmatch(
         rf"nothing can be kept in {re.escape(place)}\S* \({reason}\): "
@@ -315,11 +298,12 @@ def test_who_waits_says_so(monkeypatch):
     assert said == ["waiting for another process that compiles the kernel"]
 
 
-def test_a_cache_that_is_cleared_meanwhile_is_one_clear_error():
+@pytest.mark.parametrize(
+    "make", [lambda _: clear(), lambda path: (clear(), whole(path))], ids=["none", "one"]
+)
+def test_a_cache_that_is_cleared_meanwhile_is_one_clear_error(make):
     with pytest.raises(BuildError, match=r"was removed while a\.so was made there: try again"):
-        made("a.so", lambda _: clear())
-    with pytest.raises(BuildError, match=r"was removed while a\.so was made there: try again"):
-        made("a.so", lambda path: (clear(), path.write_text("whole")))
+        made("a.so", make)
 
 
 def test_what_is_there_is_told_and_removed():

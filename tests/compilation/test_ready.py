@@ -44,10 +44,9 @@ def link_for_browsers(compiled, module):
 
 def replace_compilers(monkeypatch):
     """By some that only write files."""
-    monkeypatch.setattr(compilers, "prepare_zig", lambda _: None)
-    monkeypatch.setattr(compilers, "lower", lower)
-    monkeypatch.setattr(compilers, "compile_part", compile_part)
-    monkeypatch.setattr(compilers, "link", link)
+    stand_ins = {"prepare_zig": lambda _: None, "lower": lower, "compile_part": compile_part, "link": link}
+    for name, function in stand_ins.items():
+        monkeypatch.setattr(compilers, name, function)
     monkeypatch.setattr(browser, "compile_kernel", compile_for_browsers)
     monkeypatch.setattr(browser, "link", link_for_browsers)
 
@@ -81,7 +80,11 @@ def test_a_second_wheel_of_the_same_sources_takes_no_compiler(made, tmp_path, mo
 
 
 @needs_compilers
-def test_there_is_a_kernel_for_every_chain(made):
+def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeypatch):
+    monkeypatch.setattr(ready, "find_spec", lambda _: None)
+    found = ready.find(ready.library_name(None, "linux64", what=ready.DERIVATIVES))
+    assert found.read_text() == "kernel for None and derivatives for None"
+    assert kernel_library(4, derivatives=True) == found
     assert ready.find(ready.library_name(ready.exact(64), "linux64")).read_text() == "kernel for None"
     assert ready.find(ready.library_name(3, "linux64")) is None
     assert kernel_library(4) == kernel_library(64) == ready.find(ready.library_name(None, "linux64"))
@@ -119,14 +122,6 @@ def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
 
 
 @needs_compilers
-def test_derivatives_take_no_compiler(made, monkeypatch):
-    monkeypatch.setattr(ready, "find_spec", lambda _: None)
-    found = ready.find(ready.library_name(None, "linux64", what=ready.DERIVATIVES))
-    assert found.read_text() == "kernel for None and derivatives for None"
-    assert kernel_library(4, derivatives=True) == found
-
-
-@needs_compilers
 def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, tmp_path, monkeypatch):
     """What is cached already is not made again."""
     said = []
@@ -158,8 +153,10 @@ def test_kernels_of_other_sources_are_not_used(made):
     assert len(ready.libraries()) > 1
 
 
-def test_the_compilers_of_a_wheel_are_those_of_the_extra():
+def test_compilers_and_python_of_a_wheel_are_those_of_the_project():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    done = backend("import backend; print('.'.join(map(str, backend.OLDEST)))")
+    assert f">={done.stdout.strip()}" == project["requires-python"]
     numpy = [requirement for requirement in project["dependencies"] if requirement.startswith("numpy")]
     assert sorted(ready.REQUIREMENTS) == sorted(project["optional-dependencies"]["compiler"] + numpy)
 
@@ -176,12 +173,11 @@ def backend(program, **settings):
 
 @needs_compilers
 def test_the_build_backend_asks_for_compilers_only_where_they_are_needed(tmp_path):
-    program = (
-        "import backend;"
-        "print(backend.get_requires_for_build_wheel()); print(backend.get_requires_for_build_editable())"
+    program = "import backend; print(backend.get_requires_for_build_{}())"
+    wheel, editable = (
+        ast.literal_eval(backend(program.format(kind), CHAIN_IMPACT_CACHE=str(tmp_path)).stdout)
+        for kind in ("wheel", "editable")
     )
-    done = backend(program, CHAIN_IMPACT_CACHE=str(tmp_path))
-    wheel, editable = (ast.literal_eval(line) for line in done.stdout.splitlines())
     assert set(ready.REQUIREMENTS) <= set(wheel)
     assert not set(ready.REQUIREMENTS) & set(editable)
 
@@ -215,11 +211,3 @@ def test_an_older_python_is_refused_in_one_sentence():
     done = backend("sys.version_info = (3, 10, 13); import backend")
     assert done.returncode == 1
     assert re.fullmatch(r"chain-impact needs Python 3\.11 or later, and this is \S+ \(\S+\)\n", done.stderr)
-
-
-def test_the_oldest_python_is_that_of_the_project():
-    oldest = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"][
-        "requires-python"
-    ]
-    done = backend("import backend; print('.'.join(map(str, backend.OLDEST)))")
-    assert f">={done.stdout.strip()}" == oldest

@@ -129,12 +129,8 @@ def slave(log: Callable[[str], None], **arguments: Any) -> Any:
 
         getReal, setReal = FMU3Slave.getFloat64, FMU3Slave.setFloat64
         getInteger, setInteger = FMU3Slave.getInt64, FMU3Slave.setInt64
-        getFMUstate, setFMUstate, freeFMUstate = (
-            FMU3Slave.getFMUState,
-            FMU3Slave.setFMUState,
-            FMU3Slave.freeFMUState,
-        )
-        serializeFMUstate = FMU3Slave.serializeFMUState
+        getFMUstate, setFMUstate = FMU3Slave.getFMUState, FMU3Slave.setFMUState
+        freeFMUstate, serializeFMUstate = FMU3Slave.freeFMUState, FMU3Slave.serializeFMUState
         deSerializeFMUstate = FMU3Slave.deserializeFMUState
 
     return Slave(**arguments)

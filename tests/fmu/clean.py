@@ -23,15 +23,11 @@ def in_clean(*models: str, kinds: str, module: str) -> Callable[[Callable[..., N
             paths = [fmus[model] for model in models or (given["model"],)]
             clean(function, *paths, *(given[name] for name in rest), module=module)
 
-        names = dict.fromkeys(
-            ("clean", "all_fmus" if of_all else kinds, *([] if models else ["model"]), *rest)
-        )
-        test.__signature__ = Signature([Parameter(name, Parameter.KEYWORD_ONLY) for name in names])
-        test.__name__, test.__doc__, test.__module__ = (
-            function.__name__,
-            function.__doc__,
-            function.__module__,
-        )
+        names = ["clean", "all_fmus" if of_all else kinds, *([] if models else ["model"]), *rest]
+        parameters = [Parameter(name, Parameter.KEYWORD_ONLY) for name in dict.fromkeys(names)]
+        test.__signature__ = Signature(parameters)
+        for name in ("__name__", "__doc__", "__module__"):
+            setattr(test, name, getattr(function, name))
         return test
 
     return decorated

@@ -38,6 +38,12 @@ class Callbacks(ctypes.Structure):
     )
 
 
+def description(fmu: str) -> ElementTree.Element:
+    """The model description."""
+    with zipfile.ZipFile(fmu) as archive:
+        return ElementTree.fromstring(archive.read("modelDescription.xml"))
+
+
 def unpacked(fmu: str, folder: str | None = None) -> Path:
     """The folder of an unzipped FMU."""
     place = Path(folder or tempfile.mkdtemp())
@@ -60,9 +66,8 @@ class Binary:
         self.nodes = list(root.find("ModelVariables"))
         self.references = {node.get("name"): int(node.get("valueReference")) for node in self.nodes}
         platform = "x86_64-linux" if self.fmi3 else "linux64"
-        self.c: Any = ctypes.CDLL(
-            str(self.folder / "binaries" / platform / f"{root.get('modelName')}.so"), mode
-        )
+        binary = self.folder / "binaries" / platform / f"{root.get('modelName')}.so"
+        self.c: Any = ctypes.CDLL(str(binary), mode)
 
     def said(self) -> list[str]:
         """The texts since the last look."""
@@ -137,6 +142,12 @@ class States(NamedTuple):
     size: str
     serialize: str
     deserialize: str
+
+    @classmethod
+    def of(cls, state: str, deserialize: str, prefix: str = "") -> States:
+        """Those of a version of the standard."""
+        verbs = ("Get{}", "Set{}", "Free{}", "Serialized{}Size", "Serialize{}", f"{deserialize}{{}}")
+        return cls(*(prefix + verb.format(state) for verb in verbs))
 
 
 class Instance:
@@ -227,14 +238,7 @@ def state_calls(names: States) -> dict[str, Callable[[Any], int]]:
 class Component(Instance):
     """An instance; each function returns the status."""
 
-    STATES = States(
-        "fmi2GetFMUstate",
-        "fmi2SetFMUstate",
-        "fmi2FreeFMUstate",
-        "fmi2SerializedFMUstateSize",
-        "fmi2SerializeFMUstate",
-        "fmi2DeSerializeFMUstate",
-    )
+    STATES = States.of("FMUstate", "DeSerialize", "fmi2")
 
     def call(self, name: str, *arguments: Any) -> int:
         """Call a function of the standard."""
@@ -311,7 +315,7 @@ class Component(Instance):
 def calls() -> dict[str, Callable[[Component], int]]:
     """Each function that an instance has, with arguments that are right where it can be called."""
     cell, whole, text = c_double(), c_int(), c_char_p()
-    reference = c_uint()
+    reference, nil = c_uint(), c_size_t(0)
 
     def variable(function: str, name: str, value: Any) -> Callable[[Component], int]:
         def call(one: Component) -> int:
@@ -342,9 +346,7 @@ def calls() -> dict[str, Callable[[Component], int]]:
         "fmi2SetBoolean": nothing("fmi2SetBoolean", None),
         "fmi2SetString": nothing("fmi2SetString", None),
         **state_calls(Component.STATES),
-        "fmi2GetDirectionalDerivative": nothing(
-            "fmi2GetDirectionalDerivative", None, c_size_t(0), None, None
-        ),
+        "fmi2GetDirectionalDerivative": nothing("fmi2GetDirectionalDerivative", None, nil, None, None),
         "fmi2SetRealInputDerivatives": nothing("fmi2SetRealInputDerivatives", None, None),
         "fmi2GetRealOutputDerivatives": nothing("fmi2GetRealOutputDerivatives", None, None),
         "fmi2DoStep": lambda one: one.step(1.0, 0.1),

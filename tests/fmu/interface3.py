@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from ctypes import CFUNCTYPE, byref, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint32, c_void_p
 from typing import Any
@@ -11,13 +12,8 @@ from interface import ERROR, OK, Binary, Instance, States, each_call, state_call
 
 PHASES = ("instantiated", "initialization mode", "event mode", "step mode", "step failed", "terminated")
 LogMessage = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
-TYPES = (
-    "Float32",
-    "Float64",
-    *(f"{u}Int{n}" for u in ("", "U") for n in (8, 16, 32, 64)),
-    "Boolean",
-    "String",
-)
+INTEGERS = (f"{u}Int{n}" for u in ("", "U") for n in (8, 16, 32, 64))
+TYPES = ("Float32", "Float64", *INTEGERS, "Boolean", "String")
 
 
 class Library(Binary):
@@ -60,14 +56,7 @@ class Library(Binary):
 class Component(Instance):
     """An instance; each function returns the status, or what it has to tell."""
 
-    STATES = States(
-        "GetFMUState",
-        "SetFMUState",
-        "FreeFMUState",
-        "SerializedFMUStateSize",
-        "SerializeFMUState",
-        "DeserializeFMUState",
-    )
+    STATES = States.of("FMUState", "Deserialize")
 
     def call(self, name: str, *arguments: Any) -> int:
         """Call a function of the standard."""
@@ -132,12 +121,7 @@ class Component(Instance):
         """The values of variables, arrays included, as one list; the status if they are refused."""
         references = (c_uint32 * len(names))(*(self.library.references[name] for name in names))
         if length is None:
-            length = 0
-            for name in names:
-                count = 1
-                for size in self.library.shapes[name]:
-                    count *= size
-                length += count
+            length = sum(math.prod(self.library.shapes[name]) for name in names)
         values = ((c_double if kind == "Float64" else c_int64) * max(length, 1))()
         status = self.call(f"Get{kind}", references, c_size_t(len(names)), values, c_size_t(length))
         return list(values)[:length] if status == OK else status

@@ -26,8 +26,8 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from tests.binaries import binary
 from tests.fmu.conftest import KINDS
-from tests.fmu.contents import description
 from tests.fmu.importer import Instance
+from tests.fmu.interface import description
 from tests.fmu.planted_faults import XML, spoiled
 
 every_model = pytest.mark.parametrize("model", model_names())
@@ -137,6 +137,7 @@ def test_variables_and_starts_are_those_of_the_scene_to_the_last_bit(description
         for (name, node), variable in zip(nodes.items(), one.variables, strict=fmi == 2):
             assert (name, node["tag"]) == (variable.name, tags.get(variable.type, "Enumeration"))
             assert (node["causality"], node["variability"]) == (variable.causality, variable.variability)
+            assert node.get("unit", "") == variable.unit
             if variable.causality == "output":
                 assert "start" not in node
             else:

@@ -12,8 +12,7 @@ from chain_impact.compilation import library
 from chain_impact.compilation.compilers import CPUS, INCLUDES, complete, interface_sources, write_beside
 from chain_impact.compilation.library import kernel_library
 from chain_impact.variables.model import Model
-from tests.fmu.contents import description
-from tests.fmu.interface import unpacked
+from tests.fmu.interface import description, unpacked
 from tests.fmu.zig import zig
 
 pytestmark = pytest.mark.full("takes long")

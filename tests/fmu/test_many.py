@@ -136,44 +136,6 @@ def test_instances_in_threads_give_what_they_give_one_by_one(fmu):
     assert len({str(rows) for rows in one_by_one}) == len(instances)
 
 
-@importing("rod_drop", kinds="native")
-def test_no_native_instance_waits_for_another(fmu):
-    """The importer holds one instance inside a call; another one lives a whole life meanwhile."""
-    from threading import Event, Thread
-
-    from fmpy.fmi1 import calloc, free
-    from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE, fmi2CallbackFreeMemoryTYPE, fmi2CallbackFunctions
-
-    hold, inside, go_on, in_time = False, Event(), Event(), []
-
-    def allocate(count, size):
-        if hold:
-            inside.set()
-            in_time.append(go_on.wait(60))
-        return calloc(count, size)
-
-    callbacks = fmi2CallbackFunctions()
-    callbacks.logger = CALLBACKS.logger
-    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(allocate)
-    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-    held = Instance(fmu)
-    held.fmu.fmi2FreeInstance(held.fmu.component)
-    held.fmu.instantiate(callbacks=callbacks)
-    held.start()
-    held.step(0.5)
-    hold = True
-    thread = Thread(target=held.fmu.getFMUstate)  # it asks for memory
-    thread.start()
-    assert inside.wait(60)
-    other = Instance(fmu, "other", held.folder).start()
-    other.step(0.5)
-    other.fmu.freeFMUstate(other.fmu.getFMUstate())
-    other.fmu.terminate()
-    go_on.set()
-    thread.join()
-    assert in_time == [True]
-
-
 # --- one scene in all kinds of FMU, and in several processes -----------------------------------------------
 
 
@@ -222,14 +184,8 @@ def test_a_long_chain(tmp_path, clean):
     """With the kernel for any number of links."""
     scene = {"name": "Long", "chain": {"links": [{"length": 0.2, "mass": 0.3}] * 12}, "box": {"y_min": 0.0}}
     scene["initial"] = {"position": [0.1, 0.3], "angles": [0.01 * i for i in range(12)]}
-    rows, others = (
-        clean(
-            whole_scene,
-            str(build_fmu(scene_from_dict(scene, "long"), tmp_path / kind, target=kind)),
-            0.3,
-            1e-2,
-        )[0]
-        for kind in ("native", "pythonfmu")
-    )
+    scene = scene_from_dict(scene, "long")
+    fmus = [str(build_fmu(scene, tmp_path / kind, target=kind)) for kind in ("native", "pythonfmu")]
+    rows, others = (clean(whole_scene, fmu, 0.3, 1e-2)[0] for fmu in fmus)
     assert rows == others
     assert rows[0] != rows[-1]

@@ -9,8 +9,7 @@ from chain_impact import impacts_of, load_scene, simulate
 from chain_impact.compilation.compilers import INCLUDES
 from chain_impact.fmu.build import build_fmu
 from tests.fmu.conftest import KINDS
-from tests.fmu.contents import description
-from tests.fmu.interface import unpacked
+from tests.fmu.interface import description, unpacked
 from tests.fmu.zig import WARNINGS, zig
 from tests.random_scenes import scene as random_scene
 

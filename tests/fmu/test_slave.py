@@ -1,8 +1,12 @@
 """What is of the pythonfmu FMU only: the slave, and what its wrapper makes of faults."""
 
 import ast
+import os
+import signal
+import subprocess
 import sys
 import zipfile
+from pathlib import Path
 
 import pytest
 
@@ -11,11 +15,14 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu import pythonfmu_target
 from chain_impact.fmu.build import build_fmu
 from chain_impact.fmu.pythonfmu_target import slave_source
+from chain_impact.fmu.references import FILE
 from tests.fmu.clean import importing
 from tests.fmu.importer import Instance, refused
 from tests.fmu.planted_faults import spoiled
+from tests.fmu.zig import zig
 
 in_python = {"kinds": "pythonfmu"}
+HERE = Path(__file__).parent
 
 
 @pytest.fixture
@@ -23,17 +30,14 @@ def path(all_fmus):
     return all_fmus["pythonfmu"]["rod_drop"]
 
 
-REFERENCES = "chain_impact_reference.csv"
-
-
 def test_only_the_files_that_are_needed_and_another_script_for_another_value(path, tmp_path):
     names = zipfile.ZipFile(path).namelist()
     rest = [name for name in names if not name.startswith(("resources/pythonfmu/", "extra/"))]
     script, slave = sorted((name for name in rest if name.endswith(".py")), key=len)
     assert slave == script.replace(".py", "_slave.py")
-    resources = ("instance.bin", "kernel-linux64.so", "model.json", "slavemodule.txt", REFERENCES)
+    resources = ("instance.bin", "kernel-linux64.so", "model.json", "slavemodule.txt")
     expected = {f"resources/{name}" for name in resources}
-    expected |= {"documentation/index.html", "documentation/licenses/license.txt", "model.png"}
+    expected |= {FILE, "documentation/index.html", "documentation/licenses/license.txt", "model.png"}
     assert set(rest) == expected | {"modelDescription.xml", "binaries/linux64/RodDrop.so", script, slave}
     other = build_fmu(load_scene("rod_drop").with_values({"contact.stiffness": 2e8}), tmp_path)
     assert not {script, slave} & set(zipfile.ZipFile(other).namelist())
@@ -152,3 +156,60 @@ def test_percent_and_hash_are_escaped(fmu):
     Instance(fmu)
     slave = next(module for name, module in sys.modules.items() if name.endswith("_slave"))
     assert repr(slave.SlaveError("100 % of #1")) == "100 %% of ##1"
+
+
+# --- a process that has run it ends well, which guard.c makes sure of ---------------------------------------
+
+
+@pytest.fixture(scope="module")
+def guard(tmp_path_factory):
+    """The library to preload.
+
+    At the end of a process pythonfmu's wrapper releases its state twice, the second time in freed memory,
+    unless the slave has released it before.
+    """
+    folder = tmp_path_factory.mktemp("guard")
+    zig(folder, "-shared", "-fPIC", HERE / "guard.c", "-o", folder / "guard.so")
+    return folder / "guard.so"
+
+
+FREED = "Instance(one).start().close()"
+SEVERAL = """
+instances = [Instance(path).start() for path in (one, other) * 2]
+instances.append(Instance(one, folder=instances[0].folder).start())
+instances.pop(1).close()
+Instance(other).start().close()
+for instance in instances[1:]:
+    instance.fmu.freeInstance()
+instances[0].fmu.fmi2FreeInstance(instances[0].fmu.component)
+"""
+KEPT = """
+instances = [Instance(path).start() for path in (one, other)]
+for instance in instances:
+    shutil.rmtree(instance.folder)
+"""
+CYCLES = "for path in (one, other) * 5: fmpy.simulate_fmu(path, stop_time=0.01)"
+REFUSED = 'assert "not > 0" in refused(one, Instance.start, lambda i: i.fmu.doStep(0.0, -1.0))'
+RAISING = 'instance = Instance(one).start(); print("right", flush=True); sys.exit(1)'
+NOT_RELEASED = f"{FREED}; import atexit; atexit._clear()"  # as it would be without the slave's doing
+
+
+PROGRAMS = {"freed": FREED, "several": SEVERAL, "kept": KEPT, "cycles": CYCLES, "refused": REFUSED}
+PROGRAMS |= {"raising": RAISING, "not released": NOT_RELEASED}
+CODES = {"raising": 1, "not released": -signal.SIGSEGV}
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_process_ends_well_and_the_guard_sees_where_it_does_not(guard, clean_python, all_fmus, name):
+    """Guarded, in a process of its own."""
+    one, other = (all_fmus["pythonfmu"][model] for model in ("rod_drop", "pinned_arm"))
+    lines = ["import shutil, sys", f"sys.path.insert(0, {str(HERE)!r})", "from importer import *"]
+    lines += [f"one, other = {one!r}, {other!r}", PROGRAMS[name], 'print("right")']
+    # The value is a list that spaces separate, and a temporary folder may have one in its name.
+    environment = os.environ | {"LD_PRELOAD": f"./{guard.name}"}
+    command = [clean_python, "-I", "-c", "\n".join(lines)]
+    done = subprocess.run(
+        command, cwd=guard.parent, env=environment, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout) == (CODES.get(name, 0), "right\n"), done.stderr[-2000:]

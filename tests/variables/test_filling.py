@@ -44,23 +44,21 @@ def test_a_record_is_the_one_of_a_scene_that_stands_alone(model):
         same(found, wanted)
 
 
-@pytest.mark.parametrize(
-    ("model", "changes"),
-    [
-        ("four_link_box", {"contact.friction": 0.3}),
-        ("four_link_box", {"contact.model": "flores"}),
-        ("four_link_box", {"contact.points": [4]}),
-        ("four_link_box", {"box.x_max": None}),
-        ("four_link_box", {"chain.base": "pinned", "initial.velocity": [0.0, 0.0], "contact.points": [1, 2]}),
-        ("four_link_box", {"link[2].joint_friction": 0.1}),
-        ("four_link_box", {"link[2].inertia": 0.1}),
-        ("four_link_box", {"inputs.tip_force": True}),
-        ("four_link_box", {"outputs.impacts": 2}),
-        ("pinned_arm", {"link[1].joint_min": -3.0}),
-        ("ramp", {"walls": [{"name": "ramp", "point": [0.0, 0.0], "angle": -0.2}]}),
-    ],
-    ids=str,
-)
+PINNED = {"chain.base": "pinned", "initial.velocity": [0.0, 0.0], "contact.points": [1, 2]}
+CHANGES = [
+    PINNED,
+    {"contact.friction": 0.3},
+    {"contact.model": "flores"},
+    {"contact.points": [4]},
+    {"box.x_max": None},
+]
+CHANGES += [{"link[2].joint_friction": 0.1}, {"link[2].inertia": 0.1}, {"inputs.tip_force": True}]
+CASES = [("four_link_box", changes) for changes in [*CHANGES, {"outputs.impacts": 2}]]
+CASES += [("pinned_arm", {"link[1].joint_min": -3.0})]
+CASES += [("ramp", {"walls": [{"name": "ramp", "point": [0.0, 0.0], "angle": -0.2}]})]
+
+
+@pytest.mark.parametrize(("model", "changes"), CASES, ids=str)
 def test_what_is_more_than_a_number_makes_another_model(model, changes):
     scene = load_scene(model)
     changed = scene.with_values(changes)

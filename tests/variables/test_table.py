@@ -15,6 +15,7 @@ from chain_impact.scene.scene import SOLVER_METHODS, WALLS, Scene, model_names, 
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from chain_impact.variables.units import UNITS
+from chain_impact.variables.variable import Variable
 from tests.friction import pendulum, sled
 from tests.stops import knee
 
@@ -44,6 +45,10 @@ def scenes() -> dict[str, Scene]:
 
 
 SCENES = scenes()
+
+
+def variables(scene: Scene) -> dict[str, Variable]:
+    return {variable.name: variable for variable in Model(scene).variables}
 
 
 def names(scene: Scene, causality: str) -> list[str]:
@@ -172,7 +177,7 @@ def test_walls_at_any_angle_have_their_own_variables():
     walls = [f"wall.{wall}.{key}" for wall in ("ramp", "stop") for key in ("x", "y", "angle")]
     assert ramp[9:15] == walls
     assert not [name for name in ramp if name.startswith("box")]
-    slanted = {variable.name: variable for variable in Model(SCENES["slanted"]).variables}
+    slanted = variables(SCENES["slanted"])
     assert slanted["wall.slope.x"].place == ("walls", "x", 0)
     assert slanted["contact[4].slope.force"].place == ("output", "force", 24)
     assert (
@@ -180,15 +185,11 @@ def test_walls_at_any_angle_have_their_own_variables():
         == "point 4 at slope: force of the wall, along its normal"
     )
     assert slanted["impact.last_wall"].description.endswith("3 y_min, 4 y_max, 5 slope")
-    # a wall that nothing can touch
+    # a wall that nothing can touch, and no wall
     assert not [
-        v for v in Model(SCENES["walls without points"]).variables if v.name.startswith(("wall", "contact"))
+        name for name in variables(SCENES["walls without points"]) if name.startswith(("wall", "contact"))
     ]
-
-
-def test_a_scene_without_walls_has_no_contact_variables():
-    found = [variable.name for variable in Model(SCENES["without walls"]).variables]
-    assert not [name for name in found if name.startswith(("contact", "box"))]
+    assert not [name for name in variables(SCENES["without walls"]) if name.startswith(("contact", "box"))]
 
 
 # --- parameters ----------------------------------------------------------------------------------------
@@ -232,7 +233,7 @@ def test_enumerations_number_laws_and_methods_as_the_kernel_does():
 
 
 def test_limits_come_from_the_scene():
-    found = {variable.name: variable for variable in Model(SCENES["rod_drop"]).variables}
+    found = variables(SCENES["rod_drop"])
     assert (found["contact.restitution"].minimum, found["contact.restitution"].maximum) == (0.0, 1.0)
     assert found["link[1].mass"].above == 0.0
     assert found["link[1].mass"].allowed == "a finite number > 0 [kg]"
@@ -242,7 +243,7 @@ def test_limits_come_from_the_scene():
 
 
 def test_every_status_is_in_the_description():
-    status = next(v for v in Model(SCENES["friction"]).variables if v.name == "solver.status")
+    status = variables(SCENES["friction"])["solver.status"]
     assert all(text in status.description for text in STATUS_TEXT.values())
     assert status.maximum == max(STATUS_TEXT)
 
@@ -270,8 +271,8 @@ def test_columns_are_those_of_the_recorded_outputs():
 
 
 def test_a_scene_with_stops_has_their_variables():
-    found = {variable.name: variable for variable in Model(SCENES["stops"]).variables}
-    new = found.keys() - {variable.name for variable in Model(SCENES["four_link_box"]).variables}
+    found = variables(SCENES["stops"])
+    new = found.keys() - variables(SCENES["four_link_box"]).keys()
     parameters = {"link[2].joint_min", "link[2].joint_max", "link[4].joint_max"}
     parameters |= {f"stop.{key}" for key in ("stiffness", "exponent", "restitution", "minimum_impact_speed")}
     keys = ("stop_moment", "stop_penetration", "stop_impulse")
@@ -289,7 +290,7 @@ def test_a_scene_with_stops_has_their_variables():
 
 
 def test_the_list_of_impacts_says_what_it_holds_of_a_stop():
-    found = {variable.name: variable for variable in Model(SCENES["stops"]).variables}
+    found = variables(SCENES["stops"])
     assert found["impact.last_wall"].description.endswith("4 y_max, 5 joint_min, 6 joint_max")
     assert found["impact[1].wall"].maximum == 6
     assert found["impact[1].point"].description.endswith("; of a stop its joint")
@@ -306,8 +307,8 @@ def test_a_law_that_only_stops_use_can_be_chosen():
 
 
 def test_a_scene_with_materials_has_what_it_gives_of_them():
-    found = {variable.name: variable for variable in Model(SCENES["materials"]).variables}
-    new = found.keys() - {variable.name for variable in Model(SCENES["four_link_box"]).variables}
+    found = variables(SCENES["materials"])
+    new = found.keys() - variables(SCENES["four_link_box"]).keys()
     assert new == MATERIALS.keys()
     assert {found[name].variability for name in new} == {"tunable"}
     assert found["wall.y_min.stiffness"].place == ("walls", "stiffness", 2)
@@ -340,18 +341,13 @@ RUBBING = {"contact.friction": 0.3, "wall.x_max.static_friction": 0.5, "link[3].
 RUBBING = with_values(SCENES["four_link_box"], RUBBING)
 
 
-def variables(scene):
-    return {variable.name: variable for variable in Model(scene).variables}
-
-
 def is_dry(variable):
     return "friction" in f"{variable.name}{variable.description}" or "stick" in variable.name
 
 
 def test_a_scene_without_friction_has_no_variable_more_and_no_status():
-    found = variables(
-        SCENES["four_link_box"].with_values({"link[2].joint_max": 2.0, "inputs.joint_torques": True})
-    )
+    others = {"link[2].joint_max": 2.0, "inputs.joint_torques": True}
+    found = variables(SCENES["four_link_box"].with_values(others))
     assert not [variable.name for variable in found.values() if is_dry(variable)]
     # the status of friction at rigid walls is one of scenes with friction at walls only
     text = STATUS_TEXT[FRICTION_WITH_RIGID_WALLS]
@@ -382,12 +378,8 @@ def test_a_scene_with_friction_has_its_variables():
 def test_only_the_joints_with_friction_have_variables():
     one = variables(pendulum(**{"link[2].joint_friction": 0.0}))
     new = {name for name, variable in one.items() if is_dry(variable)} - {"energy.dissipated"}
-    assert new == {
-        "link[1].joint_friction",
-        "joint[1].friction_moment",
-        "joint[1].sticking",
-        "energy.friction",
-    }
+    of_joint = {"link[1].joint_friction", "joint[1].friction_moment", "joint[1].sticking"}
+    assert new == of_joint | {"energy.friction"}
     free = variables(with_values(SCENES["four_link_box"], {"link[1].joint_friction": 0.2}))
     assert free.keys() == variables(SCENES["four_link_box"]).keys()
 
