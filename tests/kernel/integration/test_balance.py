@@ -7,15 +7,10 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, supplied_at
-from chain_impact.kernel.integration import balance
-from chain_impact.kernel.integration.control import FAR_OFF, accepted, conclude
-from chain_impact.kernel.integration.errors import impact_energy, penetration_scale
-from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
+from chain_impact.kernel.integration import balance, control, errors, last_step, switching
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
-from chain_impact.kernel.integration.switching import STABLE, joints_over
-from chain_impact.kernel.model.contact_force import elastic_force
+from chain_impact.kernel.model import contact_force, geometry
 from chain_impact.kernel.model.energy import energy_balance, mechanical_energy
-from chain_impact.kernel.model.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import Instance
@@ -38,9 +33,9 @@ def after_a_step():
 
 def error_after_check(d, theta):
     """The error of the last step after the energy check; before it was a tenth of the tolerance."""
-    conclude(d, 0.1, 1.0)
+    control.conclude(d, 0.1, 1.0)
     energies = balance.check_energy(d, theta)
-    if accepted(d):
+    if control.accepted(d):
         balance.keep_energy(d, *energies)
     return float(d.trial.error)
 
@@ -73,7 +68,7 @@ def test_a_step_that_changes_the_ledger_or_is_not_finite_is_refused(entry, theta
     for off in (1e-5, np.nan):
         d["step"]["state_end"][entry] += off
         d["step"]["dense"][0, entry] += off
-        assert error_after_check(d, theta) == FAR_OFF
+        assert error_after_check(d, theta) == control.FAR_OFF
         assert before == d["balance"]["at_end"]
 
 
@@ -92,16 +87,6 @@ def test_a_run_ends_when_the_steps_of_a_second_have_changed_the_ledger_by_far_to
     assert own.reference == ledger_now
 
 
-def losing(so_far, by_the_step):
-    """The chain after a step that loses parts of what all may, after others that have lost parts of it."""
-    d = after_a_step()
-    budget = balance.loss_budget(d, float(d["balance"]["available"]))
-    locate_points(d, d["step"]["state_end"])
-    before = energy_balance(d, d["step"]["state_end"]) + by_the_step * budget
-    d["balance"]["at_end"], d["balance"]["origin"] = before, before + so_far * budget
-    return d
-
-
 @pytest.mark.parametrize(
     ("so_far", "by_the_step", "noted"),
     [
@@ -109,23 +94,21 @@ def losing(so_far, by_the_step):
         (0.0, 0.2, 0.2),
         (0.5, 0.2, 0.4),  # of what is left
         (2.0, 0.001, 0.2),  # as much as the budget grows in a step of that size
+        (0.9, 0.2, 2.0),  # a step that would lose more is refused
+        (2.0, 0.1, None),
     ],
 )
 def test_a_step_may_lose_what_is_left(so_far, by_the_step, noted):
-    d = losing(so_far, by_the_step)
-    size = d["step"]["end"] - d["step"]["start"]
+    """Parts of what all may, after others that have lost parts of it."""
+    d = after_a_step()
+    budget = balance.loss_budget(d, float(d.balance.available))
+    locate_points(d, d.step.state_end)
+    d.balance.at_end = energy_balance(d, d.step.state_end) + by_the_step * budget
+    d.balance.origin = d.balance.at_end + so_far * budget
     if so_far > 1.0:
-        noted = by_the_step / (size / (10.0 + d["step"]["end"]))
-        assert 0.1 < noted < 1.0
-    assert error_after_check(d, -1.0) <= 1.0
-    assert d.trial.error == pytest.approx(noted, rel=1e-3)
-
-
-@pytest.mark.parametrize(("so_far", "by_the_step"), [(0.9, 0.2), (2.0, 0.1)])
-def test_a_step_that_would_lose_more_is_refused_and_by_how_much_is_noted(so_far, by_the_step):
-    d = losing(so_far, by_the_step)
-    assert error_after_check(d, -1.0) > 1.0
-    assert d.trial.error > 1.9
+        noted = by_the_step / ((d.step.end - d.step.start) / (10.0 + d.step.end))
+        assert 0.1 < noted < 1.0 or by_the_step == 0.1
+    assert error_after_check(d, -1.0) == d.trial.error == pytest.approx(noted, rel=1e-3)
 
 
 def test_energy_that_a_parameter_takes_is_not_lost():
@@ -250,11 +233,11 @@ def test_contacts_add_the_work_of_their_forces_over_the_error_of_their_depth():
     d.touch.depth_scale[touched], d.touch.impact_speed[touched] = 3e-3, [0.5, 2.0]
     d.touch.effective_mass[touched] = [0.7, 1.9]
     found = balance.scales(d, y)
-    forces = [elastic_force(d, c, -clearance(d, c)[0]) for c in touched]
-    scale = sum(force * penetration_scale(d, c) for force, c in zip(forces, touched, strict=True))
-    known = sum(force * coordinates_size(d, c, y) for force, c in zip(forces, touched, strict=True))
+    forces = [contact_force.elastic_force(d, c, -geometry.clearance(d, c)[0]) for c in touched]
+    scale = sum(force * errors.penetration_scale(d, c) for force, c in zip(forces, touched, strict=True))
+    known = sum(force * geometry.coordinates_size(d, c, y) for force, c in zip(forces, touched, strict=True))
     assert min(forces) > 1.0
-    assert found[0] - without[0] == pytest.approx(scale + impact_energy(d), rel=1e-9)
+    assert found[0] - without[0] == pytest.approx(scale + errors.impact_energy(d), rel=1e-9)
     assert found[1] - without[1] == pytest.approx(known, rel=1e-9)
 
 
@@ -296,7 +279,7 @@ def after_a_turn(turn, **more):
 def test_a_step_is_long_in_which_a_link_turns_far(turn, right):
     d = after_a_turn(turn * balance.LONG_TURN)
     assert balance.is_long(d) == right
-    d.step.dense_for = OUTPUTS
+    d.step.dense_for = last_step.OUTPUTS
     assert not balance.is_long(d)  # what is not known costs more than it tells
 
 
@@ -315,7 +298,7 @@ def test_an_explicit_step_is_long_that_is_not_stable_for_its_joints():
     d = after_a_turn(0.1, springs=True, dampers=True)
     for method, number in ((EXPLICIT, 0.9), (EXPLICIT, 1.1), (IMPLICIT, 1.1)):
         d.step.last_method = method
-        d.step.end = d.step.start + number * STABLE / (joints_over(d, 1e3) / 1e3)
+        d.step.end = d.step.start + number * switching.STABLE / (switching.joints_over(d, 1e3) / 1e3)
         assert balance.is_long(d) == (method == EXPLICIT and number > 1.0)
     d.step.last_method, d.model.resisting = EXPLICIT, 0
     assert not balance.is_long(d)
@@ -348,7 +331,7 @@ def test_a_motion_that_keeps_its_energy_does_so_in_the_middle(entry):
     d.step.dense[3, entry] += 1.0  # in the middle only
     d.balance.least_allowed = 1e9 * (entry == dissipated_at(LINKS))  # where the energy would be allowed
     assert not balance.interpolates(d)
-    assert d.step.dense_for == SOLVER
+    assert d.step.dense_for == last_step.SOLVER
 
 
 @pytest.mark.parametrize(

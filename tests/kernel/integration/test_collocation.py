@@ -9,16 +9,11 @@ from chain_impact import simulate
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.events.exclusion import NOTHING, known_clearances
-from chain_impact.kernel.integration import collocation, control
-from chain_impact.kernel.integration.collocation import curvatures, interpolated
-from chain_impact.kernel.integration.control import accepted
-from chain_impact.kernel.integration.dense import interpolate
+from chain_impact.kernel.integration import collocation, control, dense, newton
 from chain_impact.kernel.integration.extended import extended_size, gap_at, quadrature_at, rate_at
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, ORDER
-from chain_impact.kernel.integration.newton import UNKNOWN
 from chain_impact.kernel.integration.radau import NODES, REAL_EIGENVALUE, STAGES
-from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.model import equations, geometry
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
 from tests.kernel.chains import chain, random_state, struck, touch
@@ -68,19 +63,6 @@ def implicit_phase(tolerance=1e-8):
     return instance
 
 
-def test_each_iteration_counts_its_right_hand_sides():
-    instance, seen = implicit_phase(), 0
-    for _ in range(40):
-        before = instance.statistics
-        instance.advance(np.nextafter(float(instance.record["step"]["end"]), 1.0))
-        after = instance.statistics
-        if after["rejected_steps"] == before["rejected_steps"]:
-            spent = after["rhs_evaluations"] - before["rhs_evaluations"]
-            assert spent == 1 + STAGES * int(instance.record["implicit"]["iterations"])
-            seen += 1
-    assert seen > 20
-
-
 @pytest.mark.parametrize("elsewhere", [0.0, 0.09])
 def test_a_state_saved_in_the_middle_continues_bit_by_bit(elsewhere):
     """In an instance that is at another time until it is restored, with another tolerance."""
@@ -108,26 +90,6 @@ def test_the_dense_output_is_as_accurate_as_the_tolerance():
         assert np.abs(rows[1e-8][field] - rows[1e-12][field]).max() < most
 
 
-def test_the_curvature_of_a_clearance_is_bounded():
-    instance = touching(1e-6)
-    d, checked = Plain(instance.record), 0
-    for time in np.arange(0.7, 1.1, 5e-3):
-        instance.advance(time)
-        if d.step.last_method != IMPLICIT or known_clearances(d) == NOTHING:
-            continue
-        d.search.curvature[:] = np.nan
-        curvatures(d, d.step.size)
-        for k in range(int(d.touch.active_count)):
-            theta = np.linspace(0.0, 1.0, 41)
-            gaps = np.array([interpolated(d, gap_at(d, k), t) for t in theta])
-            bends = np.diff(gaps, 2) / (d.step.size / 40) ** 2
-            noise = 1e-16 * np.abs(gaps).max() / (d.step.size / 40) ** 2
-            bound = d.search.curvature[d.touch.active_index[k]]
-            assert np.abs(bends).max() <= bound + 4.0 * noise
-            checked += 1
-    assert checked > 20
-
-
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-6])
 def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
     """Off the tangent by ½h²ω²L, they would be wrong by many penetrations, at the ends and in between."""
@@ -140,11 +102,11 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
             continue
         seen[d.step.start] = d.step.size
         for theta, found in errors.items():
-            interpolate(d.step, theta, y)
+            dense.interpolate(d.step, theta, y)
             locate_points(d, y)
             for k in range(int(d.touch.active_count)):
-                gap, _ = clearance(d, int(d.touch.active_index[k]))
-                found.append(abs(gap / interpolated(d, sundman_u_at(d.links) + k, theta) - 1.0))
+                gap, _ = geometry.clearance(d, int(d.touch.active_index[k]))
+                found.append(abs(gap / collocation.interpolated(d, sundman_u_at(d.links) + k, theta) - 1.0))
     assert max(seen.values()) > 1e-3
     for found in errors.values():
         assert len(found) > 60
@@ -213,7 +175,7 @@ def test_the_polynomial_goes_through_the_stages(step):
     assert (d.implicit.began, d.implicit.span, d.implicit.listing) == (0.5, H, 7)
     y = np.zeros(len(d.step.state))
     for theta in (0.0, *NODES, 0.43):
-        interpolate(d.step, theta, y)
+        dense.interpolate(d.step, theta, y)
         assert y[:n] - d.step.state[:n] == pytest.approx(through(stages[:, :n], theta), abs=1e-14)
         part = collocation.interpolated(d, 4, theta) - d.implicit.start[4]
         assert part == pytest.approx(through(stages[:, 4], theta), abs=1e-14)
@@ -240,16 +202,6 @@ def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
     assert (np.delete(d.search.curvature, d.touch.active_index[:2]) == -1.0).all()
 
 
-@pytest.mark.parametrize("first", [0, 2])
-def test_lagranges_polynomials_are_one_at_their_own_node(first):
-    nodes = [0.0, *NODES]
-    for m in range(first, STAGES + 1):
-        for k in range(first, STAGES + 1):
-            assert collocation.lagrange(first, m, nodes[k]) == pytest.approx(float(k == m), abs=1e-12)
-    # together they are one everywhere
-    assert sum(collocation.lagrange(first, m, 0.37) for m in range(first, STAGES + 1)) == pytest.approx(1.0)
-
-
 def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clearances(step, monkeypatch):
     """At a third and at two thirds of the step; at its ends they stay."""
     d, rng = step, np.random.default_rng(43)
@@ -257,7 +209,7 @@ def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clea
     before, changes = {}, {}
     for theta in (0.0, 1 / 3, 2 / 3, 1.0):
         before[theta] = np.zeros(len(d.step.state))
-        interpolate(d.step, theta, before[theta])
+        dense.interpolate(d.step, theta, before[theta])
     asked = []
 
     def project_coordinates(d, _y, derivative, change):
@@ -277,7 +229,7 @@ def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clea
         assert [one[1][k] for one in asked] == pytest.approx(wanted, abs=1e-15)
     y, end = np.zeros(len(d.step.state)), dissipated_at(LINKS)
     for theta, moved in ((0.0, ()), (1 / 3, (1, 2)), (2 / 3, (3, 4)), (1.0, ())):
-        interpolate(d.step, theta, y)
+        dense.interpolate(d.step, theta, y)
         change = np.concatenate([changes[k] for k in moved]) if moved else np.zeros(end)
         assert y[:end] - before[theta][:end] == pytest.approx(change, abs=1e-14)
         assert y[end:] == pytest.approx(before[theta][end:], abs=1e-15)
@@ -305,7 +257,7 @@ def at_start(tolerance=1e-8, **tables):
     scene, d = chain(rng, N, **tables)
     d.step.state_end[:] = struck(rng, d, [])
     d.step.method, d.solver.tolerance = IMPLICIT, tolerance
-    state_rate(d, d.step.state_end, d.work.rate_start)
+    equations.state_rate(d, d.step.state_end, d.work.rate_start)
     return scene, d
 
 
@@ -338,7 +290,7 @@ def stiff_joint(damping, tolerance=1e-8):
     scene, d = at_start(tolerance)
     d.model.joint_damping[:] = 0.0, damping, 0.0
     d.model.resisting, d.implicit.listing = 1, STALE
-    state_rate(d, d.step.state_end, d.work.rate_start)
+    equations.state_rate(d, d.step.state_end, d.work.rate_start)
     across = np.zeros(N + 2)
     across[2:4] = -1.0, 1.0
     vector = np.linalg.solve(mass_matrix(scene, d.step.state_end[2 : N + 2]), across)
@@ -359,7 +311,7 @@ def test_the_first_step_is_some_time_constants_of_a_fast_motion(tolerance, dampi
     expected = collocation.FADED / rho * (rho / (taken * fast)) ** (1.0 / (ORDER[IMPLICIT] - 1))
     assert collocation.prepare(d, h) == pytest.approx(expected, rel=1e-6)
     collocation.attempt(d, expected)
-    assert accepted(d)
+    assert control.accepted(d)
 
 
 def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
@@ -370,7 +322,7 @@ def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
     assert collocation.prepare(d, 0.1) == 0.1
     d.solver.tolerance = 1e-8
     d.step.state_end[omega_at(N) : omega_at(N) + N] = 1.0  # as one body
-    state_rate(d, d.step.state_end, d.work.rate_start)
+    equations.state_rate(d, d.step.state_end, d.work.rate_start)
     d.work.rate_start[velocity_at(N) :] = 0.0
     assert collocation.prepare(d, 0.1) == 0.1
     d, _, _ = stiff_joint(0.0)
@@ -385,7 +337,7 @@ def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
         own.listing, d.step.last_method, own.slowness, before = listing, made_by, 0.3, d.limits.other_work
         h = collocation.prepare(d, 0.1)
         assert h < 0.05 if measured else h == 0.1
-        assert own.slowness == (UNKNOWN if measured else 0.3)
+        assert own.slowness == (newton.UNKNOWN if measured else 0.3)
         assert d.limits.other_work == before + measured
 
 
@@ -455,8 +407,8 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
     d = at_start()[1]
     collocation.prepare(d, 0.01)
     collocation.attempt(d, 0.01)
-    assert accepted(d)
-    assert d.implicit.slowness < UNKNOWN
+    assert control.accepted(d)
+    assert d.implicit.slowness < newton.UNKNOWN
 
     def unsolved(d, _h, _size):
         own = d.implicit
@@ -467,7 +419,7 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
     before = d.statistics.rhs_evaluations
     collocation.attempt(d, 0.01)
     assert d.trial.error == error
-    assert d.implicit.slowness == UNKNOWN
+    assert d.implicit.slowness == newton.UNKNOWN
     assert d.trial.cost_factor == 1.0
     assert d.statistics.rhs_evaluations == before + 4 * STAGES
     if share:
@@ -504,8 +456,8 @@ def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatc
     monkeypatch.setattr(collocation, "estimate", lambda *_: math.nan)
     d.implicit.slowness = 0.5
     collocation.attempt(d, h)
-    assert not accepted(d)
-    assert d.implicit.slowness == UNKNOWN
+    assert not control.accepted(d)
+    assert d.implicit.slowness == newton.UNKNOWN
 
 
 @pytest.mark.parametrize("bad", [math.inf, math.nan])

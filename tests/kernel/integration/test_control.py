@@ -8,9 +8,8 @@ import pytest
 from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain.state import omega_at, time_at
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration import control
+from chain_impact.kernel.integration import control, methods
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, ONSET_SIZE, SAFETY
-from chain_impact.kernel.integration.methods import attempt
 from chain_impact.kernel.model.contact_force import damping_share
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import load_scene, with_values
@@ -119,7 +118,7 @@ def test_a_step_is_accepted_with_an_error_of_the_tolerance_and_without_a_larger_
 def test_a_try_has_its_size_and_a_run_begins_without_the_error_of_an_earlier_one():
     _, d = chain(np.random.default_rng(1), 2)
     begin_step(d)
-    attempt(d, 1e-3)
+    methods.attempt(d, 1e-3)
     assert d.trial.size == 1e-3
     assert d.trial.state[time_at(2)] == pytest.approx(1e-3, rel=1e-14)
     control.refuse(d, control.FAR_OFF)

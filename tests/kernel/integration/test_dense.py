@@ -102,9 +102,6 @@ def test_time_passes_fastest_where_u_is_one():
     assert dense.time_rate(-0.5) == -0.4
 
 
-# --- a bracket shrinks to round-off whatever the guesses are ------------------------------------------------
-
-
 def test_a_guess_inside_is_taken_while_the_method_may_be_fast():
     assert dense.next_guess(0.2, 0.6, 0.3, 0) == dense.next_guess(0.2, 0.6, 0.3, dense.FAST - 1) == 0.3
     for guess in (0.2, 0.6, 0.1, 0.7, math.nan, math.inf):

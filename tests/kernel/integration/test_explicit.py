@@ -9,17 +9,12 @@ import pytest
 from scipy.special import ellipj
 
 from chain_impact.kernel.advance import begin_step
-from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at
+from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration import dop853
-from chain_impact.kernel.integration.control import accepted
-from chain_impact.kernel.integration.dense import interpolate, rate_bounds
+from chain_impact.kernel.integration import control, dop853, last_step, methods
+from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.explicit import BEYOND, LEFT, estimate, toward_end
-from chain_impact.kernel.integration.last_step import OUTPUTS, accept, ensure_dense
-from chain_impact.kernel.integration.methods import attempt
-from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.geometry import along, gap_acceleration, normal
+from chain_impact.kernel.model import equations, geometry
 from chain_impact.kernel.status import OK
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
@@ -116,7 +111,7 @@ def test_the_errors_of_all_components_up_to_the_dissipated_energy_are_controlled
         stages[:] = 0.0
         stages[6, j] = 1.0
         errors.append(estimate(d, 0.1))
-    assert [error > 0.0 for error in errors] == [j <= dissipated_at(3) for j in range(stages.shape[1])]
+    assert [error > 0.0 for error in errors] == [j <= state.dissipated_at(3) for j in range(stages.shape[1])]
 
 
 def interpolation_weights(theta):
@@ -147,15 +142,15 @@ def started(scene):
 def tried(d, h):
     """The record after a step of the size h has been tried."""
     d["step"]["state_end"][-1] = 0.0  # the time since its start
-    state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
-    attempt(d, h)
+    equations.state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
+    methods.attempt(d, h)
     return d
 
 
 def step(d, h):
     """One step of the size h, whatever its error; returns that."""
-    accept(tried(d, h))
-    ensure_dense(d, OUTPUTS)
+    last_step.accept(tried(d, h))
+    last_step.ensure_dense(d, last_step.OUTPUTS)
     return d.trial.error
 
 
@@ -237,22 +232,6 @@ def test_dense_output_converges_with_order_7(scene, exact, columns):
     assert slope(sizes, errors) == pytest.approx(8.0, abs=0.3)
 
 
-@PROBLEMS
-def test_bounds_on_the_interpolant_hold(scene, exact, columns):
-    d, y = started(scene), np.zeros((201, 10))
-    h = 0.2
-    step(d, h)
-    for row, theta in zip(y, np.linspace(0.0, 1.0, 201), strict=True):
-        interpolate(d["step"], theta, row)
-    rates = np.diff(y, axis=0) / (h / 200)
-    for j in columns:
-        value, rate = rate_bounds(d["step"], j)
-        assert np.abs(y[:, j]).max() <= value * (1 + 1e-14)
-        assert np.abs(rates[:, j]).max() <= rate * (1 + 1e-9) + 1e-9
-        # and are not so wide as to be useless
-        assert rate <= 4 * np.abs(rates[:, j]).max() + 1e-9
-
-
 # --- the error estimate ------------------------------------------------------------------------------------
 
 
@@ -274,27 +253,15 @@ def test_error_estimate_is_not_below_the_true_error(scene, exact, columns, h):
     assert true < estimate < 1e5 * true
 
 
-@pytest.mark.parametrize("turns", [0, 100])
-@pytest.mark.parametrize("shift", [0.0, 500.0])
-def test_error_does_not_depend_on_where_the_chain_is_and_how_often_it_has_turned(shift, turns):
-    here, there = started(FLYER), started(FLYER)
-    there["step"]["state_end"][:3] += (shift, -shift, 2 * math.pi * turns)
-    assert step(there, 0.1) == pytest.approx(step(here, 0.1), rel=1e-3)
-
-
 @pytest.mark.parametrize("entry", range(6))
-def test_a_step_that_is_not_finite_is_not_accepted(entry):
+def test_a_step_that_is_not_finite_or_far_too_long_is_not_accepted(entry):
+    """Error estimates of the latter are so large that their squares overflow, and their quotient is 0."""
     d = started(FLYER)
     d["step"]["state_end"][entry] = math.nan
     assert tried(d, 0.1).trial.error == math.inf
-
-
-@pytest.mark.parametrize("size", [1.0, 1e2, 1e4, 1e8])
-def test_a_step_far_too_long_is_not_accepted(size):
-    """Its error estimates are so large that their squares overflow, and the quotient of these is 0."""
     d = started(FLYER)
     d["step"]["state_end"][5] = 1e3
-    assert not accepted(tried(d, size))
+    assert not control.accepted(tried(d, (1.0, 1e2, 1e4, 1e6, 1e8, 1e10)[entry]))
 
 
 def test_only_a_step_with_an_event_or_an_output_gets_a_dense_output():
@@ -317,10 +284,10 @@ def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
     assert initialize(d, 0.0) == OK
     assert d.friction.stuck_count == 1
     begin_step(d)
-    attempt(d, 0.1)
-    assert accepted(d)
+    methods.attempt(d, 0.1)
+    assert control.accepted(d)
     found = located(d)
-    locate_points(d, d.trial.state)
+    kinematics.locate_points(d, d.trial.state)
     np.testing.assert_array_equal(found, located(d))
     assert abs(found[-1] - 0.4 * np.exp(-0.6j) - 0.4 * np.exp(-1.1j)) > 1e-3
 
@@ -333,17 +300,17 @@ def test_of_several_contacts_a_step_passes_the_first_end_or_covers_half_of_the_w
     rng = np.random.default_rng(3)
     _, d = chain(rng, 3)
     d.step.state_end[:] = struck(rng, d, [1, 6, 8])
-    state_rate(d, d.step.state_end, d.work.rate_start)
+    equations.state_rate(d, d.step.state_end, d.work.rate_start)
     # the last one goes in
     gaps, speeds, left = [-1e-3, -1e-3, -1e-5], [0.5, 0.5, -1.0], []
     gaps[first] /= 3.0
     for c, gap, speed in zip((1, 6, 8), gaps, speeds, strict=True):
-        place, *n = row = normal(d, c)
-        d.candidate.offset[c] = along(row, d.work.position) - d.contact.radius - gap
+        place, *n = row = geometry.normal(d, c)
+        d.candidate.offset[c] = geometry.along(row, d.work.position) - d.contact.radius - gap
         d.work.velocity.x[place], d.work.velocity.y[place] = speed * np.array(n)
     longest = toward_end(d, 1.0)
     for c, gap, speed in zip((1, 6), gaps[:2], speeds[:2], strict=True):
-        roots = np.roots([0.5 * gap_acceleration(d, c), speed, gap])
+        roots = np.roots([0.5 * geometry.gap_acceleration(d, c), speed, gap])
         left.append(min(roots[roots > 0.0]))
     assert np.argmin(left) == first
     assert longest == pytest.approx(BEYOND * min(left), rel=1e-9)

@@ -3,18 +3,14 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import sundman_u_at
-from chain_impact.kernel.integration import extended
-from chain_impact.kernel.integration.quadratures import reset_quadratures
-from chain_impact.kernel.model.contact import contact_force
-from chain_impact.kernel.model.contact_force import law_slopes
-from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.chain import kinematics, state
+from chain_impact.kernel.integration import extended, quadratures
+from chain_impact.kernel.integration.extended import gap_at, rate_at
+from chain_impact.kernel.model import contact, contact_force, equations, geometry
 from tests.kernel.chains import chain, gradients, struck
 from tests.plain import make_rigid
 
-LINKS, HALF, FIRST = 2, 4, sundman_u_at(2)
+LINKS, HALF, FIRST = 2, 4, state.sundman_u_at(2)
 
 
 @pytest.fixture
@@ -25,9 +21,9 @@ def touching():
     touched = [next(c for c in range(d.candidates) if d.candidate.point[c] == point) for point in (0, 2)]
     y = struck(rng, d, touched)
     d.step.state_end[:] = y
-    state_rate(d, y, d.work.rate_start)
+    equations.state_rate(d, y, d.work.rate_start)
     d.quadrature.wanted = 1
-    reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     d.quadrature.state_end[:2], d.quadrature.rate_end[:2] = [3.0, 4.0], [30.0, 40.0]
     return scene, d, touched, y
 
@@ -35,20 +31,14 @@ def touching():
 def test_clearances_their_rates_and_impulses_stand_one_after_the_other(touching):
     _, d, touched, _ = touching
     assert extended.compliant(d) == 2
-    assert [
-        at(d, k) for at in (extended.gap_at, extended.rate_at, extended.quadrature_at) for k in range(2)
-    ] == list(range(FIRST, FIRST + 6))
-    assert extended.extended_size(d) == FIRST + 6
+    places = [at(d, k) for at in (gap_at, rate_at, extended.quadrature_at) for k in range(2)]
+    assert [*places, extended.extended_size(d)] == list(range(FIRST, FIRST + 7))
     d.quadrature.wanted = 0
-    reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     assert extended.extended_size(d) == FIRST + 4
     make_rigid(d, np.arange(d.candidates) == touched[0])
     assert extended.compliant(d) == 1
-    assert (extended.gap_at(d, 0), extended.rate_at(d, 0), extended.extended_size(d)) == (
-        FIRST,
-        FIRST + 1,
-        FIRST + 2,
-    )
+    assert [gap_at(d, 0), rate_at(d, 0), extended.extended_size(d)] == [FIRST, FIRST + 1, FIRST + 2]
 
 
 def normal_accelerations(scene, d, y, rate, touched):
@@ -61,10 +51,10 @@ def normal_accelerations(scene, d, y, rate, touched):
 @pytest.mark.parametrize("at_end", [0, 1])
 def test_a_step_starts_from_the_state_and_from_the_clearances_there(touching, at_end):
     scene, d, touched, y = touching
-    gaps = [clearance(d, c) for c in touched]
+    gaps = [geometry.clearance(d, c) for c in touched]
     d.work.acceleration.x[:] = d.work.acceleration.y[:] = 1e9  # of something else
     if not at_end:
-        locate_points(d, y + 0.1)
+        kinematics.locate_points(d, y + 0.1)
     d.work.at_end = at_end
     extended.extend_start(d)
     start, rate = d.implicit.start, d.implicit.start_rate
@@ -83,13 +73,10 @@ def test_forces_are_those_at_the_clearances_of_the_step(touching):
     scene, d, touched, _ = touching
     extended.extend_start(d)
     z, rate = d.implicit.start.copy(), np.zeros(len(d.implicit.start))
-    z[extended.gap_at(d, 0)] -= 2e-3
-    z[extended.rate_at(d, 1)] -= 0.3
+    z[gap_at(d, 0)] -= 2e-3
+    z[rate_at(d, 1)] -= 0.3
     extended.extended_rate(d, z, 0.0, rate)
-    forces = [
-        contact_force(d, c, z[extended.gap_at(d, k)], z[extended.rate_at(d, k)])
-        for k, c in enumerate(touched)
-    ]
+    forces = [contact.contact_force(d, c, z[gap_at(d, k)], z[rate_at(d, k)]) for k, c in enumerate(touched)]
     assert rate[FIRST + 4 : FIRST + 6] == pytest.approx(forces, rel=1e-12)
     assert rate[FIRST : FIRST + 2].tolist() == z[FIRST + 2 : FIRST + 4].tolist()
     bends = normal_accelerations(scene, d, z, rate, touched)
@@ -103,20 +90,10 @@ def test_slopes_are_those_of_the_forces_and_the_links_are_kept(touching):
     _, d, touched, _ = touching
     extended.extend_start(d)
     z = d.implicit.start.copy()
-    z[extended.gap_at(d, 0)], z[extended.gap_at(d, 1)] = -3e-3, 1e-3  # one has left its wall
+    z[gap_at(d, 0)], z[gap_at(d, 1)] = -3e-3, 1e-3  # one has left its wall
     extended.extended_slopes(d, z)
     for k, depth in enumerate((3e-3, 0.0)):
-        right = law_slopes(d, touched[k], depth, -z[extended.rate_at(d, k)])
+        right = contact_force.law_slopes(d, touched[k], depth, -z[rate_at(d, k)])
         assert (d.implicit.stiffness[k], d.implicit.damping[k]) == pytest.approx(right, rel=1e-13)
     for axis in "xy":
         assert d.implicit.link[axis][:LINKS].tolist() == d.work.link[axis][:LINKS].tolist()
-
-
-def test_a_clearance_goes_with_its_rate_in_z(touching):
-    _, d, _, _ = touching
-    extended.extend_start(d)
-    z, rate = d.implicit.start.copy(), np.zeros(len(d.implicit.start))
-    z[extended.rate_at(d, 0)] = 77.0
-    extended.clearance_rates(d, z, rate)
-    assert rate[extended.gap_at(d, 0)] == 77.0
-    assert not rate[:FIRST].any()

@@ -3,15 +3,12 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import omega_at
+from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.events import exclusion
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration import last_step
+from chain_impact.kernel.integration import explicit, last_step, methods
 from chain_impact.kernel.integration.dense import interpolate
-from chain_impact.kernel.integration.explicit import DENSE_EVALUATIONS
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
-from chain_impact.kernel.integration.methods import attempt, prepare
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.scene.scene import load_scene
 from chain_impact.variables.model import Model
@@ -35,8 +32,8 @@ def with_a_step(d, h=H):
     last_step.ensure_rate(d)
     last_step.ensure_points(d)
     d.work.rate_start[:] = d.work.stage[0] = d.work.rate_end
-    prepare(d, h)
-    attempt(d, h)
+    methods.prepare(d, h)
+    methods.attempt(d, h)
     last_step.accept(d)
     return d
 
@@ -74,9 +71,9 @@ def test_points_are_those_at_the_end_whoever_has_moved_them(points):
         with_a_step(d, size)
         last_step.ensure_points(d)
         found = np.array([d.work.position.x, d.work.velocity.y])
-        locate_points(d, d.step.state_end)
+        kinematics.locate_points(d, d.step.state_end)
         np.testing.assert_array_equal(found, [d.work.position.x, d.work.velocity.y])
-        locate_points(d, d.step.state)
+        kinematics.locate_points(d, d.step.state)
     last_step.ensure_points(d)
     np.testing.assert_array_equal(found[0], d.work.position.x)
 
@@ -122,7 +119,7 @@ def test_the_dense_output_is_made_once_and_counts_if_the_solver_needs_it():
     dense = d.step.dense.copy()
     for _ in range(2):
         last_step.ensure_dense(d, last_step.SOLVER)
-        assert d.statistics.rhs_evaluations == before + DENSE_EVALUATIONS
+        assert d.statistics.rhs_evaluations == before + explicit.DENSE_EVALUATIONS
     last_step.ensure_dense(d, last_step.OUTPUTS)
     np.testing.assert_array_equal(d.step.dense, dense)
 
@@ -151,7 +148,7 @@ def test_a_step_of_no_length_is_the_state_at_all_of_its_fractions():
 
 def test_a_link_can_have_turned_as_its_rates_at_the_ends_allow():
     d = started()
-    first, step, work = omega_at(4), d.step, d.work
+    first, step, work = state.omega_at(4), d.step, d.work
     step.start, step.end = 1.0, 1.5
     for vector in (step.state, step.state_end, work.rate_start, work.rate_end):
         vector[:] = 0.0
@@ -168,8 +165,8 @@ def test_a_link_can_have_turned_as_its_rates_at_the_ends_allow():
 def test_points_that_the_error_of_a_step_has_located_are_not_located_again(monkeypatch, touching):
     """With one contact as with two."""
     d, told = started(), []
-    prepare(d, H)
-    attempt(d, H)
+    methods.prepare(d, H)
+    methods.attempt(d, H)
     d.touch.active_count = touching
     monkeypatch.setattr(last_step, "find_rate", lambda _, located: told.append(bool(located)))
     last_step.accept(d)

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import sundman_u_at
+from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.integration import extended, linear_system
 from chain_impact.kernel.integration.radau import COMPLEX_EIGENVALUES
 from chain_impact.kernel.model.compliance import holding_impedance
@@ -31,7 +30,7 @@ def linearized(turn, stiffness, damping):
         d.model.joint_damping[1] = 0.0
         d.model.sprung = d.model.resisting = 1
     assert int(d.touch.active_count) > 0
-    locate_points(d, d.step.state_end)
+    kinematics.locate_points(d, d.step.state_end)
     extended.extend_start(d)
     extended.extended_slopes(d, d.implicit.start)
     return d
@@ -40,7 +39,7 @@ def linearized(turn, stiffness, damping):
 def jacobian(d, turn):
     """A, assembled: rows of ẋ, v̇, ġ, g̈ and ṗ in the unknowns x, v, g, ġ and p."""
     count = int(d.touch.active_count)
-    size = sundman_u_at(d.links) + 3 * count
+    size = state.sundman_u_at(d.links) + 3 * count
     angles = d.step.state_end[2 : N + 2]
     scene, candidate = turned(load_scene("four_link_box"), turn), d.candidate
     names, chosen = list(scene.half_planes), d.touch.active_index[:count]
@@ -119,7 +118,7 @@ def held(base, stiffness, damping):
     response = inverse @ normals.T
     inverse -= response @ np.linalg.solve(normals @ response, response.T)
     across = np.hstack([np.zeros((N, 2)), np.eye(N) - np.eye(N, k=-1)])
-    matrix = np.zeros((sundman_u_at(N), sundman_u_at(N)))
+    matrix = np.zeros((state.sundman_u_at(N), state.sundman_u_at(N)))
     v, q = np.arange(N + 2, 2 * N + 4)[free], np.arange(N + 2)
     matrix[np.ix_(v, v)] = -inverse @ (across.T @ np.diag(d.model.joint_damping) @ across)[free, free]
     matrix[np.ix_(v, q[free])] = -inverse @ (across.T @ np.diag(d.model.joint_stiffness) @ across)[free, free]

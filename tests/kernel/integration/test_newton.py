@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from chain_impact.kernel.integration import collocation, radau
-from chain_impact.kernel.integration.collocation import LATE, estimate
-from chain_impact.kernel.integration.method import IMPLICIT, ORDER as ERROR_ORDERS
-from chain_impact.kernel.integration.newton import ITERATIONS, UNKNOWN, simplified_newton
+from chain_impact.kernel.integration import collocation, method, newton, radau
 from tests.plain import Plain
 
 SCALARS = ("correction", "contraction", "slowness")
@@ -29,7 +26,7 @@ def record(start, weight=1e14):
     block = np.zeros(1, [("implicit", implicit), *parts.items()])
     d = Plain(block[0])
     d.implicit.start[:], d.implicit.weight[:] = start, weight
-    d.implicit.slowness = UNKNOWN
+    d.implicit.slowness = newton.UNKNOWN
     return d
 
 
@@ -52,7 +49,7 @@ def problem(rate, jacobian):
             x = np.linalg.solve(one - complex(real, imaginary) * matrix, parts[at] + 1j * parts[at + 1])
             parts[at], parts[at + 1] = x.real, x.imag
 
-    find_residuals, correct_stages, converge = simplified_newton(
+    find_residuals, correct_stages, converge = newton.simplified_newton(
         lambda _d: None, fill, lambda _d, _z: None, lambda _d, _h: None, solve
     )
 
@@ -81,7 +78,7 @@ def estimated(monkeypatch):
 
         def found(d, h):
             d.implicit.start_rate[:] = rate(d.implicit.start)
-            return estimate(d, h, len(d.implicit.start))
+            return collocation.estimate(d, h, len(d.implicit.start))
 
         monkeypatch.setattr(collocation, "solve_real", solve)
         return found
@@ -133,7 +130,7 @@ def test_the_error_estimates_are_of_order_six_and_five_and_what_is_made_of_them_
         error = error_of(d, h)
         found.append([*np.abs(d.implicit.parts[:2]).max(1), error])
     slopes = np.diff(np.log(found), axis=0) / np.diff(np.log(sizes))[:, None]
-    expected = [radau.STAGES + 1, radau.STAGES, ERROR_ORDERS[IMPLICIT]]
+    expected = [radau.STAGES + 1, radau.STAGES, method.ORDER[method.IMPLICIT]]
     np.testing.assert_allclose(slopes, [expected] * 2, rtol=0, atol=0.15)
 
 
@@ -201,11 +198,11 @@ def test_van_der_pol_with_mu_of_a_million_takes_few_steps(estimated):
         h = min(h, 2.0 - t)
         d.implicit.weight[:] = 1.0 / (tolerance * (1.0 + np.abs(d.implicit.start)))
         solved = step(d, h)
-        error = error_of(d, h) if solved else LATE
+        error = error_of(d, h) if solved else collocation.LATE
         if error <= 1.0:
             t, steps = t + h, steps + 1
             d.implicit.start[:] += d.implicit.stages[-1]
-        h *= min(6.0, max(0.1, 0.85 * max(error, 1e-16) ** (-1.0 / ERROR_ORDERS[IMPLICIT])))
+        h *= min(6.0, max(0.1, 0.85 * max(error, 1e-16) ** (-1.0 / method.ORDER[method.IMPLICIT])))
     np.testing.assert_allclose(d.implicit.start, [1.706167732170469, -0.8928097010248125], rtol=0, atol=1e-6)
     # a million, were the step bound by stability
     assert steps < 350
@@ -216,7 +213,7 @@ def test_it_is_given_up_when_it_does_not_converge_or_is_not_finite():
     step, _ = problem(decay, lambda y: np.zeros((2, 2)))
     d = record(np.array([1.0, 1e2]))
     assert not step(d, 1.0)
-    assert d.implicit.iterations < ITERATIONS
+    assert d.implicit.iterations < newton.ITERATIONS
     assert d.implicit.contraction > 1.0
     step, _ = problem(lambda y: np.array([np.nan, 0.0]), lambda y: np.zeros((2, 2)))
     assert not step(record(np.array([1.0, 1.0])), 1.0)

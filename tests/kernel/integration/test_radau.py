@@ -8,18 +8,12 @@ from chain_impact.kernel.integration import radau
 C, MATRIX = np.array(radau.NODES), np.array(radau.Q)
 
 
-@pytest.mark.parametrize("k", range(1, radau.STAGES + 1))
-def test_each_stage_is_of_the_stage_order(k):
-    """Σ_j Q_ij c_j^(k−1) = c_i^k/k."""
-    np.testing.assert_allclose(MATRIX @ C ** (k - 1), C**k / k, rtol=0, atol=2e-16)
-
-
-@pytest.mark.parametrize("k", range(1, radau.ORDER + 2))
-def test_the_result_is_of_its_order_and_no_more(k):
-    assert (abs(MATRIX[-1] @ C ** (k - 1) - 1 / k) < 2e-16) == (k <= radau.ORDER)
-
-
-def test_it_is_stiffly_accurate_and_collocation_at_the_end():
+def test_each_stage_is_of_the_stage_order_and_the_result_of_its_order_and_no_more():
+    """Σ_j Q_ij c_j^(k−1) = c_i^k/k. It is stiffly accurate, and collocation at the end."""
+    for k in range(1, radau.STAGES + 1):
+        np.testing.assert_allclose(MATRIX @ C ** (k - 1), C**k / k, rtol=0, atol=2e-16)
+    for k in range(1, radau.ORDER + 2):
+        assert (abs(MATRIX[-1] @ C ** (k - 1) - 1 / k) < 2e-16) == (k <= radau.ORDER)
     assert radau.NODES[-1] == 1.0
     assert np.linalg.matrix_rank(MATRIX) == radau.STAGES
 

@@ -6,17 +6,11 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.advance import begin_step
-from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import sundman_u_at, time_at
+from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.events.marks import ONSET
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration import sundman
-from chain_impact.kernel.integration.dense import fraction, interpolate, time_rate
-from chain_impact.kernel.integration.last_step import OUTPUTS, accept, ensure_dense
-from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
-from chain_impact.kernel.integration.methods import attempt
-from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.geometry import clearance, gap_acceleration
+from chain_impact.kernel.integration import dense, last_step, method, methods, sundman
+from chain_impact.kernel.model import equations, geometry
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
 from tests.kernel.chains import chain, struck, touch
@@ -53,7 +47,7 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
     start, sizes, errors = at_onset(), np.array([0.5, 0.6, 0.7, 0.8]), []
     for size in sizes:
         d = Plain(start.copy()[0])
-        attempt(d, size * time_scale(d))
+        methods.attempt(d, size * time_scale(d))
         errors.append(abs(energy(d, d["trial"]["state"]) - energy(d, d["step"]["state_end"])))
     assert min(errors) > 1e-13  # else it is round-off that is measured
     assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] > 8.0
@@ -62,16 +56,16 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
 def test_time_is_found_in_a_step_that_runs_in_another_variable():
     d, y = Plain(at_onset()[0]), np.zeros(10)
     h = 0.8 * time_scale(d)
-    attempt(d, h)
-    accept(d)
-    ensure_dense(d, OUTPUTS)
+    methods.attempt(d, h)
+    last_step.accept(d)
+    last_step.ensure_dense(d, last_step.OUTPUTS)
     step = d["step"]
     lasts = step["end"] - step["start"]
     assert lasts < 0.3 * h  # u rises from 0 to 0.7, and p = u/(1 + u²)
     for part in (0.0, 1e-9, 1e-3, 0.1, 0.5, 0.9, 1.0):
-        theta = fraction(d, step["start"] + part * lasts)
+        theta = dense.fraction(d, step["start"] + part * lasts)
         assert 0.0 <= theta <= 1.0
-        interpolate(step, theta, y)
+        dense.interpolate(step, theta, y)
         assert y[TIME] == pytest.approx(part * lasts, abs=1e-14 * lasts)
         # from the onset u goes as √t: it is far from uniform in time
         assert theta == pytest.approx(math.sqrt(part), rel=0.1)
@@ -104,11 +98,9 @@ def test_an_impact_takes_few_evaluations(tolerance, most):
     assert int(instance.statistics["rhs_evaluations"]) - before <= most
 
 
-# --- its rates, the way back to time, and the contacts for which it is taken -------------------------------
-
 LINKS = 2
 DEPTH, SCALE = 1e-3, 4e-3  # m
-U, NO_CONTACT = sundman_u_at(LINKS), sundman.NO_CONTACT
+U, NO_CONTACT = state.sundman_u_at(LINKS), sundman.NO_CONTACT
 IN_TIME = NO_CONTACT, 1.0
 
 
@@ -119,7 +111,7 @@ def contact(seed=17):
     y = struck(np.random.default_rng(seed), d, [c], DEPTH)
     d.touch.depth_scale[c], d.touch.impact_speed[c] = SCALE, 1.0
     d.touch.effective_mass[c] = 1.0
-    d.step.regularized, d.step.method = c, EXPLICIT
+    d.step.regularized, d.step.method = c, method.EXPLICIT
     return d, c, y
 
 
@@ -128,11 +120,11 @@ def test_a_rate_in_its_variable_is_that_in_time_times_p(u):
     d, c, y = contact()
     y[U] = u
     in_time, rate, again = np.zeros((3, len(y)))
-    state_rate(d, y, in_time)
+    equations.state_rate(d, y, in_time)
     sundman.regularize(d, y, in_time, rate)
     right = u / (1.0 + u * u) * in_time
     # du/ds = δ̇/(2 δ* (1 + u²))
-    right[U] = -clearance(d, c)[1] / (2.0 * SCALE * (1.0 + u * u))
+    right[U] = -geometry.clearance(d, c)[1] / (2.0 * SCALE * (1.0 + u * u))
     assert rate == pytest.approx(right, rel=1e-13)
     assert sundman.root_rate(d, u) == pytest.approx(right[U], rel=1e-13)
     again[:] = in_time
@@ -150,7 +142,7 @@ def test_a_rate_in_its_variable_is_that_in_time_times_p(u):
 @pytest.mark.parametrize("u", [-0.3, 0.2, 1.0, 1.6])
 def test_p_changes_along_the_step_as_u_does(u):
     """p = u/(1 + u²) by its slope, for the rate u′ = 3."""
-    slope = (time_rate(u + 1e-6) - time_rate(u - 1e-6)) / 2e-6
+    slope = (dense.time_rate(u + 1e-6) - dense.time_rate(u - 1e-6)) / 2e-6
     assert sundman.time_rate_change(u, 3.0) == pytest.approx(3.0 * slope, abs=1e-9)
 
 
@@ -159,21 +151,21 @@ def test_u_bends_as_its_rate_changes_along_the_motion(u):
     """u″ by the change of u′ over a short way in s, along which u, the points and their speeds move."""
     d, c, y = contact()
     n, rate = LINKS, np.zeros(len(y))
-    state_rate(d, y, rate)
-    accelerate_points(d, y, rate)
-    slope, p = sundman.root_rate(d, u), time_rate(u)
+    equations.state_rate(d, y, rate)
+    kinematics.accelerate_points(d, y, rate)
+    slope, p = sundman.root_rate(d, u), dense.time_rate(u)
     found = sundman.root_curve(d, u, slope)
     h, rates = 1e-7, []
     for s in (-h, h):
         moved = y + s * p * rate
         # along the tangent of the velocities, not of the places of a chain with constant angles
         moved[: n + 2] += 0.5 * (s * p) ** 2 * rate[n + 2 : 2 * n + 4]
-        locate_points(d, moved)
+        kinematics.locate_points(d, moved)
         rates.append(sundman.root_rate(d, u + s * slope))
     assert found == pytest.approx((rates[1] - rates[0]) / (2 * h), rel=1e-5)
-    locate_points(d, y)
-    accelerate_points(d, y, rate)
-    bend = -gap_acceleration(d, c)
+    kinematics.locate_points(d, y)
+    kinematics.accelerate_points(d, y, rate)
+    bend = -geometry.gap_acceleration(d, c)
     right = (0.5 * p * bend / SCALE - 2.0 * u * slope**2) / (1.0 + u * u)
     assert found == pytest.approx(right, rel=1e-12)
 
@@ -199,7 +191,7 @@ def test_time_passes_as_p_says_and_as_itself_without_a_contact():
 )
 def test_a_step_must_not_go_far_beyond_the_end(u, time, right):
     d, _, y = contact()
-    y[U], y[time_at(LINKS)] = u, time
+    y[U], y[state.time_at(LINKS)] = u, time
     assert sundman.runs_back(d, y) == right
     d.step.regularized = NO_CONTACT
     assert not sundman.runs_back(d, y)
@@ -209,9 +201,9 @@ def test_an_only_contact_has_its_own_variable():
     """More than one do not, nor does a rigid one, nor an implicit step."""
     d, c, _ = contact()
     assert sundman.lone_contact(d) == (c, pytest.approx((DEPTH / SCALE) ** 0.5, rel=1e-9))
-    d.step.method = IMPLICIT
+    d.step.method = method.IMPLICIT
     assert sundman.lone_contact(d) == IN_TIME
-    d.step.method = EXPLICIT
+    d.step.method = method.EXPLICIT
     make_rigid(d)
     assert sundman.lone_contact(d) == IN_TIME
     make_rigid(d, np.arange(d.candidates) != c)
@@ -225,7 +217,7 @@ def test_an_only_contact_has_its_own_variable():
 
 
 def place(d, c, gap):
-    d.candidate.offset[c] += clearance(d, c)[0] - gap
+    d.candidate.offset[c] += geometry.clearance(d, c)[0] - gap
 
 
 def test_a_point_at_rest_on_a_wall_has_time_as_its_variable():
@@ -233,7 +225,7 @@ def test_a_point_at_rest_on_a_wall_has_time_as_its_variable():
     place(d, c, -SCALE * (0.5 * sundman.SLOW) ** 2)  # u = SLOW/2
     own = c, pytest.approx(0.5 * sundman.SLOW, rel=1e-6)
     for part, right in ((0.49, IN_TIME), (0.51, own)):
-        d.touch.impact_speed[c] = abs(clearance(d, c)[1]) / (part * sundman.SLOW)
+        d.touch.impact_speed[c] = abs(geometry.clearance(d, c)[1]) / (part * sundman.SLOW)
         assert sundman.lone_contact(d) == right
 
 
@@ -242,7 +234,7 @@ def test_at_the_wall_a_point_that_arrives_is_in_contact_and_one_that_leaves_is_n
     for seed in range(6):
         d, c, _ = contact(seed)
         place(d, c, 1e-12)
-        arrives = bool(clearance(d, c)[1] < 0.0)
+        arrives = bool(geometry.clearance(d, c)[1] < 0.0)
         assert sundman.lone_contact(d) == ((c, 0.0) if arrives else (NO_CONTACT, 1.0))
         seen.add(arrives)
     assert seen == {True, False}

@@ -8,31 +8,37 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.kernel.chain.joints import joint_rate
-from chain_impact.kernel.integration import switching
-from chain_impact.kernel.integration.control import at_onset
+from chain_impact.kernel.integration import control, switching
 from chain_impact.kernel.integration.method import AUTO, EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.switching import MIN_SWITCH_STEPS, STIFF, choose_method, suggests_switch
 from chain_impact.kernel.model.contact import contact_slopes
-from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
 from tests.kernel.chains import chain, struck, touch
 from tests.plain import make_rigid
 from tests.problems import GRAVITY, build, contact_table, stiff_joint
 
 
-def test_light_damping_stays_explicit():
-    result = simulate(with_values(stiff_joint(1e-3), {("simulation", "stop_time"): 0.25}))
-    assert len(result.impacts) == 0
-    assert result.statistics["implicit_steps"] == 0
-
-
-@pytest.mark.parametrize("damping", [1e2, 1e4, 1e6])
+@pytest.mark.parametrize("damping", [1e-3, 1e2, 1e4, 1e6])
 def test_stiff_damping_is_implicit_in_flight_after_its_own_motion_has_decayed(damping):
-    result = simulate(with_values(stiff_joint(damping), {("simulation", "stop_time"): 0.25}))
+    """Light damping stays explicit, and a method that is forced is kept."""
+    scene = stiff_joint(damping).with_values({"simulation.stop_time": 0.25})
+    result = simulate(scene)
     steps, implicit = result.statistics["steps"], result.statistics["implicit_steps"]
     assert len(result.impacts) == 0
-    assert MIN_SWITCH_STEPS <= steps - implicit <= 30
-    assert implicit <= 60
+    if damping < 1.0:
+        assert implicit == 0
+        forced = simulate(scene, method="implicit").statistics
+        assert forced["implicit_steps"] == forced["steps"]
+    else:
+        assert MIN_SWITCH_STEPS <= steps - implicit <= 30
+        assert implicit <= 60
+        assert damping > 1e2 or simulate(scene, method="explicit").statistics["implicit_steps"] == 0
+
+
+def test_rigid_walls_alone_make_nothing_stiff():
+    result = simulate(stiff_joint(0.0).with_values({"contact.model": "newton_impact"}), method="implicit")
+    assert len(result.impacts) > 3
+    assert result.statistics["implicit_steps"] == 0
 
 
 @pytest.mark.parametrize("last", [0.1, 10.0])
@@ -52,13 +58,6 @@ def test_impacts_between_stiff_joints_take_explicit_steps_from_their_onset():
     assert result.statistics["rejected_steps"] < 50
 
 
-def test_a_forced_method_is_kept():
-    scene = with_values(stiff_joint(1.0), {("simulation", "stop_time"): 0.25})
-    explicit, implicit = (simulate(scene, method=method).statistics for method in ("explicit", "implicit"))
-    assert explicit["implicit_steps"] == 0
-    assert implicit["implicit_steps"] == implicit["steps"]
-
-
 def test_an_onset_leaves_very_stiff_damping_implicit():
     instance = Instance(stiff_joint(1e6))
     while instance.record["impact"]["count"] == 0:
@@ -74,8 +73,8 @@ def test_an_onset_leaves_very_stiff_damping_implicit():
 @pytest.mark.parametrize("damping", [100.0, 1e4])
 def test_rigid_walls_have_implicit_steps_in_flight_and_at_rest(damping):
     """Explicit steps take 13,000 for 100 N·m·s/rad, and for 1e4 more work than the limit allows."""
-    changes = {("contact", "model"): "newton_impact", ("contact", "restitution"): 0.3}
-    instance = Instance(with_values(stiff_joint(damping), changes))
+    changes = {"contact.model": "newton_impact", "contact.restitution": 0.3}
+    instance = Instance(stiff_joint(damping).with_values(changes))
     assert instance.advance(2.0) == 0
     assert instance.record["touch"]["active_count"] > 0
     assert instance.record["step"]["method"] == IMPLICIT
@@ -88,20 +87,13 @@ def test_rigid_walls_have_implicit_steps_in_flight_and_at_rest(damping):
 @pytest.mark.parametrize(("damping", "most"), [(1e4, 200), (1e6, 600)])
 def test_the_projection_onto_rigid_walls_makes_no_steps_short(damping, most):
     """It leaves a fast motion of the joints, for which 2,000 to 5,000 steps were tried."""
-    changes = {("contact", "model"): "newton_impact", ("contact", "restitution"): 0.0}
-    instance = Instance(with_values(stiff_joint(damping), changes | {("solver", "tolerance"): 1e-6}))
+    changes = {"contact.model": "newton_impact", "contact.restitution": 0.0, "solver.tolerance": 1e-6}
+    instance = Instance(stiff_joint(damping).with_values(changes))
     assert instance.advance(1.0) == 0
     instance.observe()
     counts, weight = instance.statistics, 0.1 * GRAVITY
     assert counts["steps"] + counts["rejected_steps"] < most
     assert instance.record["output"]["force"].sum() == pytest.approx(weight, rel=1e-5)
-
-
-def test_rigid_walls_alone_make_nothing_stiff():
-    changes = {("contact", "model"): "newton_impact", ("solver", "method"): "implicit"}
-    result = simulate(with_values(stiff_joint(0.0), changes))
-    assert len(result.impacts) > 3
-    assert result.statistics["implicit_steps"] == 0
 
 
 @pytest.mark.parametrize("stiffness", [1e6, 1e8, 1e10])
@@ -118,14 +110,6 @@ def test_a_contact_that_rings_for_long_has_implicit_steps(stiffness):
     assert result.statistics["steps"] < 200
     exact = simulate(scene, tolerance=1e-12, method="explicit")
     assert np.abs(result.angles[-1] - exact.angles[-1]).max() < 1e-7
-
-
-def test_the_count_does_not_depend_on_the_communication_step():
-    counts = set()
-    for step in (1.0, 0.01, 0.0007):
-        result = simulate(stiff_joint(100.0), output_step=step)
-        counts.add(tuple(sorted(result.statistics.items())))
-    assert len(counts) == 1
 
 
 # --- the rates that decide on the next step, and what a phase of a motion begins with -----------------------
@@ -249,7 +233,7 @@ def test_an_impact_is_explicit_unless_joints_are_stiff_in_its_first_step(rng, me
     d.step.method, d.step.stiff_count, d.step.next_size = method, 2, h
     d.touch.depth_scale[tip], d.touch.impact_speed[tip] = depth, 1.0
     switching.begin_impact(d, tip)
-    stiff, first = number > 1.0 and method == IMPLICIT, at_onset(d, tip, IMPLICIT)
+    stiff, first = number > 1.0 and method == IMPLICIT, control.at_onset(d, tip, IMPLICIT)
     assert d.step.method == (IMPLICIT if stiff else EXPLICIT)
     assert (first < h) == (depth < 1.0)
     assert d.step.next_size == (min(first, h) if stiff else h)

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.elimination import HELD, SHIFTED, factorize
-from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.model import compliance
-from chain_impact.kernel.model.geometry import add_along, clear_loads_of, join, normal
+from chain_impact.kernel.chain import elimination, kinematics
+from chain_impact.kernel.model import compliance, geometry
 from tests.kernel.chain.test_elimination import relative_motion
 from tests.kernel.chains import (
     chain,
@@ -33,7 +31,7 @@ def made(case, resist=True):
     more = {"springs": resist, "dampers": resist}
     scene, d = stopped_chain(count, base, **more) if touching is None else chain(rng, count, base, **more)
     y, stops, across = random_state(rng, d), stops_of(d), relative_motion(count)
-    locate_points(d, y)
+    kinematics.locate_points(d, y)
     touch(
         d, [0, 3, *stops[1::3], *stops[::4]] if stops else rng.choice(d.candidates, touching, replace=False)
     )
@@ -73,8 +71,8 @@ def test_it_gives_way_as_assembled(case):
     """Also the loads and impedances: the virtual work is Jᵀ p, and the energy of impedances ½ Σ D (n·v)²."""
     scene, d, angles, _, jacobian, rng = made(case)
     impedance, impulse = rng.uniform(1.0, 30.0, d.candidates), rng.normal(size=d.candidates)
-    compliance.factorize_contacts(d, HELD, impedance)
-    compliance.solve_contacts(d, HELD, impulse, d.rigid.change)
+    compliance.factorize_contacts(d, elimination.HELD, impedance)
+    compliance.solve_contacts(d, elimination.HELD, impulse, d.rigid.change)
     active, own, count = len(jacobian), d.work.impedance, d.links
     added, work = jacobian.T @ np.diag(impedance[:active]) @ jacobian, jacobian.T @ impulse[:active]
     expected = solved(d, mass_matrix(scene, angles) + added, work)
@@ -100,18 +98,18 @@ def test_it_gives_way_as_assembled_when_joints_resist(case, resist, time):
     count, active, across = d.links, len(jacobian), relative_motion(d.links)
     assert d.model.resisting == (resist and (count > 1 or d.model.pinned))
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
-    compliance.factorize_contacts(d, SHIFTED, impedance)
-    join(d, d.work.impedance, time)
+    compliance.factorize_contacts(d, elimination.SHIFTED, impedance)
+    geometry.join(d, d.work.impedance, time)
     with_joints = d.model.resisting or d.model.stopped
-    factorize(d, d.work.link, d.work, SHIFTED, with_joints)
+    elimination.factorize(d, d.work.link, d.work, elimination.SHIFTED, with_joints)
     joints = rng.normal(size=count) * with_joints
     joints[0] *= d.model.pinned  # a free base is no joint
-    clear_loads_of(d, d.work.load)
+    geometry.clear_loads_of(d, d.work.load)
     for k in range(active):
-        add_along(normal(d, d.touch.active_index[k]), d.work.load, impulse[k])
+        geometry.add_along(geometry.normal(d, d.touch.active_index[k]), d.work.load, impulse[k])
     d.work.load.joint[:] += joints
     change = np.full(count + 2, np.nan)
-    compliance.solve_space(d, d.work.link, d.work, SHIFTED, change)
+    compliance.solve_space(d, d.work.link, d.work, elimination.SHIFTED, change)
     links = scene.chain.links
     resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
     resistance[0] *= d.model.pinned
@@ -139,6 +137,6 @@ def test_where_nothing_moves_a_point_it_is_a_million_times_the_chain():
     y[2:5] = angle
     tip = d.candidate.point.tolist().index(3)
     d.candidate.normal_x[tip], d.candidate.normal_y[tip] = -np.cos(angle), -np.sin(angle)
-    locate_points(d, y)
+    kinematics.locate_points(d, y)
     mass = sum(link.mass for link in scene.chain.links)
     assert compliance.effective_mass(d, tip) == pytest.approx(mass / compliance.LEAST_MOBILITY, rel=1e-9)

@@ -8,10 +8,8 @@ import pytest
 from scipy.integrate import quad
 
 from chain_impact import CONTACT_LAWS, simulate
-from chain_impact.kernel.laws import user_law
-from chain_impact.kernel.laws.contact_laws import damping_factor
+from chain_impact.kernel.laws import contact_laws, user_law
 from chain_impact.kernel.model import contact_force as forces, contact_law
-from chain_impact.kernel.model.contact_law import USER_LAW, start_laws
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
@@ -22,7 +20,7 @@ from tests.reference import newton_impact, realised_restitution, rebound
 
 FORCES = [law for law in CONTACT_LAWS.values() if not law.impulsive]
 LAWS = pytest.mark.parametrize("law", FORCES, ids=lambda law: law.id)
-FACTOR = functools.cache(damping_factor)  # that of Kuwabara and Kono takes an integration
+FACTOR = functools.cache(contact_laws.damping_factor)  # that of Kuwabara and Kono takes an integration
 FAMILY = pytest.mark.parametrize("law", [law for law in FORCES if law.in_family], ids=lambda law: law.id)
 OTHERS = pytest.mark.parametrize("law", [law for law in FORCES if not law.in_family], ids=lambda law: law.id)
 MASS, SPEED, STIFFNESS = 2.0, 1.5, 1e7
@@ -38,7 +36,7 @@ def contact_of(law="zhang_sharf", restitution=0.3, speed=SPEED, **changes):
     """An instance in which the contact of candidate 0 has begun."""
     changes = of_law(law) | {"stiffness": STIFFNESS, "restitution": restitution} | changes
     d = Plain(Model(ball(**changes)).new_instance()[0])
-    assert start_laws(d) == OK
+    assert contact_law.start_laws(d) == OK
     d["touch"]["impact_speed"][0], d["touch"]["effective_mass"][0] = speed, MASS
     forces.set_damping(d, 0)
     return d
@@ -92,12 +90,15 @@ def test_walls_do_not_pull_and_do_not_drive(law, e):
 
 @LAWS
 def test_the_force_begins_at_zero_if_the_registry_says_so(law):
+    """Where its damping does not fade with the depth it may jump."""
     d = contact_of(law.id)
     largest, _ = forces.law_force(d, 0, 1e-3, SPEED)
     first, _ = forces.law_force(d, 0, 1e-30, SPEED)
     assert forces.law_force(d, 0, 0.0, SPEED)[0] == pytest.approx(first, abs=1e-6 * largest)
-    assert (first < 1e-6 * largest) == law.continuous
+    assert (first < 1e-6 * largest) == law.continuous != forces.may_jump(d, 0)
     assert forces.law_force(d, 0, 0.0, -SPEED)[0] == 0.0  # nobody leaves with a jump
+    d.law.number[0] = contact_law.USER_LAW
+    assert forces.may_jump(d, 0)
 
 
 @LAWS
@@ -167,26 +168,20 @@ def test_impacts_of_the_family_are_exact(law, e, changes):
 
 @pytest.mark.full("more cases", but=12)
 @OTHERS
-@pytest.mark.parametrize("e", [0.02, 0.1, 0.5, 0.9, 1.0])
-def test_impacts_of_the_others_are_those_of_an_independent_integration(law, e):
-    impact, dissipated = impact_of(law, e, tolerance=1e-11)
+@pytest.mark.parametrize(
+    ("e", "method"),
+    [(0.02, "auto"), (0.1, "auto"), (0.5, "auto"), (0.9, "auto"), (1.0, "auto"), (0.1, "implicit")],
+)
+def test_impacts_of_the_others_are_those_of_an_independent_integration(law, e, method):
+    tolerance, off = (1e-11, 1.0) if method == "auto" else (1e-8, 100.0)
+    impact, dissipated = impact_of(law, e, tolerance=tolerance, method=method)
     restitution, depth, force = scaled_impact(law, e)
-    assert impact["separation_speed"] / SPEED == pytest.approx(restitution, abs=1e-8)
-    assert impact["max_penetration"] == pytest.approx(depth, rel=1e-7)
-    assert impact["peak_force"] == pytest.approx(force, rel=1e-6)
+    assert impact["separation_speed"] / SPEED == pytest.approx(restitution, abs=1e-8 * off)
+    assert impact["max_penetration"] == pytest.approx(depth, rel=min(2e-6, 1e-7 * off))
+    assert impact["peak_force"] == pytest.approx(force, rel=min(2e-6, 1e-6 * off))
     lost = 0.5 * MASS * SPEED**2 * (1 - restitution**2)
     assert dissipated >= 0.0
-    assert dissipated == pytest.approx(lost, rel=1e-6, abs=1e-8)
-
-
-@OTHERS
-@pytest.mark.parametrize("e", [0.1, 0.7])
-def test_both_methods_agree_on_an_impact(law, e):
-    (first, _), (second, _) = (
-        impact_of(law, e, method=method, tolerance=1e-8) for method in ("explicit", "implicit")
-    )
-    for name in ("separation_speed", "max_penetration", "peak_force"):
-        assert first[name] == pytest.approx(second[name], rel=2e-6)
+    assert dissipated == pytest.approx(lost, rel=1e-6 * off, abs=1e-8 * off)
 
 
 @pytest.mark.full("more cases", but=50)
@@ -336,6 +331,10 @@ def test_the_depth_and_the_damping_follow_from_the_impact(law, stiffness, speed,
     expected = f * stiffness ** (1 - s) * mass**s / (speed if s == 0.0 else 1.0)
     assert d.touch.damping[0] == pytest.approx(expected, rel=1e-12)
     assert d.touch.kink_margin[0] == (forces.turning_margin(d, 0) if law.approach_only else 0.0)
+    # the share of damping is that of the force at the expected depth
+    force, elastic = forces.uncut_force(d, 0, d.touch.depth_scale[0], speed, False)
+    assert forces.damping_share(d, 0) == pytest.approx(force / elastic - 1.0, abs=1e-12, rel=1e-12)
+    assert forces.damping_share(d, 0) >= 0.0
 
 
 def test_the_margin_of_a_turn_is_a_tenth_of_the_tolerance_in_the_impulse():
@@ -350,23 +349,6 @@ def test_the_margin_of_a_turn_is_a_tenth_of_the_tolerance_in_the_impulse():
         assert forces.turning_margin(d, 0) == pytest.approx(at_rest, rel=1e-12)
 
 
-@LAWS
-def test_a_force_may_jump_where_its_damping_does_not_fade_with_the_depth(law):
-    d = contact_of(law.id)
-    assert forces.may_jump(d, 0) == (not law.continuous)
-    d.law.number[0] = USER_LAW
-    assert forces.may_jump(d, 0)
-
-
-@LAWS
-def test_the_share_of_damping_is_that_of_the_force_at_the_expected_depth(law):
-    d = contact_of(law.id)
-    d.touch.depth_scale[0] = 2e-3
-    force, elastic = forces.uncut_force(d, 0, 2e-3, SPEED, False)
-    assert forces.damping_share(d, 0) == pytest.approx(force / elastic - 1.0, abs=1e-12)
-    assert forces.damping_share(d, 0) >= 0.0
-
-
 def own_force(*arguments):
     """A user's law of all that it may ask for."""
     depth, rate, speed, mass, stiffness, exponent, restitution = arguments
@@ -377,7 +359,7 @@ def own_force(*arguments):
 def own(monkeypatch):
     """A contact under that law."""
     d = contact_of()
-    d.law.number[0] = USER_LAW
+    d.law.number[0] = contact_law.USER_LAW
     monkeypatch.setattr(user_law, "present", lambda: 1)
     monkeypatch.setattr(user_law, "force", own_force)
     return d

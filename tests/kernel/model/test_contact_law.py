@@ -9,8 +9,7 @@ from chain_impact import CONTACT_LAWS
 from chain_impact.kernel import status
 from chain_impact.kernel.advance import latch_again
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.laws import user_law
-from chain_impact.kernel.laws.contact_laws import LAW_COUNT
+from chain_impact.kernel.laws import contact_laws, user_law
 from chain_impact.kernel.model import contact_law as own_law
 from chain_impact.kernel.model.contact_force import elastic_energy, law_force, set_damping
 from chain_impact.kernel.model.contact_law import USER_LAW, start_laws, update_laws
@@ -93,17 +92,11 @@ def test_a_users_law_has_no_factor(given, monkeypatch):
     ("changes", "refused"),
     [
         ({}, OK),
-        ({"law": 0}, status.UNKNOWN_LAW),
-        ({"law": USER_LAW}, status.UNKNOWN_LAW),
-        ({"law": 1}, OK),
-        ({"law": LAW_COUNT}, OK),
-        ({"restitution": -1e-9}, RANGE),
-        ({"restitution": 1.0 + 1e-9}, RANGE),
-        ({"restitution": math.nan}, RANGE),
-        ({"restitution": 1.0}, OK),
-        ({"stiffness": 0.0}, RANGE),
-        ({"stiffness": math.nan}, RANGE),
-        ({"stiffness": 1e-3}, OK),
+        *(({"law": number}, status.UNKNOWN_LAW) for number in (0, USER_LAW)),
+        *(({"law": number}, OK) for number in (1, contact_laws.LAW_COUNT)),
+        *(({"restitution": e}, RANGE) for e in (-1e-9, 1.0 + 1e-9, math.nan)),
+        *(({"stiffness": stiffness}, RANGE) for stiffness in (0.0, math.nan)),
+        *(({"restitution": 1.0}, OK), ({"stiffness": 1e-3}, OK)),
         ({"law": NUMBER["kelvin_voigt"]}, status.EXPONENT_NOT_ALLOWED),  # it is linear
         ({"restitution": 0.0}, status.RESTITUTION_NOT_ALLOWED),  # for which its damping would be infinite
         ({"restitution": 0.0, "law": NUMBER["newton_impact"]}, OK),
@@ -225,7 +218,7 @@ def test_stops_that_are_out_of_range_are_refused_and_change_nothing(value):
     d.given.stop_stiffness, d.given.law = value, 3
     assert update_laws(d) == RANGE
     assert laws_of(d) == before
-    d.given.stop_stiffness, d.stops.law = 1e4, LAW_COUNT + 1
+    d.given.stop_stiffness, d.stops.law = 1e4, contact_laws.LAW_COUNT + 1
     assert update_laws(d) == status.UNKNOWN_LAW
     assert laws_of(d) == before
 

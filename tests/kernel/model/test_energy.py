@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.joints import spring_energy
-from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.model.contact import begin_contact, set_kink_sides
-from chain_impact.kernel.model.contact_force import elastic_energy
+from chain_impact.kernel.chain import joints, kinematics
+from chain_impact.kernel.model import contact, contact_force, equations
 from chain_impact.kernel.model.energy import energy_balance, mechanical_energy, stored_energy
-from chain_impact.kernel.model.equations import state_rate
-from tests.kernel.chains import chain, potential_slopes, press_in, struck, touch
+from tests.kernel.chains import chain, press_in, struck, touch
 from tests.plain import make_rigid
 from tests.reference import centre_jacobian
 
@@ -25,9 +22,9 @@ def prepared(base, count, **more):
     y = struck(rng, d, candidates)
     for k, c in enumerate(candidates):
         if not d.contact.any_rigid:
-            begin_contact(d, c)
+            contact.begin_contact(d, c)
         press_in(d, c, 1e-3 * (k + 1))
-    set_kink_sides(d)
+    contact.set_kink_sides(d)
     d.inputs.joint_torque[:], d.inputs.tip_force[:] = rng.normal(size=count), rng.normal(size=2)
     return scene, d, y, candidates
 
@@ -50,22 +47,14 @@ def test_kinetic_and_potential_energy_are_those_of_the_centres_of_mass(base, cou
         expected -= link.mass * (scene.gravity[0] * centre.real + scene.gravity[1] * centre.imag)
         place += link.length * np.exp(1j * angle)
     assert potential == pytest.approx(expected, rel=1e-12)
-    # and its gradient is the weight of the links
-    slopes = potential_slopes(d, y)
-    for j in range(2 * d.model.pinned, count + 2):
-        pull = sum(
-            link.mass * np.array(scene.gravity) @ centre_jacobian(scene, angles, i)[:, j]
-            for i, link in enumerate(scene.chain.links)
-        )
-        assert slopes[j] == pytest.approx(-pull, rel=1e-7, abs=1e-7)
 
 
 @BASES
 def test_what_is_stored_is_that_of_the_springs_and_of_the_contacts_that_are_pressed(base, count):
     _, d, y, (first, _second) = prepared(base, count)
     assert d.model.sprung == (count > 1 or base == "pinned")
-    springs = spring_energy(d, y)
-    contacts = [elastic_energy(d, 0, depth) for depth in (1e-3, 2e-3)]
+    springs = joints.spring_energy(d, y)
+    contacts = [contact_force.elastic_energy(d, 0, depth) for depth in (1e-3, 2e-3)]
     assert stored_energy(d, y) == pytest.approx(springs + sum(contacts), rel=1e-9)
     press_in(d, first, -1e-3)  # it has left, and its end has not been found yet
     assert stored_energy(d, y) == pytest.approx(springs + contacts[1], rel=1e-9)
@@ -87,10 +76,10 @@ def test_no_motion_changes_the_ledger(base, count, law):
     if d.contact.any_rigid:
         touch(d, [])
     rate, h, ends, scale = np.zeros(len(y)), 1e-6, [], []
-    state_rate(d, y, rate)
+    equations.state_rate(d, y, rate)
     for side in (h, -h):
         moved = y + side * rate
-        locate_points(d, moved)
+        kinematics.locate_points(d, moved)
         ends.append(energy_balance(d, moved))
         scale.append(sum(mechanical_energy(d, moved)))
     assert (ends[0] - ends[1]) / (2 * h) == pytest.approx(0.0, abs=2e-5 * max(1.0, abs(ends[0])))

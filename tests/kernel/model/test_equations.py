@@ -3,16 +3,13 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain import state
+from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.chain.joints import spring_energy
-from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.model import equations
-from chain_impact.kernel.model.contact import apply_contacts, begin_contact, clear_loads
+from chain_impact.kernel.model import contact, equations, holding
 from tests.kernel.chain.test_elimination import relative_motion
 from tests.kernel.chains import (
     chain,
     free_coordinates,
-    gradients,
     press_in,
     random_state,
     struck,
@@ -116,19 +113,19 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
 def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base, count):
     _, d, y, _ = prepared(base, count, touching=[0, 3])
     for k, c in enumerate((0, 3)):
-        begin_contact(d, c)
+        contact.begin_contact(d, c)
         press_in(d, c, 1e-3 * (k + 1))
     rate, expected, whole = (np.full(len(y), np.nan) for _ in range(3))
     equations.located_rate(d, y, rate)
     loads = vectors(d.work.load)
-    equations.loaded_rate(d, y, apply_contacts(d), expected)
+    equations.loaded_rate(d, y, contact.apply_contacts(d), expected)
     np.testing.assert_array_equal(rate[:-2], expected[:-2])
     assert (vectors(d.work.load) == loads).all()
     equations.state_rate(d, y, whole)
     np.testing.assert_array_equal(whole[:-2], rate[:-2])
     # as if the walls were not there: rigid ones without their forces
     make_rigid(d)
-    clear_loads(d)
+    contact.clear_loads(d)
     only_inputs = vectors(d.work.load)
     equations.loaded_rate(d, y, 0.0, expected)
     d.work.load.x[:] = d.work.load.y[:] = 9.0
@@ -141,33 +138,21 @@ def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base,
 @pytest.mark.parametrize("touching", [0, 1, 2])
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_rigid_walls_hold_what_touches_them_by_forces_that_do_no_work(base, touching):
-    """M q̈ = h + Jᵀ F with J q̈ + J̇ q̇ = 0."""
+    """Which are those of the constraints, as tested there."""
     rng = np.random.default_rng(touching)
-    scene, d = chain(rng, 4, base, model="newton_impact")
+    _, d = chain(rng, 4, base, model="newton_impact")
     candidates = [5, 14][:touching]
     y = struck(rng, d, candidates, 0.0)
-    rate, free = np.full(len(y), np.nan), free_coordinates(d)
+    rate, expected = np.full((2, len(y)), np.nan)
     equations.located_rate(d, y, rate)
-    if touching == 0:
-        expected = np.full(len(y), np.nan)
-        equations.free_rate(d, y, expected)
-        np.testing.assert_array_equal(rate[:-2], expected[:-2])
-        return
-    angles, omega = y[2:6], omega_of(d, y)
-    jacobian, h = gradients(scene, d, angles, candidates), 1e-6
-    ahead, behind = (gradients(scene, d, angles + side * omega, candidates) for side in (h, -h))
-    drift = (ahead - behind) / (2 * h) @ y[6:12]
-    force = generalized_force(scene, angles, omega, np.zeros((5, 2)), np.zeros(4))
-    size = len(force[free])
-    matrix = np.block(
-        [
-            [mass_matrix(scene, angles)[free, free], -jacobian[:, free].T],
-            [jacobian[:, free], np.zeros((touching, touching))],
-        ]
-    )
-    solution = np.linalg.solve(matrix, [*force[free], *-drift])
-    np.testing.assert_allclose(rates(d, rate)[free], solution[:size], rtol=0, atol=1e-7)
-    np.testing.assert_allclose(d.touch.force[candidates], solution[size:], rtol=0, atol=1e-7)
+    forces = d.touch.force[candidates].tolist()
+    equations.free_rate(d, y, expected)
+    if touching:
+        assert np.abs(rate[:-2] - expected[:-2]).max() > 0.1
+        d.touch.force[:] = np.nan
+        holding.add_constraint_forces(d, y, expected)
+    np.testing.assert_array_equal(rate[:-2], expected[:-2])
+    np.testing.assert_array_equal(d.touch.force[candidates], forces)
     assert rate[state.dissipated_at(4)] == 0.0
 
 
@@ -179,7 +164,7 @@ def test_in_free_flight_no_point_is_located():
     d.work.position.x[:] = 77.0
     equations.state_rate(d, y, rate)
     assert (d.work.position.x == 77.0).all()
-    locate_points(d, y)
+    kinematics.locate_points(d, y)
     equations.located_rate(d, y, other)
     np.testing.assert_array_equal(rate[:-2], other[:-2])
     # an input acts on the tip, whose speed its power takes

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.model import contact, friction
-from chain_impact.kernel.model.equations import clear_stage_notes, located_rate
-from chain_impact.kernel.model.geometry import tangential_acceleration, tangential_position, tangential_rate
+from chain_impact.kernel.model import contact, equations, friction, geometry
 from tests.kernel.chains import chain, struck
 from tests.kernel.rubbing import MOMENT, MU, MU_S, mobility, rubbing_chain, tangents
 
@@ -23,7 +21,7 @@ def rate_of(d, y):
     """ẏ with the present modes; the points are accelerated by it."""
     rate = np.zeros(len(y))
     locate_points(d, y)
-    located_rate(d, y, rate)
+    equations.located_rate(d, y, rate)
     accelerate_points(d, y, rate)
     return rate
 
@@ -93,12 +91,12 @@ def test_what_sticks_has_no_tangential_acceleration(base, contacts, joints):
     found = elements_of(d)
     d.friction.count = d.friction.contact_count = 0
     free = rate_of(d, y)
-    bias = np.array([tangential_acceleration(d, e) for e in found])
+    bias = np.array([geometry.tangential_acceleration(d, e) for e in found])
     friction.list_friction(d)
     d.element.mode[found] = friction.STICKS
     friction.list_sticking(d)
     rate = rate_of(d, y)
-    left = [tangential_acceleration(d, e) for e in found]
+    left = [geometry.tangential_acceleration(d, e) for e in found]
     np.testing.assert_allclose(left, 0.0, atol=1e-11 * (1.0 + np.abs(bias).max()))
     response, w = mobility(scene, d, y, tangents(scene, d, y, found))
     forces = np.linalg.lstsq(w, -bias, rcond=1e-10)[0]
@@ -112,20 +110,20 @@ def test_what_sticks_has_no_tangential_acceleration(base, contacts, joints):
 def test_a_contact_begins_in_the_direction_of_its_motion():
     _, d, _ = rubbing_chain(np.random.default_rng(4), "free", 1, False)
     c = int(d.touch.active_index[0])
-    speed = tangential_rate(d, c)
+    speed = geometry.tangential_rate(d, c)
     friction.begin_friction(d, c)
     assert d.element.mode[c] == np.sign(speed)
     for vector in (d.work.velocity.x, d.work.velocity.y):
         vector[:] = 0.0
     friction.begin_friction(d, c)
     assert d.element.mode[c] == friction.STICKS
-    assert d.element.anchor[c] == tangential_position(d, c) != 0.0
+    assert d.element.anchor[c] == geometry.tangential_position(d, c) != 0.0
 
 
 def test_margins_are_the_least_of_a_step():
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 1, False)
     c = int(d.touch.active_index[0])
-    speed = tangential_rate(d, c)
+    speed = geometry.tangential_rate(d, c)
     d.element.mode[c] = -int(np.sign(speed))
     d.element.margin[c] = 7.0
     friction.clear_margins(d)
@@ -149,7 +147,7 @@ def test_an_anchor_moves_only_where_it_cannot_be_held():
     c = int(d.touch.active_index[0])
     d.element.mode[c] = friction.STICKS
     friction.list_sticking(d)
-    there = tangential_position(d, c)
+    there = geometry.tangential_position(d, c)
     near = there + 0.5 * friction.NOT_HELD * d.model.size
     d.element.anchor[c] = near
     friction.keep_anchors(d)
@@ -174,14 +172,14 @@ def test_a_contact_that_begins_has_a_mode_and_is_listed(room):
     assert d.touch.active_count == 1
     assert elements_of(d) == [1] * room
     if room:
-        assert d.element.mode[1] == np.sign(tangential_rate(d, 1)) != 0.0
+        assert d.element.mode[1] == np.sign(geometry.tangential_rate(d, 1)) != 0.0
 
 
 def test_what_a_step_has_noted_of_friction_is_forgotten_with_the_step():
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
     found = elements_of(d)
     d.element.margin[:] = -1.0
-    clear_stage_notes(d)
+    equations.clear_stage_notes(d)
     others = sorted(set(range(d.elements)) - set(found))
     assert not d.element.margin[found].any()
     assert (d.element.margin[others] == -1.0).all()

@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.model import holding
-from chain_impact.kernel.model.compliance import effective_mass
-from chain_impact.kernel.model.constraints import activate_all, any_point_held
-from chain_impact.kernel.model.equations import free_rate
-from chain_impact.kernel.model.friction import STICKS, list_sticking
-from chain_impact.kernel.model.geometry import clearance
-from chain_impact.kernel.model.holding import add_constraint_forces, sticks_alone
+from chain_impact.kernel.model import compliance, constraints, equations, friction, geometry, holding
 from tests.kernel.chains import press_in, touch
 from tests.kernel.model.pressed import CANDIDATES, problem
 from tests.kernel.rubbing import rubbing_chain
@@ -25,9 +19,9 @@ def test_rigid_walls_hold_what_touches_and_press_it_to_rest():
         d, *_ = problem()
         touch(d, CANDIDATES[:touching])
         make_rigid(d, impulsive)
-        assert bool(any_point_held(d)) == (impulsive == 1 and touching > 0)
+        assert bool(constraints.any_point_held(d)) == (impulsive == 1 and touching > 0)
     d.rigid.in_active_set[:] = d.rigid.target[:] = 7
-    activate_all(d)
+    constraints.activate_all(d)
     assert d.rigid.in_active_set[:3].tolist() == [1, 1, 7]
     assert d.rigid.target[:3].tolist() == [0.0, 0.0, 7.0]
 
@@ -37,7 +31,7 @@ def test_held_points_have_no_acceleration_and_the_least_of_each_force_is_kept(ba
     """g̈ + W F = 0, with the g̈ that is without forces."""
     d, y, _jacobian, response, w = problem(base)
     rate = np.zeros(len(y))
-    free_rate(d, y, rate)
+    equations.free_rate(d, y, rate)
     own, before = d.rigid, rate.copy()
     # g̈ by the second difference of g along the motion
     candidates = d.touch.active_index[:4].tolist()
@@ -46,7 +40,7 @@ def test_held_points_have_no_acceleration_and_the_least_of_each_force_is_kept(ba
         moved = y.copy()
         moved[:6] += t * y[6:12] + 0.5 * t * t * rate[6:12]
         locate_points(d, moved)
-        gaps.append([clearance(d, c)[0] for c in candidates])
+        gaps.append([geometry.clearance(d, c)[0] for c in candidates])
     second = (np.array(gaps[0]) - 2 * np.array(gaps[1]) + np.array(gaps[2])) / 1e-8
     locate_points(d, y)
     most = holding.start_from_accelerations(d, y, rate)
@@ -80,7 +74,7 @@ def test_walls_stop_by_impulses_unless_these_would_pull_by_more_than_errors_expl
     own = d.rigid
     for size in (1.0, 1e-9):  # of a motion, and of errors
         own.start[:4] = size * np.array([-0.5, 0.8, -0.2, 0.3])
-        activate_all(d)
+        constraints.activate_all(d)
         d.work.velocity.x[:], d.work.velocity.y[:] = size, 0.0
         d.solver.tolerance = 1e-7
         equal = np.linalg.solve(w, -own.start[:4])
@@ -109,7 +103,7 @@ def test_points_are_put_onto_their_walls_unless_that_takes_far_more_than_is_miss
         d.candidate.normal_x[second], d.candidate.normal_y[second] = c * nx - s * ny, s * nx + c * ny
         response = np.transpose([response_of(d, k) for k in (first, second)])
     own.start[:2] = 1e-6, -1e-6
-    activate_all(d)
+    constraints.activate_all(d)
     d.solver.tolerance = tolerance
     holding.solve_positions(d)
     moved = np.abs(own.change / np.array([size, size, 1.0, 1.0, 1.0, 1.0])).max()
@@ -126,7 +120,7 @@ def test_points_are_put_onto_their_walls_unless_that_takes_far_more_than_is_miss
 
 def response_of(d, c):
     """M⁻¹ ∇g of a candidate, by the recursion."""
-    effective_mass(d, c)
+    compliance.effective_mass(d, c)
     return d.work.change.copy()
 
 
@@ -143,7 +137,7 @@ def test_what_meeting_the_walls_takes_of_the_kinetic_energy_is_dissipated(base):
     np.testing.assert_allclose(y[6:12], before[6:12] + response @ impulses, rtol=1e-5, atol=1e-5)
     assert y[12] - 5.0 == pytest.approx(0.5 * rates @ np.linalg.solve(w, rates), rel=1e-5)
     for c in d.touch.active_index[:4]:
-        assert clearance(d, c) == pytest.approx((0.0, 0.0), abs=1e-12)
+        assert geometry.clearance(d, c) == pytest.approx((0.0, 0.0), abs=1e-12)
 
 
 @pytest.mark.parametrize(("moved", "again"), [(0.99, False), (1.01, True)])
@@ -168,53 +162,46 @@ def test_a_change_is_judged_by_the_largest_that_is_asked_for_and_by_link_lengths
     assert called == [size] * (1 + again)
 
 
-# --- The force on a contact that sticks alone, against that of the general constraints. ---
-
-
 def stuck_chain(base, contacts, joints, stuck):
     """A chain with friction of which the elements numbered ``stuck`` stick, in the order of their list."""
     _, d, y = rubbing_chain(np.random.default_rng(8), base, contacts, joints)
     for k in stuck:
-        d.element.mode[d.element.index[k]] = STICKS
-    list_sticking(d)
+        d.element.mode[d.element.index[k]] = friction.STICKS
+    friction.list_sticking(d)
     return d, y
 
 
 @pytest.mark.parametrize(
-    ("contacts", "joints", "stuck", "alone"),
+    ("contacts", "joints", "stuck", "rigid", "alone"),
     [
-        (1, False, [], False),
-        (1, False, [0], True),
-        (2, False, [0, 1], False),
-        (2, False, [1], True),
-        (1, True, [0], True),
-        (1, True, [1], False),
-        (1, True, [0, 1], False),
+        (1, False, [], 0, False),
+        (1, False, [0], 0, True),
+        (2, False, [0, 1], 0, False),
+        (2, False, [1], 0, True),
+        (2, False, [1], 1, False),  # beside a rigid wall
+        (1, True, [0], 0, True),
+        (1, True, [1], 0, False),
+        (1, True, [0, 1], 0, False),
     ],
 )
-def test_one_contact_alone_sticks(contacts, joints, stuck, alone):
+def test_one_contact_alone_sticks(contacts, joints, stuck, rigid, alone):
     d, _ = stuck_chain("free", contacts, joints, stuck)
-    assert sticks_alone(d) == alone
-
-
-def test_beside_a_rigid_wall_no_contact_sticks_alone():
-    d, _ = stuck_chain("free", 2, False, [1])
-    make_rigid(d, [c == d.touch.active_index[0] for c in range(d.candidates)])
-    assert d.touch.compliant_count == 1
-    assert not sticks_alone(d)
+    make_rigid(d, np.isin(np.arange(d.candidates), d.touch.active_index[:rigid]))
+    assert d.touch.compliant_count == contacts - rigid
+    assert holding.sticks_alone(d) == alone
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize(("contacts", "stuck"), [(1, 0), (2, 0), (2, 1)])
 def test_its_force_is_that_of_the_constraint(base, contacts, stuck, monkeypatch):
     results = []
-    for alone in (sticks_alone, lambda _d: False):
+    for alone in (holding.sticks_alone, lambda _d: False):
         monkeypatch.setattr(holding, "sticks_alone", alone)
         d, y = stuck_chain(base, contacts, True, [stuck])
         rate = np.zeros(len(y))
-        free_rate(d, y, rate)
+        equations.free_rate(d, y, rate)
         free = rate.copy()
-        add_constraint_forces(d, y, rate)
+        holding.add_constraint_forces(d, y, rate)
         e = d.element.stuck[0]
         impulse = d.rigid.impulse[d.touch.active_count]
         results.append([*(rate - free), impulse, d.element.force[e], d.element.margin[e], d.friction.power])

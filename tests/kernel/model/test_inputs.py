@@ -24,26 +24,22 @@ def driven(order=2):
     return d
 
 
-def test_a_polynomial_is_that_of_its_coefficients():
-    powers = np.random.default_rng(0).normal(size=(inputs.DEGREE + 1, 2))
-    for order in range(inputs.DEGREE + 1):
-        expected = np.polynomial.polynomial.polyval(0.7, powers[: order + 1, 1])
-        assert inputs.polynomial(powers, order, 1, 0.7) == pytest.approx(expected, rel=1e-14)
-
-
-def test_the_inputs_are_those_of_a_time():
-    d = driven()
-    inputs.set_inputs(d, 1.5)
-    assert list(d.inputs.joint_torque) == [1.0 + 2.0 * 0.5 + 3.0 * 0.25, 4.0]
-    assert list(driven(order=0).inputs.joint_torque) == [1.0, 4.0]
-
-
-@pytest.mark.parametrize(("size", "expected"), [(0.1, 0.1), (0.6, 0.5), (1.0, 1.0), (5.0, 1.0)])
-def test_a_step_ends_with_the_piece_or_well_before(size, expected):
-    d = driven()
-    d.step.end = 1.0
+@pytest.mark.parametrize(
+    ("order", "end", "regularized", "size", "expected"),
+    [
+        (2, 1.0, -1, 0.1, 0.1),
+        (2, 1.0, -1, 0.6, 0.5),
+        (2, 1.0, -1, 1.0, 1.0),
+        (2, 1.0, -1, 5.0, 1.0),
+        (0, 1.0, -1, 5.0, 5.0),
+        (2, 1.0, 0, 5.0, 5.0),  # a regularized step, or one at the end of its piece, is not cut
+        (2, 2.0, -1, 5.0, 5.0),
+    ],
+)
+def test_a_step_ends_with_the_piece_or_well_before(order, end, regularized, size, expected):
+    d = driven(order)
+    d.step.end, d.step.regularized = end, regularized
     assert inputs.limit_to_piece(d, size) == expected
-    assert inputs.limit_to_piece(driven(order=0), size) == size
 
 
 def test_inputs_go_on_where_the_last_step_ends_with_the_piece():
@@ -88,11 +84,3 @@ def test_what_was_given_holds_for_all_torques_and_the_force_on_the_tip(order):
         powers = np.vstack([given[name], own[name][1 : order + 1]])
         expected = np.polynomial.polynomial.polyval((1.1 - 0.4) * 2.0, powers)
         np.testing.assert_allclose(d.inputs[name], expected, rtol=1e-12, atol=1e-12)
-
-
-def test_a_regularized_step_or_one_at_the_end_of_its_piece_is_not_cut():
-    d = driven()
-    d.step.end, d.step.regularized = 1.0, 0
-    assert inputs.limit_to_piece(d, 5.0) == 5.0
-    d.step.regularized, d.step.end = -1, 2.0
-    assert inputs.limit_to_piece(d, 5.0) == 5.0

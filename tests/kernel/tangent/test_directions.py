@@ -8,8 +8,7 @@ import pytest
 from chain_impact import load_scene, model_names
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START, GIVEN
 from chain_impact.kernel.record.instance import instance_dtype
-from chain_impact.kernel.tangent import directions
-from chain_impact.kernel.tangent.blocks import copy_given
+from chain_impact.kernel.tangent import blocks, directions
 from chain_impact.variables.model import Model
 from tests.kernel.tangent.dual import Dual
 
@@ -56,8 +55,6 @@ def test_what_the_kernel_asks_of_a_dual_number():
     assert not directions.varies(directions.carried(1.0, 0.0, number))
 
 
-# --- The parts of the record that the scene or an importer gives, which are copied for derivatives. ---
-
 PARTS = [name for name in instance_dtype(2, 2, 4).names if instance_dtype(2, 2, 4)[name].base.names]
 
 
@@ -80,7 +77,7 @@ def test_the_parts_that_apply_then_are_copied_and_no_other():
     for when in (AT_START, AT_ANY_TIME):
         copied = []
         t = SimpleNamespace(**{part: SimpleNamespace(copy_values=copied.append) for part in PARTS})
-        copy_given(SimpleNamespace(**d), t, when)
+        blocks.copy_given(SimpleNamespace(**d), t, when)
         assert sorted(copied) == sorted(declared(when))
 
 

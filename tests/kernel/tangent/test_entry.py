@@ -8,15 +8,14 @@ import pytest
 
 from chain_impact import SimulationError, load_scene
 from chain_impact.kernel.status import NOT_FINITE, OK
-from chain_impact.kernel.tangent import entry
-from chain_impact.kernel.tangent.directions import DIRECTIONS
+from chain_impact.kernel.tangent import directions, entry
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.simulate import simulate
 from tests.derivative_scenes import Case, struck_twice
 from tests.kernel.tangent.dual import followed, started
 
 CASE = struck_twice("flores")
-NAMES = CASE.parameters[: 2 * DIRECTIONS + 1]
+NAMES = CASE.parameters[: 2 * directions.DIRECTIONS + 1]
 TIMES = np.linspace(0.0, 0.3, 31)
 
 
@@ -32,7 +31,7 @@ def together():
 def test_the_number_of_parameters_beside_one_does_not_matter(together):
     """They are carried in several instances of dual numbers, one after the other."""
     values, slopes = together
-    for k in (0, DIRECTIONS - 1, DIRECTIONS, 2 * DIRECTIONS):
+    for k in (0, directions.DIRECTIONS - 1, directions.DIRECTIONS, 2 * directions.DIRECTIONS):
         alone, slope = followed(started(of(NAMES[k])), TIMES)
         np.testing.assert_array_equal(alone, values)
         np.testing.assert_array_equal(slope[..., 0], slopes[..., k])
@@ -95,10 +94,8 @@ def test_a_fault_ends_both():
     assert result.sensitivity("point[0].x", "contact.stiffness").shape == result.time.shape
 
 
-# --- what is done with the instances of dual numbers, one after the other ----------------------------------
-
 SIZES = {"links": 2, "candidates": 6, "elements": 8}
-WIDE, LOOKS, BLOCKS = 1 + DIRECTIONS, 4, 2
+WIDE, LOOKS, BLOCKS = 1 + directions.DIRECTIONS, 4, 2
 
 
 def output(words):

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS
-from chain_impact.kernel.tangent import friction
-from chain_impact.kernel.tangent.trust import AT_LIMIT, SLOW_CHANGE, TOGETHER, TRUSTED
+from chain_impact.kernel.tangent import friction, trust
 from tests.kernel.tangent.dual import Dual
 
 TOLERANCE = 1e-6
@@ -29,7 +28,7 @@ def t():
     one.step = SimpleNamespace(start=dual(1.0), end=dual(1.5))
     one.solver = SimpleNamespace(tolerance=dual(TOLERANCE))
     one.model = SimpleNamespace(size=dual(2.0))
-    one.trust = SimpleNamespace(reason=TRUSTED)
+    one.trust = SimpleNamespace(reason=trust.TRUSTED)
     return one
 
 
@@ -58,7 +57,7 @@ def test_sliding_that_ends_goes_before_sliding_that_begins(monkeypatch, t, event
     assert friction.delay_of_change(t) == delay
 
 
-@pytest.mark.parametrize(("acceleration", "reasons"), [(-4.0, []), (-1e-3, [(SLOW_CHANGE, 2)])])
+@pytest.mark.parametrize(("acceleration", "reasons"), [(-4.0, []), (-1e-3, [(trust.SLOW_CHANGE, 2)])])
 def test_rest_is_late_by_its_speed_over_its_acceleration(monkeypatch, t, ended, acceleration, reasons):
     """Below √tolerance · 9 N/3 kg = 3e-3 m/s² the acceleration may be an error."""
     monkeypatch.setattr(friction, "mean_mass", lambda _t: dual(3.0))
@@ -109,7 +108,7 @@ def test_sliding_is_late_by_its_margin_over_the_rate_of_it(monkeypatch, t, ended
     assert ended == []
 
 
-@pytest.mark.parametrize(("static", "reasons"), [(0.3, []), (0.4, [(SLOW_CHANGE, 1)])])
+@pytest.mark.parametrize(("static", "reasons"), [(0.3, []), (0.4, [(trust.SLOW_CHANGE, 1)])])
 def test_sliding_that_begins_at_no_certain_time_matters_where_the_force_drops(
     monkeypatch, t, ended, static, reasons
 ):
@@ -136,7 +135,7 @@ def test_two_that_halt_at_one_moment_must_do_so_for_all_parameters(monkeypatch, 
     monkeypatch.setattr(friction, "rest_speed", lambda _t: 1e-12)
     monkeypatch.setattr(friction, "pending_changes", lambda _t: 1)
     friction.check_changes(t, dual(0.0, 0.5, 0.0))
-    assert ended == ([] if together else [(TOGETHER, 2)])
+    assert ended == ([] if together else [(trust.TOGETHER, 2)])
 
 
 @pytest.mark.parametrize(("margins", "together"), [((0.0, 0.0), True), ((0.0, 1e-3), False)])
@@ -155,7 +154,7 @@ def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
     monkeypatch.setattr(friction, "margin_at", lambda _t, e, _time: dual(0.0, margins[e - 1], 0.0))
     monkeypatch.setattr(friction, "set_end", restored.append)
     friction.check_changes(t, dual(0.0, 0.5, 0.0))
-    assert ended == ([] if together else [(TOGETHER, 2)])
+    assert ended == ([] if together else [(trust.TOGETHER, 2)])
     assert restored == [t]
 
 
@@ -182,4 +181,4 @@ def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended,
     t.element.undecided, t.element.force[1], t.step.state_end = [0, 1, 0], dual(known), "state"
     friction.choose_modes(t)
     assert t.element.mode == [mode] * 3
-    assert ended == ([(AT_LIMIT, 1)] if is_open else [])
+    assert ended == ([(trust.AT_LIMIT, 1)] if is_open else [])

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.integration.radau import STAGES, Q
-from chain_impact.kernel.tangent import implicit_step
-from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.kernel.tangent.trust import GRAZING, NO_IMPACT, NOT_SOLVED, TRUSTED
+from chain_impact.kernel.tangent import directions, implicit_step, trust
+from chain_impact.kernel.tangent.implicit_step import ENOUGH, FALLS, FAR_OFF, MOST, ROUND_OFF, STALLED
 from tests.derivative_scenes import Case, table
 from tests.kernel.tangent.dual import Dual, followed, started
 
@@ -81,8 +80,6 @@ def test_derivatives_that_an_iteration_does_not_reach_are_not_there(more):
     assert "iteration" in limit
 
 
-# --- when an iteration has converged, and when it is given up ----------------------------------------------
-
 TOLERANCE = 1e-4
 
 
@@ -100,62 +97,36 @@ def iterated(monkeypatch, corrections):
     return converged, len(done) // 2
 
 
-def test_it_has_converged_when_a_correction_is_a_small_part_of_the_tolerance(monkeypatch):
-    enough = implicit_step.ENOUGH * TOLERANCE
-    assert iterated(monkeypatch, [1.0, 1e-2, 1.01 * enough, 0.99 * enough, 0.0]) == (True, 4)
+END, FAST, LARGE = 1 + STALLED, ENOUGH * TOLERANCE, 1.1 * max(ROUND_OFF, ENOUGH * TOLERANCE)
+SLOW, PAUSE = 1.01 * FALLS, [1.0] * (STALLED - 1)
+WAVES = [0.9 * FALLS, *PAUSE, 0.8 * FALLS**2, *PAUSE, 0.0]
 
 
-def test_it_is_given_up_when_the_corrections_fall_no_more(monkeypatch):
-    above = 1.1 * max(implicit_step.ROUND_OFF, implicit_step.ENOUGH * TOLERANCE)
-    assert iterated(monkeypatch, [above] * implicit_step.MOST) == (False, 1 + implicit_step.STALLED)
-    # a fall that is not enough counts from the least before it
-    slow = [1.0, *[1.01 * implicit_step.FALLS] * implicit_step.STALLED, *[0.0] * implicit_step.MOST]
-    assert iterated(monkeypatch, slow) == (False, 1 + implicit_step.STALLED)
-    assert iterated(monkeypatch, [1.0, *[1.01 * implicit_step.FALLS] * (implicit_step.STALLED - 1), 0.0]) == (
-        True,
-        1 + implicit_step.STALLED,
-    )
+@pytest.mark.parametrize(
+    ("corrections", "right"),
+    [
+        ([1.0, 1e-2, 1.01 * FAST, 0.99 * FAST, 0.0], (True, 4)),  # a small part of the tolerance
+        ([LARGE] * MOST, (False, END)),  # they fall no more
+        ([1.0, *[SLOW] * STALLED, *[0.0] * MOST], (False, END)),  # a fall counts from the least before it
+        ([1.0, *[SLOW] * (STALLED - 1), 0.0], (True, END)),
+        (WAVES, (True, len(WAVES))),  # one that falls within some iterations goes on
+        ([1e300 * 0.5**k for k in range(MOST)], (False, MOST)),
+    ],
+)
+def test_an_iteration_ends_when_it_has_converged_or_its_corrections_fall_no_more(
+    monkeypatch, corrections, right
+):
+    assert iterated(monkeypatch, corrections) == right
 
 
-def test_one_that_falls_within_some_iterations_goes_on(monkeypatch):
-    waves = (
-        [0.9 * implicit_step.FALLS]
-        + [1.0] * (implicit_step.STALLED - 1)
-        + [0.8 * implicit_step.FALLS**2]
-        + [1.0] * (implicit_step.STALLED - 1)
-        + [0.0]
-    )
-    assert iterated(monkeypatch, waves) == (True, len(waves))
-
-
-def test_round_off_is_no_failure(monkeypatch):
+@pytest.mark.parametrize("part", [0.9, 1.1])
+def test_round_off_is_no_failure(monkeypatch, part):
     monkeypatch.setattr(implicit_step, "ENOUGH", 0.0)
-    assert iterated(monkeypatch, [0.9 * implicit_step.ROUND_OFF] * implicit_step.MOST) == (
-        True,
-        1 + implicit_step.STALLED,
-    )
-    assert iterated(monkeypatch, [1.1 * implicit_step.ROUND_OFF] * implicit_step.MOST) == (
-        False,
-        1 + implicit_step.STALLED,
-    )
-
-
-def test_it_ends_after_many_iterations(monkeypatch):
-    assert (
-        iterated(
-            monkeypatch,
-            [1e9 * 0.69**k + 1e-3 for k in range(40)] + [0.5**k for k in range(implicit_step.MOST)],
-        )[1]
-        <= implicit_step.MOST
-    )
-    assert iterated(monkeypatch, [1e300 * 0.5**k for k in range(implicit_step.MOST)]) == (
-        False,
-        implicit_step.MOST,
-    )
+    assert iterated(monkeypatch, [part * ROUND_OFF] * MOST) == (part < 1.0, END)
 
 
 def dual(*slopes):
-    return Dual(7.0, (*slopes, *[0.0] * (DIRECTIONS - len(slopes))))
+    return Dual(7.0, (*slopes, *[0.0] * (directions.DIRECTIONS - len(slopes))))
 
 
 def slopes(start, end, parts):
@@ -192,7 +163,7 @@ def test_a_correction_is_relative_to_the_derivatives_at_the_end_in_its_worst_dir
 )
 def test_what_is_not_finite_is_far_off(start, parts):
     d, t = slopes(start, [(0.0,)] * 2, parts)
-    assert implicit_step.last_correction(d, t, 2) == implicit_step.FAR_OFF
+    assert implicit_step.last_correction(d, t, 2) == FAR_OFF
 
 
 def test_stages_have_the_values_of_the_run_and_their_own_slopes():
@@ -215,7 +186,7 @@ def test_the_linear_system_is_that_of_the_run():
     assert (t.implicit.stiffness, t.implicit.damping) == ([5, 600], [7, 800])
 
 
-@pytest.mark.parametrize("reason", [TRUSTED, GRAZING])
+@pytest.mark.parametrize("reason", [trust.TRUSTED, trust.GRAZING])
 @pytest.mark.parametrize("converges", [True, False])
 @pytest.mark.parametrize("contacts", [0, 1, 2])
 def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges, contacts):
@@ -241,7 +212,7 @@ def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges,
     monkeypatch.setattr(implicit_step, "mark_untrusted", lambda _t, *what: called.append(what))
     implicit_step.make_implicit(d, t, 0.1)
     right = ["extend_start", "extrapolate_stages", "take_stages", "take_slopes", "factorize_real"]
-    if reason == TRUSTED:
-        right += ["iterate"] if converges else ["iterate", (NOT_SOLVED, NO_IMPACT, 1.5)]
+    if reason == trust.TRUSTED:
+        right += ["iterate"] if converges else ["iterate", (trust.NOT_SOLVED, trust.NO_IMPACT, 1.5)]
     right += ["set_result", "project_clearances"] if contacts else ["set_result"]
     assert called == right

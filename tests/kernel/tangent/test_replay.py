@@ -70,8 +70,6 @@ def test_the_run_is_the_same_with_derivatives_and_without(name):
     np.testing.assert_array_equal(values[-1], [column[-1] for column in plain.motion.values()])
 
 
-# --- one part at a time: what is made, taken over and moved ------------------------------------------------
-
 LINKS = 1
 SIZE = 2 * (LINKS + 2) + 4  # of a state
 
@@ -174,27 +172,20 @@ def test_a_step_ends_with_its_contact_or_with_another(regularized, events, right
     assert replay.ends_regularized(instances(regularized, events)[0]) == right
 
 
-def test_an_implicit_step_that_is_made_is_accepted(monkeypatch, calls):
+@pytest.mark.parametrize(
+    ("method", "active", "stuck"), [(EXPLICIT, 0, 0), (EXPLICIT, 1, 0), (EXPLICIT, 0, 1), (IMPLICIT, 1, 0)]
+)
+def test_a_step_that_is_made_is_accepted(monkeypatch, calls, method, active, stuck):
+    """After an explicit one with contacts or stuck joints the points are located."""
     d, t = instances()
-    t.step.method = IMPLICIT
-    monkeypatch.setattr(replay, "make_implicit", lambda _d, _t, h: calls.append(("made", h)))
+    t.step.method, t.touch.active_count, t.friction.stuck_count = method, active, stuck
+    monkeypatch.setattr(replay, "make_implicit", lambda _d, _t, h: calls.append((IMPLICIT, h)))
+    monkeypatch.setattr(replay.explicit, "make", lambda _, h: calls.append((EXPLICIT, h)))
+    monkeypatch.setattr(replay, "locate_points", lambda _, y: calls.append(y))
     replay.make(d, t, 0.05)
-    assert calls == [("made", 0.05), ("accept",)]
-    assert t.trial.size == 0.05
-
-
-@pytest.mark.parametrize(("active", "stuck"), [(0, 0), (1, 0), (0, 1)])
-def test_points_are_located_after_an_explicit_step_with_contacts_or_stuck_joints(
-    monkeypatch, calls, active, stuck
-):
-    d, t = instances()
-    done, t.step.method = [], EXPLICIT
-    t.touch.active_count, t.friction.stuck_count = active, stuck
-    monkeypatch.setattr(replay.explicit, "make", lambda _, h: done.append(h))
-    monkeypatch.setattr(replay, "locate_points", lambda _, y: done.append(y))
-    replay.make(d, t, 0.2)
-    assert done == [0.2, "y"][: 1 + active + stuck]
-    assert calls == [("accept",)]
+    located = ["y"] * (active + stuck) if method == EXPLICIT else []
+    assert calls == [(method, 0.05), *located, ("accept",)]
+    assert t.trial.size == 0.05 or method == EXPLICIT
 
 
 def test_values_are_those_of_the_run_and_slopes_stay():

@@ -3,22 +3,17 @@
 import numpy as np
 import pytest
 
-from chain_impact import CONTACT_LAWS, load_scene
+from chain_impact import CONTACT_LAWS
 from chain_impact.kernel import advance
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.model.contact import begin_contact
-from chain_impact.kernel.model.contact_force import elastic_energy
-from chain_impact.kernel.model.contact_law import start_laws, update_laws
+from chain_impact.kernel.model import contact, contact_force, contact_law
 from chain_impact.kernel.record.fields import AT_START
 from chain_impact.kernel.status import OK
-from chain_impact.kernel.tangent import start as starts
-from chain_impact.kernel.tangent.blocks import copy_given
-from chain_impact.kernel.tangent.directions import TRUST
-from chain_impact.kernel.tangent.trust import TRUSTED
+from chain_impact.kernel.tangent import blocks, directions, start as starts, trust
 from chain_impact.variables.model import Model
 from tests.complex_laws import FAMILY, TINY, WITH_MASS
-from tests.derivative_scenes import Case, pinned_chain, sprung_chain, struck_twice
+from tests.derivative_scenes import Case
 from tests.kernel.chains import chain, press_in, random_state, touch, vectors
 from tests.kernel.tangent.dual import Dual, random_duals, started
 from tests.plain import Plain, make_rigid
@@ -41,54 +36,6 @@ def test_the_factor_of_a_law_varies_with_the_restitution(law, e):
     assert factor["value"] == pytest.approx(found.real, rel=bound, abs=1e-14)
     assert factor["slope"][0] == pytest.approx(found.imag / TINY, rel=bound, abs=1e-14)
 
-
-def assert_same_values(tangents, own, path):
-    """That the values of each instance of dual numbers are those of the instance, field by field."""
-    for name in own.dtype.names or ():
-        assert_same_values(tangents[name], own[name], f"{path}.{name}")
-    if not own.dtype.names:
-        for block in tangents["value"] if tangents.dtype.names else tangents:
-            np.testing.assert_array_equal(block, own, err_msg=path)
-
-
-PARTS = ("model", "contact", "stops", "initial", "solver", "walls", "given", "candidate", "law")
-
-
-def forget_values(record):
-    """Put numbers that are wrong in place of all values; derivatives stay."""
-    for name in record.dtype.names:
-        if record.dtype[name].base.names == ("value", "slope"):
-            record[name]["value"] = -7.5
-        elif record.dtype[name].names:
-            forget_values(record[name])
-
-
-@pytest.mark.parametrize(
-    "case",
-    [
-        *(sprung_chain(), pinned_chain(), struck_twice("tsuji")),
-        Case(load_scene("ramp"), ("contact.stiffness",), ()),
-    ],
-    ids=["sprung", "pinned", "tsuji", "walls at angles"],
-)
-def test_a_start_takes_all_values_of_the_instance(case):
-    """So that a second run with other parameters differentiates at these."""
-    instance = started(case)
-    d, t = instance.record, instance._tangents
-    for part in PARTS:
-        forget_values(t[part])
-    t["model"]["pinned"] = 1 - d["model"]["pinned"]
-    t["law"]["number"] = 0
-    instance.initialize()
-    for part in PARTS:
-        for name in d[part].dtype.names:
-            assert_same_values(t[part][name], d[part][name], f"{part}.{name}")
-    for name in ("state_end", "end", "time", "size", "method"):
-        assert_same_values(t["step"][name], d["step"][name], name)
-    assert (t["trust"]["reason"] == 0).all()
-
-
-# --- in plain Python: whose values and whose derivatives it has ------------------------------------------
 
 PARAMETERS = {
     "model": (
@@ -131,8 +78,8 @@ def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
         for name in PARAMETERS[record]
     }
     d.given.law = CONTACT_LAWS["hunt_crossley"].number
-    assert update_laws(d) == OK
-    copy_given(d, t, AT_START)
+    assert contact_law.update_laws(d) == OK
+    blocks.copy_given(d, t, AT_START)
     starts.apply_given_of(d, t)  # which takes the walls, whose material may change in a run
     for (record, name), own in before.items():
         found = getattr(getattr(t, record), name)
@@ -163,7 +110,7 @@ def test_what_was_given_holds_with_its_derivatives(both):
     d.given.joint_torque[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
     d.given.course.order, d.given.course.until = 1, 6.5
     before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
-    assert update_laws(d) == OK
+    assert contact_law.update_laws(d) == OK
     starts.apply_given_of(d, t)
     assert (t.law.number == number).all()
     assert t.given.law == number
@@ -185,7 +132,7 @@ def test_the_factor_of_a_law_has_the_value_of_the_instance_and_its_own_derivativ
     entry, e, h = CONTACT_LAWS[law], 0.6, 1e-6
     d.given.law, d.given.restitution = entry.number, e
     d.contact.exponent = 1.5
-    assert start_laws(d) == OK
+    assert contact_law.start_laws(d) == OK
     t.law.restitution[0] = Dual(e, t.law.restitution[0].slope)
     starts.derive_law_of(d, t, 0)
     slope = (entry.damping_factor(e + h) - entry.damping_factor(e - h)) / (2 * h)
@@ -198,16 +145,10 @@ def test_the_factor_of_a_law_has_the_value_of_the_instance_and_its_own_derivativ
         assert own.rate_exponent[0] is own.exponent[0]
     else:
         assert own.rate_exponent[0] == entry.rate_exponent
-
-
-def test_a_users_law_has_the_factor_that_it_has(both):
-    d, t = both
+    # a user's law has that of the instance
     d.law.number[0], d.law.damping_factor[0], d.law.rate_exponent[0] = len(CONTACT_LAWS) + 1, 0.0, 1.5
     starts.derive_law_of(d, t, 0)
-    assert (t.law.damping_factor[0], t.law.rate_exponent[0]) == (0.0, 1.5)
-
-
-# --- with numbers in place of dual ones --------------------------------------------------------------------
+    assert (own.damping_factor[0], own.rate_exponent[0]) == (0.0, 1.5)
 
 
 @pytest.fixture
@@ -218,7 +159,7 @@ def twins(monkeypatch):
     rng = np.random.default_rng(9)
     scene, d = chain(rng, 2, springs=True, dampers=True, inputs=True)
     dtype = d._record.dtype
-    fields = [*((name, dtype[name]) for name in dtype.names), ("trust", TRUST)]
+    fields = [*((name, dtype[name]) for name in dtype.names), ("trust", directions.TRUST)]
     t = Plain(np.zeros(1, np.dtype(fields))[0])
     blank = Plain(Model(scene).new_instance()[0])
     for name in ("links", "candidates", "candidate"):
@@ -234,7 +175,8 @@ def test_it_starts_as_the_instance_does(twins):
     assert initialize(d, 1.5) == OK
     t.work.load.x[:], t.touch.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
     starts.start_tangent(d, t)
-    records = ("model", "contact", "law", "initial", "candidate", "walls", "inputs", "impact", "touch")
+    records = ["model", "contact", "law", "initial", "candidate", "walls", "inputs", "impact", "touch"]
+    records += ["given", "stops", "solver"]
     for record in records:
         dtype = d._record.dtype[record].base  # that of the rows of a table
         for name in dtype.names:
@@ -244,7 +186,7 @@ def test_it_starts_as_the_instance_does(twins):
         assert t.step[name] == d.step[name], name
     np.testing.assert_array_equal(t.step.state_end, d.step.state_end)
     np.testing.assert_array_equal(vectors(t.work.load), vectors(d.work.load))
-    assert t.trust.reason == TRUSTED
+    assert t.trust.reason == trust.TRUSTED
     assert t.impact.last_time == 1.5
 
 
@@ -260,11 +202,11 @@ def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law,
     locate_points(t, y)
     touch(t, [4])
     press_in(t, 4, 1e-3)
-    begin_contact(t, 4)
+    contact.begin_contact(t, 4)
     make_rigid(t, law == "newton_impact")
     damping, number = t.touch.damping[4], CONTACT_LAWS[law].number
     d.given.law, d.given.stiffness, d.given.restitution, d.given.tip_force[:] = number, 3e5, 0.8, (5.0, 6.0)
-    assert update_laws(d) == OK
+    assert contact_law.update_laws(d) == OK
     t.work.load.x[:], t.touch.beyond_kink[4], t.step.time = 9.0, 5, 1.0
     told = []
     monkeypatch.setattr(advance, "recompute_active_set", lambda *arguments: told.append(arguments))
@@ -282,12 +224,12 @@ def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law,
         mass, speed = t.touch.effective_mass[4], t.touch.impact_speed[4]
         expected = CONTACT_LAWS[law].damping_factor(0.8) * 3e5 / speed
         assert t.touch.damping[4] == pytest.approx(expected, rel=1e-12)
-        energy = elastic_energy(t, 4, t.touch.depth_scale[4])
+        energy = contact_force.elastic_energy(t, 4, t.touch.depth_scale[4])
         assert energy == pytest.approx(0.5 * mass * speed**2, rel=1e-9)
         assert t.touch.beyond_kink[4] in {0, 1}
 
 
-@pytest.mark.parametrize(("ended", "expected"), [(2.0, 3), (2.5, 3), (2.6, TRUSTED)])
+@pytest.mark.parametrize(("ended", "expected"), [(2.0, 3), (2.5, 3), (2.6, trust.TRUSTED)])
 def test_derivatives_that_ended_in_what_is_dropped_go_on(twins, ended, expected):
     d, t = twins
     assert initialize(d, 0.0) == OK

@@ -9,7 +9,6 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel.events.marks import END, NONE, ONSET
 from chain_impact.kernel.tangent import trust
-from chain_impact.kernel.tangent.trust import share_reason
 from tests.kernel.tangent.dual import Dual
 from tests.problems import ball, flat_rod, rod
 
@@ -106,11 +105,8 @@ def test_a_law_whose_force_jumps(tmp_path, restitution, trusted):
 @pytest.mark.parametrize(
     ("own", "other", "expected"),
     [
-        ((0, 0.0), (0, 0.0), (0, 0.0)),
-        ((0, 0.0), (3, 0.5), (3, 0.5)),
-        ((3, 0.5), (0, 0.0), (3, 0.5)),
-        ((3, 0.5), (5, 0.2), (5, 0.2)),
-        ((5, 0.2), (3, 0.5), (5, 0.2)),
+        *(((0, 0.0), (0, 0.0), (0, 0.0)), ((0, 0.0), (3, 0.5), (3, 0.5)), ((3, 0.5), (0, 0.0), (3, 0.5))),
+        *(((3, 0.5), (5, 0.2), (5, 0.2)), ((5, 0.2), (3, 0.5), (5, 0.2))),
     ],
 )
 def test_the_earliest_end_of_the_derivatives_holds_for_all(own, other, expected):
@@ -118,12 +114,10 @@ def test_the_earliest_end_of_the_derivatives_holds_for_all(own, other, expected)
         SimpleNamespace(trust=SimpleNamespace(reason=reason, time=time, point=point, wall=point))
         for point, (reason, time) in enumerate((own, other))
     )
-    share_reason(first, second)
+    trust.share_reason(first, second)
     assert (first.trust.reason, first.trust.time) == expected
     assert first.trust.point == first.trust.wall == (0 if expected == own else 1)
 
-
-# --- what is checked at an onset, without a run -----------------------------------------------------------
 
 TOLERANCE, LEAST, TIME = 1e-6, 1e-2, 2.5
 
@@ -180,27 +174,17 @@ def test_an_onset_is_judged_by_its_speed(monkeypatch, rate, rigid, reason):
 
 
 def test_of_several_onsets_the_slowest_is_named(monkeypatch):
-    events = [ONSET, END, ONSET, ONSET]
-    for rates, slowest in (
-        ((-3.0, 0.0, -2.0, -4.0), 2),
-        ((-1.0, 0.0, -2.0, -4.0), 0),
-        ((-3.0, 0.0, -2.0, -1.0), 3),
-    ):
-        t = instance(events)
-        approaching(monkeypatch, *rates)
+    """What is no onset, or comes after the end of trust, changes nothing."""
+    for rates, slowest in (((-3.0, -2.0, -4.0), 2), ((-1.0, -2.0, -4.0), 0), ((-3.0, -2.0, -1.0), 3)):
+        t = instance([ONSET, END, ONSET, ONSET])
+        approaching(monkeypatch, rates[0], 0.0, *rates[1:])
         trust.check_onsets(t)
         assert told(t) == (trust.SIMULTANEOUS, TIME, 4 + slowest, slowest)
-
-
-def test_what_is_no_onset_or_comes_after_the_end_of_trust_changes_nothing(monkeypatch):
-    approaching(monkeypatch, 1.0, 1.0, 1.0, 1.0)
-    t = instance([END, NONE])
-    trust.check_onsets(t)
-    assert told(t) == (trust.TRUSTED, 0.0, 9, 9)
-    t = instance([ONSET])
-    t.trust.reason = trust.NOT_SOLVED
-    trust.check_onsets(t)
-    assert told(t) == (trust.NOT_SOLVED, 0.0, 9, 9)
+    for event, reason in ((END, trust.TRUSTED), (ONSET, trust.NOT_SOLVED)):
+        t = instance([event])
+        t.trust.reason = reason
+        trust.check_onsets(t)
+        assert told(t) == (reason, 0.0, 9, 9)
 
 
 @pytest.mark.parametrize(
