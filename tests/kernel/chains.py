@@ -47,26 +47,14 @@ def chain(
     inputs: bool = False,
     **contact: Any,
 ) -> tuple[Scene, Plain]:
-    """A chain of ``count`` links, whose points may touch four far walls where they move, and its record.
-
-    Args:
-        rng: what makes it random.
-        count: links.
-        base: "free" or "pinned".
-        springs: whether its joints have springs.
-        dampers: whether its joints have dampers.
-        inputs: whether there are torques and a force on the tip.
-        contact: keys of the [contact] table.
-    """
+    """A chain whose points may touch four far walls where they move, by keys of [contact], and its record."""
     links = random_links(rng, count)
     for link in links:
         link["joint_damping"] *= dampers
         if springs:
             link["joint_stiffness"], link["joint_rest_angle"] = rng.uniform(0.1, 20.0), rng.uniform(-3.0, 3.0)
-    walls = [
-        {"name": f"w{w}", "point": [FAR * np.sin(angle), -FAR * np.cos(angle)], "angle": angle}
-        for w, angle in enumerate(ANGLES)
-    ]
+    places = [([FAR * np.sin(angle), -FAR * np.cos(angle)], angle) for angle in ANGLES]
+    walls = [{"name": f"w{w}", "point": point, "angle": angle} for w, (point, angle) in enumerate(places)]
     table = {
         "name": "Chain",
         "gravity": [2.3, -9.81],

@@ -88,11 +88,7 @@ def mobility(scene: Scene, d: Plain, y: np.ndarray, rows: np.ndarray) -> tuple[n
 class AtRest:
     """A chain whose elements do not move along t, with dense algebra for the accelerations t·a.
 
-    Attributes:
-        d: its record, with the state at the end of the last step.
-        elements: those with friction.
-        bias: t·a without friction.
-        mobility: W, by which a force of each changes t·a of all.
+    ``bias`` is t·a without friction, ``mobility`` W, by which a force of each changes t·a of all.
     """
 
     def __init__(self, seed: int, base: str, contacts: int, joints: bool, holding: float = 1.0) -> None:

@@ -118,12 +118,7 @@ def translation(d: Plain, x: Iterable[float], y: Iterable[float]) -> Motion:
 def held_tip(size: float, force: Iterable[float]) -> tuple[Plain, int, Motion]:
     """A pinned link at rest whose tip a rigid wall holds against its torque: the force is a polynomial.
 
-    Args:
-        size: of the step, which begins at 0 [s].
-        force: of the wall [N], as powers of the fraction of the step, from the lowest.
-
-    Returns:
-        The record, the candidate and the motion.
+    The force [N] is given as powers of the fraction of the step, from the lowest, which begins at 0 s.
     """
     _, d = chain(np.random.default_rng(2), 1, "pinned", inputs=True, model="newton_impact")
     motion = translation(d, [0.0], [0.0])

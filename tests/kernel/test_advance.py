@@ -7,10 +7,13 @@ import pytest
 
 from chain_impact.kernel import advance as loop
 from chain_impact.kernel.entry import UNLIMITED
-from chain_impact.kernel.events.marks import ONSET
+from chain_impact.kernel.events.marks import KINK, NONE, ONSET
 from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.integration import control
 from chain_impact.kernel.integration.control import FAR_OFF, conclude, refuse
-from chain_impact.kernel.integration.dense import fraction, interpolate
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, SAFETY
+from chain_impact.kernel.model import constraints
+from chain_impact.kernel.model.constraints import MOVING, SOLVED
 from chain_impact.kernel.status import (
     ENERGY_NOT_KEPT,
     LOG_FULL,
@@ -23,6 +26,7 @@ from chain_impact.kernel.status import (
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.variables.model import Model
 from tests.friction import pendulum
+from tests.kernel.chains import chain, touch
 from tests.plain import Plain
 
 
@@ -35,55 +39,6 @@ def started(**solver):
 
 def advance(d, time, work=UNLIMITED):
     return loop.advance(d, time, UNLIMITED, work)
-
-
-def refused_twice(otherwise, value):
-    """A function that refuses two steps, and then does what another one does."""
-    calls = []
-
-    def refusing(d, *args):
-        calls.append(True)
-        if len(calls) > 2:
-            return otherwise(d, *args)
-        refuse(d, FAR_OFF)
-        return value
-
-    return refusing
-
-
-@pytest.mark.parametrize(("name", "value"), [("find_event", -1.0), ("check_energy", (0.0, 0.0))])
-def test_a_step_that_is_refused_is_tried_anew_with_a_smaller_size(monkeypatch, name, value):
-    free, refused = started(), started()
-    assert advance(free, 1e-9) == OK
-    monkeypatch.setattr(loop, name, refused_twice(getattr(loop, name), value))
-    assert advance(refused, 1e-9) == OK
-    assert refused["statistics"]["rejected_steps"] == free["statistics"]["rejected_steps"] + 2
-    assert refused["step"]["end"] < 0.1 * free["step"]["end"]
-    # and the motion is the same
-    for d in (free, refused):
-        assert advance(d, 0.1) == OK
-        d["step"]["time"] = 0.1
-    y = np.zeros((2, len(free["work"]["y"])))
-    for row, d in zip(y, (free, refused), strict=True):
-        interpolate(d["step"], fraction(d, 0.1), row)
-    np.testing.assert_allclose(y[0, :-1], y[1, :-1], atol=1e-7)
-
-
-def test_an_event_of_a_refused_step_does_not_take_effect(monkeypatch):
-    d, find, marked = started(), loop.find_event, []
-
-    def mark_first(d):
-        if marked:
-            return find(d)
-        marked.append(True)
-        d["touch"]["event"][3] = ONSET
-        refuse(d, FAR_OFF)
-        return 0.5
-
-    monkeypatch.setattr(loop, "find_event", mark_first)
-    assert advance(d, 1e-9) == OK
-    assert not d["touch"]["event"].any()
-    assert d["impact"]["count"] == 0
 
 
 @pytest.mark.parametrize(("error", "status"), [(2.0, STEP_TOO_SMALL), (math.nan, NOT_FINITE)])
@@ -106,22 +61,6 @@ def test_a_run_ends_when_its_energy_drifts(monkeypatch):
     assert d["statistics"]["steps"] == 1
 
 
-def test_a_search_without_end_is_work(monkeypatch):
-    d = started(work_limit=500.0)
-
-    searches = []
-
-    def long_search(d):
-        searches.append(True)
-        d["limits"]["other_work"] += 1000
-        refuse(d, FAR_OFF)
-        return -1.0
-
-    monkeypatch.setattr(loop, "find_event", long_search)
-    assert advance(d, 0.5) == TOO_MUCH_WORK
-    assert len(searches) == 1
-
-
 def test_a_call_pauses_after_its_work_and_goes_on():
     whole, parts, calls = started(), started(), 0
     assert advance(whole, 0.6) == OK
@@ -130,9 +69,6 @@ def test_a_call_pauses_after_its_work_and_goes_on():
     assert status == OK
     assert calls > 3
     np.testing.assert_array_equal(parts["step"]["state_end"], whole["step"]["state_end"])
-
-
-# --- the log of changes of dry friction --------------------------------------------------------------------
 
 
 def pendulum_of_dry_joints():
@@ -161,3 +97,411 @@ def test_a_record_without_dry_friction_has_no_log_that_could_be_full():
     d = started()
     assert (d.elements, len(d.changes.time)) == (0, 0)
     assert not loop.log_is_full(d, 10)
+
+
+SIZE = 0.01  # s, proposed for the next step
+ORDER = 8
+
+
+class Trials:
+    """A solver whose errors and losses of energy are told in advance."""
+
+    def __init__(self, monkeypatch, errors, losses=(), limit=math.inf):
+        _, self.d = chain(np.random.default_rng(1), 2)
+        self.d.step.next_size, self.d.step.method = SIZE, EXPLICIT
+        self.d.step.end = 1.0
+        self.sizes, self.errors, self.losses, self.noted = [], list(errors), list(losses), []
+        monkeypatch.setattr(loop, "attempt", self.attempt)
+        monkeypatch.setattr(loop, "prepare", lambda _, h: h)
+        monkeypatch.setattr(loop, "limit_to_piece", lambda _, h: min(h, limit))
+        monkeypatch.setattr(loop, "accept", self.note("accept"))
+        monkeypatch.setattr(loop, "roll_back", self.note("roll back"))
+        monkeypatch.setattr(loop, "drop_events", self.note("drop events"))
+        monkeypatch.setattr(loop, "find_event", lambda _: -1.0)
+        monkeypatch.setattr(loop, "check_energy", self.check_energy)
+
+    def note(self, what):
+        return lambda *_: self.noted.append(what)
+
+    def check_energy(self, d, _):
+        refuse(d, self.losses.pop(0) if self.losses else 0.0)
+        return 0.0, 0.0
+
+    def attempt(self, d, h):
+        self.sizes.append(h)
+        conclude(d, self.errors.pop(0), 1.0)
+
+    def run(self):
+        status = loop.find_step(self.d)
+        return status, self.d.step.next_size / SIZE
+
+
+def suggested(error):
+    return SAFETY[EXPLICIT] * error ** (-1.0 / ORDER)
+
+
+@pytest.mark.parametrize("error", [1e-4, 0.1, 1.0])
+def test_the_next_step_has_the_size_that_the_error_suggests(monkeypatch, error):
+    trials = Trials(monkeypatch, [error])
+    assert trials.run() == (OK, pytest.approx(suggested(error), rel=1e-13))
+    assert trials.sizes == [SIZE]
+    assert trials.noted == ["accept"]
+
+
+def test_an_error_above_the_tolerance_is_refused(monkeypatch):
+    trials = Trials(monkeypatch, [1.05, 0.5])
+    trials.run()
+    assert len(trials.sizes) == 2
+
+
+def test_a_step_grows_sixfold_at_most_without_an_error(monkeypatch):
+    assert Trials(monkeypatch, [0.0]).run() == (OK, pytest.approx(6.0))
+    assert Trials(monkeypatch, [1e-16]).run() == (OK, pytest.approx(6.0))
+    assert control.GROW == 6.0
+
+
+def test_a_step_that_its_method_makes_longer_ends_with_the_piece_of_an_input(monkeypatch):
+    for limit, size in ((math.inf, 1.2 * SIZE), (0.6 * SIZE, 0.6 * SIZE)):
+        trials = Trials(monkeypatch, [0.5], limit=limit)
+        monkeypatch.setattr(loop, "prepare", lambda _, h: 1.2 * h)
+        trials.run()
+        assert trials.sizes == [size]
+
+
+def test_a_refused_step_is_tried_with_the_size_its_error_suggests_and_the_next_one_does_not_grow(monkeypatch):
+    trials = Trials(monkeypatch, [20.0, 1e-9])
+    assert trials.run() == (OK, pytest.approx(suggested(20.0), rel=1e-13))
+    assert trials.sizes == pytest.approx([SIZE, SIZE * suggested(20.0)], rel=1e-13)
+    assert trials.d.statistics.rejected_steps == 1
+    assert trials.noted == ["accept"]
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_a_step_that_is_not_finite_is_tried_with_a_tenth(monkeypatch, bad):
+    trials = Trials(monkeypatch, [bad, bad, 0.5])
+    trials.run()
+    assert trials.sizes == pytest.approx([SIZE, 0.1 * SIZE, 0.01 * SIZE], rel=1e-13)
+
+
+@pytest.mark.parametrize(("bad", "status"), [(math.nan, NOT_FINITE), (2e6, STEP_TOO_SMALL)])
+def test_the_last_try_says_why_no_size_will_do(monkeypatch, bad, status):
+    assert Trials(monkeypatch, [2.0, math.inf, *[bad] * 40]).run()[0] == status
+
+
+def test_no_step_is_longer_than_a_second(monkeypatch):
+    trials = Trials(monkeypatch, [0.5])
+    trials.d.step.next_size = 7.0
+    trials.run()
+    assert trials.sizes == [1.0]
+
+
+def test_the_end_of_an_input_says_nothing_about_the_size_after_it(monkeypatch):
+    trials = Trials(monkeypatch, [0.5], limit=0.1 * SIZE)
+    assert trials.run() == (OK, pytest.approx(1.0))
+    assert trials.sizes == [0.1 * SIZE]
+    # unless the step was still too long, or could have been longer than was wanted
+    trials = Trials(monkeypatch, [20.0, 0.5], limit=0.1 * SIZE)
+    assert trials.run() == (OK, pytest.approx(0.1 * suggested(20.0) * min(1.0, suggested(0.5)), rel=1e-13))
+    trials = Trials(monkeypatch, [1e-9], limit=0.5 * SIZE)
+    assert trials.run() == (OK, pytest.approx(3.0))
+
+
+def test_a_step_ends_where_its_size_is_lost_in_the_time(monkeypatch):
+    trials = Trials(monkeypatch, [2e6] * 40)
+    trials.d.step.end = 1.0
+    assert trials.run()[0] == STEP_TOO_SMALL
+    assert trials.sizes[-1] > 1e-16
+    trials = Trials(monkeypatch, [2e6] * 40)
+    trials.d.step.end = 0.0
+    assert trials.run()[0] == STEP_TOO_SMALL
+    assert 1e-18 <= trials.sizes[-1] < 1e-17
+
+
+def test_a_refused_step_may_be_the_last_that_the_work_allows(monkeypatch):
+    trials = Trials(monkeypatch, [20.0, 0.5])
+    monkeypatch.setattr(loop, "work_exceeded", lambda _: True)
+    assert trials.run()[0] == TOO_MUCH_WORK
+    assert len(trials.sizes) == 1
+
+
+def at_end_of_a_step(events=(), **more):
+    _, d = chain(np.random.default_rng(2), 2, **more)
+    d.touch.event[: len(events)] = events
+    return d
+
+
+def test_a_call_stops_where_the_log_is_full():
+    d = at_end_of_a_step()
+    d.finished.count, d.finished.collected = 8, 5
+    assert loop.advance(d, 0.01, 3, loop.work_done(d) + 10**6) == LOG_FULL
+    assert d.step.end == 0.0
+    assert loop.advance(d, 0.01, 4, loop.work_done(d) + 10**6) == OK
+    assert d.step.end >= 0.01
+
+
+def test_an_onset_is_due_at_the_end_of_the_step_only():
+    d = at_end_of_a_step([NONE, ONSET])
+    d.step.end = d.step.time = 0.5
+    assert loop.ends_in_onset(d)
+    assert loop.onset_due(d)
+    d.step.time = 0.4
+    assert not loop.onset_due(d)
+    d.step.time = 0.5
+    d.touch.event[1] = KINK
+    assert not loop.ends_in_onset(d)
+    assert not loop.onset_due(d)
+
+
+@pytest.mark.parametrize(
+    ("events", "known"),
+    [
+        ([], (0, False)),
+        ([ONSET, NONE, ONSET], (2, False)),
+        ([ONSET, KINK], (2, True)),
+        ([KINK, ONSET], (2, True)),
+    ],
+)
+def test_events_are_counted_and_kinks_are_told(monkeypatch, events, known):
+    d = at_end_of_a_step(events)
+    monkeypatch.setattr(loop, "apply_events", lambda _: False)
+    assert loop.apply_pending_events(d) == known
+
+
+@pytest.mark.parametrize("changed", [False, True])
+def test_the_rate_after_events_is_worked_out_where_they_change_it(monkeypatch, changed):
+    d, rates = at_end_of_a_step([ONSET]), []
+    monkeypatch.setattr(loop, "apply_events", lambda _: changed)
+    monkeypatch.setattr(loop, "state_rate", lambda _d, _y, rate: rates.append(rate.copy()))
+    loop.ensure_rate(d)
+    d.work.rate_end[:] = np.arange(len(d.work.y))
+    before = d.statistics.rhs_evaluations
+    loop.apply_pending_events(d)
+    assert d.work.rate_start.tolist() == list(range(len(d.work.y)))
+    assert d.statistics.rhs_evaluations - before == len(rates) == changed
+
+
+@pytest.mark.parametrize(
+    ("rigid", "compliant", "events", "right"),
+    [(1, 0, 1, True), (0, 0, 1, False), (1, 1, 1, False), (1, 0, 0, False)],
+)
+def test_after_an_impact_on_a_rigid_wall_a_step_is_not_longer_than_in_flight(
+    monkeypatch, rigid, compliant, events, right
+):
+    d = at_end_of_a_step()
+    if compliant:
+        touch(d, [0])
+    d.contact.any_rigid, d.step.method = rigid, EXPLICIT
+    monkeypatch.setattr(loop, "apply_pending_events", lambda _: (events, True))
+    monkeypatch.setattr(loop.control, "in_flight", lambda *_: 1e-3)
+    for size in (1e-2, 1e-4):
+        d.step.next_size = size
+        assert loop.begin_step(d) == events
+        assert d.step.next_size == (min(size, 1e-3) if right else size)
+    d.step.next_size, d.step.method = 1e-2, IMPLICIT  # it measures the size itself
+    loop.begin_step(d)
+    assert d.step.next_size == 1e-2
+
+
+def test_a_step_cut_by_a_kink_says_nothing_about_the_method(monkeypatch):
+    d, chosen = at_end_of_a_step(), []
+    monkeypatch.setattr(loop, "choose_method", lambda _: chosen.append(True))
+    for kinked in (True, False):
+        monkeypatch.setattr(loop, "apply_pending_events", lambda _, kinked=kinked: (1, kinked))
+        loop.begin_step(d)
+    assert len(chosen) == 1
+
+
+@pytest.mark.parametrize("status", [OK, STEP_TOO_SMALL])
+def test_the_status_after_the_onsets_at_a_communication_point_is_told(monkeypatch, status):
+    d, due = at_end_of_a_step(), [True, True, False]
+    monkeypatch.setattr(loop, "reinit_if_changed", lambda _: OK)
+    monkeypatch.setattr(loop, "onset_due", lambda _: due.pop(0))
+    monkeypatch.setattr(loop, "advance_one_step", lambda _: status)
+    assert loop.event_update(d) == status
+    assert len(due) == (0 if status == OK else 2)
+
+
+def test_a_change_that_is_refused_ends_an_update(monkeypatch):
+    d = at_end_of_a_step([ONSET])
+    monkeypatch.setattr(loop, "reinit_if_changed", lambda _: STEP_TOO_SMALL)
+    assert loop.event_update(d) == STEP_TOO_SMALL
+
+
+@pytest.mark.parametrize(("events", "changed"), [([], True), ([ONSET], False), ([ONSET], True)])
+def test_impulses_are_stored_and_begun_anew_at_events(monkeypatch, events, changed):
+    d, done = at_end_of_a_step(events), []
+    loop.ensure_rate(d)
+    monkeypatch.setattr(loop, "apply_events", lambda _: done.append("apply") or changed)
+    for name in ("commit_quadratures", "keep_end_rates", "reset_quadratures"):
+        monkeypatch.setattr(loop, name, lambda _, name=name: done.append(name))
+    loop.apply_pending_events(d)
+    kept = ["keep_end_rates"] if changed else []
+    assert done == (["commit_quadratures", "apply", "reset_quadratures", *kept] if events else [])
+
+
+@pytest.mark.parametrize(
+    ("status", "given", "goes_on", "right"),
+    [
+        (OK, (0.5, 1), False, 77),
+        (OK, (0.0, 1), False, OK),  # set back
+        (OK, (0.5, 1), True, OK),
+        (OK, (0.0, 0), False, OK),
+        (STEP_TOO_SMALL, (0.5, 1), False, STEP_TOO_SMALL),
+    ],
+)
+def test_a_change_is_applied_at_the_communication_point_unless_it_is_no_jump(
+    monkeypatch, status, given, goes_on, right
+):
+    d = at_end_of_a_step()
+    d.statistics.status, (d.given.joint_torque[0], d.given.changed) = status, given
+    monkeypatch.setattr(loop, "inputs_continue", lambda _: goes_on)
+    monkeypatch.setattr(loop, "reinit", lambda _: 77)
+    assert loop.reinit_if_changed(d) == d.statistics.status == right
+
+
+@pytest.mark.parametrize("held", [(False,), (True, False), (True, True)])
+def test_what_rigid_walls_hold_is_found_anew_after_a_change(monkeypatch, held):
+    d, done, answers = at_end_of_a_step(), [], list(held)
+    d.step.end = 0.5
+    monkeypatch.setattr(loop, "any_point_held", lambda _: answers.pop(0))
+    for name in ("end_changed_contacts", "update_active_set"):
+        monkeypatch.setattr(loop, name, lambda _, name=name: done.append(name))
+    monkeypatch.setattr(loop, "reset_step", lambda d, time, y: done.append((time, y is d.step.state_end)))
+    loop.recompute_active_set(d)
+    found = ["end_changed_contacts", *["update_active_set"] * held[-1], (0.5, True)]
+    assert done == (found if held[0] else [])
+
+
+KEPT = 2.5, 3.5  # J: the energies at the end of a tried step
+
+
+class Landing:
+    """A step whose event, repeats and energies are told in advance; its own error is the first one."""
+
+    def __init__(
+        self, monkeypatch, *, bends, method=EXPLICIT, errors=(0.2, 0.5), onset=-1.0, keeps=True, loss=0.0
+    ):
+        _, self.d = chain(np.random.default_rng(1), 2)
+        self.d.step.size, self.d.step.method, self.d.step.last_method = SIZE, method, method
+        self.patch, self.noted, errors, costs = monkeypatch, [], list(errors), [1.0, 0.7]
+        monkeypatch.setattr(loop, "bends_force", lambda _: bends)
+        monkeypatch.setattr(loop, "roll_back", lambda _: self.noted.append("roll back"))
+        monkeypatch.setattr(loop, "drop_events", lambda _: self.noted.append("drop events"))
+        monkeypatch.setattr(loop, "truncate_step", lambda _, theta: self.noted.append(("cut", theta)))
+        monkeypatch.setattr(loop, "onset_fraction", lambda d: self.located(d, onset))
+
+        def attempt(d, h):
+            self.noted.append(("try", h / SIZE))
+            conclude(d, errors.pop(0), costs.pop(0))
+
+        def check_energy(d, theta):
+            self.noted.append(("energy", theta))
+            refuse(d, loss)
+            if not keeps:
+                refuse(d, FAR_OFF)
+            return KEPT
+
+        monkeypatch.setattr(loop, "attempt", attempt)
+        monkeypatch.setattr(loop, "accept", lambda _: self.noted.append("accept"))
+        monkeypatch.setattr(loop, "check_energy", check_energy)
+
+    def located(self, d, theta):
+        if theta is None:
+            refuse(d, FAR_OFF)
+            return -1.0
+        return theta
+
+    def run(self, theta):
+        """The outcome, and what was done after the whole step was accepted."""
+        self.patch.setattr(loop, "find_event", lambda d: self.located(d, theta))
+        loop.try_step(self.d, SIZE)
+        assert self.noted[:2] == [("try", 1.0), "accept"]
+        return self.d.trial.error, self.noted[2:]
+
+
+BACK = ["roll back", "drop events"]
+
+
+def test_a_step_without_an_event_is_only_checked(monkeypatch):
+    assert Landing(monkeypatch, bends=True, loss=0.3).run(-1.0) == (0.3, [("energy", -1.0)])
+    assert Landing(monkeypatch, bends=True, loss=0.1).run(-1.0) == (0.2, [("energy", -1.0)])
+
+
+def test_a_step_is_cut_at_an_event_at_which_the_force_does_not_bend(monkeypatch):
+    cut = [("energy", 0.4), ("cut", 0.4)]
+    assert Landing(monkeypatch, bends=False).run(0.4) == (0.2, cut)
+    cut = [("energy", 0.0), ("cut", 0.0)]
+    assert Landing(monkeypatch, bends=True).run(0.0) == (0.2, cut)
+
+
+@pytest.mark.parametrize(("bends", "method"), [(True, EXPLICIT), (False, IMPLICIT)])
+def test_it_is_repeated_up_to_one_at_which_the_force_bends_or_if_it_is_implicit(monkeypatch, bends, method):
+    """The next size follows from the error of the whole step, and from the cost of the repeated one."""
+    landing = Landing(monkeypatch, bends=bends, method=method)
+    repeated = ["roll back", ("try", 0.4), "accept", ("energy", -1.0)]
+    assert landing.run(0.4) == (0.2, repeated)
+    assert landing.d.trial.cost_factor == 0.7
+
+
+@pytest.mark.parametrize("theta", [1e-3, 1.0])
+def test_at_its_ends_the_interpolant_of_an_implicit_step_is_right(monkeypatch, theta):
+    landing = Landing(monkeypatch, bends=False, method=IMPLICIT)
+    assert landing.run(theta) == (0.2, [("energy", theta), ("cut", theta)])
+
+
+def test_a_repeated_step_may_have_an_onset_before_its_end(monkeypatch):
+    landing = Landing(monkeypatch, bends=True, onset=0.9)
+    repeated = ["roll back", ("try", 0.4), "accept", ("energy", 0.9), ("cut", 0.9)]
+    assert landing.run(0.4) == (0.2, repeated)
+
+
+def test_a_step_that_is_not_accurate_is_not_searched(monkeypatch):
+    landing = Landing(monkeypatch, bends=True, errors=[1.5])
+    loop.try_step(landing.d, SIZE)
+    assert landing.d.trial.error == 1.5
+    assert landing.noted == [("try", 1.0)]
+
+
+def test_what_cannot_be_located_or_repeated_is_refused(monkeypatch):
+    """A refused step is rolled back, also if its repeat has been."""
+    assert Landing(monkeypatch, bends=True).run(None) == (FAR_OFF, BACK)
+    for error in (1.5, math.nan):
+        done = ["roll back", ("try", 0.4), *BACK]
+        assert Landing(monkeypatch, bends=True, errors=[0.2, error]).run(0.4) == (FAR_OFF, done)
+    landing = Landing(monkeypatch, bends=True, onset=None)
+    assert landing.run(0.4) == (FAR_OFF, ["roll back", ("try", 0.4), "accept", *BACK])
+
+
+UNFOUND = [(SOLVED, False), (MOVING, True), (constraints.UNSOLVED, True)]
+
+
+@pytest.mark.parametrize(("unsolved", "refused"), UNFOUND)
+def test_a_step_without_the_forces_of_constraints_is_refused(monkeypatch, unsolved, refused):
+    landing = Landing(monkeypatch, bends=False)
+    check_energy = loop.check_energy
+
+    def fails(d, theta):
+        energies = check_energy(d, theta)
+        d.rigid.unsolved = unsolved
+        return energies
+
+    monkeypatch.setattr(loop, "check_energy", fails)
+    before = landing.d.balance.at_end, landing.d.balance.available
+    error, noted = landing.run(-1.0)
+    assert error == (FAR_OFF if refused else 0.2)
+    assert ("roll back" in noted) == refused
+    assert (landing.d.balance.at_end, landing.d.balance.available) == (before if refused else KEPT)
+
+
+def test_a_refused_step_is_not_repeated_for_an_event_that_was_found_before(monkeypatch):
+    landing = Landing(monkeypatch, bends=True)
+    landing.located = lambda d, theta: (refuse(d, FAR_OFF), theta)[1]
+    assert landing.run(0.4) == (FAR_OFF, BACK)
+
+
+@pytest.mark.parametrize(
+    ("keeps", "loss", "error"), [(False, 0.0, FAR_OFF), (False, 1.0, FAR_OFF), (True, 1.05, 1.05)]
+)
+def test_a_step_that_does_not_keep_the_energy_is_refused(monkeypatch, keeps, loss, error):
+    landing = Landing(monkeypatch, bends=False, keeps=keeps, loss=loss)
+    assert landing.run(0.4) == (error, [("energy", 0.4), *BACK])

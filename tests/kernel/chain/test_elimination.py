@@ -10,7 +10,7 @@ from chain_impact.kernel.chain.recursion import accelerations, arms
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.model import Model
-from tests.kernel.chains import chain, random_state, stopped_chain
+from tests.kernel.chains import chain, random_links, random_state, stopped_chain
 from tests.plain import Plain
 from tests.reference import (
     generalized_force,
@@ -24,16 +24,9 @@ from tests.reference import (
 
 def random_chain(rng, count, base, largest):
     """A chain without any symmetry, dampings up to the largest over many orders of magnitude, some zero."""
-    links = [
-        {
-            "length": rng.uniform(0.2, 1.5),
-            "mass": rng.uniform(0.2, 3.0),
-            "center_of_mass": rng.uniform(0.0, 1.6),
-            "inertia": rng.uniform(0.01, 0.5),
-            "joint_damping": largest * 10.0 ** -rng.uniform(0.0, 6.0) * (rng.random() < 0.8),
-        }
-        for _ in range(count)
-    ]
+    links = random_links(rng, count)
+    for link in links:
+        link["joint_damping"] = largest * 10.0 ** -rng.uniform(0.0, 6.0) * (rng.random() < 0.8)
     links[0]["joint_damping"] *= base == "pinned"
     table = {"name": "Damped", "chain": {"base": base, "links": links}, "contact": {"points": []}}
     return scene_from_dict(table | {"initial": {"angles": [0.0] * count}}, "damped")
@@ -77,7 +70,7 @@ def assembled(scene, angles, impedance, impulses):
 
 @pytest.mark.full("more cases", but=60)
 @pytest.mark.parametrize("angle", [0.0, 0.5, 1.06])
-@pytest.mark.parametrize("largest", [0.0, 1.0, 1e6, 1e12])
+@pytest.mark.parametrize("largest", [0.0, 1.0, 1e6, 1e200])
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", range(1, 9))
 def test_it_solves_the_assembled_equations(count, base, largest, angle):
@@ -105,36 +98,6 @@ def test_it_solves_the_assembled_equations(count, base, largest, angle):
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
     if base == "pinned":
         assert (found[:2] == 0.0).all()
-
-
-@pytest.mark.parametrize("base", ["free", "pinned"])
-def test_real_numbers_are_complex_ones(base):
-    rng = np.random.default_rng(5)
-    scene = random_chain(rng, 5, base, 1e6)
-    d = prepared(scene, rng.uniform(-np.pi, np.pi, 5))
-    impedance, given = (
-        random_impedances(rng, 6, 20.0),
-        (rng.normal(size=(6, 2)), (rng.normal(size=5) ** 2, 1.3)),
-    )
-    found, expected = answer(d, 0, impedance + 0j, *given), answer(d, FREE, impedance, *given)
-    np.testing.assert_allclose(found.real, expected, rtol=1e-12, atol=1e-13)
-    assert (found.imag == 0.0).all()
-
-
-def test_infinitely_stiff_dampers_make_the_chain_one_body():
-    rng = np.random.default_rng(4)
-    scene = random_chain(rng, 5, "free", 0.0)
-    angles, impulses = rng.uniform(-np.pi, np.pi, 5), rng.uniform(-2.0, 2.0, (6, 2))
-    d = prepared(scene, angles)
-    found = answer(d, FREE, np.zeros((6, 2, 2)), impulses, ([0.0, *[1e200] * 4], 0.0))
-    np.testing.assert_allclose(found[2:], found[2], rtol=1e-13)
-    # the coordinates of one body: the base and a common angle
-    together = np.zeros((7, 3))
-    together[0, 0] = together[1, 1] = 1.0
-    together[2:, 2] = 1.0
-    right = sum(point_jacobian(scene, angles, k).T @ impulses[k] for k in range(6))
-    body = np.linalg.solve(together.T @ mass_matrix(scene, angles) @ together, together.T @ right)
-    np.testing.assert_allclose(found, together @ body, rtol=0, atol=1e-12 * np.abs(body).max())
 
 
 @pytest.mark.parametrize("stiff", [0.0, 1.0, 1e8])
@@ -235,9 +198,9 @@ def exact(scene, angles, impedance, resistance, impulses):
         return np.array([float(one) for one in mpmath.lu_solve(matrix, right)])
 
 
-@pytest.mark.parametrize("ratio", [1.0, 1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("ratio", [1.0, 1e-3, 1e-9])
 @pytest.mark.parametrize("stopped", [False, True])
-@pytest.mark.parametrize("count", [2, 3, 4])
+@pytest.mark.parametrize("count", [2, 4])
 def test_a_light_first_link_that_walls_hold_in_a_corner_keeps_its_digits(count, stopped, ratio):
     """Each coordinate, to D/m times round-off, as for heavy ones; also beside a joint at a stop."""
     links = [
@@ -245,9 +208,9 @@ def test_a_light_first_link_that_walls_hold_in_a_corner_keeps_its_digits(count, 
         for i in range(count)
     ]
     links[0] |= {"mass": ratio, "inertia": 0.02 * ratio}
-    table = {"name": "Light", "chain": {"links": links}, "contact": {"points": []}}
     angles = np.array([0.3, -0.7, 1.1, 0.2][:count])
-    scene = scene_from_dict(table | {"initial": {"angles": angles.tolist()}}, "light")
+    table = {"name": "Light", "chain": {"links": links}, "initial": {"angles": angles.tolist()}}
+    scene = scene_from_dict(table | {"contact": {"points": []}}, "light")
     d, resistance, impedance = prepared(scene, angles), np.zeros(count), np.zeros((count + 1, 2, 2))
     impedance[0], resistance[1] = 1e6 * np.eye(2), 1e6 * stopped
     impulses = np.random.default_rng(1).normal(size=(count + 1, 2))
@@ -256,13 +219,11 @@ def test_a_light_first_link_that_walls_hold_in_a_corner_keeps_its_digits(count, 
     np.testing.assert_allclose(found, expected, rtol=5e-9)
 
 
-def test_without_impedances_the_points_are_as_light_as_they_are():
-    _, d = chain(np.random.default_rng(0), 3)
-    set_impedances(d.work.impedance, random_impedances(np.random.default_rng(1), 4, 5.0) + 1.0)
-    no_impedance(d, d.work.impedance)
-    assert not any(part.any() for part in (d.work.impedance.xx, d.work.impedance.xy, d.work.impedance.yy))
-    # nor have the places of joints with stops any
+def test_without_impedances_the_points_and_the_joints_with_stops_are_as_light_as_they_are():
     _, d = stopped_chain(3)
-    d.work.impedance.xx[:] = 7.0
-    no_impedance(d, d.work.impedance)
-    assert not d.work.impedance.xx.any()
+    own = d.work.impedance
+    parts = own.xx, own.xy[:4], own.yy[:4]
+    for part in parts:
+        part[:] = 7.0
+    no_impedance(d, own)
+    assert not any(part.any() for part in parts)

@@ -9,26 +9,6 @@ from chain_impact import load_scene, simulate
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.events import contact_log
-from chain_impact.kernel.events.contact_log import (
-    FORCE,
-    PENETRATION,
-    clear_log,
-    clear_peaks,
-    collect,
-    end_at_output_time,
-    end_contact,
-    list_latest,
-    log_active,
-    maximum_inside,
-    peaks,
-    rate_of_force,
-    turns_at_end,
-    update_extremes,
-    update_held_extremes,
-    update_own_to_output_time,
-    update_to_output_time,
-    value_at,
-)
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
 from chain_impact.kernel.integration.quadratures import reset_quadratures
@@ -48,7 +28,7 @@ STIFFNESS = 1e8
 
 
 @pytest.mark.parametrize("tolerance", [3e-3, 1e-3])
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(15))
 def test_the_largest_force_of_an_elastic_contact_is_that_at_its_largest_depth(seed, tolerance):
     """F = K δ^(3/2). At loose tolerances a step may begin before a peak and end with the contact."""
     random = np.random.default_rng(seed)
@@ -67,8 +47,6 @@ def test_the_largest_force_of_an_elastic_contact_is_that_at_its_largest_depth(se
     expected = STIFFNESS * found["max_penetration"] ** 1.5
     np.testing.assert_allclose(found["peak_force"], expected, rtol=5e-3)
 
-
-# --- while a step is followed ----------------------------------------------------------------------------
 
 K, N = 4.0, 1.5
 FINE = np.linspace(0.0, 1.0, 20001)
@@ -107,7 +85,9 @@ def there(d, points):
 def test_peaks_are_the_largest_values_on_the_way(size):
     """Inside the step, or at its end while it still compresses."""
     d, motion = pressed(TURNING, size=size)
-    update_extremes(d)
+    d.step.dense_for = OUTPUTS
+    contact_log.update_extremes(d)
+    assert d.step.dense_for == (SOLVER if size == 1.0 else OUTPUTS)
     t = FINE * size
     assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
     assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
@@ -117,33 +97,18 @@ def test_peaks_are_the_largest_values_on_the_way(size):
     rate = -np.polynomial.polynomial.polyval(size, np.polynomial.polynomial.polyder(TURNING))
     assert d.touch.speed[1] == pytest.approx(rate, rel=1e-12)
     there(d, points_of(d, motion.at(size)))
-
-
-def test_all_contacts_are_followed():
-    d, _ = falling(TURNING, law="zhang_sharf", touching=(1, 5))
-    d.touch.speed[[1, 5]], d.touch.force_rate[[1, 5]] = 0.5, 1.0
-    d.touch.impact_speed[[1, 5]] = 3.0
-    for c in (1, 5):
-        set_damping(d, c)
-    update_extremes(d)
-    deepest = depth(FINE, TURNING).max()
-    np.testing.assert_allclose(d.touch.max_penetration[[1, 5]], deepest, rtol=1e-6)
-    np.testing.assert_allclose(d.touch.peak_force[[1, 5]], forces(d, FINE, TURNING).max(), rtol=1e-6)
+    # larger ones of before are kept
+    d.touch.peak_force[1], d.touch.max_penetration[1] = 1e3, 2e3
+    contact_log.update_extremes(d)
+    assert (d.touch.peak_force[1], d.touch.max_penetration[1]) == (1e3, 2e3)
 
 
 def test_what_only_falls_has_no_peak_to_look_for():
     d, _ = pressed([0.0, 0.1, 0.1])
     d.touch.speed[1], d.touch.force_rate[1] = -0.1, -0.5
     locate_points(d, d.step.state_end)
-    *_, elsewhere = peaks(d, 1, -1.0, d.step.end, SOLVER)
+    *_, elsewhere = contact_log.peaks(d, 1, -1.0, d.step.end, SOLVER)
     assert not elsewhere
-
-
-def test_a_peak_that_was_larger_before_is_kept():
-    d, _ = pressed(TURNING)
-    d.touch.peak_force[1], d.touch.max_penetration[1] = 1e3, 2e3
-    update_extremes(d)
-    assert (d.touch.peak_force[1], d.touch.max_penetration[1]) == (1e3, 2e3)
 
 
 def test_peaks_until_a_time_within_the_step():
@@ -153,11 +118,11 @@ def test_peaks_until_a_time_within_the_step():
         y = motion.at(until)
         locate_points(d, y)
         accelerate_points(d, y, motion.at(until, 1))
-        rate = rate_of_force(d, 1)
+        rate = contact_log.rate_of_force(d, 1)
         t = FINE * until
         d.step.dense_for = OUTPUTS
         evaluations = d.statistics.rhs_evaluations
-        force, deepest, elsewhere = peaks(d, 1, rate, d.step.start + until, OUTPUTS)
+        force, deepest, elsewhere = contact_log.peaks(d, 1, rate, d.step.start + until, OUTPUTS)
         assert force == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
         assert deepest == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
         assert elsewhere == (rate <= 0.0 or y[d.links + 3] >= 0.0)
@@ -169,19 +134,11 @@ def test_peaks_until_a_time_within_the_step():
 def test_a_step_that_lands_on_the_turn_is_deepest_there(approach_only, event, lands):
     d, _ = pressed(TURNING, law="jankowski")
     d.law.approach_only[1], d.touch.event[1] = approach_only, event
-    assert turns_at_end(d, 1) == bool(lands)
+    assert contact_log.turns_at_end(d, 1) == bool(lands)
     d, _ = pressed([0.0, -1.0, 0.5], law="jankowski")  # turns at its end
     d.touch.event[1] = KINK
-    update_extremes(d)
+    contact_log.update_extremes(d)
     assert d.touch.max_penetration[1] == pytest.approx(DEEP + 0.5, rel=1e-14)
-
-
-@pytest.mark.parametrize("theta", [0.0, 0.3, 1.0])
-def test_a_sample_is_the_force_or_the_depth_there(theta):
-    d, motion = pressed(TURNING)
-    assert value_at(d, 1, PENETRATION, theta) == pytest.approx(depth(theta, TURNING), rel=1e-13)
-    there(d, points_of(d, motion.at(theta)))
-    assert value_at(d, 1, FORCE, theta) == pytest.approx(forces(d, theta, TURNING), rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -200,23 +157,13 @@ def test_a_sample_is_the_force_or_the_depth_there(theta):
 @pytest.mark.parametrize("until", [1.0, 0.5])
 def test_a_maximum_is_found_by_parabolas_wherever_it_is(height, until):
     d, _ = pressed(height)
-    found = maximum_inside(d, 1, PENETRATION, d.step.start + until)
+    found = contact_log.maximum_inside(d, 1, contact_log.PENETRATION, d.step.start + until)
     tops = np.polynomial.polynomial.polyroots(np.polynomial.polynomial.polyder(height))
     places = [0.0, until, *(t.real for t in tops if abs(t.imag) < 1e-12 and 0.0 < t.real < until)]
     most, place = max((depth(t, height), t) for t in places)
     # near an end the last parabola does not reach the top
     inside = 0.2 < place / until < 0.9
     assert found == pytest.approx(most, rel=2e-8 if inside else 1e-3)
-
-
-def test_the_rate_of_a_force_is_that_along_the_motion():
-    for t in (0.2, 0.7):
-        d, motion = pressed(TURNING)
-        locate_points(d, motion.at(t))
-        accelerate_points(d, motion.at(t), motion.at(t, 1))
-        h = 1e-5
-        slope = (forces(d, t + h, TURNING) - forces(d, t - h, TURNING)) / (2 * h)
-        assert rate_of_force(d, 1) == pytest.approx(slope, rel=1e-7)
 
 
 @pytest.mark.parametrize("due", [False, True])
@@ -228,7 +175,7 @@ def test_the_last_step_ends_at_the_communication_point_and_events_beyond_are_for
     monkeypatch.setattr(contact_log, "drop_changes", dropped.append)
     d.step.time = d.step.end if due else d.step.start + 0.4
     breaks, clock = d.step.breaks, d.step.time
-    end_at_output_time(d)
+    contact_log.end_at_output_time(d)
     assert d.step.end == clock
     assert d.touch.event[:4].tolist() == [ONSET if due else NONE, NONE, NONE, NONE]
     assert dropped == ([] if due else [d])
@@ -246,7 +193,7 @@ def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch
     d.quadrature.state[0], d.quadrature.dense[:, 0] = 2.0, 0.0
     d.quadrature.dense[0, 0] = 4.0  # 2 + 4 θ
     work = d.statistics.rhs_evaluations, d.limits.other_work
-    update_own_to_output_time(d)
+    contact_log.update_own_to_output_time(d)
     t = 0.25 * FINE
     assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
     assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
@@ -258,7 +205,7 @@ def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch
     monkeypatch.setattr(hooks, "on_truncate", told.append)
     d, _ = pressed(TURNING)
     d.step.time, d.work.rate_end[:] = d.step.start + 0.25, math.nan
-    update_to_output_time(d)
+    contact_log.update_to_output_time(d)
     assert told == [d]
     assert d.step.end == d.step.time
     assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
@@ -283,7 +230,7 @@ def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsiv
         d.output.force[1] = contact_force(d, 1, *clearance(d, 1))
         d.output.impulse[1], d.quadrature.onset[1] = 7.5, 3.0
         d.touch.peak_force[1] = 0.1 * (1 - impulsive) + 50.0 * impulsive
-        list_latest(d)
+        contact_log.list_latest(d)
         latest = d.latest
         if kept == 0:
             assert latest.end[0] == -1.0
@@ -299,39 +246,26 @@ def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsiv
         there(d, points_of(d, y))
 
 
-# --- rigid walls -------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("size", [1e-3, 0.2])
 def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size):
     """3 − (x − 0.6)² is 3 in between; one that only grows or falls is largest at an end."""
     d, c, motion = held_tip(size, [3.0 - 0.6**2, 1.2, -1.0])
     d.rigid.sample[:] = 0.0
     evaluations = d.statistics.rhs_evaluations
-    update_held_extremes(d)
+    contact_log.update_held_extremes(d)
     assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
     assert d.statistics.rhs_evaluations - evaluations == contact_log.HELD_SAMPLES
     there(d, points_of(d, motion.at(size)))
     # at the end of a step in which it grows, and through the door of all contacts
     let_push(d, c, [1.0, 2.0])
     d.touch.peak_force[c], d.touch.force_rate[c] = 0.5, 77.0
-    update_extremes(d)
+    contact_log.update_extremes(d)
     assert d.touch.force_rate[c] == 77.0
     assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
     let_push(d, c, [1.0, -0.5])
     d.touch.peak_force[c] = 0.5
-    update_held_extremes(d)
+    contact_log.update_held_extremes(d)
     assert d.touch.peak_force[c] == pytest.approx(1.0, rel=1e-9)
-
-
-def test_who_needs_the_dense_output_is_noted():
-    d, _ = pressed(TURNING)
-    d.step.dense_for = OUTPUTS
-    update_extremes(d)
-    assert d.step.dense_for == SOLVER
-
-
-# --- the log of contacts ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("rate", [0.4, -0.4])
@@ -347,7 +281,7 @@ def test_a_contact_that_ends_is_a_row_of_the_log(impulsive, rate):
             d.touch[name][1] = value + count
         d.quadrature.total[1], d.quadrature.onset[1] = 8.0, 6.5
         d.touch.active[1] = 1
-        end_contact(d, 1, impulsive)
+        contact_log.end_contact(d, 1, impulsive)
         assert not d.touch.active[1]
         log, row = d.finished, count % size
         assert log.number[row] == d.touch.number[1]
@@ -378,7 +312,7 @@ def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
         d.touch[name][c] = value
     d.quadrature.total[c], d.quadrature.onset[c] = 8.0, 6.5
     rate = clearance(d, c)[1]
-    end_contact(d, c, 0)
+    contact_log.end_contact(d, c, 0)
     log = d.finished
     assert log.impact_speed[0] == pytest.approx(0.7 / arm)
     assert log.separation_speed[0] == pytest.approx(rate / arm)
@@ -400,7 +334,7 @@ def test_contacts_that_last_are_logged_behind_those_that_have_ended(count):
     for c in range(d.candidates):
         d.touch.active[c] = c in active
         d.touch.onset[c], d.touch.peak_force[c], d.touch.max_penetration[c] = 0.1 * c, 3.0 + c, 0.2 + c
-    log_active(d)
+    contact_log.log_active(d)
     assert log.count == count % size
     for k, c in enumerate(active):
         row, lever = (count + k) % size, arm if c == stop else 1.0
@@ -414,17 +348,15 @@ def test_contacts_that_last_are_logged_behind_those_that_have_ended(count):
 
 def test_peaks_are_the_largest_of_all_contacts():
     d, _ = pressed([0.0, 0.0, 0.0])
-    clear_peaks(d)
+    contact_log.clear_peaks(d)
     for c, (force, penetration) in enumerate([(2.0, 1e-3), (1.0, 5e-3), (3.0, 2e-3)]):
         d.touch.peak_force[c], d.touch.max_penetration[c] = force, penetration
-        end_contact(d, c, 0)
+        contact_log.end_contact(d, c, 0)
     assert (d.peaks.force, d.peaks.penetration) == (3.0, 5e-3)
     assert (d.peaks.moment, d.peaks.rotation) == (0.0, 0.0)
-    clear_peaks(d)
+    contact_log.clear_peaks(d)
     assert (d.peaks.force, d.peaks.penetration) == (0.0, 0.0)
 
-
-# --- the list of the latest impacts ------------------------------------------------------------------------
 
 FIELDS = {
     "time": "onset",
@@ -447,7 +379,7 @@ def test_each_row_of_the_list_is_an_impact_and_keeps_what_it_has_come_to(kept):
     locate_points(d, y)
     make_rigid(d, 1)
     clear_contacts(d, 0.0)
-    clear_log(d)
+    contact_log.clear_log(d)
     d.latest.kept, d.step.size, d.step.regularized = kept, 1.0, -1
     rows, lasting = [], {}
     for moment in range(1, 6 * LATEST):
@@ -459,7 +391,7 @@ def test_each_row_of_the_list_is_an_impact_and_keeps_what_it_has_come_to(kept):
             ended = lasting.pop(c)
             impulse = d.quadrature.total[c] - ended.pop("before")
             ended.update(end=moment, separation_speed=rate, impulse=impulse)
-            end_contact(d, c, False)
+            contact_log.end_contact(d, c, False)
         else:
             begin_contact(d, c)
             own = {"point": d.candidate.point[c], "wall": d.candidate.wall[c] + 1, "time": moment}
@@ -475,15 +407,15 @@ def test_each_row_of_the_list_is_an_impact_and_keeps_what_it_has_come_to(kept):
                 "peak_force": d.touch.peak_force[other],
                 "impulse": d.output.impulse[other] - row["before"],
             }
-        list_latest(d)
+        contact_log.list_latest(d)
         for place, expected in enumerate(rows[:kept]):
             for name in (*FIELDS, "wall"):
                 assert d.latest[name][place] == expected[name]
         if rng.uniform() < 0.05:
-            collect(d)
+            contact_log.collect(d)
     assert len(rows) > 2 * LATEST
     assert (d.latest.point[kept:] == -1).all()
-    clear_log(d)
+    contact_log.clear_log(d)
     assert (d.latest.point == -1).all()
     assert (d.finished.count, d.finished.collected) == (0, 0)
     for name in (*FIELDS, "wall"):
@@ -512,9 +444,8 @@ def test_it_is_that_of_the_log(law, kept):
     assert (listed["point"][len(impacts) :] == -1).all()
 
 
-@pytest.mark.full("more cases", but=2)
-@pytest.mark.parametrize("method", ["auto", "implicit"])
-@pytest.mark.parametrize("part", [0.1, 0.4, 0.6, 0.9])
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize(("method", "part"), [("implicit", 0.1), ("auto", 0.4), ("auto", 0.9)])
 def test_an_impact_that_lasts_has_its_values_so_far(method, part):
     """Against the largest values of many looks on the way, and the impulse of the output."""
     scene = with_values(load_scene("four_link_box"), {"solver.method": method, "solver.tolerance": 1e-8})
@@ -544,7 +475,7 @@ def test_a_look_changes_nothing():
 
 
 @pytest.mark.parametrize("method", ["auto", "implicit"])
-@pytest.mark.parametrize("parts", [(0.46,), (0.54,), (0.3, 0.5, 0.7), (0.48, 0.49, 0.5, 0.51, 0.52)])
+@pytest.mark.parametrize("parts", [(0.46,), (0.3, 0.5, 0.7), (0.48, 0.49, 0.5, 0.51, 0.52)])
 def test_a_restart_inside_of_an_impact_loses_no_peak(method, parts):
     """Not even where an input or the stiffness is set: to what it was."""
     scene = with_values(load_scene("four_link_box"), {"solver.method": method, "solver.tolerance": 1e-8})

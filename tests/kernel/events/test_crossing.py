@@ -8,21 +8,7 @@ from scipy.optimize import brentq
 
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, time_at, velocity_at
 from chain_impact.kernel.events import crossing
-from chain_impact.kernel.events.crossing import (
-    CROSSES,
-    QUIET,
-    SPLIT,
-    bound_curvature,
-    check_candidate,
-    check_interval,
-    find_crossing,
-    find_root,
-    kind_of,
-    locate,
-    measure,
-    motion_bounds,
-    nearly_linear,
-)
+from chain_impact.kernel.events.crossing import CROSSES, QUIET, SPLIT
 from chain_impact.kernel.events.exclusion import keep_start, suspect_all
 from chain_impact.kernel.events.marks import END, NONE, ONSET
 from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
@@ -34,7 +20,6 @@ from tests.kernel.steps import (
     Motion,
     free_motion,
     gaps_of,
-    normals_of,
     set_step,
     translation,
     wall_at,
@@ -63,9 +48,9 @@ def moving(seed, *, count=2, size=0.4, near=3, touching=0, base="free"):
 
 def prepare(d):
     suspect_all(d)
-    measure(d, 0.0)
+    crossing.measure(d, 0.0)
     keep_start(d)
-    bound_curvature(d)
+    crossing.bound_curvature(d)
 
 
 def phi(d, motion, theta):
@@ -97,12 +82,12 @@ def test_the_first_crossing_is_where_the_first_clearance_or_depth_falls_through_
     d, motion = moving([seed, near, touching], near=near, touching=touching, base=base)
     d.touch.event[:] = 7
     theta, whose = first_fall(d, motion)
-    found = find_crossing(d)
+    found = crossing.find_crossing(d)
     if theta < 0.0:
         assert found == -1.0
         return
     assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-13)
-    assert d.touch.event[whose] == (END if d.touch.active[whose] else ONSET) == kind_of(d, whose)
+    assert d.touch.event[whose] == (END if d.touch.active[whose] else ONSET) == crossing.kind_of(d, whose)
     assert not np.delete(d.touch.event, whose).any()
     # measured there
     np.testing.assert_allclose(d.search.clear_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
@@ -123,7 +108,7 @@ def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
     set_step(d, motion, 1.0)
     wall_at(d, c, motion.at(0.5), -falling * depth)
     prepare(d)
-    found = find_crossing(d)
+    found = crossing.find_crossing(d)
     if falling < 0.0:
         assert found == -1.0
     else:
@@ -136,20 +121,20 @@ def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
 def test_only_suspects_are_followed(seed):
     d, motion = moving(seed, size=1.0)
     crossing_ones = np.flatnonzero((phi(d, motion, SAMPLES) < 0.0).any(axis=0))
-    found = find_crossing(d)
+    found = crossing.find_crossing(d)
     assert found >= 0.0
     (first,) = np.flatnonzero(d.touch.event)
     for suspects in (crossing_ones, np.setdiff1d(crossing_ones, [first])):
         d.touch.event[:] = NONE
         suspect_all(d)
-        measure(d, 0.0)
+        crossing.measure(d, 0.0)
         keep_start(d)
         d.search.suspect_count = len(suspects)
         d.search.suspect[: len(suspects)] = suspects
         others = np.setdiff1d(np.arange(d.candidates), suspects)
         for field in ("clear_start", "clear_start_rate", "clear_end", "clear_end_rate", "curvature"):
             d.search[field][others] = math.nan
-        again = find_crossing(d)
+        again = crossing.find_crossing(d)
         if first in suspects:
             assert again == pytest.approx(found, abs=1e-14)
         else:
@@ -168,55 +153,16 @@ def test_points_that_arrive_at_one_moment_are_one_event(clock, counted):
     for c, late in zip(floor, (0.0, 1e-9, 1e-13, 0.3, 3e-12), strict=True):
         wall_at(d, c, motion.at(0.0), 2.0 * (0.4 + late))
     prepare(d)
-    assert find_crossing(d) == pytest.approx(0.4, abs=1e-11)
+    assert crossing.find_crossing(d) == pytest.approx(0.4, abs=1e-11)
     assert d.touch.event[floor].tolist() == [ONSET, NONE, ONSET, NONE, ONSET if counted else NONE]
-
-
-@pytest.mark.parametrize("hard", [0.001, 0.3, 0.5, 0.77, 0.999])
-def test_intervals_are_halved_where_they_are_unsettled_and_as_wide_as_may_be_elsewhere(hard, monkeypatch):
-    """A dyadic partition of the step: each interval is settled, and the one twice as wide is not."""
-    d, motion = moving(0, near=1)
-    settled = []
-
-    def judge(record, a, b):
-        np.testing.assert_allclose(record.search.clear_start, phi(d, motion, a)[0], rtol=0, atol=1e-11)
-        np.testing.assert_allclose(record.search.clear_end, phi(d, motion, b)[0], rtol=0, atol=1e-11)
-        if a < hard <= b and b - a > 1.0 / 64.0:
-            return SPLIT
-        settled.append((a, b))
-        return QUIET
-
-    monkeypatch.setattr(crossing, "check_interval", judge)
-    assert find_crossing(d) == -1.0
-    assert [a for a, _ in settled] == [0.0, *(b for _, b in settled[:-1])]
-    assert settled[-1][1] == 1.0
-    for a, b in settled:
-        width = b - a
-        assert a % width == 0.0
-        begin = 2.0 * width * (a // (2.0 * width))
-        assert width == 1.0 / 64.0 or begin < hard <= begin + 2.0 * width
 
 
 def test_a_search_ends_when_there_is_no_work_left():
     d, _ = moving(0, near=1)
     d.solver.work_limit, d.statistics.rhs_evaluations = 10.0, 1000
     work = d.limits.other_work
-    assert find_crossing(d) == -1.0
+    assert crossing.find_crossing(d) == -1.0
     assert d.limits.other_work == work
-
-
-def test_the_curvature_of_a_point_on_a_link_that_turns_evenly_is_exact():
-    """|n·a| + L ω², along an axis and along a wall at any angle."""
-    _, d = chain(np.random.default_rng(3), 1)
-    motion = free_motion(np.random.default_rng(4), d)
-    motion.coefficients[2, 2] = motion.coefficients[1, 5] = 0.0
-    walls_away(d)
-    set_step(d, motion, 0.5)
-    prepare(d)
-    omega, a = motion.at(0.0)[5], motion.at(0.0, 1)[3] + 1j * motion.at(0.0, 1)[4]
-    turning = d.model.length[0] * omega**2 * d.candidate.point
-    expected = np.abs((a * normals_of(d).conj()).real) + turning
-    np.testing.assert_allclose(d.search.curvature, expected, rtol=1e-9)
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
@@ -242,41 +188,13 @@ def test_the_points_of_an_implicit_step_that_are_in_contact_have_their_own_bound
     held = d.touch.active_index[:2]
     before = d.search.curvature.copy()
     touch(d, [])
-    bound_curvature(d)
+    crossing.bound_curvature(d)
     np.testing.assert_array_equal(d.search.curvature, before)
     touch(d, held)
     d.step.last_method = IMPLICIT
-    bound_curvature(d)
+    crossing.bound_curvature(d)
     assert (d.search.curvature[held] != before[held]).all()
     np.testing.assert_array_equal(np.delete(d.search.curvature, held), np.delete(before, held))
-
-
-# --- roots -------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_a_root_is_found_to_the_resolution_of_time(seed):
-    """Also from a bracket in which the first guess of Newton's method lies outside."""
-    d, motion = moving(seed, near=4, size=1.0)
-    values = phi(d, motion, SAMPLES)
-    falls = [
-        (i, c)
-        for c in range(d.candidates)
-        for i in np.flatnonzero((values[:-1, c] > 0) & (values[1:, c] < 0))
-    ]
-    assert falls
-    for i, c in falls:
-        exact = brentq(lambda t, c=c: phi(d, motion, t)[0, c], SAMPLES[i], SAMPLES[i + 1], xtol=1e-15)
-        low = SAMPLES[max(0, i - 200)] if (values[max(0, i - 200) : i + 1, c] > 0).all() else SAMPLES[i]
-        high = SAMPLES[i + 1]
-        measure(d, low)
-        keep_start(d)
-        measure(d, high)
-        work = d.limits.other_work
-        found = find_root(d, c, low, high)
-        assert d.limits.other_work - work <= 30
-        assert found == pytest.approx(exact, abs=2e-15)
-        np.testing.assert_allclose(d.search.clear_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize(("rate", "curvature"), [(-1.0, 0.0), (-1.0, 1e9), (1.0, 0.0)])
@@ -284,33 +202,11 @@ def test_an_overdue_event_is_where_the_clearance_falls(rate, curvature):
     """At the start of a bracket in which it only falls, or at its end if it rises but for round-off."""
     d, motion = moving(0, near=1)
     c = 0
-    measure(d, 0.75)
+    crossing.measure(d, 0.75)
     d.search.clear_start[c], d.search.clear_start_rate[c], d.search.curvature[c] = -1e-3, rate, curvature
     expected = 0.25 if rate < 0.0 else 0.75
-    assert find_root(d, c, 0.25, 0.75) == expected
+    assert crossing.find_root(d, c, 0.25, 0.75) == expected
     np.testing.assert_allclose(d.search.clear_end, phi(d, motion, expected)[0], rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_of_settled_candidates_the_earliest_is_marked(seed):
-    d, motion = moving([seed, 9], near=3)
-    theta, whose = first_fall(d, motion)
-    if theta < 0.0:
-        theta, whose = 2.0, -1
-    high = min(1.0, theta + 1e-3)
-    low = max(0.0, theta - 1e-3)
-    measure(d, low)
-    keep_start(d)
-    measure(d, high)
-    d.search.curvature[:] = 0.0
-    d.touch.event[:] = 7
-    found = locate(d, low, high)
-    if whose >= 0:
-        assert found == pytest.approx(theta, abs=1e-13)
-        assert d.touch.event.tolist() == [int(c == whose) * kind_of(d, c) for c in range(d.candidates)]
-    else:
-        assert found == high
-        assert not d.touch.event.any()
 
 
 def test_a_regularized_contact_ends_at_the_root_of_u():
@@ -328,7 +224,7 @@ def test_a_regularized_contact_ends_at_the_root_of_u():
     # so that u′ is about that of the motion: where u falls to zero, the point leaves
     d.touch.depth_scale[c], d.touch.impact_speed[c] = 0.5 * rates[c] / 0.7, 1.0
     prepare(d)
-    assert find_crossing(d) == pytest.approx((1.0 - math.sqrt(1.0 - 0.8 * 0.6)) / 0.4, abs=1e-12)
+    assert crossing.find_crossing(d) == pytest.approx((1.0 - math.sqrt(1.0 - 0.8 * 0.6)) / 0.4, abs=1e-12)
     assert d.touch.event[c] == END
 
 
@@ -349,14 +245,11 @@ def test_clearances_bend_in_a_regularized_step_by_no_more_than_its_bound(seed):
     set_step(d, Motion(parts), 0.5, regularized=0)
     d.touch.depth_scale[:] = d.touch.impact_speed[:] = 1.0
     suspect_all(d)
-    bound_curvature(d)
+    crossing.bound_curvature(d)
     gaps = gaps_of(d, states[::20])
     second = np.abs(gaps[2:] - 2.0 * gaps[1:-1] + gaps[:-2]) / (20 * h) ** 2
     assert (second <= d.search.curvature + 1e-4).all()
     assert (d.search.curvature < 1e3).all()
-
-
-# --- one interval of a step ------------------------------------------------------------------------------
 
 
 def interval(start, end, rates, curvature, *, active=0, size=2.0):
@@ -399,19 +292,19 @@ def interval(start, end, rates, curvature, *, active=0, size=2.0):
 )
 def test_an_interval_is_settled_by_the_chord_or_by_the_rates(start, end, rates, curvature, verdict):
     d = interval(start, end, rates, curvature)
-    assert check_candidate(d, 0, 0.0, 1.0) == verdict
-    assert check_interval(d, 0.0, 1.0) == verdict
+    assert crossing.check_candidate(d, 0, 0.0, 1.0) == verdict
+    assert crossing.check_interval(d, 0.0, 1.0) == verdict
     # of a part of the step, with the bends of a part: the rates are over s
     d.step.size = 8.0
-    assert check_candidate(d, 0, 0.25, 0.5) == verdict
+    assert crossing.check_candidate(d, 0, 0.25, 0.5) == verdict
 
 
 def test_of_several_candidates_the_one_that_is_unsettled_decides():
     d = interval(1.0, -0.5, (-1.0, -1.0), 0.0)
-    assert check_interval(d, 0.0, 1.0) == CROSSES
+    assert crossing.check_interval(d, 0.0, 1.0) == CROSSES
     d.search.curvature[1], d.search.clear_end_rate[1] = 100.0, 1.0
-    assert check_interval(d, 0.0, 1.0) == SPLIT
-    assert check_interval(interval(1.0, 1.0, (0.0, 0.0), 0.0), 0.0, 1.0) == QUIET
+    assert crossing.check_interval(d, 0.0, 1.0) == SPLIT
+    assert crossing.check_interval(interval(1.0, 1.0, (0.0, 0.0), 0.0), 0.0, 1.0) == QUIET
 
 
 @pytest.mark.parametrize("active", [0, 1])
@@ -423,22 +316,22 @@ def test_who_comes_a_harmless_way_by_the_end_of_the_step_may_never_get_further(w
         part = (0.0, 1.0) if whole else (0.0, 0.5)
         d.step.size = 1.0 if whole else 2.0
         expected = QUIET if harmless and (whole or active) else CROSSES
-        assert check_candidate(d, 0, *part) == expected
+        assert crossing.check_candidate(d, 0, *part) == expected
 
 
 @pytest.mark.parametrize("active", [0, 1])
 def test_a_point_that_is_deep_without_having_moved_there_is_an_onset_but_no_end(active):
     d = interval(1e-13, -1e-9, (0.0, 1.0), 0.0, active=active)
-    assert check_candidate(d, 0, 0.0, 1.0) == (QUIET if active else CROSSES)
+    assert crossing.check_candidate(d, 0, 0.0, 1.0) == (QUIET if active else CROSSES)
     d.search.clear_start[0] = -1e-11  # it has been there before
-    assert check_candidate(d, 0, 0.0, 1.0) == QUIET
+    assert crossing.check_candidate(d, 0, 0.0, 1.0) == QUIET
 
 
 @pytest.mark.parametrize(("end", "verdict"), [(-1e-3, CROSSES), (0.0, QUIET), (0.3, QUIET)])
 def test_the_regularized_contact_ends_where_its_root_is_negative(end, verdict):
     d = interval(1.0, end, (1.0, 1.0), 1e9)
     d.step.regularized = 0
-    assert check_candidate(d, 0, 0.0, 1.0) == verdict
+    assert crossing.check_candidate(d, 0, 0.0, 1.0) == verdict
 
 
 @pytest.mark.parametrize("part", [1.0, 0.25])
@@ -449,10 +342,7 @@ def test_what_bends_by_round_off_barely_bends(part):
     limit = 8.0 * 3e-15 / (2.0 * part) ** 2
     for curvature, expected in ((0.9 * limit, True), (1.1 * limit, False), (math.nan, True)):
         d.search.curvature[0] = curvature
-        assert nearly_linear(d, 0, part) == expected
-
-
-# --- bounds on speeds and accelerations ------------------------------------------------------------------
+        assert crossing.nearly_linear(d, 0, part) == expected
 
 
 LINKS = 3
@@ -477,7 +367,7 @@ def test_a_point_is_bounded_along_the_normal_of_its_wall(bounded):
     for c in set(range(d.candidates)) - set(stops_of(d)):
         nx, ny = d.candidate.normal_x[c], d.candidate.normal_y[c]
         right = rate_bounds_along(d.step, velocity_at(LINKS), nx, ny)
-        assert motion_bounds(d, c, along_x, along_y) == pytest.approx(right, rel=1e-12)
+        assert crossing.motion_bounds(d, c, along_x, along_y) == pytest.approx(right, rel=1e-12)
         seen.add((abs(nx) > 0.5, nx * ny == 0.0))
     assert len(seen) > 2
 
@@ -488,7 +378,7 @@ def test_a_joint_is_bounded_by_the_turn_of_its_link_relative_to_the_one_before(b
     for c in stops_of(d):
         joint = int(d.candidate.point[c])
         joints.add(joint)
-        found = motion_bounds(d, c, along_x, along_y)
+        found = crossing.motion_bounds(d, c, along_x, along_y)
         values, dense = d.step.state[at + joint - 1], d.step.dense[:, at + joint - 1].copy()
         if joint > 1:
             values, dense = values - d.step.state[at + joint - 2], dense - d.step.dense[:, at + joint - 2]
@@ -516,9 +406,11 @@ def test_intervals_are_halved_where_they_must_and_as_wide_as_they_can_be_after_t
     monkeypatch.setattr(crossing, "measure", lambda _, b: seen.append(b))
     monkeypatch.setattr(crossing, "keep_start", lambda _: None)
     monkeypatch.setattr(
-        crossing, "check_interval", lambda _, a, b: SPLIT if a <= near < b and b - a > 0.125 else QUIET
+        crossing,
+        "check_interval",
+        lambda _, a, b: SPLIT if a <= near < b and b - a > 0.125 else QUIET,
     )
-    assert find_crossing(d) == -1.0
+    assert crossing.find_crossing(d) == -1.0
     assert seen == ends
 
 
@@ -527,13 +419,13 @@ def test_the_curvature_of_a_stop_is_that_of_its_joint_and_of_a_point_that_of_the
 ):
     d, along_x, along_y = bounded
     d.step.regularized = NO_CONTACT
-    bound_curvature(d)
+    crossing.bound_curvature(d)
     reach = [0.0]
     for i in range(LINKS):
         omega, alpha = rate_bounds(d.step, omega_at(LINKS) + i)
         reach.append(reach[-1] + d.model.length[i] * (alpha + omega**2))
     for c in range(d.candidates):
-        _, bend = motion_bounds(d, c, along_x, along_y)
+        _, bend = crossing.motion_bounds(d, c, along_x, along_y)
         links = 0.0 if d.candidate.stop[c] else reach[d.candidate.point[c]]
         assert d.search.curvature[c] == pytest.approx(bend + links, rel=1e-12)
 
@@ -542,13 +434,13 @@ def test_in_another_variable_it_is_that_of_the_motion_at_its_pace(bounded):
     """d²g/ds² = p² g̈ + p′ ġ, with p and p′ at most u and u′."""
     d, along_x, along_y = bounded
     d.step.regularized = 0
-    bound_curvature(d)
+    crossing.bound_curvature(d)
     p, change = rate_bounds(d.step, sundman_u_at(LINKS))
     reach = [0.0]
     for i in range(LINKS):
         omega, alpha = rate_bounds(d.step, omega_at(LINKS) + i)
         reach.append(reach[-1] + d.model.length[i] * (p * (alpha + p * omega**2) + change * omega))
     for c in range(d.candidates):
-        speed, bend = motion_bounds(d, c, along_x, along_y)
+        speed, bend = crossing.motion_bounds(d, c, along_x, along_y)
         links = 0.0 if d.candidate.stop[c] else reach[d.candidate.point[c]]
         assert d.search.curvature[c] == pytest.approx(p * bend + change * speed + links, rel=1e-12)

@@ -4,100 +4,21 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 from scipy.interpolate import BPoly
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.events.exclusion import (
-    FAR,
-    MARGIN,
-    NEARLY,
-    NOTHING,
-    RELATCH_RATIO,
-    VALUES,
-    WITH_CURVES,
-    excludes_events,
-    fading,
-    is_quiet,
-    keep_start,
-    known_clearances,
-    leeway,
-    measure_all,
-    nearly_fast,
-    remains_far,
-    remember_clearances,
-    set_clearance,
-    set_clearances,
-    stays_in_contact,
-    stays_positive,
-    sundman_u_now,
-)
+from chain_impact.kernel.events import exclusion
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.sundman import root_rate
 from chain_impact.kernel.model.geometry import clearance, speed_bound
 from chain_impact.kernel.status import OK
-from chain_impact.scene.scene import load_scene, scene_from_dict, with_values
-from chain_impact.simulation.instance import Instance
+from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.model import Model
 from tests.kernel.chains import chain, random_state, touch
 from tests.kernel.steps import free_motion, gaps_of, set_step, translation, wall_at, walls_away
 from tests.plain import Plain, make_rigid
 from tests.reference import set_vectors
-
-
-def steps(instance, until):
-    """The record after each step; its `step` is the one that was taken."""
-    d = instance.record
-    while d["step"]["end"] < until:
-        instance.advance(math.nextafter(d["step"]["end"], math.inf))
-        yield d
-
-
-def least_clearance(d):
-    """Of the candidates that are apart at the end of the last step [m], from angles and position."""
-    y, lengths = d["step"]["state_end"], d["model"]["length"]
-    angles = y[2 : 2 + len(lengths)]
-    turns = np.cumsum(np.column_stack([np.cos(angles), np.sin(angles)]) * lengths[:, None], axis=0)
-    points = y[:2] + np.vstack([np.zeros(2), turns])
-    wall, point = d["candidate"]["wall"], d["candidate"]["point"]
-    gaps = (1 - 2 * (wall % 2)) * (points[point, wall // 2] - d["model"]["wall"][wall])
-    return gaps[d["touch"]["active"] == 0].min()
-
-
-@pytest.mark.full("takes long")
-@settings(max_examples=100, deadline=None, derandomize=True)
-@given(
-    angles=st.lists(st.floats(-3.0, 3.0), min_size=4, max_size=4),
-    speeds=st.lists(st.floats(-20.0, 20.0), min_size=4, max_size=4),
-    tolerance=st.sampled_from([1e-2, 1e-4, 1e-8]),
-)
-def test_there_is_at_least_the_room_that_is_remembered(angles, speeds, tolerance):
-    place = {("initial", "position"): (2.0, 2.0), ("initial", "angles"): tuple(angles)}
-    walls = {("box", name): value for name, value in zip(("x_min", "y_min"), (-0.5, -0.5), strict=True)}
-    walls |= {("box", name): 4.5 for name in ("x_max", "y_max")}
-    more = {("initial", "angular_velocities"): tuple(speeds), ("solver", "tolerance"): tolerance}
-    instance = Instance(with_values(load_scene("four_link_box"), place | walls | more))
-    seen = 0
-    for d in steps(instance, 0.8):
-        if known_clearances(Plain(d)) in (WITH_CURVES, FAR):
-            seen += 1
-            assert d["search"]["safe_distance"] <= least_clearance(d) + 1e-12
-    assert seen > 0 or tolerance == 1e-2  # whose steps can turn links by more than the test is made for
-
-
-def test_far_walls_are_left_alone_through_an_impact():
-    instance = Instance(load_scene("four_link_box"))
-    kinds = [
-        known_clearances(Plain(d))
-        for d in steps(instance, 0.5012)
-        if d["step"]["start"] > 0.49945 and d["touch"]["active_count"] == 1
-    ]
-    assert len(kinds) > 8
-    assert kinds.count(FAR) >= len(kinds) - 2
-
-
-# --- steps whose ends tell that nothing happens in them, against motions in closed form ------------------
 
 SAMPLES = np.linspace(0.0, 1.0, 1001)
 
@@ -132,12 +53,12 @@ def test_no_event_is_excluded_that_happens_and_none_is_looked_for_far_from_walls
     d, motion = stepped([seed, touching], near=near, touching=touching)
     values = phi_all(d, motion)
     happens = (values.min(axis=0) < 0.0).any()
-    excluded = excludes_events(d)
+    excluded = exclusion.excludes_events(d)
     assert not (excluded and happens)
     if values.min() > 0.3 * near and near >= 0.2:
         assert excluded
     # φ and φ′ of all at either end, and φ″
-    assert known_clearances(d) == WITH_CURVES
+    assert exclusion.known_clearances(d) == exclusion.WITH_CURVES
     np.testing.assert_allclose(d.search.clear_start, values[0], rtol=0, atol=1e-11)
     np.testing.assert_allclose(d.search.clear_end, values[-1], rtol=0, atol=1e-11)
     h = d.step.size / 1000
@@ -152,10 +73,10 @@ def test_no_event_is_excluded_that_happens_and_none_is_looked_for_far_from_walls
 def test_contacts_that_cross_their_kink_or_are_pushed_in_are_looked_at():
     for change in ("kink_crossed", "speed"):
         d, _ = stepped(0, near=2.0, touching=2)
-        assert excludes_events(d)
+        assert exclusion.excludes_events(d)
         d, _ = stepped(0, near=2.0, touching=2)
         d.touch[change][1] = 1e6
-        assert not excludes_events(d)
+        assert not exclusion.excludes_events(d)
 
 
 def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
@@ -168,10 +89,10 @@ def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
             d.inputs.course.change_rate = 1.1 / d.step.size
         else:
             d.model.joint_bound = 20.0 / d.step.size
-        assert not excludes_events(d)
+        assert not exclusion.excludes_events(d)
         if field != "fade":
             assert d.search.suspect.tolist() == list(range(d.candidates))
-        assert excludes_events(stepped(0, near=2.0)[0])
+        assert exclusion.excludes_events(stepped(0, near=2.0)[0])
 
 
 @pytest.mark.parametrize("held", [False, True])
@@ -186,7 +107,7 @@ def test_the_search_follows_those_that_may_cross_but_not_those_that_a_rigid_wall
     if held:
         d.law.impulsive[resting] = 1
         touch(d, [resting])
-    assert not excludes_events(d)
+    assert not exclusion.excludes_events(d)
     suspects = d.search.suspect[: d.search.suspect_count].tolist()
     assert suspects == ([near] if held else [near, resting])
 
@@ -211,7 +132,7 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
         gap = (clear * off if off > 0.0 else clear) - d.law.harmless_depth[0]
         for c in range(d.candidates):
             wall_at(d, c, motion.at(0.0), -gap if active else gap)
-        assert excludes_events(d) == (clear > 1.0 or (off == 0.0 and clear > 0.0))
+        assert exclusion.excludes_events(d) == (clear > 1.0 or (off == 0.0 and clear > 0.0))
 
 
 @pytest.mark.parametrize("active", [False, True])
@@ -228,9 +149,9 @@ def test_a_clearance_stays_above_the_least_bernstein_coefficient_of_its_interpol
         for name, value in zip(row, values, strict=True):
             search[name][c] = value
     inner = BPoly.from_derivatives([0.0, h], ends).c[1:, 0]
-    limit = inner.min() - MARGIN * (inner.max() - inner.min()) + d.law.harmless_depth[c]
-    assert stays_positive(d, c, limit - 1e-9)
-    assert not stays_positive(d, c, limit + 1e-9)
+    limit = inner.min() - exclusion.MARGIN * (inner.max() - inner.min()) + d.law.harmless_depth[c]
+    assert exclusion.stays_positive(d, c, limit - 1e-9)
+    assert not exclusion.stays_positive(d, c, limit + 1e-9)
 
 
 @pytest.mark.parametrize(("end", "expected"), [(0.1, True), (0.0, False), (-0.1, False)])
@@ -238,24 +159,24 @@ def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.regularized, d.search.clear_end[2] = 2, end
     d.search.clear_start[2] = -9.0
-    assert stays_in_contact(d, 2, 1e9) == expected
+    assert exclusion.stays_in_contact(d, 2, 1e9) == expected
 
 
-@pytest.mark.parametrize("what", [VALUES, WITH_CURVES, FAR])
+@pytest.mark.parametrize("what", [exclusion.VALUES, exclusion.WITH_CURVES, exclusion.FAR])
 def test_what_is_learned_is_known_until_the_steps_break(what):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.breaks = 3
-    remember_clearances(d, what)
-    assert known_clearances(d) == what
+    exclusion.remember_clearances(d, what)
+    assert exclusion.known_clearances(d) == what
     d.step.breaks = 4
-    assert known_clearances(d) == NOTHING
+    assert exclusion.known_clearances(d) == exclusion.NOTHING
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
     """The room that is remembered is never more than there is, and lasts for some steps."""
     d, motion = stepped(seed, size=0.01, near=1.0)
-    assert excludes_events(d)
+    assert exclusion.excludes_events(d)
     least = phi_all(d, motion)[-1].min()
     assert d.search.safe_distance == pytest.approx(least, rel=1e-9)
     d.search.speed = speed_bound(d, d.work.velocity)
@@ -267,13 +188,13 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
         d.step.start, d.step.end = 0.01 * k, 0.01 * (k + 1)
         locate_points(d, y)
         accelerate_points(d, y, motion.at(0.01 * (k + 1), 1))
-        far = remains_far(d)
+        far = exclusion.remains_far(d)
         room = gaps_of(d, y).min()
         assert d.search.safe_distance <= room
-        assert far == (d.search.safe_distance > leeway(d))
+        assert far == (d.search.safe_distance > exclusion.leeway(d))
         if not far:
             break
-        assert known_clearances(d) == FAR
+        assert exclusion.known_clearances(d) == exclusion.FAR
         lasted += 1
     assert lasted >= 2
     # nobody goes further than its speed and acceleration say: no point nor wall has been looked at
@@ -285,40 +206,26 @@ def quiet_start(regularized=-1):
     d, _ = stepped(0, size=0.01, near=1.0)
     d.search.safe_distance, d.search.speed, d.search.acceleration = 5.0, 0.0, 0.0
     d.step.regularized = regularized
-    remember_clearances(d, WITH_CURVES)
+    exclusion.remember_clearances(d, exclusion.WITH_CURVES)
     return d
 
 
 def test_walls_are_not_far_for_who_touches_unless_its_contact_is_regularized_and_goes_on():
     d = quiet_start()
-    assert remains_far(d)
-    for what in (NOTHING, VALUES):
+    assert exclusion.remains_far(d)
+    for what in (exclusion.NOTHING, exclusion.VALUES):
         d = quiet_start()
-        remember_clearances(d, what)
-        assert not remains_far(d)
+        exclusion.remember_clearances(d, what)
+        assert not exclusion.remains_far(d)
     d = quiet_start()
     touch(d, [2])
-    assert not remains_far(d)
+    assert not exclusion.remains_far(d)
     for u, crossed, expected in ((0.5, 0, True), (0.0, 0, False), (-0.1, 0, False), (0.5, 1, False)):
         d = quiet_start(regularized=2)
         touch(d, [2])
         d.step.state_end[sundman_u_at(d.links)], d.touch.kink_crossed[2] = u, crossed
-        assert remains_far(d) == expected
-        assert known_clearances(d) == (FAR if expected else WITH_CURVES)
-
-
-def test_the_way_that_points_can_have_come_is_bounded_by_what_they_do_at_the_ends():
-    """h (v + h a), with the larger v and a of both ends."""
-    for speed, acceleration in ((0.0, 0.0), (1e3, 0.0), (0.0, 1e5)):
-        d = quiet_start()
-        d.search.speed, d.search.acceleration = speed, acceleration
-        h = d.step.end - d.step.start
-        v, a = (
-            max(speed, speed_bound(d, d.work.velocity)),
-            max(acceleration, speed_bound(d, d.work.acceleration)),
-        )
-        remains_far(d)
-        assert d.search.safe_distance == pytest.approx(5.0 - h * (v + h * a), rel=1e-12)
+        assert exclusion.remains_far(d) == expected
+        assert exclusion.known_clearances(d) == (exclusion.FAR if expected else exclusion.WITH_CURVES)
 
 
 def test_the_fastest_point_is_bounded_by_the_sum_of_its_components():
@@ -331,15 +238,6 @@ def test_the_fastest_point_is_bounded_by_the_sum_of_its_components():
     assert speed_bound(d, d.work.motion) == 0.25
 
 
-def test_leeway_and_fading_are_relative_to_the_reach_and_to_the_joints():
-    d, _ = stepped(0, size=0.25)
-    d.solver.tolerance, d.model.joint_bound = 1e-3, 8.0
-    assert leeway(d) == pytest.approx(1e-3 * d.model.length.sum(), rel=1e-14)
-    d.model.stopped, d.model.size = 1, d.model.reach
-    assert leeway(d) == pytest.approx(2e-3 * d.model.length.sum(), rel=1e-14)
-    assert fading(d) == pytest.approx(0.25 * 8.0, rel=1e-12)
-
-
 @pytest.mark.parametrize("speed", [0.0, 1.4, 1.6])
 @pytest.mark.parametrize("end", [0.0, 1.4, 1.6])
 def test_a_contact_is_nearly_fast_at_three_quarters_of_the_speed_that_latches_anew(speed, end):
@@ -349,15 +247,12 @@ def test_a_contact_is_nearly_fast_at_three_quarters_of_the_speed_that_latches_an
     point = d.candidate.point[0]
     d.work.velocity.x[point] = -3.0 * end * d.candidate.normal_x[0]
     d.work.velocity.y[point] = -3.0 * end * d.candidate.normal_y[0]
-    expected = max(speed, end) > NEARLY * RELATCH_RATIO
-    assert nearly_fast(d, 0) == expected
+    expected = max(speed, end) > exclusion.NEARLY * exclusion.RELATCH_RATIO
+    assert exclusion.nearly_fast(d, 0) == expected
     d.touch.kink_crossed[0] = 0
-    assert is_quiet(d, 0) == (not expected)
+    assert exclusion.is_quiet(d, 0) == (not expected)
     d.touch.kink_crossed[0] = 1
-    assert not is_quiet(d, 0)
-
-
-# --- clearances in the variable of the step, with their derivatives --------------------------------------
+    assert not exclusion.is_quiet(d, 0)
 
 
 @pytest.mark.parametrize("impulsive", [0, 1])
@@ -374,10 +269,10 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
     d.touch.depth_scale[:] = 0.3
     touch(d, [2, 4])
     pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
-    found = sundman_u_now(d, y)
+    found = exclusion.sundman_u_now(d, y)
     slope = 0.0 if regularized < 0 else -0.5 * clearance(d, 2)[1] / (0.3 * (1.0 + u * u))
     assert found == pytest.approx((1.0, 0.0) if regularized < 0 else (u, slope), rel=1e-12)
-    assert set_clearances(d, y) == found[1]
+    assert exclusion.set_clearances(d, y) == found[1]
     for c in range(d.candidates):
         gap, rate = clearance(d, c)
         sign = -1.0 if c in (2, 4) else 1.0
@@ -388,9 +283,9 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
             expected = found
         assert (d.search.clear_end[c], d.search.clear_end_rate[c]) == pytest.approx(expected, rel=1e-12)
         d.search.clear_end[c] = 7.0
-        set_clearance(d, c, *found)
+        exclusion.set_clearance(d, c, *found)
         assert d.search.clear_end[c] == pytest.approx(expected[0], rel=1e-12)
-    keep_start(d)
+    exclusion.keep_start(d)
     np.testing.assert_array_equal(d.search.clear_start, d.search.clear_end)
     np.testing.assert_array_equal(d.search.clear_start_rate, d.search.clear_end_rate)
 
@@ -413,20 +308,17 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
         moved = motion.at(side * pace)
         moved[sundman_u_at(2)] = u + side * change
         locate_points(d, moved)
-        set_clearances(d, moved)
+        exclusion.set_clearances(d, moved)
         rates.append(d.search.clear_end_rate.copy())
     locate_points(d, y)
     accelerate_points(d, y, rate)
-    measure_all(d, y)
+    exclusion.measure_all(d, y)
     np.testing.assert_allclose(
         d.search.clear_end_curve, (rates[0] - rates[1]) / (2 * h), rtol=1e-6, atol=1e-6
     )
     apart = [c for c in range(d.candidates) if c not in (2, 4)]
     assert d.search.safe_distance == d.search.clear_end[apart].min()
     assert time_at(2) == len(y) - 1
-
-
-# --- near a stop of a joint ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("lengths", [(2.0, 0.01), (0.01, 2.0, 0.02), (1.0, 1.0, 0.5), (2.0,)])
@@ -453,4 +345,4 @@ def test_near_a_stop_it_counts_that_both_links_of_the_joint_may_have_an_error(le
         d.step.end, d.work.rate_start[:] = 0.01, 0.0
         locate_points(d, d.step.state_end)
         accelerate_points(d, d.step.state_end, d.work.rate_start)
-        assert excludes_events(d) == excluded
+        assert exclusion.excludes_events(d) == excluded

@@ -6,23 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import largest, locate_points
-from chain_impact.kernel.events.contact_log import end_contact
-from chain_impact.kernel.events.impulses import (
-    GAIN,
-    NEAR,
-    RELEASE_GAP,
-    STICK,
-    apply_impulses,
-    end_changed_contacts,
-    end_rebounding_contacts,
-    end_unstopped_contacts,
-    find_impulses,
-    handle_impact,
-    include_near_contacts,
-    lacks_rebound,
-    release_contacts,
-    update_active_set,
-)
+from chain_impact.kernel.events import impulses
 from chain_impact.kernel.events.marks import NEIGHBOUR, NONE, ONSET, RELEASE
 from chain_impact.kernel.events.table import apply_events
 from chain_impact.kernel.model.constraints import SIGN_TOLERANCE
@@ -40,6 +24,7 @@ from tests.kernel.chains import (
     touch,
     vectors,
 )
+from tests.plain import make_rigid
 from tests.reference import complementary_impulses, mass_matrix
 
 E, SLOWEST = 0.6, 1e-3
@@ -84,7 +69,7 @@ def test_an_impact_is_moreaus(seed, count, base):
     before, there = jacobian @ y[6:12], kinetic(d, y)
     p = complementary_impulses(w, before, -E * before)
     d.work.position.x[:], d.work.velocity.x[:] = 9.0, 9.0  # located elsewhere
-    handle_impact(d)
+    impulses.handle_impact(d)
     after = d.step.state_end
     np.testing.assert_allclose(after[6:12], y[6:12] + response @ p, rtol=0, atol=1e-9)
     np.testing.assert_allclose(after[:6], y[:6], rtol=0, atol=1e-12)
@@ -114,13 +99,13 @@ def test_what_arrives_slowly_comes_to_rest_and_is_held_as_long_as_that_takes_a_p
     y[6:12] = response @ np.linalg.solve(w, np.full(3, -0.5 * SLOWEST))
     d.step.state_end[:] = y
     d.model.gravity[:] = -3.0 * d.model.gravity if seed % 2 else d.model.gravity
-    handle_impact(d)
+    impulses.handle_impact(d)
     after = d.step.state_end
     # 0 ≤ p ⟂ u⁺ ≥ 0: who cannot be stopped by a push leaves
     speeds = np.full(3, -0.5 * SLOWEST)
     reached = speeds + w @ complementary_impulses(w, speeds, np.zeros(3))
     np.testing.assert_allclose(jacobian @ after[6:12], reached, rtol=0, atol=1e-12)
-    stay = np.flatnonzero(reached < STICK * SLOWEST)
+    stay = np.flatnonzero(reached < impulses.STICK * SLOWEST)
     mass = mass_matrix_of(d)
     accelerations = jacobian @ np.linalg.solve(mass, gravity_force(d))
     force = complementary_impulses(w[np.ix_(stay, stay)], accelerations[stay], np.zeros(len(stay)))
@@ -129,7 +114,7 @@ def test_what_arrives_slowly_comes_to_rest_and_is_held_as_long_as_that_takes_a_p
     assert d.finished.count == 3 - len(held)
     for k in stay:
         gap, _ = clearance_now(d, candidates[k])
-        apart = 0.0 if candidates[k] in held else RELEASE_GAP * d.model.size
+        apart = 0.0 if candidates[k] in held else impulses.RELEASE_GAP * d.model.size
         assert gap == pytest.approx(apart, abs=3e-14)
     assert not d.touch.event.any()
 
@@ -163,12 +148,12 @@ def clearance_now(d, c):
 
 def test_points_that_all_but_touch_are_neighbours():
     d, *_ = touching(0, (1,))
-    limit = NEAR * d.model.size
+    limit = impulses.NEAR * d.model.size
     for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
         press_in(d, c, -part_of * limit)
     d.touch.active[1] = d.touch.active[13] = 1
     d.touch.event[:] = NONE
-    include_near_contacts(d)
+    impulses.include_near_contacts(d)
     assert np.flatnonzero(d.touch.active).tolist() == [1, 2, 5, 13]
     assert np.flatnonzero(d.touch.event == NEIGHBOUR).tolist() == [2, 5]
 
@@ -182,7 +167,7 @@ def test_an_impact_aims_at_rebounds_of_what_arrives_fast_and_brings_the_rest_to_
     y[6:12] = response @ np.linalg.solve(w, speeds)
     locate_points(d, y)
     d.law.restitution[:] = restitution
-    lost, moved = find_impulses(d, 1.0)
+    lost, moved = impulses.find_impulses(d, 1.0)
     own = d.rigid
     np.testing.assert_allclose(own.start[:4], speeds, rtol=1e-8)
     np.testing.assert_allclose(own.target[:4], [restitution, restitution, 0.0, 0.0], rtol=1e-8)
@@ -201,9 +186,9 @@ def test_rebounds_too_slow_to_leave_are_none(times, aims):
     speed = -2.0 * SLOWEST
     y[6:12] = response @ np.linalg.solve(w, [speed])
     locate_points(d, y)
-    rebound = times * STICK * SLOWEST
+    rebound = times * impulses.STICK * SLOWEST
     d.law.restitution[:] = rebound / -speed
-    find_impulses(d, 1.0)
+    impulses.find_impulses(d, 1.0)
     assert d.rigid.target[0] == pytest.approx(aims * rebound, rel=1e-9)
 
 
@@ -211,8 +196,8 @@ def test_rebounds_too_slow_to_leave_are_none(times, aims):
 def test_impulses_fall_short_by_more_than_round_off(short):
     d, *_ = touching(1, POINTS, kinds=NONE)
     d.rigid.target[:4] = 0.5
-    d.rigid.reached[:4] = 0.5, 0.9, 0.5 - short * GAIN * largest(d, d.work.velocity), 0.5
-    assert lacks_rebound(d) == (short > 1.0)
+    d.rigid.reached[:4] = 0.5, 0.9, 0.5 - short * impulses.GAIN * largest(d, d.work.velocity), 0.5
+    assert impulses.lacks_rebound(d) == (short > 1.0)
 
 
 @pytest.mark.parametrize("speed", [-0.7, 0.3])
@@ -230,7 +215,7 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
         if p[1] > 1e-9 and speed > 0.0:
             gains += 1
             p = complementary_impulses(w, speeds, np.zeros(2))
-        handle_impact(d)
+        impulses.handle_impact(d)
         np.testing.assert_allclose(d.quadrature.total[[first, second]], p, rtol=1e-7, atol=1e-9)
         after = kinetic(d, d.step.state_end)
         assert d.step.state_end[12] - lost == pytest.approx(there - after, abs=1e-9 * there)
@@ -241,7 +226,7 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
 
 
 def test_errors_of_held_contacts_are_corrected_without_an_impulse():
-    for act in (apply_events, update_active_set):
+    for act in (apply_events, impulses.update_active_set):
         d, y, jacobian, response, w, candidates = touching(2, (1, 6), kinds=NONE)
         # so that it takes a push to hold them, and to stop them
         y[6:12] = response @ np.linalg.solve(w, w @ np.array([-1e-9, -2e-9]))
@@ -256,7 +241,7 @@ def test_errors_of_held_contacts_are_corrected_without_an_impulse():
 
 def test_with_nothing_that_touches_the_loads_are_those_of_a_flight():
     d, *_ = touching(2, (), arrive=False)
-    handle_impact(d)
+    impulses.handle_impact(d)
     assert not vectors(d.work.load).any()
 
 
@@ -267,7 +252,7 @@ def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
     d.step.state_end[:] = y
     assert (np.linalg.solve(w, -(w @ p)) < 0.0).any()
     expected = complementary_impulses(w, w @ p, np.zeros(2))
-    update_active_set(d)
+    impulses.update_active_set(d)
     np.testing.assert_allclose(d.quadrature.total[[first, second]], expected, rtol=0, atol=1e-9)
     over = (w @ (p + expected)) > 1e-9
     assert over.any()
@@ -290,7 +275,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
         locate_points(d, d.step.state_end)
         d.rigid.impulse[0] = 1.0
         d.rigid.reached[0] = times * slow
-        end_rebounding_contacts(d)
+        impulses.end_rebounding_contacts(d)
         assert (d.touch.active_count == 1) == stays
         assert d.finished.count == (0 if stays else 1)
 
@@ -301,18 +286,9 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
 def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
     d, *_ = touching(1, (1,), kinds=NONE)
     d.touch.event[1], d.rigid.impulse[0], d.rigid.reached[0] = event, impulse, 0.0
-    end_rebounding_contacts(d)
+    impulses.end_rebounding_contacts(d)
     assert d.touch.active[1] == d.touch.active_count == met
     assert d.finished.count == 0
-
-
-def test_a_contact_that_ends_is_logged_with_the_largest_force_that_held_it():
-    d, *_ = touching(1, (1, 6), kinds=NONE)
-    d.touch.onset[:], d.touch.peak_force[:] = 1.0, 3.0
-    end_contact(d, 6, True)
-    assert d.finished.peak_force[0] == 3.0
-    assert d.finished.point[0] == d.candidate.point[6]
-    assert d.touch.active.tolist() == [int(c == 1) for c in range(d.candidates)]
 
 
 def test_contacts_end_where_they_stand_for_another_law():
@@ -324,7 +300,7 @@ def test_contacts_end_where_they_stand_for_another_law():
         rates.append(max(0.0, clearance(d, c)[1]))
     d.work.velocity.x[:] = 99.0
     d.law.impulsive[:] = 0
-    end_changed_contacts(d)
+    impulses.end_changed_contacts(d)
     assert d.touch.active_count == 0
     assert not d.touch.active.any()
     np.testing.assert_array_equal(d.finished.separation_speed[:3], rates)
@@ -336,7 +312,7 @@ def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
     scale = largest(d, d.work.velocity)
     d.rigid.in_active_set[:4] = 0, 0, 1, 0
     d.rigid.reached[:4] = 0.5 * SIGN_TOLERANCE * scale, 2.0 * SIGN_TOLERANCE * scale, 1.0, 0.0
-    end_unstopped_contacts(d)
+    impulses.end_unstopped_contacts(d)
     assert d.touch.active_index[: d.touch.active_count].tolist() == [1, 11, 16]
     assert d.finished.point[0] == d.candidate.point[6]
 
@@ -344,16 +320,16 @@ def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
 def test_points_without_a_force_are_put_off_the_wall_and_the_others_stay_on_it():
     d, _y, *_ = touching(1, POINTS[:3], kinds=NONE)
     d.rigid.in_active_set[:3] = 1, 0, 1
-    release_contacts(d)
+    impulses.release_contacts(d)
     locate_points(d, d.step.state_end)
     gaps = [clearance(d, c)[0] for c in POINTS[:3]]
-    np.testing.assert_allclose(gaps, [0.0, RELEASE_GAP * d.model.size, 0.0], rtol=0, atol=3e-14)
+    np.testing.assert_allclose(gaps, [0.0, impulses.RELEASE_GAP * d.model.size, 0.0], rtol=0, atol=3e-14)
     assert d.touch.active[POINTS].tolist() == [1, 0, 1, 0]
     # and nothing moves when all are held
     before = d.step.state_end.copy()
     d.rigid.in_active_set[:3] = 1
     touch(d, POINTS[:1])
-    release_contacts(d)
+    impulses.release_contacts(d)
     np.testing.assert_array_equal(d.step.state_end, before)
 
 
@@ -365,26 +341,28 @@ def test_a_release_is_a_first_guess_of_who_is_let_go():
         y[6:12] = 0.0
         d.step.state_end[:] = y
         d.touch.event[candidates] = event
-        update_active_set(d)
+        impulses.update_active_set(d)
         results.append(d.touch.active.tolist())
         assert not d.touch.event.any()
     assert results[0] == results[1]
 
 
-def test_an_impact_of_a_held_contact_is_felt_by_the_one_that_arrives():
-    """The held one has e = 0; both share the impulses that ``apply_impulses`` gives to the velocities."""
-    d, y, jacobian, response, w, (held, struck_one) = touching(5, (1, 6), kinds=NONE)
-    speeds = np.array([0.0, -1.0])
-    y[6:12] = response @ np.linalg.solve(w, speeds)
+def test_contacts_with_a_force_take_the_rates_after_it_and_the_side_of_their_kink(monkeypatch):
+    rng = np.random.default_rng(47)
+    _, d = chain(rng, 2)
+    touched, sides = [0, 5, 9], []
+    y = struck(rng, d, touched)
+    make_rigid(d, np.arange(d.candidates) == 5)
     d.step.state_end[:] = y
-    locate_points(d, y)
-    d.touch.event[[held, struck_one]] = NONE, ONSET
-    p = complementary_impulses(w, speeds, np.array([0.0, E]))
-    apply_impulses(d)
-    np.testing.assert_allclose(d.step.state_end[6:12], y[6:12] + response @ p, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(d.quadrature.total[[held, struck_one]], p, rtol=0, atol=1e-9)
-    lost = kinetic(d, y) - kinetic(d, d.step.state_end)
-    assert d.step.state_end[12] - y[12] == pytest.approx(lost, abs=1e-9)
-    np.testing.assert_allclose(
-        [clearance(d, c)[1] for c in (held, struck_one)], jacobian @ d.step.state_end[6:12], atol=1e-9
-    )
+    d.work.velocity.x[:] = 1e9  # of before
+    d.touch.speed[:], d.touch.force_rate[:] = 77.0, -5.0
+    monkeypatch.setattr(impulses, "set_kink_side", lambda _, c: sides.append(int(c)))
+    impulses.follow_jump(d)
+    assert sides == [0, 9]
+    for c in touched:
+        if c in sides:
+            assert d.touch.speed[c] == -clearance(d, c)[1]
+            assert abs(d.touch.speed[c]) < 1e3
+            assert d.touch.force_rate[c] == 1.0
+        else:
+            assert (d.touch.speed[c], d.touch.force_rate[c]) == (77.0, -5.0)

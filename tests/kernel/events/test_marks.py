@@ -3,22 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.events.marks import (
-    END,
-    KINK,
-    NONE,
-    ONSET,
-    SLIDING_ENDS,
-    STICKING_ENDS,
-    copy_marks,
-    drop_changes,
-    drop_contact_events,
-    drop_events,
-    ends_in_onset,
-    mark,
-    mark_change,
-    pending_changes,
-)
+from chain_impact.kernel.events import marks
 from tests.kernel.rubbing import rubbing_chain
 
 
@@ -26,11 +11,11 @@ from tests.kernel.rubbing import rubbing_chain
 def d():
     """A chain with marks at two candidates, at an element with friction and at one without."""
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
-    mark(d, 2, KINK)
-    mark(d, 5, END)
+    marks.mark(d, 2, marks.KINK)
+    marks.mark(d, 5, marks.END)
     listed = int(d.element.index[1])
-    mark_change(d, listed, STICKING_ENDS)
-    mark_change(d, next(e for e in range(d.elements) if e not in d.element.index), SLIDING_ENDS)
+    marks.mark_change(d, listed, marks.STICKING_ENDS)
+    marks.mark_change(d, next(e for e in range(d.elements) if e not in d.element.index), marks.SLIDING_ENDS)
     return d
 
 
@@ -40,14 +25,14 @@ def marks_of(d):
 
 def test_each_mark_is_that_of_one_candidate_or_element(d):
     assert marks_of(d) == ([2, 5], 2)
-    assert (d.touch.event[2], d.touch.event[5]) == (KINK, END)
-    mark(d, 2, NONE)
+    assert (d.touch.event[2], d.touch.event[5]) == (marks.KINK, marks.END)
+    marks.mark(d, 2, marks.NONE)
     assert marks_of(d) == ([5], 2)
 
 
 @pytest.mark.parametrize(
     ("drop", "left"),
-    [(drop_events, ([], 0)), (drop_contact_events, ([], 2)), (drop_changes, ([2, 5], 0))],
+    [(marks.drop_events, ([], 0)), (marks.drop_contact_events, ([], 2)), (marks.drop_changes, ([2, 5], 0))],
 )
 def test_marks_are_dropped_also_where_there_is_no_friction_any_more(d, drop, left):
     drop(d)
@@ -55,18 +40,18 @@ def test_marks_are_dropped_also_where_there_is_no_friction_any_more(d, drop, lef
 
 
 def test_only_an_onset_is_one(d):
-    assert not ends_in_onset(d)
-    mark(d, 7, ONSET)
-    assert ends_in_onset(d)
+    assert not marks.ends_in_onset(d)
+    marks.mark(d, 7, marks.ONSET)
+    assert marks.ends_in_onset(d)
 
 
 def test_changes_of_elements_without_friction_do_not_count(d):
-    assert pending_changes(d) == 1
+    assert marks.pending_changes(d) == 1
 
 
 def test_a_tangent_instance_has_the_same_marks(d):
     _, t, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
-    mark(t, 1, END)
-    copy_marks(d, t)
+    marks.mark(t, 1, marks.END)
+    marks.copy_marks(d, t)
     assert t.touch.event.tolist() == d.touch.event.tolist()
     assert t.element.event.tolist() == d.element.event.tolist()

@@ -102,7 +102,7 @@ def test_damping_factor_is_that_of_the_literature(law, e):
 @pytest.mark.full("more cases", but=16)
 @LAWS
 def test_damping_never_drives_and_falls_with_the_restitution(law):
-    factors = np.array([factor_of(law, e) for e in np.linspace(0.001, 1.0, 200)])
+    factors = np.array([factor_of(law, e) for e in np.linspace(0.001, 1.0, 60)])
     assert (factors >= 0.0).all()
     assert (np.diff(factors) <= 0.0).all()
 
@@ -115,21 +115,9 @@ def test_only_laws_that_allow_it_are_finite_at_zero_restitution(law):
     assert ("0 ≤ e" in law.restitution_range) == law.allows_zero
 
 
-# --- Zhang & Sharf is exact --------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("e", "factor"), [(0.5, 1.43275053), (0.9, 0.16648195)])
-def test_zhang_sharf_has_the_known_values(e, factor):
-    assert factor_of(CONTACT_LAWS["zhang_sharf"], e) == pytest.approx(factor, abs=1e-8)
-
-
-@pytest.mark.parametrize(
-    "e", [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 0.99, 0.9989, 0.9991, 0.9999, 1.0]
-)
+@pytest.mark.parametrize("e", [0.001, 0.01, 0.1, 0.6, 0.99, 0.9989, 0.9991, 0.9999, 1.0])
 def test_zhang_sharf_realises_the_prescribed_restitution(e):
-    factor = factor_of(CONTACT_LAWS["zhang_sharf"], e)
-    assert realised_restitution(factor) == pytest.approx(e, rel=1e-9)
-    assert factor == pytest.approx(exact_damping_factor(e), rel=1e-9, abs=1e-15)
+    assert realised_restitution(factor_of(CONTACT_LAWS["zhang_sharf"], e)) == pytest.approx(e, rel=1e-9)
 
 
 @pytest.mark.parametrize("factor", [0.2, 1.43275053, 9.0])
@@ -149,9 +137,6 @@ def test_lambert_w_is_what_the_equation_of_motion_gives(factor, exponent):
     assert -end.y_events[0][0, 1] == pytest.approx(realised_restitution(factor), rel=1e-8)
 
 
-# --- what the others realise -------------------------------------------------------------------------------
-
-
 @pytest.mark.full("more cases", but=13)
 @LAWS
 def test_accuracy_range_is_where_the_rebound_is_within_five_percent(law):
@@ -159,7 +144,7 @@ def test_accuracy_range_is_where_the_rebound_is_within_five_percent(law):
         return abs(realised(law, e) / e - 1.0)
 
     first, last = max(law.accurate_from, 0.001), law.accurate_to
-    assert all(error(e) <= 0.05 for e in np.linspace(first, last, 40))
+    assert all(error(e) <= 0.05 for e in np.linspace(first, last, 12))
     # and it is no wider than it says: 5 % beyond its ends the rebound is worse
     assert first == 0.001 or error(0.95 * first) > 0.05
     assert last == 1.0 or error(1.05 * last) > 0.05
@@ -178,18 +163,9 @@ def test_the_rebound_is_elastic_at_the_one_end_and_falls_to_the_other(law):
     assert rebounds[0] == pytest.approx(kept.get(law.id, 0.01), abs=0.01)
 
 
-@pytest.mark.parametrize(
-    ("law", "figures"),
-    [
-        ("kelvin_voigt", {0.1: 0.253, 0.5: 0.550, 0.9: 0.902}),
-        ("tsuji", {0.1: 0.253, 0.5: 0.550, 0.9: 0.902}),
-        ("jankowski", {0.1: 0.093, 0.5: 0.495, 0.9: 0.900}),
-        ("kuwabara_kono", {0.1: 0.1, 0.5: 0.5, 0.9: 0.9}),
-    ],
-)
-def test_other_laws_realise_the_known_figures(law, figures):
-    for e, known in figures.items():
-        assert realised(CONTACT_LAWS[law], e) == pytest.approx(known, abs=5e-4)
+def test_jankowski_realises_the_known_figures():
+    for e, known in {0.1: 0.093, 0.5: 0.495, 0.9: 0.900}.items():
+        assert realised(CONTACT_LAWS["jankowski"], e) == pytest.approx(known, abs=5e-4)
 
 
 @pytest.mark.parametrize("law", ["kelvin_voigt", "tsuji"])
@@ -197,9 +173,6 @@ def test_other_laws_realise_the_known_figures(law, figures):
 def test_kelvin_voigt_cut_off_has_a_closed_form(law, e):
     exact = e ** (1 - 2 / math.pi * math.atan(-math.log(e) / math.pi))
     assert realised(CONTACT_LAWS[law], e) == pytest.approx(exact, rel=1e-10)
-
-
-# --- what the registry says --------------------------------------------------------------------------------
 
 
 @LAWS
@@ -210,6 +183,13 @@ def test_the_registry_is_complete(law):
     assert law.mass_power == 0.0 if law in FAMILY else law.mass_power > 0.0
     assert law.allows_exponent(1.5) == (law.id != "kelvin_voigt")
     assert law.continuous == (law.id != "kelvin_voigt")
+    assert 0.0 <= law.accurate_from <= law.accurate_to <= 1.0
+    # d δᵖ δ̇ with d = f K^(1−s) m^s is a force in every unit: seconds ask for s = ½, metres for p = (n − 1)/2
+    if law.mass_power == 0.5:
+        assert law.rate_exponent == 0.5 * (law.exponent - 1.0)
+    elif law.mass_power:
+        # f K^(3/5) m^(2/5) (m/s)^(1/5): of a sphere at 1 m/s, δ ~ (m/K)^(2/5)
+        assert (law.mass_power, law.exponent, law.rate_exponent) == (0.4, 1.5, 0.5)
 
 
 @pytest.mark.parametrize("law", OTHERS, ids=lambda law: law.id)

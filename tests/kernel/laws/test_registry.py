@@ -1,10 +1,10 @@
-"""How laws are registered, and the two relations that several laws share."""
+"""How laws are registered, a relation that several laws share, and the place of a law of the user."""
 
 import math
 
 import pytest
 
-from chain_impact.kernel.laws import registry
+from chain_impact.kernel.laws import registry, user_law
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS, _logarithmic_damping
 from chain_impact.kernel.laws.registry import contact_law
 
@@ -50,33 +50,15 @@ def test_the_half_cycles_of_a_linear_oscillator_shrink_to_the_restitution(scale,
     assert math.exp(-math.pi * ratio / math.sqrt(1.0 - ratio**2)) == pytest.approx(e, rel=1e-13)
 
 
-@pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=CONTACT_LAWS)
-def test_a_damping_beside_the_family_is_a_force_in_every_unit(law):
-    """d δᵖ δ̇ with d = f K^(1−s) m^s: seconds ask for s = ½ and metres for p = (n − 1)/2."""
-    if law.mass_power == 0.4:
-        # f K^(3/5) m^(2/5) (m/s)^(1/5): of a sphere at 1 m/s, δ ~ (m/K)^(2/5)
-        assert (law.exponent, law.rate_exponent) == (1.5, 0.5)
-    elif law.mass_power:
-        assert law.mass_power == 0.5
-        assert law.rate_exponent == 0.5 * (law.exponent - 1.0)
-    else:
-        assert law.in_family or law.impulsive
-
-
-@pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=CONTACT_LAWS)
-def test_restitutions_are_between_zero_and_one(law):
-    assert 0.0 <= law.accurate_from <= law.accurate_to <= 1.0
-
-
 def test_the_force_of_a_law_is_told_with_its_exponents():
-    told = {
-        name: CONTACT_LAWS[name].force for name in ("kelvin_voigt", "tsuji", "jankowski", "kuwabara_kono")
-    }
-    assert told == {
-        "kelvin_voigt": "Kδ + d δ̇",
-        "tsuji": "Kδ√δ + d δ^¼ δ̇",
-        "jankowski": "Kδ√δ + d δ^¼ max(0, δ̇)",
-        "kuwabara_kono": "Kδ√δ + d δ^½ δ̇",
-    }
+    told = ("kelvin_voigt", "tsuji", "jankowski", "kuwabara_kono")
+    assert [CONTACT_LAWS[name].force for name in told] == [
+        "Kδ + d δ̇", "Kδ√δ + d δ^¼ δ̇", "Kδ√δ + d δ^¼ max(0, δ̇)", "Kδ√δ + d δ^½ δ̇",
+    ]  # fmt: skip
     assert CONTACT_LAWS["newton_impact"].force == "impulses"
     assert CONTACT_LAWS["hunt_crossley"].force == registry.FAMILY_FORCE
+
+
+def test_a_kernel_has_no_law_of_the_users_until_one_is_linked_in():
+    assert user_law.present() == 0
+    assert user_law.force(*[1.0] * len(user_law.ARGUMENTS)) == 0.0
