@@ -59,9 +59,9 @@ def add(verbs: Verbs) -> None:
         "-o",
         dest="table",
         metavar="FILE",
-        type=Path,
         required=True,
-        help="write the table (csv, parquet); the same command goes on after an interruption",
+        help="write the table (csv, parquet), or a folder, as runs/, to which rows are streamed as Parquet; "
+        "the same command goes on after an interruption",
     )
     add_plot(sweep, "the main results over what varies")
     sweep.set_defaults(run=run)
@@ -69,10 +69,13 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the sweep, write what was asked for, and say how many runs failed, and why."""
-    from chain_impact.studies.sweep.resume import partial_path
+    from chain_impact.studies.sweep.dataset import partial_path
     from chain_impact.studies.sweep.sweep import sweep
+    from chain_impact.studies.sweep.table import is_folder
 
-    check_outputs(options.table, options.plot, inputs=[options.source])
+    table = Path(options.table)
+    keeps = table if is_folder(options.table) else partial_path(table)
+    check_outputs(table, options.plot, inputs=[options.source])
     scene = with_settings(load_scene(options.source), settings_of(options.set))
     vary = variations(options.vary, settings_of(options.set))
     if options.plot:
@@ -94,8 +97,8 @@ def run(options: argparse.Namespace) -> int:
                 progress=advance,
             )
     except KeyboardInterrupt:
-        if partial_path(options.table).exists():
-            complain(f"what is done is kept in {partial_path(options.table)}; the same command goes on")
+        if keeps.exists():
+            complain(f"what is done is kept in {keeps}; the same command goes on")
         raise
     say(f"table    {options.table}")
     if options.plot:

@@ -115,7 +115,7 @@ def test_no_workers_left(scheduler, monkeypatch):
 
 def test_rows_that_are_lost_with_the_last_worker(scheduler, monkeypatch):
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
-    worker, real = scheduler.worker(), cluster._result
+    worker, real = scheduler.worker(), cluster.Cluster.result
 
     def late(*arguments):
         worker.kill()  # when the first piece is done, and before its rows are here
@@ -123,7 +123,7 @@ def test_rows_that_are_lost_with_the_last_worker(scheduler, monkeypatch):
         time.sleep(0.5)
         return real(*arguments)
 
-    monkeypatch.setattr(cluster, "_result", late)
+    monkeypatch.setattr(cluster.Cluster, "result", late)
     with pytest.raises(RunError, match="it has no workers left"):
         sweep(SCENE, {"contact.restitution": "0.3:0.7:300"}, scheduler=scheduler.address)
 
@@ -203,11 +203,11 @@ def test_a_piece_that_a_worker_cannot_do():
         def result(self, timeout):  # noqa: ARG002
             raise ValueError("odd")
 
-    job = SimpleNamespace(scene=load_scene("four_link_box"))
+    lost = SimpleNamespace(_work=SimpleNamespace(job=SimpleNamespace(scene=SCENE)))
     with pytest.raises(
         RunError, match="FourLinkBox: the cluster could not do the runs 0 to 2: ValueError: odd"
     ):
-        cluster._result(None, Failed(), (0, 3), job, "tcp://127.0.0.1:9")
+        cluster.Cluster.result(lost, Failed(), (0, 3))
 
 
 def test_the_scheduler_dies(scheduler):

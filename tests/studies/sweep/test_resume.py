@@ -1,6 +1,7 @@
-"""An interrupted sweep goes on with what is missing, and knows another sweep's file."""
+"""An interrupted sweep goes on with what is missing, and knows another sweep's folder."""
 
 import errno
+import json
 import signal
 import subprocess
 import sys
@@ -11,7 +12,8 @@ from filelock import FileLock
 
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, with_values
-from chain_impact.studies.sweep import resume, sweep as module
+from chain_impact.studies.sweep import sweep as module
+from chain_impact.studies.sweep.dataset import MANIFEST
 from chain_impact.studies.sweep.sweep import sweep
 
 SCENE = with_values(
@@ -44,9 +46,9 @@ def spans(monkeypatch):
     asked = []
     real = module.run_in_threads
 
-    def spy(job, design, spans, threads):
+    def spy(work, spans, threads):
         asked.extend(spans)
-        return real(job, design, spans, threads)
+        return real(work, spans, threads)
 
     monkeypatch.setattr(module, "run_in_threads", spy)
     return asked
@@ -56,7 +58,7 @@ def test_what_is_done_is_not_done_again(tmp_path, spans):
     path = tmp_path / "out.csv"
     part = stopped(path)
     assert not path.exists()
-    assert (tmp_path / "out.csv.partial").exists()
+    assert (tmp_path / "out.csv.partial" / MANIFEST).exists()
     spans.clear()
     found = sweep(SCENE, VARY, path=path)
     assert spans == [(round(part * 800), 800)]
@@ -64,25 +66,45 @@ def test_what_is_done_is_not_done_again(tmp_path, spans):
     assert [file.name for file in tmp_path.iterdir()] == ["out.csv"]
 
 
-@pytest.mark.full("more cases", but=1)
-@pytest.mark.parametrize("cut", [1, 30, 2000])
-def test_a_block_that_was_not_written_to_its_end_is_done_again(tmp_path, cut):
-    path, partial = tmp_path / "out.csv", tmp_path / "out.csv.partial"
+def last_file(folder):
+    return max(folder.glob("runs-*"))
+
+
+@pytest.mark.full("more cases", but=2)
+@pytest.mark.parametrize("harm", ["cut", "bytes", "none", "short", "other", "gone"])
+def test_a_damaged_file_is_made_again(tmp_path, harm, caplog):
+    path, folder = tmp_path / "out.csv", tmp_path / "out.csv.partial"
     stopped(path)
-    with partial.open("r+b") as file:
-        file.truncate(partial.stat().st_size - cut)
-    stopped(path, at=0.6)  # goes on after the cut
+    file = last_file(folder)
+    content = bytearray(file.read_bytes())
+    if harm == "cut":
+        file.write_bytes(content[:-100])
+    elif harm == "bytes":
+        content[len(content) // 2] ^= 1
+        file.write_bytes(content)
+    elif harm == "none":
+        file.write_bytes(b"")
+    elif harm == "short":
+        np.savez(file, rows=np.load(file)["rows"][:1])
+    elif harm == "other":
+        np.savez(file, numbers=np.arange(3))
+    else:
+        file.unlink()
+    stopped(path, at=0.6)
+    assert (f"{file} is damaged, its runs are made anew (" in caplog.text) is (harm != "gone")
     found = sweep(SCENE, VARY, path=path)
     assert found.rows.tobytes() == sweep(SCENE, VARY).rows.tobytes()
 
 
-def test_a_block_with_other_bytes_is_done_again(tmp_path):
-    path, partial = tmp_path / "out.csv", tmp_path / "out.csv.partial"
+def test_a_file_that_the_manifest_does_not_list_is_no_part(tmp_path):
+    """As one that was renamed just before the process was killed, and one that was not complete."""
+    path, folder = tmp_path / "out.csv", tmp_path / "out.csv.partial"
     stopped(path)
-    content = bytearray(partial.read_bytes())
-    content[-100] ^= 1
-    partial.write_bytes(content)
+    wrong = np.zeros(9, np.load(last_file(folder))["rows"].dtype)
+    np.savez(folder / "runs-000000000000700.npz", rows=wrong)
+    (folder / ".runs-000000000000700.npz-1").write_bytes(b"half")
     assert sweep(SCENE, VARY, path=path).rows.tobytes() == sweep(SCENE, VARY).rows.tobytes()
+    assert [file.name for file in tmp_path.iterdir()] == ["out.csv"]
 
 
 @pytest.mark.parametrize(
@@ -101,10 +123,10 @@ def test_a_block_with_other_bytes_is_done_again(tmp_path):
 def test_another_sweep_is_refused(tmp_path, vary, options, words):
     path = tmp_path / "out.csv"
     stopped(path)
-    before = (tmp_path / "out.csv.partial").read_bytes()
-    with pytest.raises(SceneError, match=rf"out.csv.partial was left by a sweep with {words}: remove it"):
+    before = {file: file.read_bytes() for file in (tmp_path / "out.csv.partial").iterdir()}
+    with pytest.raises(SceneError, match=rf"out.csv.partial was left by a sweep with {words}: remove the"):
         sweep(SCENE, vary, path=path, **options)
-    assert (tmp_path / "out.csv.partial").read_bytes() == before
+    assert {file: file.read_bytes() for file in before} == before
 
 
 def test_another_scene_or_seed_is_refused(tmp_path):
@@ -118,11 +140,36 @@ def test_another_scene_or_seed_is_refused(tmp_path):
         sweep(SCENE, vary, path=tmp_path / "samples.csv", samples=800, seed=1)
 
 
-def test_a_file_that_is_none_of_a_sweep_is_refused(tmp_path):
-    (tmp_path / "out.csv.partial").write_bytes(b"\xffmine\n")
-    with pytest.raises(SceneError, match="is not the partial table of a sweep"):
+@pytest.mark.parametrize("content", [b"\xffmine\n", b"[1]", b"{}"])
+def test_a_manifest_of_something_else_is_refused(tmp_path, content):
+    folder = tmp_path / "out.csv.partial"
+    folder.mkdir()
+    (folder / MANIFEST).write_bytes(content)
+    with pytest.raises(SceneError, match=f"{MANIFEST} is not the manifest of a sweep: remove the folder"):
         sweep(SCENE, VARY, path=tmp_path / "out.csv")
-    assert (tmp_path / "out.csv.partial").read_bytes() == b"\xffmine\n"
+    assert (folder / MANIFEST).read_bytes() == content
+
+
+@pytest.mark.parametrize(("name", "span"), [("../mine", [0, 1]), ("runs-000000000000000.npz", [0, 9999])])
+def test_a_manifest_that_lists_what_is_no_file_of_the_sweep_is_refused(tmp_path, name, span):
+    stopped(tmp_path / "out.csv")
+    manifest = tmp_path / "out.csv.partial" / MANIFEST
+    manifest.write_text(json.dumps(json.loads(manifest.read_text()) | {"files": {name: span}}))
+    with pytest.raises(SceneError, match=f"{MANIFEST} lists {name}, which is no file of the sweep: remove"):
+        sweep(SCENE, VARY, path=tmp_path / "out.csv")
+
+
+def test_a_folder_of_other_files_and_a_file_in_its_place_are_refused(tmp_path):
+    folder = tmp_path / "out.csv.partial"
+    folder.write_bytes(b"mine")
+    with pytest.raises(SceneError, match="partial must be a folder: remove the file, or choose another name"):
+        sweep(SCENE, VARY, path=tmp_path / "out.csv")
+    folder.unlink()
+    folder.mkdir()
+    (folder / "runs-mine.npz").write_bytes(b"mine")
+    with pytest.raises(SceneError, match="partial has files, but no manifest of a sweep: choose another"):
+        sweep(SCENE, VARY, path=tmp_path / "out.csv")
+    assert (folder / "runs-mine.npz").read_bytes() == b"mine"
 
 
 def test_nothing_is_left_where_no_run_was_done(tmp_path, monkeypatch):
@@ -228,29 +275,21 @@ def test_a_folder_that_can_only_be_read_is_said_with_the_path_of_the_table(tmp_p
     assert caught.value.filename == str(path)
 
 
-@pytest.mark.parametrize("room", [10, 2000])
-def test_a_full_disk_is_said_with_the_path_and_what_is_whole_is_kept(tmp_path, monkeypatch, room):
-    path, written = tmp_path / "table.csv", []
-
-    class Full:
-        """A file on a disk that takes so many bytes."""
-
-        def __init__(self, file):
-            self._file, self.name = file, file.name
-
-        def write(self, content):
-            left = room - sum(written)
-            if left <= 0:
-                raise OSError(errno.ENOSPC, "No space left on device")
-            written.append(self._file.write(content[:left]))
-            return written[-1]
-
-    whole = resume._write
-    monkeypatch.setattr(resume, "_write", lambda file, content: whole(Full(file), content))
-    with pytest.raises(OSError, match="No space left") as caught:
-        sweep(SCENE, VARY, path=path, threads=1)
-    assert caught.value.filename == f"{path}.partial"
+@pytest.mark.parametrize("room", [10, 6000])
+def test_a_full_disk_is_said_with_the_path_and_what_is_whole_is_kept(tmp_path, room):
+    """The system takes so many bytes for a file, and no more."""
+    resource = pytest.importorskip("resource", reason="Windows has no such limit")
+    path = tmp_path / "table.csv"
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, before[1]))
+    try:
+        with pytest.raises(OSError, match="File too large") as caught:
+            sweep(SCENE, VARY, path=path, threads=1)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert caught.value.filename.startswith(f"{path}.partial")
     assert not path.exists()
-    monkeypatch.undo()
-    found = sweep(SCENE, VARY, path=path, threads=1)
-    assert len(found) == 800
+    kept = sorted(file.name for file in tmp_path.rglob("*") if file.is_file())
+    assert kept == ([] if room == 10 else [MANIFEST, *(file for file in kept if file.startswith("runs-"))])
+    assert len(kept) != 1
+    assert len(sweep(SCENE, VARY, path=path, threads=1)) == 800

@@ -10,7 +10,7 @@ from chain_impact.extras import MissingExtraError
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.studies.sweep.sweep import sweep
-from chain_impact.studies.sweep.table import CHUNK
+from chain_impact.studies.sweep.work import CHUNK
 from tests.tiers import needs_interop
 
 SCENE = with_values(
@@ -84,7 +84,7 @@ def test_data_frame(found):
 @pytest.mark.parametrize(
     ("error", "name", "words"),
     [
-        (SceneError, "out.xlsx", "out.xlsx must end in .csv or .parquet"),
+        (SceneError, "out.xlsx", "out.xlsx must end in .csv or .parquet, or in / for a folder"),
         (MissingExtraError, "out.parquet", r"^pyarrow.*pip install .*\[sweep\]'"),
     ],
 )

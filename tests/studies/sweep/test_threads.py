@@ -1,6 +1,7 @@
 """Runs in threads: the rows do not depend on how many, nor on how the runs are cut into pieces."""
 
 import threading
+from concurrent.futures import CancelledError
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from chain_impact.studies.sweep.job import Runner, job_of
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.studies.sweep.threads import run_in_threads
 from chain_impact.studies.sweep.variation import variations_of
+from chain_impact.studies.sweep.work import Work
 
 SCENE = with_values(
     load_scene("four_link_box"), {("simulation", "stop_time"): 0.6, ("solver", "tolerance"): 1e-6}
@@ -20,7 +22,7 @@ SCENE = with_values(
 
 def parts(vary):
     variations = variations_of(SCENE, vary)
-    return job_of(SCENE, variations, ()), grid(variations, 20, SCENE.name)
+    return job_of(SCENE, variations, ()), grid(variations, SCENE.name)
 
 
 @pytest.mark.full("takes long")
@@ -42,14 +44,14 @@ def test_the_kernel_pauses_within_a_second():
         calls.append(1)
         return len(calls) < 2
 
-    assert runner.run(design.values(0, 15000), wanted) is None
+    with pytest.raises(CancelledError):
+        runner.run(design.values(0, 15000), wanted)
     assert len(calls) == 2
 
 
 def test_who_stops_listening_gets_all_threads_back():
     before = threading.active_count()
-    job, design = parts({"contact.restitution": "0.3:0.7:100000"})
-    pieces = run_in_threads(job, design, [(0, 100000)], 2)
+    pieces = run_in_threads(Work(*parts({"contact.restitution": "0.3:0.7:100000"})), [(0, 100000)], 2)
     _, rows = next(pieces)
     assert rows["solver.steps"].all()
     pieces.close()
@@ -57,14 +59,14 @@ def test_who_stops_listening_gets_all_threads_back():
 
 
 def test_an_error_in_a_thread_is_raised_here(monkeypatch):
-    job, design = parts({"contact.restitution": "0.3:0.7:100"})
+    work = Work(*parts({"contact.restitution": "0.3:0.7:100"}))
 
     def broken(*_):
         raise MemoryError("no room")
 
     monkeypatch.setattr(Runner, "run", broken)
     with pytest.raises(MemoryError, match="no room"):
-        list(run_in_threads(job, design, [(0, 100)], 2))
+        list(run_in_threads(work, [(0, 100)], 2))
 
 
 @pytest.mark.parametrize("threads", [0, 1.5])

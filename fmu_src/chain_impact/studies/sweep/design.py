@@ -1,11 +1,16 @@
-"""Which values each run has: all combinations of the variations, or samples of them."""
+"""Which values each run has: all combinations of the variations, or samples of them.
+
+The values of a run follow from its number, so that no array has those of all runs.
+"""
 
 from __future__ import annotations
 
+import functools
 import math
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,7 +20,12 @@ from chain_impact.studies.sweep.variation import Variation
 Sampling = Literal["lhs", "sobol"]
 SAMPLINGS = ("lhs", "sobol")
 MOST_NUMBERS = 10**8  # in a table, 800 MB
+MOST_RUNS = 10**15
+MOST_SOBOL = 2**30  # points of SciPy's sequence
 MOST_SEEDS = 2**32
+FEWEST_RESULTS = 16  # columns of every table, besides the values
+CUBE = 2**16  # runs of each Latin hypercube where one of all runs would not fit in the memory
+_own = threading.local()
 
 
 @dataclass(frozen=True)
@@ -24,34 +34,89 @@ class Design:
 
     Attributes:
         variations: what is varied, in the order of the columns.
-        samples: shape (R, K); None for a grid, all combinations, in which the last parameter changes first.
+        samples: how many; None for a grid, all combinations, in which the last parameter changes first.
+        sampling: of the samples.
+        seed: of the samples.
     """
 
     variations: tuple[Variation, ...]
-    samples: np.ndarray | None = None
+    samples: int | None = None
+    sampling: str = "lhs"
+    seed: int = 0
 
     @property
     def shape(self) -> tuple[int, ...]:
         """How many values each parameter has in a grid; () for samples."""
         return tuple(len(v.values) for v in self.variations) if self.samples is None else ()
 
-    def __len__(self) -> int:
-        """How many runs."""
-        return math.prod(self.shape) if self.samples is None else len(self.samples)
+    @property
+    def runs(self) -> int:
+        """How many runs; ``len()`` ends at what an index of the machine can be."""
+        return math.prod(self.shape) if self.samples is None else self.samples
 
     def values(self, first: int, end: int) -> np.ndarray:
         """The values of the runs first … end − 1, shape (runs, K)."""
-        if self.samples is not None:
-            return self.samples[first:end]
-        places = np.unravel_index(np.arange(first, end), self.shape)
-        return np.stack([v.values[at] for v, at in zip(self.variations, places, strict=True)], axis=1)
+        if self.samples is None:
+            places = np.unravel_index(np.arange(first, end), self.shape)
+            columns = [v.values[at] for v, at in zip(self.variations, places, strict=True)]
+        else:
+            parts = self._cubes(first, end) if self.sampling == "lhs" else self._sobol(first, end)
+            columns = [v.at(part) for v, part in zip(self.variations, parts.T, strict=True)]
+        return np.stack(columns, axis=1)
+
+    def _cubes(self, first: int, end: int) -> np.ndarray:
+        """Parts of a Latin hypercube of all runs, or of those of ``CUBE`` runs, one after another.
+
+        The bits are those of SciPy's LatinHypercube, with a generator that is spawned for each.
+        """
+        count, varied, parts = self.runs, len(self.variations), []
+        size = count if count * (varied + FEWEST_RESULTS) <= MOST_NUMBERS else CUBE
+        while first < end:
+            cube, at = divmod(first, size)
+            inside = min(size, count - cube * size)
+            to = min(inside, at + end - first)
+            order = _order(self.seed, cube, inside, varied)[:, at:to].T
+            within = _generator(self.seed, cube, at * varied).random((to - at, varied))
+            parts.append((order - within) / inside)
+            first += to - at
+        return np.concatenate(parts)
+
+    def _sobol(self, first: int, end: int) -> np.ndarray:
+        """Parts of the sequence; each thread goes forward in one of its own, which takes 5 ns for a run."""
+        key, engine = (self.seed, len(self.variations)), getattr(_own, "engine", None)
+        if engine is None or _own.key != key or engine.num_generated > first:
+            from scipy.stats import qmc  # takes long
+
+            engine = qmc.Sobol(len(self.variations), seed=np.random.default_rng(self.seed))
+            _own.engine, _own.key = engine, key
+        if first > engine.num_generated:
+            engine.fast_forward(first - engine.num_generated)
+        # SciPy warns of a start with a number of points that is no power of two
+        counts = [end - first] if first else [1, end - 1]
+        return np.concatenate([engine.random(count) for count in counts if count])
 
 
-def grid(variations: Sequence[Variation], columns: int, source: str) -> Design:
-    """All combinations, for a table with so many columns.
+def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
+    """The generator of a Latin hypercube, after so many numbers."""
+    bits: Any = np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(cube,)))
+    return np.random.Generator(bits.advance(drawn))
+
+
+@functools.lru_cache(maxsize=8)
+def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
+    """In which part of each axis every sample of a Latin hypercube is, shape (varied, count)."""
+    order = np.tile(np.arange(1, count + 1, dtype=np.int32), (varied, 1))
+    generator = _generator(seed, cube, count * varied)
+    for row in order:
+        generator.shuffle(row)
+    return order
+
+
+def grid(variations: Sequence[Variation], source: str) -> Design:
+    """All combinations.
 
     Raises:
-        SceneError: when a variation is an interval, or the table becomes too large.
+        SceneError: when a variation is an interval.
     """
     for variation in variations:
         if variation.interval:
@@ -60,45 +125,38 @@ def grid(variations: Sequence[Variation], columns: int, source: str) -> Design:
                 f"{source}: {variation.name} = {ends} is an interval, must have a number of values "
                 f"({ends}:9), or samples must be asked for"
             )
-    design = Design(tuple(variations))
-    _check_size(len(design), columns, source)
-    return design
+    return Design(tuple(variations))
 
 
-def sampled(
-    variations: Sequence[Variation], columns: int, source: str, *, count: int, sampling: str, seed: int
-) -> Design:
-    """Samples that fill the space of the variations evenly, for a table with so many columns.
+def sampled(variations: Sequence[Variation], source: str, *, count: int, sampling: str, seed: int) -> Design:
+    """Samples that fill the space of the variations evenly.
 
     McKay, Beckman & Conover, Technometrics 21 (1979) 239, for Latin hypercubes; Sobol', USSR Computational
     Mathematics and Mathematical Physics 7 (1967) 86, scrambled as by Owen, for the other.
 
     Raises:
-        SceneError: when an argument is not allowed, or the table becomes too large.
+        SceneError: when an argument is not allowed.
     """
-    for name, number, least in (("samples", count, 1), ("seed", seed, 0)):
-        if not isinstance(number, int) or isinstance(number, bool) or not least <= number < MOST_SEEDS:
-            allowed = f"a whole number >= {least} and < {MOST_SEEDS}"
-            raise SceneError(f"{source}: {name} = {number} must be {allowed}")
-    _check_size(count, columns, source)
     if sampling not in SAMPLINGS:
         raise SceneError(f"{source}: sampling = {sampling!r} must be lhs or sobol")
-    from scipy.stats import qmc  # takes long
-
-    size, generator = len(variations), np.random.default_rng(seed)
-    if sampling == "lhs":
-        parts = qmc.LatinHypercube(size, seed=generator).random(count)
-    else:
-        # whole powers of two, of which the first are taken: only these are balanced
-        parts = qmc.Sobol(size, seed=generator).random_base2(max(0, math.ceil(math.log2(count))))[:count]
-    values = [variation.at(part) for variation, part in zip(variations, parts.T, strict=True)]
-    return Design(tuple(variations), np.stack(values, axis=1))
+    most = MOST_RUNS if sampling == "lhs" else MOST_SOBOL
+    for name, number, least, end in (("samples", count, 1, most + 1), ("seed", seed, 0, MOST_SEEDS)):
+        if not isinstance(number, int) or isinstance(number, bool) or not least <= number < end:
+            raise SceneError(f"{source}: {name} = {number} must be a whole number >= {least} and < {end}")
+    return Design(tuple(variations), count, sampling, seed)
 
 
-def _check_size(runs: int, columns: int, source: str) -> None:
-    """Refuse a table that does not fit in the memory."""
-    if runs * columns > MOST_NUMBERS:
+def check_size(design: Design, columns: int, source: str, *, streamed: bool) -> None:
+    """Refuse a table that does not fit in the memory, unless it is streamed.
+
+    Raises:
+        SceneError: when there are too many runs.
+    """
+    numbers = design.runs * columns
+    if streamed and design.runs > MOST_RUNS:
+        raise SceneError(f"{source}: {design.runs} runs must be <= {MOST_RUNS}: vary fewer values")
+    if not streamed and numbers > MOST_NUMBERS:
         raise SceneError(
-            f"{source}: {runs} runs with {columns} columns are {runs * columns} numbers, "
-            f"must be <= {MOST_NUMBERS}: vary fewer values"
+            f"{source}: {design.runs} runs with {columns} columns are {numbers} numbers, "
+            f"must be <= {MOST_NUMBERS}: vary fewer values, or write a folder, as in runs/"
         )

@@ -8,6 +8,7 @@ scene derives.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import CancelledError
 from dataclasses import dataclass
 
 import numpy as np
@@ -128,15 +129,15 @@ class Runner:
         ]
         self._output_indices = np.array([word_index(layout, place) for place in places], np.int64)
 
-    def run(self, values: np.ndarray, wanted: Callable[[], bool] = lambda: True) -> np.ndarray | None:
-        """Run the chain once for each row of values, shape (R, K).
+    def run(self, values: np.ndarray, wanted: Callable[[], bool] = lambda: True) -> np.ndarray:
+        """Run the chain once for each row of values, shape (R, K); what came of it, shape (R,).
 
         Args:
             values: of the parameters.
-            wanted: asked within every second; if it says no, the rest is left.
+            wanted: asked within every second.
 
-        Returns:
-            What came of it, shape (R,), or None if it was not wanted.
+        Raises:
+            CancelledError: when the answer is no.
         """
         words = np.ascontiguousarray(values[:, self._in_record], np.float64)
         for k, whole in enumerate(self._whole):
@@ -149,7 +150,7 @@ class Runner:
         done, continuing = 0, 0
         while done < len(rows):
             if not wanted():
-                return None
+                raise CancelledError
             done += self._kernel.run_each(
                 self._instance.ctypes.data,
                 self._places.ctypes.data,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import closing
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +12,14 @@ from chain_impact.progress import Progress, log, silent
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.cluster import run_on_cluster
-from chain_impact.studies.sweep.design import Sampling, grid, sampled
+from chain_impact.studies.sweep.dataset import kept
+from chain_impact.studies.sweep.design import Sampling, check_size, grid, sampled
 from chain_impact.studies.sweep.job import job_of
 from chain_impact.studies.sweep.pieces import missing
-from chain_impact.studies.sweep.resume import kept, partial_path
-from chain_impact.studies.sweep.table import Sweep, table_path
+from chain_impact.studies.sweep.table import Sweep, is_folder, table_path
 from chain_impact.studies.sweep.threads import run_in_threads
 from chain_impact.studies.sweep.variation import Values, variations_of
+from chain_impact.studies.sweep.work import Work
 from chain_impact.system import cores
 from chain_impact.variables.model import Model
 
@@ -53,16 +54,18 @@ def sweep(
         sampling: ``lhs``, a Latin hypercube, or ``sobol``, a scrambled Sobol' sequence.
         seed: of the samples; the same seed gives the same samples.
         outputs: names of further FMU outputs for the table, as they are at the end of each run.
-        path: file for the table, CSV or Parquet. Until it is whole, what is done is kept beside it, in a
-            file with ``.partial`` after its name: after an interruption, the same call goes on from there.
+        path: file for the table, CSV or Parquet; or a folder, which ends in ``/`` or has no suffix: rows are
+            written there as they come, to Parquet files of some runs each, and are not kept in the memory.
+            After an interruption, the same call goes on: what is done is in the folder, or for a file in one
+            beside it, with ``.partial`` after its name, until the table is written.
         threads: how many runs are made at the same time; as many as there are cores by default.
         scheduler: address of a dask.distributed scheduler, ``tcp://host:port``, whose workers do the runs in
-            place of this machine. They need the same version of this package.
+            place of this machine. They need the same version of this package, and write to the folder.
         progress: called with the fraction done, if given.
 
     Raises:
         SceneError: when an argument is not allowed, which is said before any run; or when another sweep has
-            left a partial table at the path, or writes one there now.
+            left its runs at the path, or writes there now.
         MissingExtraError: when a library is not installed that samples, Parquet or a cluster need.
         RunError: when the cluster cannot finish the sweep.
         OSError: when a file cannot be read or written.
@@ -75,31 +78,36 @@ def sweep(
     model = Model(scene)
     variations = variations_of(model, vary)
     job = job_of(model, variations, outputs)
-    columns = len(variations) + len(job.dtype.names or ())
     if samples is None:
-        design = grid(variations, columns, scene.name)
+        design = grid(variations, scene.name)
     else:
-        design = sampled(variations, columns, scene.name, count=samples, sampling=sampling, seed=seed)
-    rows = np.zeros(len(design), job.dtype)
+        design = sampled(variations, scene.name, count=samples, sampling=sampling, seed=seed)
+    streamed = path is not None and is_folder(path)
+    check_size(design, len(variations) + len(job.dtype.names or ()), scene.name, streamed=streamed)
     target = table_path(path) if path else None
-    with kept(target, job, design, rows) as book:
-        spans = missing(book.done, len(rows))
+    rows = np.zeros(0 if streamed else design.runs, job.dtype)
+    with ExitStack() as stack:
+        dataset = stack.enter_context(kept(target, job, design, rows)) if target else None
+        spans = missing(list(dataset.files.values()) if dataset else [], design.runs)
         left = sum(end - first for first, end in spans)
-        if target and left < len(rows):
-            there = f"{len(rows) - left} of {len(rows)} runs are kept in {partial_path(target)}"
+        if dataset and left < design.runs:
+            there = f"{design.runs - left} of {design.runs} runs are kept in {dataset.path}"
             log.info("%s, %s are left", there, left)
-        if scheduler is None:
-            pieces = run_in_threads(job, design, spans, threads)
+        work = Work(job, design, dataset.path.resolve() if dataset and streamed else None)
+        if scheduler is None or not spans:
+            pieces = run_in_threads(work, spans, threads)
         else:
-            pieces = run_on_cluster(job, design, spans, scheduler)
-        with closing(pieces):
-            for first, block in pieces:
-                rows[first : first + len(block)] = block
-                book.keep(first, block)
-                left -= len(block)
-                progress(1.0 - left / len(rows))
-        found = Sweep(scene, design, rows, job.outputs)
-        if target:
+            pieces = run_on_cluster(work, spans, scheduler)
+        stack.enter_context(closing(pieces))
+        for piece, made in pieces:
+            if not streamed:
+                rows[slice(*piece)] = made
+            if dataset:
+                dataset.add(piece, made)
+            left -= piece[1] - piece[0]
+            progress(1.0 - left / design.runs)
+        found = Sweep(scene, design, dataset if dataset and streamed else rows, job.outputs)
+        if target and dataset and not streamed:
             found.save(target)
-        book.remove()
+            dataset.remove()
     return found

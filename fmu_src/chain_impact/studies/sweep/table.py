@@ -5,7 +5,9 @@ from __future__ import annotations
 import csv
 import functools
 import math
-from collections.abc import Iterator
+import os
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,14 +18,13 @@ from chain_impact.extras import require
 from chain_impact.kernel.status import OK, STATUS_NAME
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
+from chain_impact.studies.sweep.dataset import Dataset
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import STATUS
+from chain_impact.studies.sweep.work import CHUNK, PARQUET, STATUS_WORD, Columns, columns_of, write_parquet
 from chain_impact.system import written_whole
 
-STATUS_WORD = "status"  # the column with the status in a word
-TABLES = (".csv", ".parquet")
-CHUNK = 10_000  # rows of a CSV file that are made at once
-_STATUS_WORDS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
+TABLES = (".csv", PARQUET)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -46,13 +47,14 @@ class Sweep:
     Attributes:
         scene: the scene that was varied.
         design: which values each run has.
-        rows: the results, shape (R,), without the values and the word for the status.
+        rows: the results, shape (R,), without the values and the word for the status; of a sweep into a
+            folder that folder, whose columns are read when they are asked for.
         outputs: the outputs that were asked for.
     """
 
     scene: Scene
     design: Design
-    rows: np.ndarray
+    rows: np.ndarray | Dataset
     outputs: tuple[str, ...] = ()
 
     @property
@@ -71,26 +73,28 @@ class Sweep:
 
     def __repr__(self) -> str:
         """How many runs there were, and how they ended: "FourLinkBox  9 runs: 8 ok, 1 too_much_work"."""
-        codes, counts = np.unique(self.rows[STATUS], return_counts=True)
-        most_first = np.argsort(-counts, kind="stable")
-        ends = ", ".join(f"{counts[k]} {STATUS_NAME[int(codes[k])]}" for k in most_first)
+        ended: Counter[int] = Counter()
+        for chunk in self.chunks([STATUS]):
+            ended.update(dict(zip(*(part.tolist() for part in np.unique_counts(chunk[STATUS])), strict=True)))
+        most_first = sorted(ended, key=lambda code: (-ended[code], code))
+        ends = ", ".join(f"{ended[code]} {STATUS_NAME[code]}" for code in most_first)
         return f"{self.scene.name}  {len(self)} run{'s' if len(self) != 1 else ''}: {ends}"
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A column, shape (R,); choices, as a contact law, by their names."""
         if name not in self.names:
             raise KeyError(f"{name} is no column of the sweep; there are {', '.join(self.names)}")
-        return self._column(name, 0, len(self))
+        return self._columns([name])[name]
 
     @property
     def failed(self) -> np.ndarray:
         """Which runs did not reach their end, shape (R,)."""
-        return np.asarray(self.rows[STATUS] != OK)
+        return np.asarray(self[STATUS] != OK)
 
     @functools.cached_property
     def table(self) -> np.ndarray:
         """All columns as one structured array, shape (R,)."""
-        columns = self._columns(0, len(self))
+        columns = self._columns(self.names)
         table = np.zeros(len(self), [(name, column.dtype) for name, column in columns.items()])
         for name, column in columns.items():
             table[name] = column
@@ -102,7 +106,7 @@ class Sweep:
         Raises:
             MissingExtraError: when pandas is not installed.
         """
-        return require("pandas", "pandas").DataFrame(self._columns(0, len(self)))
+        return require("pandas", "pandas").DataFrame(self._columns(self.names))
 
     def save(self, path: str | Path) -> None:
         """Write the table, as CSV or as Parquet: the suffix says which.
@@ -119,7 +123,7 @@ class Sweep:
             if path.suffix.lower() == ".csv":
                 self._save_csv(fresh)
             else:
-                self._save_parquet(fresh)
+                write_parquet(fresh, self.chunks(self.names))
 
     def plot(self, path: str | Path) -> None:
         """Draw the main results over what was varied; the suffix says which kind (png, svg, pdf).
@@ -132,49 +136,44 @@ class Sweep:
 
         plot_sweep(self, path)
 
-    def _columns(self, first: int, end: int) -> dict[str, np.ndarray]:
-        return {name: self._column(name, first, end) for name in self.names}
-
-    def _column(self, name: str, first: int, end: int) -> np.ndarray:
-        """A part of a column."""
-        if name in self.varied:
-            k = self.varied.index(name)
-            return self.design.variations[k].shown(self.design.values(first, end)[:, k])
-        if name == STATUS_WORD:
-            return np.asarray(_STATUS_WORDS[self.rows[STATUS][first:end]])
-        return np.asarray(self.rows[name][first:end])
-
-    def _chunks(self) -> Iterator[dict[str, np.ndarray]]:
+    def chunks(self, names: Sequence[str]) -> Iterator[Columns]:
+        """Some columns in the order of the runs, of a few thousand at once."""
+        if isinstance(self.rows, Dataset):
+            yield from self.rows.chunks(names)
+            return
         for first in range(0, len(self), CHUNK):
-            yield self._columns(first, min(first + CHUNK, len(self)))
+            yield columns_of(self.design, self.rows[first : first + CHUNK], first, names)
+
+    def _columns(self, names: Sequence[str]) -> Columns:
+        """Some columns, whole."""
+        chunks = list(self.chunks(names))
+        return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in names}
 
     def _save_csv(self, path: Path) -> None:
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(self.names)
-            for columns in self._chunks():
+            for columns in self.chunks(self.names):
                 cells = [_cells(column) for column in columns.values()]
                 writer.writerows(zip(*cells, strict=True))
 
-    def _save_parquet(self, path: Path) -> None:
-        arrow, parquet = require("pyarrow", "sweep"), require("pyarrow.parquet", "sweep")
-        schema = arrow.table(self._columns(0, 1)).schema
-        with parquet.ParquetWriter(path, schema) as writer:
-            for columns in self._chunks():
-                writer.write_table(arrow.table(columns))
+
+def is_folder(path: str | Path) -> bool:
+    """Whether the table is a folder of files: it is one, ends in ``/``, or has no suffix."""
+    return str(path).endswith(("/", os.sep)) or not Path(path).suffix or Path(path).is_dir()
 
 
 def table_path(path: str | Path) -> Path:
     """The path of a table.
 
     Raises:
-        SceneError: when its suffix is none of ``TABLES``.
+        SceneError: when it is no folder, and its suffix is none of ``TABLES``.
         MissingExtraError: when pyarrow is not installed, for Parquet.
     """
-    path = Path(path)
-    if path.suffix.lower() not in TABLES:
-        raise SceneError(f"{path} must end in {' or '.join(TABLES)}")
-    if path.suffix.lower() == ".parquet":
+    folder, path = is_folder(path), Path(path)
+    if not folder and path.suffix.lower() not in TABLES:
+        raise SceneError(f"{path} must end in {' or '.join(TABLES)}, or in / for a folder of Parquet files")
+    if folder or path.suffix.lower() == PARQUET:
         require("pyarrow", "sweep")
     return path
 

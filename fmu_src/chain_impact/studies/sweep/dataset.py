@@ -1,0 +1,255 @@
+"""The folder that the rows of a sweep go to as they come, in files of some runs each.
+
+Its manifest, a JSON file, says what sweep it is, which columns it has, and which runs are in which file. A
+file is written under another name, is renamed when it is complete, and then listed; what the manifest does
+not list is no part of the sweep. So a sweep that has died goes on after the last complete file.
+
+A dataset that stays has Parquet files with the columns of the table, which are written by whoever makes the
+runs. Where the table is one file, the folder stands beside it until it is written, and its files are NumPy's.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import json
+import zipfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chain_impact.compilation.sources import fingerprint
+from chain_impact.extras import require
+from chain_impact.progress import log
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import Scene, scene_to_dict
+from chain_impact.studies.sweep.design import Design
+from chain_impact.studies.sweep.job import Job
+from chain_impact.studies.sweep.pieces import Made, Span
+from chain_impact.studies.sweep.work import CHUNK, PARQUET, Columns, columns_of, file_name
+from chain_impact.system import remove_lock, written_whole
+
+ARRAYS = ".npz"
+MANIFEST = "_manifest.json"  # readers of Parquet take names with _ and . for no data
+SUFFIX, LOCK = ".partial", ".lock"
+FORMAT = 2  # of the folder; raised when it changes
+
+
+@dataclass
+class Dataset:
+    """The folder of a sweep.
+
+    Attributes:
+        path: the folder.
+        runs: how many the sweep has.
+        suffix: of its files.
+        dtype: of the rows, which have no values and no word for the status.
+        files: name → its runs, of the complete ones.
+    """
+
+    path: Path
+    runs: int
+    suffix: str
+    dtype: np.dtype
+    _head: dict[str, Any]
+    files: dict[str, Span] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        """How many runs."""
+        return self.runs
+
+    def add(self, piece: Span, made: Made) -> None:
+        """Add a complete file: one that a worker has written, or one for these rows."""
+        name = file_name(piece, self.suffix)
+        if isinstance(made, str):
+            (self.path / made).replace(self.path / name)
+        else:
+            with written_whole(self.path / name) as fresh:
+                np.savez(fresh, rows=made)
+        self.files[name] = piece
+        self._list()
+
+    def chunks(self, names: Iterable[str]) -> Iterator[Columns]:
+        """Some columns in the order of the runs, so that few are in the memory at once.
+
+        Raises:
+            SceneError: when a file is damaged.
+        """
+        parquet, names = require("pyarrow.parquet", "sweep"), list(names)
+        for file in sorted(self.files):
+            try:
+                with parquet.ParquetFile(self.path / file, page_checksum_verification=True) as opened:
+                    for batch in opened.iter_batches(CHUNK, columns=names):
+                        yield {name: _array(batch.column(name)) for name in names}
+            except (OSError, ValueError) as error:
+                raise SceneError(
+                    f"{self.path / file} is damaged: remove it, and the same sweep makes its runs anew "
+                    f"({error})"
+                ) from None
+
+    def remove(self) -> None:
+        """Remove what the sweep has written here, and the folder if nothing else is in it."""
+        for pattern in (MANIFEST, f"runs-*{self.suffix}", ".runs-*"):
+            for path in self.path.glob(pattern):
+                path.unlink()
+        with suppress(OSError):
+            self.path.rmdir()
+
+    def read(self, rows: np.ndarray) -> None:
+        """Take over what an earlier call has left here, also in ``rows``; begin, where there is nothing.
+
+        Raises:
+            SceneError: when it is not of this sweep.
+            OSError: when the folder cannot be read or written.
+        """
+        if self.path.exists() and not self.path.is_dir():
+            raise SceneError(f"{self.path} must be a folder: remove the file, or choose another name")
+        self.path.mkdir(exist_ok=True)
+        manifest = self.path / MANIFEST
+        if manifest.exists():
+            self.files = self._listed(manifest)
+        elif any(self.path.iterdir()):
+            raise SceneError(f"{self.path} has files, but no manifest of a sweep: choose another name")
+        for path in [*self.path.glob(f"runs-*{self.suffix}"), *self.path.glob(".runs-*")]:
+            if path.name not in self.files:
+                path.unlink()
+        for name, piece in list(self.files.items()):
+            if not (self.path / name).exists():
+                del self.files[name]
+            elif fault := self._fault(name, piece, rows):
+                log.warning("%s is damaged, its runs are made anew (%s)", self.path / name, fault)
+                (self.path / name).unlink()
+                del self.files[name]
+        try:
+            self._list()
+        except OSError:
+            with suppress(OSError):  # what is not empty stays
+                self.path.rmdir()
+            raise
+
+    def _fault(self, name: str, piece: Span, rows: np.ndarray) -> str:
+        """What is wrong with a file, as far as it can be told at once; nothing if it is complete."""
+        try:
+            if self.suffix == PARQUET:
+                with require("pyarrow.parquet", "sweep").ParquetFile(self.path / name) as file:
+                    found = file.metadata.num_rows
+            else:
+                with (self.path / name).open("rb") as file:
+                    block = np.load(file)["rows"]
+                rows[slice(*piece)], found = block, len(block)
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+            return str(error)
+        return "" if found == piece[1] - piece[0] else f"{found} runs"
+
+    def _list(self) -> None:
+        """Write the manifest."""
+        with written_whole(self.path / MANIFEST) as fresh:
+            fresh.write_text(json.dumps(self._head | {"files": self.files}), encoding="utf-8")
+
+    def _listed(self, manifest: Path) -> dict[str, Span]:
+        """The files of a manifest of this sweep."""
+        wrong = "remove the folder, or choose another name"
+        try:
+            found = json.loads(manifest.read_text(encoding="utf-8"))
+            differs = [name for name in self._head if found[name] != self._head[name]]
+            files = {name: (int(first), int(end)) for name, (first, end) in found["files"].items()}
+        except (ValueError, KeyError, TypeError, AttributeError):
+            raise SceneError(f"{manifest} is not the manifest of a sweep: {wrong}") from None
+        if differs:
+            raise SceneError(f"{self.path} was left by a sweep with another {differs[0]}: {wrong}")
+        for name, piece in files.items():
+            if name != file_name(piece, self.suffix) or not 0 <= piece[0] < piece[1] <= self.runs:
+                raise SceneError(f"{manifest} lists {name}, which is no file of the sweep: {wrong}")
+        return files
+
+
+@contextmanager
+def kept(table: Path, job: Job, design: Design, rows: np.ndarray) -> Iterator[Dataset]:
+    """The folder of a sweep, which no other one writes meanwhile.
+
+    Args:
+        table: what the sweep writes.
+        job: what the runs share.
+        design: the values of each run.
+        rows: filled with what an earlier call has left, for a table that is a file; none for a folder.
+
+    Raises:
+        SceneError: when another sweep has left it, or writes it now.
+        OSError: when it cannot be read or written.
+    """
+    path, suffix = (partial_path(table), ARRAYS) if len(rows) else (table, PARQUET)
+    head = _head(job, design)
+    with _locked(table):
+        dataset = Dataset(path, design.runs, suffix, job.dtype, head)
+        dataset.read(rows)
+        try:
+            yield dataset
+        finally:
+            if not dataset.files:
+                dataset.remove()
+
+
+def partial_path(table: Path) -> Path:
+    """The folder that keeps what is done until the table, which is a file, is written."""
+    return table.with_name(table.name + SUFFIX)
+
+
+@contextmanager
+def _locked(table: Path) -> Iterator[None]:
+    """Keep other sweeps from writing the same table meanwhile.
+
+    Raises:
+        SceneError: when one does.
+        OSError: when nothing can be written beside the table.
+    """
+    if not table.parent.is_dir():  # the lock would make it
+        raise FileNotFoundError(errno.ENOENT, f"there is no folder {table.parent}", str(table))
+    from filelock import FileLock, Timeout
+
+    lock = FileLock(table.with_name(table.name + SUFFIX + LOCK))
+    try:
+        lock.acquire(timeout=0)
+    except Timeout:
+        raise SceneError(
+            f"{table} is being written by another sweep: wait until it has ended, or choose another file"
+        ) from None
+    except OSError as error:  # the user knows nothing of the lock
+        raise type(error)(error.errno, error.strerror, str(table)) from None
+    try:
+        yield
+    finally:
+        remove_lock(lock)
+
+
+def _array(column: Any) -> np.ndarray:
+    """A column of Arrow's; words as NumPy has them."""
+    found = np.asarray(column.to_numpy(zero_copy_only=False))
+    return found.astype(str) if found.dtype.kind == "O" else found
+
+
+def _head(job: Job, design: Design) -> dict[str, Any]:
+    """What a sweep is known by: all that its rows follow from."""
+    values = hashlib.sha256(repr((design.samples, design.sampling, design.seed)).encode())
+    for one in design.variations:
+        values.update(repr((one.name, len(one.values), one.interval, one.logarithmic)).encode())
+        values.update(one.values.tobytes())
+    return {
+        "format": FORMAT,
+        "kernel": fingerprint(),
+        "scene": _scene_digest(job.scene),
+        "varied values": values.hexdigest(),
+        "outputs": list(job.outputs),
+        "runs": design.runs,
+        "columns": list(columns_of(design, np.zeros(1, job.dtype), 0)),
+    }
+
+
+def _scene_digest(scene: Scene) -> str:
+    digest = hashlib.sha256(json.dumps(scene_to_dict(scene), sort_keys=True).encode())
+    if scene.contact.law_file:
+        digest.update(Path(scene.contact.law_file).read_bytes())
+    return digest.hexdigest()

@@ -1,0 +1,106 @@
+"""What is done with each piece of a sweep: its runs are made, and given back as rows or written to a file."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from uuid import uuid4
+
+import numpy as np
+
+from chain_impact.extras import require
+from chain_impact.kernel.status import STATUS_NAME
+from chain_impact.studies.sweep.design import Design
+from chain_impact.studies.sweep.job import STATUS, Job, Runner
+from chain_impact.studies.sweep.pieces import Made, Span
+
+Columns = dict[str, np.ndarray]
+PARQUET = ".parquet"
+CHUNK = 2**14  # runs that are in the memory at once, 3 MB
+STATUS_WORD = "status"  # the column with the status in a word
+_STATUS_WORDS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
+
+
+def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str] = ()) -> Columns:
+    """Columns of the table for the rows of the runs from ``first`` on; all of them if none is named."""
+    varied = {variation.name: k for k, variation in enumerate(design.variations)}
+    found: Columns = {}
+    values = None
+    for name in names or (*varied, *(rows.dtype.names or ()), STATUS_WORD):
+        if name == STATUS_WORD:
+            found[name] = _STATUS_WORDS[rows[STATUS]]
+        elif name not in varied:
+            found[name] = rows[name]
+        else:
+            values = design.values(first, first + len(rows)) if values is None else values
+            found[name] = design.variations[varied[name]].shown(values[:, varied[name]])
+    return found
+
+
+def write_parquet(path: Path, chunks: Iterable[Columns]) -> None:
+    """Write columns as they come.
+
+    Raises:
+        MissingExtraError: when pyarrow is not installed.
+        OSError: when the file cannot be written.
+    """
+    arrow, parquet = require("pyarrow", "sweep"), require("pyarrow.parquet", "sweep")
+    with ExitStack() as stack:
+        writer = None
+        for columns in chunks:
+            table = arrow.table(columns)
+            writer = writer or stack.enter_context(
+                parquet.ParquetWriter(path, table.schema, write_page_checksum=True)
+            )
+            writer.write_table(table)
+
+
+@dataclass(frozen=True)
+class Work:
+    """What is done with each piece of a sweep.
+
+    Attributes:
+        job: what the runs share.
+        design: the values of each run.
+        folder: where Parquet files are written; None if rows are given back.
+    """
+
+    job: Job
+    design: Design
+    folder: Path | None = None
+
+    def do(self, piece: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Made, float]:
+        """Make some runs; give back their rows, or the name of the file, and how long it took [s].
+
+        Raises:
+            CancelledError: when the answer to ``wanted``, which is asked within every second, is no.
+            OSError: when the file cannot be written.
+        """
+        runner, started = Runner(self.job), perf_counter()
+
+        def chunks() -> Iterator[tuple[int, np.ndarray]]:
+            for first in range(piece[0], piece[1], CHUNK):
+                values = self.design.values(first, min(first + CHUNK, piece[1]))
+                yield first, runner.run(values, wanted)
+
+        if self.folder is None:
+            return np.concatenate([rows for _, rows in chunks()]), perf_counter() - started
+        path = self.folder / f".{file_name(piece, PARQUET)}-{uuid4().hex}"
+        try:
+            write_parquet(path, (columns_of(self.design, rows, first) for first, rows in chunks()))
+        except BaseException as error:
+            path.unlink(missing_ok=True)
+            if not isinstance(error, OSError):
+                raise
+            # Arrow's errors do not name the file
+            raise OSError(error.errno or errno.EIO, error.strerror or str(error), str(self.folder)) from None
+        return path.name, perf_counter() - started
+
+
+def file_name(piece: Span, suffix: str) -> str:
+    """The name of a complete file; in the order of names, files are in that of the runs."""
+    return f"runs-{piece[0]:015d}{suffix}"

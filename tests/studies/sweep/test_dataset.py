@@ -1,0 +1,284 @@
+"""A sweep into a folder: rows go to Parquet files as they come, and are the same as in the memory."""
+
+import itertools
+import json
+import signal
+import subprocess
+import sys
+import tracemalloc
+
+import numpy as np
+import pytest
+from scipy.stats import qmc
+
+from chain_impact import cli
+from chain_impact.extras import MissingExtraError
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import load_scene
+from chain_impact.studies.sweep import sweep as module
+from chain_impact.studies.sweep.dataset import MANIFEST
+from chain_impact.studies.sweep.design import grid, sampled
+from chain_impact.studies.sweep.sweep import sweep
+from chain_impact.studies.sweep.variation import variations_of
+from chain_impact.studies.sweep.work import CHUNK
+from tests.tiers import needs_interop
+
+SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
+VARY = {"contact.restitution": "0:0.7:400", "contact.model": "flores,newton_impact"}
+OUTPUTS = ["point[4].x", "impact.last_wall"]
+pytestmark = needs_interop
+
+
+class StopError(Exception):
+    pass
+
+
+def stopped(folder, at=0.3):
+    """Run a sweep until a part of it is done."""
+
+    def progress(part):
+        if part > at:
+            raise StopError
+
+    with pytest.raises(StopError):
+        sweep(SCENE, VARY, path=folder, threads=1, progress=progress)
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return sweep(SCENE, VARY)
+
+
+@pytest.mark.parametrize("name", ["runs", "runs.d/"])
+def test_the_rows_are_those_in_the_memory(name, tmp_path):
+    found, here = (sweep(SCENE, VARY, outputs=OUTPUTS, path=path) for path in (f"{tmp_path}/{name}", None))
+    assert [path.name for path in tmp_path.iterdir()] == [name.strip("/")]
+    assert repr(found) == repr(here)
+    assert "400 restitution_not_allowed" not in repr(here)
+    assert "restitution_not_allowed" in repr(here)
+    assert len(found) == 800
+    assert found.names == here.names
+    assert found.table.tolist()[5] == here.table.tolist()[5]
+    assert (found.failed == here.failed).all()
+    assert found.to_dataframe().equals(here.to_dataframe())
+    found.save(tmp_path / "from_folder.csv")
+    here.save(tmp_path / "from_memory.csv")
+    assert (tmp_path / "from_folder.csv").read_bytes() == (tmp_path / "from_memory.csv").read_bytes()
+
+
+def test_others_read_the_folder_in_the_order_of_the_runs(tmp_path, whole):
+    import pandas as pd
+    from pyarrow import dataset, parquet
+
+    sweep(SCENE, VARY, path=tmp_path / "runs")
+    frame = whole.to_dataframe()
+    assert len(list((tmp_path / "runs").glob("*.parquet"))) > 2
+    assert pd.read_parquet(tmp_path / "runs").equals(frame)
+    assert parquet.read_table(tmp_path / "runs").to_pandas().equals(frame)
+    lazy = dataset.dataset(tmp_path / "runs")
+    best = lazy.to_table(columns=["peak_force"], filter=dataset.field("status") == "ok").to_pandas()
+    assert best["peak_force"].max() == frame["peak_force"].max()
+
+
+def test_the_manifest_says_which_runs_are_in_which_file(tmp_path, whole):
+    from pyarrow import parquet
+
+    folder = tmp_path / "runs"
+    sweep(SCENE, VARY, path=folder)
+    manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+    assert manifest["columns"] == list(whole.names)
+    assert manifest["runs"] == 800
+    spans = sorted(manifest["files"].values())
+    assert [first for first, _ in spans] == [0, *(end for _, end in spans[:-1])]
+    assert spans[-1][1] == 800
+    for name, (first, end) in manifest["files"].items():
+        assert (
+            parquet.read_table(folder / name)["peak_force"].to_pylist()
+            == whole["peak_force"][first:end].tolist()
+        )
+    assert {path.name for path in folder.iterdir()} == {MANIFEST, *manifest["files"]}
+
+
+def test_what_is_done_is_not_done_again(tmp_path, whole, monkeypatch):
+    folder, spans, real = tmp_path / "runs", [], module.run_in_threads
+    stopped(folder)
+    files = {path: path.stat().st_mtime_ns for path in folder.glob("*.parquet")}
+    done = max(
+        end for _, end in json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["files"].values()
+    )
+    assert 0 < done < 800
+
+    def spy(work, asked, threads):
+        spans.append(asked)
+        return real(work, asked, threads)
+
+    monkeypatch.setattr(module, "run_in_threads", spy)
+    assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
+    assert {path: path.stat().st_mtime_ns for path in files} == files
+    again = sweep(SCENE, VARY, path=folder, scheduler="tcp://127.0.0.1:9")  # which is not needed
+    assert again.to_dataframe().equals(whole.to_dataframe())
+    assert spans == [[(done, 800)], []]
+
+
+@pytest.mark.parametrize("harm", ["cut", "gone", "not listed", "not complete"])
+def test_a_damaged_file_is_made_again(tmp_path, whole, harm, caplog):
+    folder = tmp_path / "runs"
+    stopped(folder)
+    file = max(folder.glob("*.parquet"))
+    if harm == "cut":
+        file.write_bytes(file.read_bytes()[:-10])
+    elif harm == "gone":
+        file.unlink()
+    elif harm == "not listed":  # as it was renamed just before the process was killed
+        (folder / "runs-000000000000790.parquet").write_bytes(file.read_bytes())
+    else:
+        (folder / f".{file.name}-1").write_bytes(b"half")
+    assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
+    assert (f"{file} is damaged, its runs are made anew (" in caplog.text) is (harm == "cut")
+    assert not list(folder.glob(".*"))
+
+
+def test_bytes_that_have_changed_are_said_when_they_are_read(tmp_path, whole):
+    folder = tmp_path / "runs"
+    found = sweep(SCENE, VARY, path=folder)
+    file = max(folder.glob("*.parquet"), key=lambda path: path.stat().st_size)
+    content = bytearray(file.read_bytes())
+    content[len(content) // 4] ^= 1
+    file.write_bytes(content)
+    with pytest.raises(SceneError, match=rf"{file} is damaged: remove it, and the same sweep makes its runs"):
+        found.table  # noqa: B018
+    file.unlink()
+    assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
+
+
+def test_another_sweep_and_other_files_are_refused(tmp_path):
+    folder = tmp_path / "runs"
+    stopped(folder)
+    before = {file: file.read_bytes() for file in folder.iterdir()}
+    with pytest.raises(SceneError, match="runs was left by a sweep with another outputs: remove the folder"):
+        sweep(SCENE, VARY, outputs=OUTPUTS, path=folder)
+    assert {file: file.read_bytes() for file in folder.iterdir()} == before
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "mine.parquet").write_bytes(b"mine")
+    with pytest.raises(SceneError, match="other has files, but no manifest of a sweep: choose another name"):
+        sweep(SCENE, VARY, path=other)
+    with pytest.raises(SceneError, match="mine must be a folder: remove the file, or choose another name"):
+        sweep(SCENE, VARY, path=f"{(other / 'mine.parquet').rename(other / 'mine')}/")
+
+
+def test_two_sweeps_do_not_write_one_folder(tmp_path):
+    def second(_):
+        with pytest.raises(SceneError, match="runs is being written by another sweep: wait until"):
+            sweep(SCENE, VARY, path=tmp_path / "runs")
+        raise StopError
+
+    with pytest.raises(StopError):
+        sweep(SCENE, VARY, path=tmp_path / "runs", progress=second)
+    assert [path.name for path in tmp_path.iterdir()] == ["runs"]
+
+
+@pytest.mark.parametrize("room", [10, 14_000])
+def test_a_full_disk_is_said_with_the_folder_and_what_is_whole_is_kept(tmp_path, whole, room):
+    """The system takes so many bytes for a file, and no more."""
+    resource = pytest.importorskip("resource", reason="Windows has no such limit")
+    folder, before = tmp_path / "runs", resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, before[1]))
+    try:
+        with pytest.raises(OSError, match=r"File too large|\[errno 27\]") as caught:
+            sweep(SCENE, VARY, path=folder, threads=1)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert str(caught.value.filename).startswith(str(folder))
+    assert folder.exists() is (room > 10)
+    assert not list(folder.glob(".*"))
+    assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
+
+
+def test_without_pyarrow_the_extra_is_named_before_any_run(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(MissingExtraError, match=r"^pyarrow.*pip install .*\[sweep\]'"):
+        sweep(SCENE, VARY, path=tmp_path / "runs", progress=lambda _: pytest.fail("it ran"))
+    assert list(tmp_path.iterdir()) == []
+
+
+KILLED = """
+import os, signal, sys
+from chain_impact.cli import main
+from chain_impact.studies.sweep import sweep
+
+real = sweep.run_in_threads
+
+def killed(*arguments):
+    pieces = real(*arguments)
+    for _ in range(3):
+        yield next(pieces)
+    os.kill(os.getpid(), signal.SIGKILL)
+
+sweep.run_in_threads = killed
+main(sys.argv[1:])
+"""
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="Windows has no such signal")
+def test_a_process_that_is_killed_goes_on_after_the_last_complete_file(tmp_path):
+    arguments = ["sweep", "--set", "solver.tolerance=1e-6", "--set", "simulation.stop_time=0.6"]
+    arguments += ["--vary", "contact.restitution=0.3:0.7:100000", "-o", "runs/"]
+    command = [sys.executable, "-c", KILLED, *arguments]
+    assert subprocess.run(command, cwd=tmp_path, check=False).returncode == -signal.SIGKILL
+    listed = set(json.loads((tmp_path / "runs" / MANIFEST).read_text(encoding="utf-8"))["files"])
+    assert len(listed) >= 2
+    times = {name: (tmp_path / "runs" / name).stat().st_mtime_ns for name in listed}
+    command = [sys.executable, "-m", "chain_impact.cli", *arguments]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert "table    runs/\nFourLinkBox  100000 runs: 100000 ok" in done.stdout
+    assert "100000 runs are kept in runs, " in done.stderr
+    assert {name: (tmp_path / "runs" / name).stat().st_mtime_ns for name in listed} == times
+    assert not list((tmp_path / "runs").glob(".*"))
+
+
+def test_ctrl_c_says_where_what_is_done_is_kept(tmp_path, monkeypatch, capsys):
+    real = module.run_in_threads
+
+    def interrupted(*arguments):
+        yield next(real(*arguments))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(module, "run_in_threads", interrupted)
+    command = ["sweep", "--vary", "contact.restitution=0.3:0.7:50", "-o", f"{tmp_path / 'runs'}/"]
+    assert cli.main(command) == 130
+    assert f"what is done is kept in {tmp_path / 'runs'}; the same command goes on" in capsys.readouterr().err
+    monkeypatch.undo()
+    assert cli.main(command) == 0
+    assert "FourLinkBox  50 runs: 50 ok" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("sampling", ["grid", "lhs", "sobol"])
+def test_the_values_of_a_billion_runs_take_no_memory(sampling):
+    names = ("contact.restitution", "initial.x", "initial.y")
+    assert qmc.Sobol  # its import takes more
+    tracemalloc.start()
+    try:
+        if sampling == "grid":
+            design = grid(variations_of(SCENE, dict.fromkeys(names, "0.1:0.9:1000")), "s")
+        else:
+            varied = variations_of(SCENE, dict.fromkeys(names, "0.1:0.9"))
+            design = sampled(varied, "s", count=10**9, sampling=sampling, seed=0)
+        assert design.runs == 10**9
+        firsts = (0, 1, 10**6, 2 * 10**6)
+        blocks = [design.values(first, first + CHUNK) for first in firsts]
+        assert tracemalloc.get_traced_memory()[1] < 30e6
+    finally:
+        tracemalloc.stop()
+    assert (blocks[0][1:] == blocks[1][:-1]).all()
+    for one, other in itertools.combinations(blocks[1:], 2):
+        assert (one != other).any()
+    assert np.ptp(np.concatenate(blocks)) > 0.7
+
+
+def test_a_picture_of_a_folder_is_that_of_the_memory(tmp_path, whole):
+    found = sweep(SCENE, VARY, path=tmp_path / "runs")
+    found.plot(tmp_path / "folder.png")
+    whole.plot(tmp_path / "memory.png")
+    assert (tmp_path / "folder.png").read_bytes() == (tmp_path / "memory.png").read_bytes()
