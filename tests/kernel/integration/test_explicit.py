@@ -11,7 +11,7 @@ from scipy.special import ellipj
 from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration import control, dop853, last_step, methods
+from chain_impact.kernel.integration import control, dop853, last_step, methods, sundman
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.explicit import BEYOND, LEFT, estimate, toward_end
 from chain_impact.kernel.model import equations, geometry
@@ -320,3 +320,19 @@ def test_of_several_contacts_a_step_passes_the_first_end_or_covers_half_of_the_w
     # a contact that has all but left does not count
     assert toward_end(d, 0.99 * min(left) / LEFT) == longest
     assert toward_end(d, 1.01 * min(left) / LEFT) == 1.01 * min(left) / LEFT
+
+
+def test_in_its_own_variable_a_step_passes_the_end_of_a_contact_that_is_near():
+    """u + u′ s + ½ u″ s² = 0."""
+    rng = np.random.default_rng(3)
+    _, d = chain(rng, 3)
+    d.step.state_end[:] = struck(rng, d, [6])
+    equations.state_rate(d, d.step.state_end, d.work.rate_start)
+    d.touch.depth_scale[6], d.step.regularized, root = 0.1, 6, state.sundman_u_at(3)
+    u, slope = d.step.state_end[root], d.work.stage[0, root] = 0.3, -0.8
+    longest = toward_end(d, 1e3)
+    roots = np.roots([0.5 * sundman.root_curve(d, u, slope), slope, u])
+    left = min(roots[roots > 0.0])
+    assert abs(left - u / -slope) > 0.01 * left
+    assert longest == pytest.approx(BEYOND * left, rel=1e-9)
+    assert toward_end(d, 0.1 * left) == 0.1 * left

@@ -1,7 +1,5 @@
 """Steps in a contact's own variable: their order where the force is not smooth in time, and time in them."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.events.marks import ONSET
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration import dense, last_step, method, methods, sundman
+from chain_impact.kernel.integration import dense, method, methods, sundman
 from chain_impact.kernel.model import equations, geometry
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
@@ -51,26 +49,6 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
         errors.append(abs(energy(d, d["trial"]["state"]) - energy(d, d["step"]["state_end"])))
     assert min(errors) > 1e-13  # else it is round-off that is measured
     assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] > 8.0
-
-
-def test_time_is_found_in_a_step_that_runs_in_another_variable():
-    d, y = Plain(at_onset()[0]), np.zeros(10)
-    h = 0.8 * time_scale(d)
-    methods.attempt(d, h)
-    last_step.accept(d)
-    last_step.ensure_dense(d, last_step.OUTPUTS)
-    step = d["step"]
-    lasts = step["end"] - step["start"]
-    assert lasts < 0.3 * h  # u rises from 0 to 0.7, and p = u/(1 + u²)
-    for part in (0.0, 1e-9, 1e-3, 0.1, 0.5, 0.9, 1.0):
-        theta = dense.fraction(d, step["start"] + part * lasts)
-        assert 0.0 <= theta <= 1.0
-        dense.interpolate(step, theta, y)
-        assert y[TIME] == pytest.approx(part * lasts, abs=1e-14 * lasts)
-        # from the onset u goes as √t: it is far from uniform in time
-        assert theta == pytest.approx(math.sqrt(part), rel=0.1)
-        # and the state is that of this time
-        assert energy(d, y) == pytest.approx(energy(d, step["state"]), rel=1e-6)
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-8])
@@ -182,11 +160,8 @@ def test_time_passes_as_p_says_and_as_itself_without_a_contact():
 @pytest.mark.parametrize(
     ("u", "time", "right"),
     [
-        (0.9 * sundman.BACK, 1e-9, False),
-        (1.1 * sundman.BACK, 1e-9, True),
-        (0.5, -1e-9, True),
-        (0.5, 0.0, True),
-        (0.5, 1e-9, False),
+        *((0.9 * sundman.BACK, 1e-9, False), (1.1 * sundman.BACK, 1e-9, True)),
+        *((0.5, -1e-9, True), (0.5, 0.0, True), (0.5, 1e-9, False)),
     ],
 )
 def test_a_step_must_not_go_far_beyond_the_end(u, time, right):

@@ -201,6 +201,19 @@ def test_candidates_of_one_origin_have_one_law():
     assert d.law.damping_factor.tolist() == [factor(of_origin[origin]) for origin in origins]
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["law", "stiffness", "restitution", "friction", "static_friction", "stop_stiffness", "stop_restitution"],
+)
+def test_laws_are_in_use_as_long_as_what_is_given_is_the_same(given, name):
+    d, _ = given
+    d.walls.restitution[:], d.given.friction, d.given.static_friction = -1.0, 0.1, 0.3
+    assert start_laws(d) == OK
+    assert own_law.laws_in_use(d)
+    d.given[name] += 1 if name == "law" else 0.25
+    assert not own_law.laws_in_use(d)
+
+
 def test_a_copied_law_is_the_same_in_all_parts(given):
     d, (c, other, *_) = given
     names = set(d._record["law"].dtype.names) - {"same_as"}
@@ -294,11 +307,8 @@ def test_what_touches_with_a_force_cannot_become_rigid():
 @pytest.mark.parametrize(
     ("of_all", "of_wall", "refused"),
     [
-        ((0.3, 0.3), (-1.0, -1.0), None),
-        ((0.3, 0.2), (-1.0, -1.0), 0),
-        ((0.3, 0.2), (0.1, 0.2), 0),
-        ((0.3, 0.4), (0.3, 0.2), 1),
-        ((0.3, 0.4), (-1.0, 0.2), 1),
+        *(((0.3, 0.3), (-1.0, -1.0), None), ((0.3, 0.2), (-1.0, -1.0), 0), ((0.3, 0.2), (0.1, 0.2), 0)),
+        *(((0.3, 0.4), (0.3, 0.2), 1), ((0.3, 0.4), (-1.0, 0.2), 1)),
         ((0.0, 0.2), (0.3, -1.0), None),  # a wall takes no static friction from the others
     ],
 )

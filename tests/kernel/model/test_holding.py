@@ -174,14 +174,9 @@ def stuck_chain(base, contacts, joints, stuck):
 @pytest.mark.parametrize(
     ("contacts", "joints", "stuck", "rigid", "alone"),
     [
-        (1, False, [], 0, False),
-        (1, False, [0], 0, True),
-        (2, False, [0, 1], 0, False),
-        (2, False, [1], 0, True),
-        (2, False, [1], 1, False),  # beside a rigid wall
-        (1, True, [0], 0, True),
-        (1, True, [1], 0, False),
-        (1, True, [0, 1], 0, False),
+        *((1, False, [], 0, False), (1, False, [0], 0, True), (2, False, [0, 1], 0, False)),
+        *((2, False, [1], 0, True), (1, True, [0], 0, True), (1, True, [1], 0, False)),
+        *((1, True, [0, 1], 0, False), (2, False, [1], 1, False)),  # the last one is beside a rigid wall
     ],
 )
 def test_one_contact_alone_sticks(contacts, joints, stuck, rigid, alone):

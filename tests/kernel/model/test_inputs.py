@@ -27,11 +27,8 @@ def driven(order=2):
 @pytest.mark.parametrize(
     ("order", "end", "regularized", "size", "expected"),
     [
-        (2, 1.0, -1, 0.1, 0.1),
-        (2, 1.0, -1, 0.6, 0.5),
-        (2, 1.0, -1, 1.0, 1.0),
-        (2, 1.0, -1, 5.0, 1.0),
-        (0, 1.0, -1, 5.0, 5.0),
+        *((2, 1.0, -1, 0.1, 0.1), (2, 1.0, -1, 0.6, 0.5), (2, 1.0, -1, 1.0, 1.0)),
+        *((2, 1.0, -1, 5.0, 1.0), (0, 1.0, -1, 5.0, 5.0)),
         (2, 1.0, 0, 5.0, 5.0),  # a regularized step, or one at the end of its piece, is not cut
         (2, 2.0, -1, 5.0, 5.0),
     ],
@@ -84,3 +81,14 @@ def test_what_was_given_holds_for_all_torques_and_the_force_on_the_tip(order):
         powers = np.vstack([given[name], own[name][1 : order + 1]])
         expected = np.polynomial.polynomial.polyval((1.1 - 0.4) * 2.0, powers)
         np.testing.assert_allclose(d.inputs[name], expected, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "k"), [("joint_torque", 0), ("joint_torque", 1), ("tip_force", 0), ("tip_force", 1)]
+)
+def test_constants_that_are_given_anew_are_not_in_use_if_one_of_them_is_another(name, k):
+    d = driven(order=0)
+    assert inputs.inputs_in_use(d)
+    d.given[name][k] += 1.0
+    assert not inputs.inputs_in_use(d)
+    assert not inputs.inputs_in_use(driven())

@@ -10,7 +10,6 @@ from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START, GIVEN
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import blocks, directions
 from chain_impact.variables.model import Model
-from tests.kernel.tangent.dual import Dual
 
 REAL = np.dtype(np.float64)
 
@@ -42,17 +41,6 @@ def test_each_real_has_its_derivatives_behind_it_and_nothing_else_changes(links,
         directions.tangent_dtype(layout).itemsize
         == layout.itemsize + 8 * directions.DIRECTIONS * reals + more
     )
-
-
-def test_what_the_kernel_asks_of_a_dual_number():
-    number = Dual(2.0, [1.0, 0.0, -3.0])
-    assert directions.value(number) == 2.0
-    other = directions.carried(5.0, 0.5, number)
-    assert other.value == 5.0
-    assert other.slope.tolist() == [0.5, 0.0, -1.5]
-    assert [directions.slope(number, k) for k in range(3)] == [1.0, 0.0, -3.0]
-    assert directions.varies(number)
-    assert not directions.varies(directions.carried(1.0, 0.0, number))
 
 
 PARTS = [name for name in instance_dtype(2, 2, 4).names if instance_dtype(2, 2, 4)[name].base.names]

@@ -43,11 +43,9 @@ def ended(monkeypatch):
 @pytest.mark.parametrize(
     ("events", "delay"),
     [
-        ((SLIDING_ENDS, NONE), ("rest", 1)),
-        ((NONE, SLIDING_ENDS), ("rest", 2)),
+        *(((SLIDING_ENDS, NONE), ("rest", 1)), ((NONE, SLIDING_ENDS), ("rest", 2))),
+        *(((STICKING_ENDS, SLIDING_ENDS), ("rest", 2)), ((SLIDING_ENDS, STICKING_ENDS), ("rest", 1))),
         ((STICKING_ENDS, NONE), ("sliding", 1)),
-        ((STICKING_ENDS, SLIDING_ENDS), ("rest", 2)),
-        ((SLIDING_ENDS, STICKING_ENDS), ("rest", 1)),
     ],
 )
 def test_sliding_that_ends_goes_before_sliding_that_begins(monkeypatch, t, events, delay):
@@ -129,9 +127,8 @@ def test_two_that_halt_at_one_moment_must_do_so_for_all_parameters(monkeypatch, 
     monkeypatch.setattr(friction, "tangential_rate", lambda _t, e: rates[e])
     monkeypatch.setattr(friction, "tangential_acceleration", lambda _t, e: dual(4.0 * (e - 1)))
     monkeypatch.setattr(friction, "largest", lambda _t, _what: dual(4.0))
-    monkeypatch.setattr(friction, "largest_slope", lambda _what, _k: 0.0)
-    monkeypatch.setattr(friction, "largest_turn", lambda _t, _k: 0.0)
-    monkeypatch.setattr(friction, "fastest_speed", lambda _t: 0.0)
+    for name in ("largest_slope", "largest_turn", "fastest_speed"):
+        monkeypatch.setattr(friction, name, lambda *_: 0.0)
     monkeypatch.setattr(friction, "rest_speed", lambda _t: 1e-12)
     monkeypatch.setattr(friction, "pending_changes", lambda _t: 1)
     friction.check_changes(t, dual(0.0, 0.5, 0.0))
@@ -174,8 +171,7 @@ def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended,
     monkeypatch.setattr(friction, "excess", lambda _t, _e: dual(1e-9))
     monkeypatch.setattr(friction, "tangential_rate", lambda *_: dual(known))
     monkeypatch.setattr(friction, "tangential_acceleration", lambda *_: dual(known))
-    monkeypatch.setattr(friction, "locate_points", lambda *_: None)
-    for name in ("list_sticking", "located_rate", "accelerate_points"):
+    for name in ("list_sticking", "located_rate", "accelerate_points", "locate_points"):
         monkeypatch.setattr(friction, name, lambda *_: None)
     t.element.before, t.element.mode, t.element.chosen = [mode] * 3, [mode] * 3, [mode] * 3
     t.element.undecided, t.element.force[1], t.step.state_end = [0, 1, 0], dual(known), "state"

@@ -1,5 +1,6 @@
 """Each step once more in dual numbers: the values are those of the run, whatever happens in it."""
 
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -112,28 +113,15 @@ def calls(monkeypatch):
     """The functions that are called, with what they are given beside the instances."""
     called = []
 
-    def note(name):
-        def call(*arguments):
-            called.append((name, *(one for one in arguments if not isinstance(one, SimpleNamespace))))
+    def note(name, *arguments):
+        called.append((name, *(one for one in arguments if not isinstance(one, SimpleNamespace))))
 
-        monkeypatch.setattr(replay, name, call)
-
-    for name in [
-        "copy_modes",
-        "apply_pending_events",
-        "copy_inputs",
-        "choose_variable",
-        "set_first_stage",
-        "check_turns",
-        "mark_jump",
-        "truncate_step",
-        "settle_impulses",
-        "accept",
-        "ensure_rate",
-        "ensure_points",
-        "check_onsets",
-    ]:
-        note(name)
+    names = (
+        "copy_modes apply_pending_events copy_inputs choose_variable set_first_stage check_turns mark_jump"
+    )
+    names += " truncate_step settle_impulses accept ensure_rate ensure_points check_onsets"
+    for name in names.split():
+        monkeypatch.setattr(replay, name, partial(note, name))
     return called
 
 

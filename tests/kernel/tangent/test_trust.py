@@ -188,8 +188,7 @@ def test_of_several_onsets_the_slowest_is_named(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("rates", "turned"),
-    [((0.3, 0.1), True), ((-0.3, -0.1), True), ((0.3, -0.1), False), ((0.3, 0.0), False)],
+    ("rates", "turned"), [((0.3, 0.1), True), ((-0.3, -0.1), True), ((0.3, -0.1), False), ((0.3, 0.0), False)]
 )
 @pytest.mark.parametrize("jumps", [True, False])
 @pytest.mark.parametrize("at_end", [1, 0])
