@@ -116,7 +116,6 @@ def test_compiled_code_gives_the_bits_of_plain_python(changes, monkeypatch):
     instance = Instance(scene)
     rows = np.zeros(len(times), instance.record.dtype["output"])
     assert instance.trajectory(times, rows) == len(times)
-
     block = Model(scene).new_instance()
     d = Plain(block[0])
     found = np.zeros_like(rows)

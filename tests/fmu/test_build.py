@@ -28,7 +28,7 @@ from tests.binaries import binary
 from tests.fmu.conftest import KINDS
 from tests.fmu.importer import Instance
 from tests.fmu.interface import description
-from tests.fmu.planted_faults import XML, spoiled
+from tests.fmu.planted_faults import XML, edited, spoiled
 
 every_model = pytest.mark.parametrize("model", model_names())
 FMIS = {"native": 2, "fmi3": 3}
@@ -50,13 +50,8 @@ def test_fmpy_finds_nothing_wrong(strict, model, quick_names):
 def test_a_name_is_judged_as_fmpy_does(native, tmp_path):
     names = {"9x": 1, "a b": 1, "link[1.mass": 1, "link[].mass": 1, "a..b": 1, "mäss": 1}
     for name, wrong in (names | {"der(x)": 0, "'a b'": 0, "a_1[1,2].b": 0}).items():
-        found = validate_fmu(
-            spoiled(
-                native["rod_drop"],
-                tmp_path / "x.fmu",
-                lambda _, content, name=name: content.replace(b'"initial.x"', f'"{name}"'.encode()),
-            )
-        )
+        change = edited(('"initial.x"', f'"{name}"'), alone=True)
+        found = validate_fmu(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
         assert len(found) == wrong
         assert all(f"{name!r} is no name of the naming convention" in text for text in found)
 
@@ -155,17 +150,13 @@ def test_units_types_unknowns_and_ranges_are_complete(descriptions):
         for node in nodes.values():
             assert "unit" in node or node["tag"] not in ("Real", "Float64")
             assert node.get("unit") in {*units, None}
-            assert (
-                node.get("declaredType") in types
-                or node["tag"] in ("Integer", "Int64")
-                or node.get("name") == "time"
-            )
+            plain = node["tag"] in ("Integer", "Int64") or node.get("name") == "time"
+            assert plain or node.get("declaredType") in types
             assert float(node.get("nominal", 1)) > 0
         outputs = [node for node in nodes.values() if node["causality"] == "output"]
         places = [list(nodes).index(node["name"]) + (fmi == 2) for node in outputs]
-        for part in (
-            ("Output", "InitialUnknown") if fmi == 3 else ("Outputs/Unknown", "InitialUnknowns/Unknown")
-        ):
+        parts = ("Output", "InitialUnknown") if fmi == 3 else ("Outputs/Unknown", "InitialUnknowns/Unknown")
+        for part in parts:
             unknown = root.iter(part) if fmi == 3 else root.find("ModelStructure").iterfind(part)
             assert [int(one.get("valueReference" if fmi == 3 else "index")) for one in unknown] == places
         assert float(nodes["energy.kinetic"]["min"]) == 0.0
@@ -196,9 +187,8 @@ def test_the_nominal_depth_and_force_are_those_of_one_energy(exponent):
     changes = {"contact.exponent": exponent, "contact.model": "hunt_crossley"}
     scene = load_scene("rod_drop").with_values(changes)
     nodes = {n.get("name"): n[0] for n in model_description(Model(scene), "a tool", 2).iter("ScalarVariable")}
-    depth, force = (
-        float(nodes[f"contact[0].y_min.{name}"].get("nominal")) for name in ("penetration", "force")
-    )
+    names = [f"contact[0].y_min.{name}" for name in ("penetration", "force")]
+    depth, force = (float(nodes[name].get("nominal")) for name in names)
     stiffness = scene.contact.stiffness
     assert force == pytest.approx(stiffness * depth**exponent, rel=1e-9)
     energy = stiffness * depth ** (exponent + 1.0) / (exponent + 1.0)
@@ -271,10 +261,8 @@ def ranges(fmu):
     instance = Instance(fmu).start()
     rows = instance.run([0.002 * (i + 1) for i in range(1000)])
     limits = {name: instance.variables[name] for name in instance.outputs}
-    return [
-        [name, min(column), max(column), limits[name].min, limits[name].max]
-        for name, column in zip(instance.outputs, zip(*rows, strict=True), strict=True)
-    ]
+    columns = zip(instance.outputs, zip(*rows, strict=True), strict=True)
+    return [[name, min(one), max(one), limits[name].min, limits[name].max] for name, one in columns]
 
 
 def test_outputs_keep_their_ranges(fmus, clean):
@@ -315,11 +303,8 @@ def responses(fmu, laws):
 
 @pytest.mark.full("takes long")
 def test_dependencies_are_true_under_every_law(native, clean):
-    declared = {
-        one.variable.name
-        for one in fmpy.read_model_description(native["pinned_arm"]).outputs
-        if one.dependencies
-    }
+    outputs = fmpy.read_model_description(native["pinned_arm"]).outputs
+    declared = {one.variable.name for one in outputs if one.dependencies}
     changed = clean(responses, native["pinned_arm"], len(CONTACT_LAWS))
     assert len(changed) >= len(CONTACT_LAWS) - 1
     for law, found in changed.items():
@@ -334,17 +319,11 @@ def test_dependencies_are_true_under_every_law(native, clean):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        *(
-            ({"platforms": ones}, r"platforms = .* must be some of linux64, win64")
-            for ones in ((), ("amiga",))
-        ),
+        ({"platforms": ()}, r"platforms = .* must be some of linux64, win64"),
         ({"platforms": ("linux64", "amiga"), "target": "native"}, r"platforms = .* must be some of"),
         ({"target": "fortran"}, "target = 'fortran' must be one of pythonfmu, native"),
         ({"fmi": 1}, "fmi = 1 must be one of 2, 3"),
-        (
-            {"target": "pythonfmu", "fmi": 3},
-            r"makes FMUs for FMI 2\.0 only: FMI 3\.0 needs target = 'native'",
-        ),
+        ({"target": "pythonfmu", "fmi": 3}, r"for FMI 2\.0 only: FMI 3\.0 needs target = 'native'"),
     ],
 )
 def test_what_cannot_be_built_is_refused(tmp_path, options, said):

@@ -9,7 +9,7 @@ from ctypes import byref, c_bool, c_double, c_size_t, c_uint32, c_void_p
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
-from tests.fmu.clean import calling3, importing
+from tests.fmu.clean import calling3
 from tests.fmu.interface3 import ALLOWED, ERROR, OK, PHASES, Component, Library, calls, each_call
 from tests.stops import knee
 
@@ -187,28 +187,6 @@ def test_parameters_set_at_an_impact_hold_for_it(fmu, rigid):
             assert abs(now + restitution * before) < 1e-12 * abs(now)
 
 
-@calling3("knee")
-def test_parameters_set_at_an_impact_of_a_stop_hold_for_it(fmu, rigid):
-    """At the first impact of the knee another restitution of stops, and the rates before and after it."""
-    for restitution in (0.9, 0.25):
-        one = Component(Library(fmu)).start(**{"contact.model": rigid})
-
-        def opening(one=one):
-            first, second = one.get(*(f"link[{i}].angular_velocity" for i in (1, 2)))
-            return second - first
-
-        _, needed, _, early, time = one.step(0.0, 2.0)
-        assert [needed, early, one.get("impact.count", kind="Int64")] == [True, True, [0]]
-        assert [one.call("EnterEventMode"), one.set("stop.restitution", restitution)] == [OK, OK]
-        left = opening()
-        assert one.update() == [OK, False, False, False, False, False, time]
-        assert one.get("impact.count", "impact.last_point", kind="Int64") == [1, 2]
-        (speed,) = one.get("impact.last_speed")
-        assert abs(left + speed) < 1e-12 * speed
-        assert abs(opening() - restitution * speed) < 1e-12 * speed
-        assert [one.call("EnterStepMode"), one.step(time, 0.01)[0]] == [OK, OK]
-
-
 @pytest.fixture
 def rigid():
     return RIGID
@@ -282,18 +260,3 @@ def test_the_time_can_be_read_in_every_state(fmu):
     one = Component(Library(fmu))
     one.enter(start=2.5)
     assert one.get("time") == [2.5]
-
-
-@importing("four_link_box", kinds="fmi3")
-def test_an_importer_finds_the_scalars_in_the_arrays(fmu):
-    import fmpy
-    import numpy as np
-
-    axes = {"position": "xy", "velocity": ("vx", "vy"), "acceleration": ("ax", "ay")}
-    scalars = {f"point.{name}": [f"point[{k}].{a}" for k in range(5) for a in axes[name]] for name in axes}
-    flat = [name for names in scalars.values() for name in names]
-    rows = fmpy.simulate_fmu(fmu, output=[*scalars, *flat], stop_time=0.3, output_interval=0.01)
-    for name, names in scalars.items():
-        assert rows[name].shape == (31, 5, 2)
-        assert (rows[name].reshape(31, 10) == np.transpose([rows[one] for one in names])).all()
-        assert np.ptp(rows[name], axis=0).min() > 0.0

@@ -471,30 +471,6 @@ def test_fmus_do_not_mix_where_symbols_are_global(fmu, other):
     assert len(shared[0]) != len(shared[1])
 
 
-@calling("four_link_box", kinds="strict")
-def test_instances_run_in_any_number_of_threads(fmu):
-    """At the same time: ctypes lets others run during a call."""
-    from concurrent.futures import ThreadPoolExecutor
-
-    library = Library(fmu)
-
-    def run(number):
-        one, rows = Component(library, name=f"number {number}".encode()).start(), []
-        for k in range(200):
-            one.step(k * 2.0**-8, 2.0**-8)
-            rows += one.outputs()
-        one.step(0.0, -1.0)
-        one.free()
-        return rows
-
-    alone = run(0)
-    library.said()
-    with ThreadPoolExecutor(8) as pool:
-        assert all(rows == alone for rows in pool.map(run, range(16)))
-    assert sorted(name for name, *_ in library.messages) == sorted(f"number {n}" for n in range(16))
-    assert library.blocks == {}
-
-
 def fates_of_tables(fmu):
     """What becomes of mutants of resources/model.bin, with all that broken_tables.py has."""
     return fates(fmu)  # noqa: F821

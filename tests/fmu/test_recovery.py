@@ -1,16 +1,11 @@
 """No importer loses an impact: what each sees of them, at any step, is the list of simulate()."""
 
-import subprocess
-
 import numpy as np
 import pytest
 
 from chain_impact import impacts_of, load_scene, simulate
-from chain_impact.compilation.compilers import INCLUDES
 from chain_impact.fmu.build import build_fmu
 from tests.fmu.conftest import KINDS
-from tests.fmu.interface import description, unpacked
-from tests.fmu.zig import WARNINGS, zig
 from tests.random_scenes import scene as random_scene
 
 LATEST = 8  # impacts that an FMU shows
@@ -98,28 +93,3 @@ def test_fmpy_in_event_mode_sees_every_impact_whatever_the_step(all_fmus, clean,
     times, counts = np.array(record["time"]), np.array(record["impact.count"])
     twice = times[1:][(np.diff(times) == 0.0) & (np.diff(counts) > 0)]
     np.testing.assert_array_equal(twice, np.unique(impacts["onset"]))
-
-
-@pytest.mark.full("takes long")
-@of_each
-def test_a_program_in_c_returns_at_every_impact(all_fmus, tmp_path, expected, model, size):
-    program, fmu = tmp_path / "host3", all_fmus["fmi3"][model]
-    headers = [f"-I{place}" for place in INCLUDES]
-    zig(tmp_path, *WARNINGS, *headers, __file__.replace("test_recovery.py", "host3.c"), "-o", program, "-ldl")
-    place, root, scene = unpacked(fmu, tmp_path / "fmu"), description(fmu), load_scene(model)
-    references = {node.get("name"): node.get("valueReference") for node in root.find("ModelVariables")}
-    arguments = [
-        place / "binaries" / "x86_64-linux" / f"{scene.name}.so",
-        root.get("instantiationToken"),
-        f"{place}/resources/",
-        *(size, scene.simulation.stop_time),
-        *(references[name] for name in ("impact.last_time", "impact.count", "point.position")),
-        2 * (len(scene.chain.links) + 1),
-    ]
-    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, check=True)
-    *events, last = ([float(word) for word in line.split()] for line in done.stdout.splitlines())
-    onsets = np.unique(expected[model].impacts["onset"])
-    np.testing.assert_array_equal([time for time, *_ in events], onsets)
-    np.testing.assert_array_equal([impact for _, impact, _ in events], onsets)
-    assert events[-1][2] == len(expected[model].impacts)
-    np.testing.assert_allclose(last, expected[model].points[-1].ravel(), rtol=0, atol=1e-12)

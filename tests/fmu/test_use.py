@@ -18,22 +18,6 @@ RIGID = CONTACT_LAWS["newton_impact"].number
 # The functions that importing() makes tests of, and those without an assertion, run in the clean process.
 
 
-@importing("four_link_box")
-def test_fmpy_simulates_the_default_experiment(fmu, expected):
-    import fmpy
-
-    rows = fmpy.simulate_fmu(fmu)
-    found = [rows["time"][-1], int(rows["impact.count"][-1])]
-    assert found == expected[:2]
-    assert abs(rows["energy.total"][-1] / expected[2] - 1.0) < 1e-12
-
-
-@pytest.fixture
-def expected():
-    result = simulate(load_scene("four_link_box"))
-    return [2.0, len(result.impacts), float(result.energy["total"][-1])]
-
-
 # --- parameters ------------------------------------------------------------------------------------------
 
 TUNED = {
@@ -109,27 +93,6 @@ def test_what_is_tunable_can_be_set_between_steps(fmus, clean, model):
     for name in found.keys() - {name for name in found if name.startswith("solver.")}:
         assert found[name][-1] == chain.get(name), name
     assert found["point[2].x"][-1] != never.get("point[2].x")
-
-
-@importing("rod_drop")
-def test_a_tunable_parameter_acts_from_when_it_is_set(fmu):
-    def run(at):
-        instance, rows = Instance(fmu).start(), []
-        for time in [0.02 * i for i in range(51)]:
-            if instance.time <= at <= time:
-                if at > instance.time:
-                    instance.step(at)
-                instance.set({"contact.restitution": 1.0})
-            if time > instance.time:
-                instance.step(time)
-            rows.append(instance.get(["point[0].y", "energy.dissipated", "impact.count"]))
-        return rows
-
-    elastic, in_flight, never = run(0.0), run(0.1), run(9.0)
-    for one, other in zip(elastic, in_flight, strict=True):
-        assert max(abs(a - b) for a, b in zip(one, other, strict=True)) < 1e-5
-    assert elastic[-1][1] == 0.0
-    assert never[-1][1] > 0.1
 
 
 @importing("rod_drop")
@@ -248,31 +211,6 @@ def test_counts_and_codes_are_those_of_the_time_whatever_is_read_first(fmu):
 # --- communication points --------------------------------------------------------------------------------
 
 
-def impacts_at(fmu, step, every):
-    instance = Instance(fmu).start()
-    names = [f"impact.{name}" for name in ("count", "last_point", "last_wall", "last_time", "last_speed")]
-    names += ["energy.total", "point[4].x", "solver.rhs_evaluations"]
-    rows = []
-    for i in range(round(2.0 / step)):
-        instance.step((i + 1) * step)
-        if (i + 1) % every == 0:
-            rows.append(instance.get(names))
-    return rows
-
-
-@pytest.mark.full("takes long")
-def test_neither_result_nor_cost_depends_on_the_communication_step(fmus, clean):
-    fine, middle, coarse = (
-        np.array(clean(impacts_at, fmus["four_link_box"], step, round(0.01 / step)))
-        for step in (1e-4, 1e-3, 1e-2)
-    )
-    for other in (fine, middle):
-        np.testing.assert_array_equal(other[:, :3], coarse[:, :3])
-        np.testing.assert_allclose(other[:, 3:7], coarse[:, 3:7], rtol=0, atol=1e-9)
-        assert other[-1, 7] == pytest.approx(coarse[-1, 7], rel=0.05)
-    assert coarse[-1, 0] > 10
-
-
 @importing("four_link_box")
 def test_steps_of_any_size_from_any_start(fmu):
     """And a start that is not 0."""
@@ -366,8 +304,9 @@ def test_a_state_can_be_saved_before_initialization(fmu):
     assert instance["point[0].y"] == 0.75
 
 
-@importing("rod_drop", "pinned_arm")
+@importing("rod_drop", "pinned_arm", kinds="pythonfmu")
 def test_damaged_and_foreign_states_are_refused(fmu, other):
+    """Of the C interface, test_interface.py."""
     one = Instance(fmu).start()
     data = one.fmu.serializeFMUstate(one.fmu.getFMUstate())
     # in the envelope, in the head of what it holds, and here and there in the record
