@@ -30,6 +30,11 @@ class Problem:
             changes["solver", "tolerance"] = tolerance
         return with_values(load_scene(self.model), changes)
 
+    def start(self) -> np.ndarray:
+        """The state at 0 s: x₀, y₀, angles, and their rates."""
+        first = self.scene().initial
+        return np.array([*first.position, *first.angles, *first.velocity, *first.angular_velocities])
+
 
 _NO_WALLS = {("box", name): None for name in ("x_min", "x_max", "y_min", "y_max")}
 

@@ -1,21 +1,21 @@
 """Drop to rest against CVODE from C: ``python benchmarks/rest.py``; needs libsundials-dev and gcc.
 
 The default chain falls into its box and comes to rest; 10 s, tolerance 1e-6. CVODE has the kernel's own
-right-hand side, compiled the same way, and its events (rest_model.py, rest_cvode.c).
+right-hand side, compiled the same way, and its events (peers/cvode.py).
 """
 
 from __future__ import annotations
 
 import common  # isort: skip
 
-import ctypes
 import sys
-import time
+from typing import Any
 
 import numpy as np
-import rest_model
+from kernel_model import MARGIN, POSITION_ERROR
 from looks import BLUE, INK, OURS, headline, number, strong
 from peers import MissingError
+from peers.cvode import BUDGET, COUNTS, Cvode, driver
 from peers.ours import OnInstance
 
 from chain_impact.scene.scene import Scene, load_scene, with_values
@@ -32,25 +32,15 @@ FINE_ONSETS = f"onsets at tolerance {FINE:g}"
 EXPLICIT_CASE = (0.1, 1e10)  # where ours is run without implicit steps, too
 
 
-class Run(OnInstance):
-    """One scene, and the two solvers on it; each run fills ``rows``, the counts after each second."""
+class Ours(OnInstance):
+    """Our kernel; ``rows`` has the counts after each second."""
 
-    def __init__(self, scene: Scene, driver: ctypes.CDLL) -> None:
+    def __init__(self, scene: Scene) -> None:
         super().__init__(scene, float(STOP))
-        self.driver, self.rows = driver, np.zeros(STOP + 1, rest_model.COUNTS)
-        self.start = self.energy()
+        self.rows = np.zeros(STOP, COUNTS)
 
-    def ours(self) -> float:
-        """The kernel; returns its CPU time [s]."""
-        self.block[:] = self.fresh
-        start = time.process_time()
-        status = self.kernel.advance(self.address, self.stop)
-        seconds = time.process_time() - start
-        assert status == 0, status
-        return seconds
-
-    def ours_by_second(self) -> None:
-        """The kernel once more, stopped at each second to look at the counts; that costs it nothing."""
+    def run(self) -> None:
+        """Once, stopped at each second to look at the counts; that costs it nothing."""
         self.block[:] = self.fresh
         record = self.instance.record
         for second in range(STOP):
@@ -58,36 +48,31 @@ class Run(OnInstance):
             counts, row = record["statistics"], self.rows[second]
             row["steps"], row["rejected"] = counts["steps"], counts["rejected_steps"]
             row["rhs"], row["restarts"] = counts["rhs_evaluations"], record["impact"]["count"]
-            row["flag"] = 0
 
-    def cvode(self, adams: int, careful: int) -> float:
-        """CVODE; returns its CPU time [s]."""
-        self.block[:] = self.fresh
-        settings = rest_model.Settings.of(self.instance.record, adams, careful)
-        self.rows[:] = 0
-        done = rest_model.solve(self.driver, self.address, settings, np.arange(1.0, STOP + 1.0), self.rows)
-        self.rows[done:STOP] = self.rows[min(done, STOP - 1)]
-        return float(self.rows["seconds"][STOP - 1])
 
-    def energy(self) -> float:
-        """What there is of it now, and what has gone [J]."""
-        self.kernel.observe(self.address)
-        output = self.instance.record["output"]
-        return float(output["total"] + output["dissipated"])
+def energy(run: OnInstance) -> float:
+    """What there is of it now, and what has gone [J]."""
+    run.kernel.observe(run.address)
+    output = run.instance.record["output"]
+    return float(output["total"] + output["dissipated"])
 
-    def outcome(self) -> dict:
-        """What came out of the run before, at its end and at rest."""
-        energy, record, last = self.energy(), self.instance.record, self.rows[STOP - 1]
-        output, model = record["output"], record["model"]
-        floor = record["candidate"]["wall"] == 2
-        weight = float(model["mass"].sum() * -model["gravity"][1])
-        return {
-            **{name: int(last[name]) for name in ("steps", "rejected", "rhs", "jacobians", "flag")},
-            "onsets": int(record["impact"]["count"]),
-            "floor / weight": round(float(output["force"][floor].sum()) / weight, 5),
-            "energy drift": common.rounded(energy - self.start, 2),
-            "rhs a second at rest": at_rest(self.rows[:STOP]),
-        }
+
+def outcome(run: Any) -> dict:
+    """What comes of a run, at its end and at rest."""
+    run.block[:] = run.fresh
+    start = energy(run)
+    run.run()
+    drift, record, last = energy(run) - start, run.instance.record, run.rows[-1]
+    output, model = record["output"], record["model"]
+    floor = record["candidate"]["wall"] == 2
+    weight = float(model["mass"].sum() * -model["gravity"][1])
+    return {
+        **{name: int(last[name]) for name in ("steps", "rejected", "rhs", "jacobians", "flag")},
+        "onsets": int(record["impact"]["count"]),
+        "floor / weight": round(float(output["force"][floor].sum()) / weight, 5),
+        "energy drift": common.rounded(drift, 2),
+        "rhs a second at rest": at_rest(run.rows),
+    }
 
 
 def at_rest(rows: np.ndarray) -> float | None:
@@ -98,38 +83,26 @@ def at_rest(rows: np.ndarray) -> float | None:
     return round(float(rhs[quiet].mean()), 1) if quiet and rows[-1]["flag"] == 0 else None
 
 
-def compare(scene: Scene, driver: ctypes.CDLL) -> dict:
+def compare(scene: Scene) -> dict:
     """Ours and CVODE on one scene."""
-    run, fine = Run(scene, driver), Instance(with_values(scene, {("solver", "tolerance"): FINE}))
+    fine = Instance(with_values(scene, {("solver", "tolerance"): FINE}))
     assert fine._kernel.advance(fine._address, float(STOP)) == 0
-    timings: common.Timings = {name: [] for name in ("ours", *CVODES)}
-    outcomes = {}
-    for turn in range(ROUNDS + 1):
-        for name in timings:
-            if name == ADAMS and turn > 0:
-                continue  # for reference: once
-            seconds = run.ours() if name == "ours" else run.cvode(*CVODES[name])
-            if turn > 0 or name == ADAMS:
-                timings[name].append(seconds)
-            elif name == "ours":
-                run.ours_by_second()
-            if turn == 0:  # to warm up, and to see what comes out
-                outcomes[name] = run.outcome()
-    row = {
+    seconds = np.arange(1.0, STOP + 1.0)
+    runs = {"ours": Ours(scene), **{name: Cvode(scene, seconds, *how) for name, how in CVODES.items()}}
+    row: dict[str, Any] = {
         "restitution": scene.contact.restitution,
         "stiffness": scene.contact.stiffness,
         FINE_ONSETS: int(fine.record["impact"]["count"]),
+        **{name: outcome(run) for name, run in runs.items()},
     }
-    for name, outcome in outcomes.items():
-        row[name] = {"milliseconds": common.median([1e3 * value for value in timings[name]]), **outcome}
+    timings = common.interleave({name: run.run for name, run in runs.items()}, ROUNDS)
+    for name in runs:
+        row[name]["milliseconds"] = common.median([1e3 * value for value in timings[name]])
         if name != "ours":
             row[name]["time / ours"] = common.ratio(timings, name, "ours")
-            row[name]["steps / ours"] = round(outcome["steps"] / outcomes["ours"]["steps"], 2)
+            row[name]["steps / ours"] = round(row[name]["steps"] / row["ours"]["steps"], 2)
     if (scene.contact.restitution, scene.contact.stiffness) == EXPLICIT_CASE:
-        explicit = Run(with_values(scene, {("solver", "method"): "explicit"}), driver)
-        seconds = explicit.ours()
-        explicit.ours_by_second()
-        row["ours explicit"] = {"milliseconds": round(1e3 * seconds, 1), **explicit.outcome()}
+        row["ours explicit"] = outcome(Ours(with_values(scene, {("solver", "method"): "explicit"})))
     return row
 
 
@@ -193,7 +166,7 @@ def main() -> None:
     """Measure and draw."""
     base = with_values(load_scene("four_link_box"), {("solver", "tolerance"): TOLERANCE})
     try:
-        driver = rest_model.driver(len(base.chain.links))
+        driver(len(base.chain.links))
     except MissingError as error:
         sys.exit(f"rest.py: {error}")
     started = common.environment()
@@ -201,10 +174,10 @@ def main() -> None:
     for restitution in RESTITUTIONS:
         for stiffness in STIFFNESSES:
             changes = {("contact", "stiffness"): stiffness, ("contact", "restitution"): restitution}
-            results.append(compare(with_values(base, changes), driver))
+            results.append(compare(with_values(base, changes)))
             print(results[-1], flush=True)
-    settings = {"stop time": STOP, "tolerance": TOLERANCE, "rounds": ROUNDS, "budget": rest_model.BUDGET}
-    settings |= {"careful": {"position error": rest_model.POSITION_ERROR, "margin": rest_model.MARGIN}}
+    settings = {"stop time": STOP, "tolerance": TOLERANCE, "rounds": ROUNDS, "budget": BUDGET}
+    settings |= {"careful": {"position error": POSITION_ERROR, "margin": MARGIN}}
     common.save("rest", started, settings, results)
     common.picture("rest", draw, SIZE)
     print(table(results))

@@ -17,7 +17,6 @@ import peers
 from looks import LOOKS, curve, headline, label, look, names_at_ends, number
 from peers import Contender, Outcome, cvode
 from peers.ours import Kernel, OnInstance
-from plain_chain import start
 from problems import Problem, flight
 from race import ROUNDS, race
 from scipy.integrate import solve_ivp
@@ -65,7 +64,7 @@ class NumPy:
     """What people write: the assembled matrix in NumPy, and solve_ivp."""
 
     def __init__(self, problem: Problem) -> None:
-        self.book, self.start = Textbook(problem.scene()), start(problem.scene())
+        self.book, self.start = Textbook(problem.scene()), problem.start()
 
     def run(self) -> Outcome:
         """Once."""

@@ -17,10 +17,8 @@ from collections.abc import Callable
 from multiprocessing import get_context
 
 import numpy as np
-from peers.fixed_steps import fixed_steps
-from peers.model import energy_of
-from peers.scipy import Run, Scipy
-from plain_chain import Chain, plain_chain, start
+from peers.on_kernel import OnKernel
+from peers.scipy import Scipy
 from stability_chart import ADAPTIVE, METHODS, SIZE, draw
 
 from chain_impact.scene.scene import Scene, scene_from_dict
@@ -99,42 +97,45 @@ def alarm(budget: float) -> Callable[[], None]:
 
 def run_fixed(scene: Scene, name: str, dt: float) -> dict:
     """A cell of a fixed-step method; its steps are counted, and need no budget."""
-    chain, y = plain_chain(scene), start(scene)
-    limits = (1e3 * energies()[1], 10.0)
-    steps, energy, deepest, onsets = fixed_steps(
-        chain, y, dt, STOP, scene.contact.minimum_impact_speed, limits, name == "Euler"
-    )
-    finite = bool(np.isfinite(y).all())
+    peer, limits = OnKernel(scene, STOP), np.array([1e3 * energies()[1], 10.0])
+    peer.start()
+    steps = peer.model.plain_steps(
+        peer.address, dt, round(STOP / dt), name == "Euler", peer.y.ctypes.data, peer.found.ctypes.data,
+        limits.ctypes.data,
+    )  # fmt: skip
+    energy, deepest = (float(value) for value in limits)
+    finite = bool(np.isfinite(peer.y).all())
     return {
         "outcome": judged(finite, energy, deepest, False, "completed"),
         "steps": steps,
         "deepest": deepest,
-        "onsets": onsets,
-        "energy_left": left(chain, y),
+        "onsets": int(peer.instance.record["impact"]["count"]),
+        "energy_left": left(peer),
     }
 
 
 def run_scipy(scene: Scene, method: str) -> dict:
     """A cell of one of solve_ivp's methods."""
-    peer, result = Scipy(scene), Run(0.0, start(scene))
     otherwise, note = "completed", ""
-    Scipy(drop(1e4, 0.7)).run("DOP853", 1e-4, 0.2, watch=True)  # compiles, onset and all
+    Scipy(drop(1e4, 0.7), 0.2, "DOP853", watch=True).run()  # compiles, onset and all
+    peer = Scipy(scene, STOP, method, watch=True)
+    peer.tick = alarm(BUDGET)
     try:
-        peer.run(method, TOLERANCE, STOP, watch=True, tick=alarm(BUDGET), result=result)
-        if result.message:
-            otherwise, note = "gave up", result.message
+        peer.run()
+        if peer.message:
+            otherwise, note = "gave up", peer.message
     except OverBudgetError:
         otherwise = "over budget"
     except (ValueError, RuntimeError, FloatingPointError, np.linalg.LinAlgError) as problem:
         otherwise, note = "gave up", f"{type(problem).__name__}: {problem}"
-    finite = bool(np.isfinite(result.state).all())
+    finite, (energy, deepest, _) = bool(np.isfinite(peer.y).all()), peer.seen.tolist()
     return {
-        "outcome": judged(finite, max(result.highest_energy, 0.0), result.deepest, result.missed, otherwise),
-        "steps": result.steps,
-        "reached": result.time,
-        "deepest": result.deepest,
-        "onsets": len(result.onsets),
-        "energy_left": left(peer.chain, result.state),
+        "outcome": judged(finite, max(energy, 0.0), deepest, peer.missed, otherwise),
+        "steps": peer.steps,
+        "reached": peer.time,
+        "deepest": deepest,
+        "onsets": int(peer.instance.record["impact"]["count"]),
+        "energy_left": left(peer),
         "note": note,
     }
 
@@ -179,11 +180,12 @@ def run_ours(scene: Scene) -> dict:
     }
 
 
-def left(chain: Chain, y: np.ndarray) -> float:
+def left(peer: OnKernel) -> float:
     """Energy at the end without that in the contacts, as a fraction of that at the start."""
-    count = len(chain.candidate_point)
-    energy, _, _ = energy_of(chain, y, np.zeros(count, np.bool_), np.ones(count))
-    return float(energy) / energies()[0]
+    peer.model.plain_stop(peer.address, STOP, peer.y.ctypes.data)
+    peer.kernel.observe(peer.address)
+    output = peer.instance.record["output"]
+    return float(output["kinetic"] + output["potential"]) / energies()[0]
 
 
 def cell(task: tuple[str, float, float]) -> dict:

@@ -4,9 +4,10 @@ import ast
 import ctypes
 import importlib
 import json
+import math
 import os
 import re
-import runpy
+import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,22 +19,21 @@ from matplotlib.figure import Figure
 
 import chain_impact
 from chain_impact.results.plots.style import STYLE
+from chain_impact.scene.scene import load_scene
+from chain_impact.simulation.instance import Instance
 from tests.tiers import needs_compilers
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 FILES = sorted([*BENCHMARKS.glob("*.py"), *BENCHMARKS.glob("peers/*.py")])
 OTHER_REVISION = "against_side.py"  # also imports what only other revisions have
-# a C function, in a module that imports all those with functions for other solvers
-SOURCE = """
-import {modules}
-from numba import int64
-from chain_impact.compilation.record_type import INSTANCE
-
-def links(d):
-    return d.links
-
-def entry_points():
-    return {{"links": (int64(INSTANCE), links)}}
+# writes one of the functions for other solvers in LLVM's language
+LOWER = """
+import sys
+sys.path.insert(0, {folder!r})
+import kernel_model
+one = {{"plain_least": kernel_model.entry_points()["plain_least"]}}
+kernel_model.entry_points = lambda: one
+kernel_model.lower({file!r})
 """
 
 
@@ -63,25 +63,6 @@ def test_what_benchmarks_import_is_there():
     assert [one for one in asked if one[2] not in found[one[1]] and not find_spec(".".join(one[1:]))] == []
 
 
-@needs_compilers
-def test_functions_for_other_solvers_are_lowered_and_linked(tmp_path, monkeypatch):
-    sources = "".join(file.read_text(encoding="utf-8") for file in FILES)
-    modules = re.findall(r'\bbuilt\("([\w.]+)"', sources)
-    assert len(modules) == 2
-    (tmp_path / "one_function.py").write_text(SOURCE.format(modules=", ".join(modules)))
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    library = runpy.run_path(str(BENCHMARKS / "functions_library.py"))
-
-    library["lower"]("one_function", tmp_path / "lowered.ll")
-    lowered = (tmp_path / "lowered.ll").read_text(encoding="utf-8")
-    library["link"](lowered, None, tmp_path / "library.so")
-    instance = np.array([7, 0])  # begins with the number of links
-    assert ctypes.CDLL(str(tmp_path / "library.so")).links(ctypes.c_void_p(instance.ctypes.data)) == 7
-
-
-# --- the charts of the docs, drawn from the stored figures --------------------------------------------------
-
-
 @pytest.fixture(scope="module")
 def charts():
     """Imports a module of the benchmarks by its name; leaves path, modules and environment as they were."""
@@ -99,6 +80,32 @@ def charts():
     for name in set(sys.modules) - modules:
         if BENCHMARKS in Path(getattr(sys.modules[name], "__file__", None) or "/").parents:
             del sys.modules[name]
+
+
+@needs_compilers
+def test_functions_for_other_solvers_are_lowered_and_linked(charts, tmp_path):
+    lowered, library = tmp_path / "lowered.ll", tmp_path / "library.so"
+    text = LOWER.format(folder=str(BENCHMARKS), file=str(lowered))
+    subprocess.run([sys.executable, "-c", text], check=True)
+    model = charts("kernel_model")
+    model.link(lowered, None, library)
+    least = ctypes.CDLL(str(library)).plain_least
+    least.argtypes, least.restype = [ctypes.c_double, *[ctypes.c_void_p] * 3], None
+
+    scene = load_scene("four_link_box")
+    instance, first, out = Instance(scene), scene.initial, np.zeros(1)
+    y = np.array([*first.position, *first.angles, *first.velocity, *first.angular_velocities])
+    least(0.0, y.ctypes.data, out.ctypes.data, instance._address)
+    steps = [
+        (link.length * math.cos(angle), link.length * math.sin(angle))
+        for link, angle in zip(scene.chain.links, first.angles, strict=True)
+    ]
+    points = np.array(first.position) + np.cumsum([(0.0, 0.0), *steps], axis=0)
+    low, high = (scene.box.x_min, scene.box.y_min), (scene.box.x_max, scene.box.y_max)
+    assert out[0] == pytest.approx(min((points - low).min(), (high - points).min()) + model.CLEAR, abs=1e-14)
+
+
+# --- the charts of the docs, drawn from the stored figures --------------------------------------------------
 
 
 def stored(name):

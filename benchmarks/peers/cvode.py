@@ -1,40 +1,103 @@
-"""CVODE from C with the kernel's own functions: the driver of rest.py, see rest_model.py and rest_cvode.c."""
+"""SUNDIALS' CVODE from C with the kernel's own functions; needs libsundials-dev and gcc.
+
+See cvode.c, and kernel_model.py for what a careful CVODE is.
+"""
 
 from __future__ import annotations
 
+import ctypes
+import subprocess
+from functools import cache
+from pathlib import Path
+
 import numpy as np
-import rest_model
+from kernel_model import CVODE, built, digest
 from problems import Problem
 
-from peers import Contender, Outcome
+from chain_impact.compilation.cache import made
+from chain_impact.scene.scene import Scene
+from peers import Contender, MissingError, Outcome
 from peers.ours import OnInstance
+
+DRIVER = Path(__file__).with_suffix(".c")
+SUNDIALS = ("cvode", "nvecserial", "sunlinsoldense", "sunmatrixdense", "sunnonlinsolfixedpoint")
+BUDGET = 20.0  # s of CPU time for a run
+COUNTS = np.dtype(
+    [(name, np.int64) for name in ("steps", "rejected", "rhs", "jacobians", "restarts", "flag")]
+    + [("seconds", np.float64)]
+)
+"""See cvode.c."""
+
+
+class Settings(ctypes.Structure):
+    """See cvode.c."""
+
+    _fields_ = (
+        *((name, ctypes.c_long) for name in ("states", "candidates", "adams", "careful")),
+        ("budget", ctypes.c_double),
+    )
 
 
 class Cvode(OnInstance):
-    """One of its two families of formulas."""
+    """One of its two families of formulas; ``rows`` has the counts at each of the times."""
 
-    def __init__(self, problem: Problem, tolerance: float, stop: float, adams: int, careful: int) -> None:
-        scene = problem.scene(tolerance)
-        super().__init__(scene, stop)
-        self.driver = rest_model.driver(len(scene.chain.links))
-        self.settings = rest_model.Settings.of(self.instance.record, adams, careful)
-        self.times, self.row = np.array([stop]), np.zeros(1, rest_model.COUNTS)
+    def __init__(self, scene: Scene, times: np.ndarray, adams: int, careful: int) -> None:
+        super().__init__(scene, float(times[-1]))
+        self.driver, self.times, self.rows = (
+            driver(len(scene.chain.links)),
+            times,
+            np.zeros(len(times), COUNTS),
+        )
+        record = self.instance.record
+        states = len(record["step"]["state"]) - CVODE
+        self.settings = Settings(states, int(record["candidates"]), adams, careful, BUDGET)
 
     def run(self) -> int:
-        """Once; returns whether it came to the end."""
+        """Once; how many of the times are reached."""
         self.block[:] = self.fresh
-        return rest_model.solve(self.driver, self.address, self.settings, self.times, self.row)
+        pointers = ctypes.byref(self.settings), self.times.ctypes.data, len(self.times), self.rows.ctypes.data
+        done: int = self.driver.cvode_solve(self.address, *pointers)
+        self.rows[done + 1 :] = self.rows[min(done, len(self.rows) - 1)]
+        return done
 
     def outcome(self) -> Outcome:
         """Once more."""
-        done, row = self.run(), self.row[0]
-        failed = "" if done else f"CVODE's flag {row['flag']}"
+        done, row = self.run(), self.rows[-1]
+        failed = "" if done == len(self.times) else f"CVODE's flag {row['flag']}"
         return Outcome(*self.observed(), int(row["steps"]), int(row["rhs"]), failed)
 
 
+@cache
+def driver(links: int) -> ctypes.CDLL:
+    """The library of cvode.c, with the model for so many links, compiled if it is not cached.
+
+    Raises:
+        MissingError: when there is no SUNDIALS to compile against.
+    """
+    model = built(links)
+    name = f"cvode-{digest(DRIVER, Path(__file__))}-{model.name}"
+    library = ctypes.CDLL(str(made(name, lambda file: link_driver(file, model))))
+    library.cvode_solve.argtypes = [ctypes.c_void_p] * 3 + [ctypes.c_long, ctypes.c_void_p]
+    library.cvode_solve.restype = ctypes.c_long
+    return library
+
+
+def link_driver(library: Path, model: Path) -> None:
+    """Make the library of the driver, which loads that of the model: by gcc, as SUNDIALS was compiled."""
+    gcc = ["gcc", "-O2", "-fPIC", "-shared", "-Wall", "-Wextra", "-Wl,--no-undefined", "-o", str(library)]
+    libraries = [f"-lsundials_{name}" for name in SUNDIALS]
+    done = subprocess.run(
+        [*gcc, str(DRIVER), str(model), *libraries, "-lm"], capture_output=True, text=True, check=False
+    )
+    if "cvode/cvode.h" in done.stderr or "-lsundials" in done.stderr:
+        raise MissingError("SUNDIALS is not installed: on Debian `apt-get install libsundials-dev`")
+    if done.returncode != 0 or done.stderr:
+        raise RuntimeError(done.stderr)
+
+
 def contenders(problem: Problem, tolerance: float, stop: float, careful: int = 0) -> dict[str, Contender]:
-    """Both; careful in sustained contact, see rest_model.py."""
+    """Both."""
+    scene, times = problem.scene(tolerance), np.array([stop])
     return {
-        f"CVODE {name}": Cvode(problem, tolerance, stop, adams, careful)
-        for name, adams in (("Adams", 1), ("BDF", 0))
+        f"CVODE {name}": Cvode(scene, times, adams, careful) for name, adams in (("Adams", 1), ("BDF", 0))
     }

@@ -1,8 +1,9 @@
 """heyoka: Taylor series, with its own event detection, compiled by LLVM for a tolerance.
 
-One integrator for each set of contacts that are active at once. A Taylor series cannot begin at an onset,
-where δ^{3/2} has no derivatives: the first nanosecond, in which the force is nil, goes by the integrator
-without it, and the steps grow from there.
+It needs the model as expressions: the recursion of kernel/chain/recursion.py once more. There is one
+integrator for each set of contacts that are active at once. A Taylor series cannot begin at an onset, where
+δ^{3/2} has no derivatives: the first nanosecond, in which the force is nil, goes by the integrator without
+it, and the steps grow from there.
 """
 
 from __future__ import annotations
@@ -14,76 +15,146 @@ import numpy as np
 from problems import Problem
 
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from peers import Contender, Outcome
-from peers.model import Contacts, Model
-from peers.symbolic import accelerations, clearances, push
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.scene.scene import Scene
+from peers import Contender, MissingError, Outcome
+from peers.on_kernel import OnKernel
 
 SKIP = 1e-9  # s
+MOST_LINKS = 10  # its expressions grow with N²
 hy.set_logger_level_critical()
 
 
-class Taylor:
-    """The integrators of one model at one tolerance."""
+class Taylor(OnKernel):
+    """The integrators of one scene."""
 
-    def __init__(self, model: Model, tolerance: float, stop: float) -> None:
-        self.model, self.tolerance, self.stop = model, tolerance, stop
+    def __init__(self, scene: Scene, stop: float) -> None:
+        super().__init__(scene, stop)
+        self.contact, self.given = scene.contact, self.instance.record["model"]
+        candidate = self.instance.record["candidate"]
+        self.pairs = list(zip(candidate["point"].tolist(), candidate["wall"].tolist(), strict=True))
         self.integrators: dict[tuple[int, ...], Any] = {}
 
-    def integrator(self, active: np.ndarray) -> Any:
-        """The one for a set of contacts; compiled when first asked for."""
-        key = tuple(int(c) for c in np.flatnonzero(active))
+    def integrator(self) -> Any:
+        """The one for the contacts that are active; compiled when first asked for."""
+        key = tuple(int(c) for c in np.flatnonzero(self.touch["active"]))
         if key not in self.integrators:
             self.integrators[key] = self.compiled(key)
         return self.integrators[key]
 
     def compiled(self, active: tuple[int, ...]) -> Any:
         """Equations of motion and events; the latched speeds are its parameters."""
-        chain = self.model.chain
-        count = range(len(chain.length) + 2)
+        count = range(len(self.given["length"]) + 2)
         q = hy.make_vars(*(f"q{i}" for i in count))
         v = hy.make_vars(*(f"v{i}" for i in count))
-        gaps, loads, events = clearances(chain, hy, q, v), {}, []
-        for c, (gap, rate) in enumerate(gaps):
-            if c in active:
-                elastic = chain.stiffness * (-gap) ** chain.exponent
-                force = elastic * (1.0 - chain.damping_factor * rate / hy.par[c])
-                push(chain, loads, c, force)
-                events += [-gap, RELATCH_RATIO * hy.par[c] + rate]
-            else:
+        damping = CONTACT_LAWS[self.contact.model].damping_factor(self.contact.restitution)
+        loads: dict[int, list[Any]] = {}
+        events = []
+        for c, (gap, rate) in enumerate(self.clearances(q, v)):
+            if c not in active:
                 events.append(gap)
-        rates = accelerations(chain, hy, q, v, loads)
+                continue
+            force = self.contact.stiffness * (-gap) ** self.contact.exponent
+            force = force * (1.0 - damping * rate / hy.par[c])
+            point, wall = self.pairs[c]
+            load = loads.setdefault(point, [0.0, 0.0])
+            load[wall // 2] = load[wall // 2] + (1.0 - 2.0 * (wall % 2)) * force
+            events += [-gap, RELATCH_RATIO * hy.par[c] + rate]
+        rates = self.accelerations(q, v, loads)
         system = [*zip(q, v, strict=True), *zip(v, rates, strict=True)]
         falling = [hy.t_event(event, direction=hy.event_direction.negative) for event in events]
-        return hy.taylor_adaptive(system, list(self.model.first), tol=self.tolerance, t_events=falling)
+        return hy.taylor_adaptive(system, [0.0] * len(system), tol=self.tolerance, t_events=falling)
 
-    def run(self) -> Outcome:
-        """Once."""
-        contacts, t, y = Contacts(self.model), 0.0, self.model.first
-        steps, failed = 0, ""
+    def links(self, q: Any) -> tuple[list[Any], list[Any]]:
+        """Vectors along the links [m]."""
+        lengths = [float(length) for length in self.given["length"]]
+        x = [length * hy.cos(q[2 + i]) for i, length in enumerate(lengths)]
+        return x, [length * hy.sin(q[2 + i]) for i, length in enumerate(lengths)]
+
+    def clearances(self, q: Any, v: Any) -> list[tuple[Any, Any]]:
+        """Clearance [m] and its rate [m/s] of each candidate."""
+        lx, ly = self.links(q)
+        place, speed = [(q[0], q[1])], [(v[0], v[1])]
+        for i in range(len(lx)):
+            place.append((place[i][0] + lx[i], place[i][1] + ly[i]))
+            speed.append((speed[i][0] - v[2 + i] * ly[i], speed[i][1] + v[2 + i] * lx[i]))
+        found = []
+        for point, wall in self.pairs:
+            side, axis = 1.0 - 2.0 * (wall % 2), wall // 2
+            found.append(
+                (side * (place[point][axis] - float(self.given["wall"][wall])), side * speed[point][axis])
+            )
+        return found
+
+    def accelerations(self, q: Any, v: Any, loads: dict[int, list[Any]]) -> list[Any]:
+        """q̈ by the recursion; ``loads``: point → force on it along x and y [N]."""
+        given, (lx, ly) = self.given, self.links(q)
+        n, (gx, gy) = len(lx), (float(value) for value in given["gravity"])
+        axx, axy, ayy = 0.0, 0.0, 0.0
+        bx, by = (-value for value in loads.get(n, (0.0, 0.0)))
+        gains: list[tuple[Any, Any, Any]] = [(0.0, 0.0, 0.0)] * n
+        for i in range(n - 1, -1, -1):
+            m, centre, w2 = float(given["mass"][i]), float(given["center_of_mass"][i]), v[2 + i] * v[2 + i]
+            ratio = centre / float(given["length"][i])
+            sx, sy = m * ratio * lx[i], m * ratio * ly[i]
+            px, py = axy * lx[i] - axx * ly[i], ayy * lx[i] - axy * ly[i]
+            dx = bx - w2 * (axx * lx[i] + axy * ly[i])
+            dy = by - w2 * (axy * lx[i] + ayy * ly[i])
+            hx, hy_ = px - sy, py + sx
+            inverse = 1.0 / (float(given["inertia"][i]) + m * centre**2 + lx[i] * py - ly[i] * px)
+            h0 = lx[i] * dy - ly[i] * dx + sy * gx - sx * gy
+            kx, ky = hx * inverse, hy_ * inverse
+            axx, axy, ayy = axx + m - hx * kx, axy - hx * ky, ayy + m - hy_ * ky
+            bx, by = dx - w2 * sx - m * gx - kx * h0, dy - w2 * sy - m * gy - ky * h0
+            if i in loads:
+                bx, by = bx - loads[i][0], by - loads[i][1]
+            gains[i] = kx, ky, h0 * inverse
+        determinant = axx * ayy - axy * axy
+        ax, ay = (axy * by - ayy * bx) / determinant, (axy * bx - axx * by) / determinant
+        out = [ax, ay]
+        for i in range(n):
+            a, w2 = -(gains[i][0] * ax + gains[i][1] * ay + gains[i][2]), v[2 + i] * v[2 + i]
+            out.append(a)
+            ax, ay = ax - (a * ly[i] + w2 * lx[i]), ay + a * lx[i] - w2 * ly[i]
+        return out
+
+    def run(self) -> tuple[int, str]:
+        """Once; the steps, and why it failed."""
+        self.start()
+        t, steps = 0.0, 0
         while t < self.stop:
-            solver = self.integrator(contacts.active)
-            solver.time, solver.state[:] = t, y
+            solver = self.integrator()
+            solver.time, solver.state[:] = t, self.y
             if solver.with_events:
                 solver.reset_cooldowns()
-            solver.pars[: len(contacts.v0)] = contacts.v0[: len(solver.pars)]
+            solver.pars[:] = self.touch["impact_speed"][: len(solver.pars)]
             outcome, _, _, count, *_ = solver.propagate_until(self.stop)
-            t, y, steps = solver.time, solver.state, steps + count
+            t, steps = solver.time, steps + count
             if outcome == hy.taylor_outcome.time_limit:
                 break
             if outcome in {hy.taylor_outcome.err_nf_state, hy.taylor_outcome.step_limit}:
-                failed = str(outcome)
-                break
-            touched = contacts.active.sum()
-            contacts.switch(t, y.copy(), propose=False)
-            if contacts.active.sum() > touched:
+                return steps, str(outcome)
+            touched = self.touch["active_count"]
+            t, _ = self.switch(t, solver.state)
+            if self.touch["active_count"] > touched:
+                solver.time, solver.state[:] = t, self.y
                 solver.propagate_for(SKIP)
                 t = solver.time
-            y = y.copy()
-        return Outcome(y.copy(), contacts.onsets, steps, None, failed)
+                self.y[:] = solver.state
+        self.y[:] = solver.state
+        return steps, ""
 
-    outcome = run
+    def outcome(self) -> Outcome:
+        """Once more; its evaluations are not counted."""
+        steps, failed = self.run()
+        found = self.finished(steps, failed)
+        found.rhs = None
+        return found
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
     """One."""
-    return {"heyoka": Taylor(Model(problem.scene()), tolerance, stop)}
+    scene = problem.scene(tolerance)
+    if len(scene.chain.links) > MOST_LINKS:
+        raise MissingError(f"takes too long to compile beyond {MOST_LINKS} links")
+    return {"heyoka": Taylor(scene, stop)}

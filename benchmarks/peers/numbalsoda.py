@@ -1,19 +1,17 @@
-"""numbalsoda (DOP853 in Fortran), driven by compiled code, on the kernel's own functions.
+"""numbalsoda (DOP853 in Fortran), driven by compiled code.
 
 It finds events itself, to 1e-8 s; the rest is made up for in kernel_model.switch.
 """
 
 from __future__ import annotations
 
-import ctypes
-
 import numpy as np
 from numba import njit
 from numbalsoda import solve_ivp
 from problems import Problem
 
-from peers import Contender, Outcome, kernel_model
-from peers.ours import OnInstance
+from peers import Contender, Outcome
+from peers.on_kernel import OnKernel
 
 
 @njit
@@ -40,32 +38,6 @@ def run_dop853(rate, least, switch, address, y, found, stop, tolerance, grid):  
     return steps
 
 
-class OnKernel(OnInstance):
-    """A solver on the kernel's functions: state, pointers, and the way back to what can be observed."""
-
-    def __init__(self, problem: Problem, tolerance: float, stop: float) -> None:
-        scene = problem.scene(tolerance)
-        super().__init__(scene, stop)
-        self.tolerance = tolerance
-        self.model = kernel_model.load(len(scene.chain.links))
-        self.y = np.zeros(2 * len(scene.chain.links) + 4)
-        self.found = np.zeros(2 * self.instance.record["candidates"], np.int32)
-        self.rate, self.least = (
-            ctypes.cast(f, ctypes.c_void_p).value for f in (self.model.peer_rate, self.model.peer_least)
-        )
-
-    def start(self) -> None:
-        """Back to the start."""
-        self.block[:] = self.fresh
-        self.model.peer_start(self.address, self.y.ctypes.data)
-
-    def finished(self, steps: int | None, failed: str) -> Outcome:
-        """What came out."""
-        rhs = self.instance.statistics["rhs_evaluations"]
-        self.model.peer_stop(self.address, self.stop, self.y.ctypes.data)
-        return Outcome(*self.observed(), steps, rhs, failed)
-
-
 class Dop853(OnKernel):
     """``numbalsoda.solve_ivp``."""
 
@@ -74,7 +46,7 @@ class Dop853(OnKernel):
         self.start()
         grid = np.array([] if keep_steps else [self.stop], np.float64)
         return run_dop853(
-            self.rate, self.least, self.model.peer_switch, self.address, self.y, self.found, self.stop,
+            self.rate, self.least, self.model.plain_switch, self.address, self.y, self.found, self.stop,
             self.tolerance, grid,
         )  # fmt: skip
 
@@ -86,4 +58,4 @@ class Dop853(OnKernel):
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
     """One."""
-    return {"numbalsoda DOP853": Dop853(problem, tolerance, stop)}
+    return {"numbalsoda DOP853": Dop853(problem.scene(tolerance), stop)}

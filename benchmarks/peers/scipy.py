@@ -2,123 +2,97 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 import numpy as np
+from numba import njit
 from problems import Problem
 from scipy.integrate import solve_ivp
 
+from chain_impact.scene.scene import Scene
 from peers import Contender, Outcome
-from peers.model import Contacts, Model, energy_of
+from peers.on_kernel import OnKernel
 
 METHODS = ("DOP853", "LSODA")  # the best with impacts, and in flight
 BEYOND = 1e-9  # m, a point this deep in a wall without a contact: an onset was missed
 
 
-@dataclass
-class Run:
-    """What a run came to. Times in s, energies in J."""
-
-    time: float
-    state: np.ndarray
-    onsets: list[tuple[int, float]] = field(default_factory=list)  # candidate, time
-    steps: int = 0
-    rhs: int = 0  # evaluations
-    highest_energy: float = -math.inf
-    deepest: float = 0.0  # m
-    missed: bool = False  # a point was found beyond a wall without a contact
-    message: str = ""  # of an integrator that gave up
+@njit
+def call(function, t, y, address, count):
+    """A C function of time and state, which fills so many numbers."""
+    out, whole = np.empty(count), np.ascontiguousarray(y)  # columns of a matrix are not in one piece
+    function(t, whole.ctypes.data, out.ctypes.data, address)
+    return out
 
 
-class Scipy(Model):
-    """solve_ivp on a scene, restarted at every onset and end."""
+class Scipy(OnKernel):
+    """solve_ivp on a scene, restarted at every onset and end.
 
-    def run(
-        self,
-        method: str,
-        tolerance: float,
-        stop: float,
-        *,
-        watch: bool = False,
-        tick: Callable[[], None] | None = None,
-        result: Run | None = None,
-    ) -> Run:
-        """Integrate to ``stop`` [s].
+    Attributes:
+        time: up to where it has come, in whole segments between events [s].
+        steps: steps.
+        watch: whether to look at energy, depth and missed onsets after each step.
+        seen: highest energy [J], and largest penetration [m].
+        missed: whether a point was found beyond a wall without a contact.
+        message: of an integrator that gave up.
+        tick: is called at each right-hand side, to stop a run that takes too long.
+    """
 
-        Args:
-            method: one of solve_ivp's.
-            tolerance: relative, and absolute in m, rad, m/s, rad/s.
-            stop: [s].
-            watch: look at energy, depth and missed onsets after each step.
-            tick: called at each right-hand side, to stop a run that takes too long.
-            result: what it has come to when an exception stops it, up to the last event.
-        """
-        contacts = Contacts(self)
-        active, v0, law = contacts.active, contacts.v0, self.law
-        compiled_rate, least = self.rate, self.least
+    def __init__(self, scene: Scene, stop: float, method: str, *, watch: bool = False) -> None:
+        super().__init__(scene, stop)
+        self.method, self.watch = method, watch
+        self.tick: Callable[[], None] | None = None
 
-        def derivative(t: float, y: np.ndarray) -> np.ndarray:
-            if tick is not None:
-                tick()
-            return compiled_rate(t, y, active, v0, law)
-
-        def event(t: float, y: np.ndarray) -> float:
-            return least(t, y, active, v0, law)
-
-        event.terminal, event.direction = True, -1
-        result = Run(0.0, self.first.copy()) if result is None else result
-        result.onsets = contacts.onsets
-        step = flight_step = None
-        while result.time < stop:
-            sol = solve_ivp(
-                derivative, (result.time, stop), result.state, method, rtol=tolerance, atol=tolerance,
-                events=event if self.candidates else None,
-                first_step=None if step is None else min(step, stop - result.time),
-            )  # fmt: skip
-            result.steps += len(sol.t) - 1
-            result.rhs += sol.nfev
-            result.time, result.state = float(sol.t[-1]), sol.y[:, -1]
-            if watch:
-                self.look(result, sol.y, active, v0)
-            if sol.status != 1:
-                result.message = "" if sol.status == 0 else sol.message
-                break
-            if not active.any() and len(sol.t) > 2:
-                flight_step = sol.t[-2] - sol.t[-3]
-            step = contacts.switch(result.time, result.state, flight_step)
-        return result
-
-    def look(self, result: Run, states: np.ndarray, active: np.ndarray, v0: np.ndarray) -> None:
-        """Note energy, depth and missed onsets at the ends of the steps of a segment."""
-        for y in states.T:
-            energy, deepest, outside = energy_of(self.chain, y, active, v0)
-            result.highest_energy = max(result.highest_energy, energy)
-            result.deepest = max(result.deepest, deepest)
-            result.missed = result.missed or outside > BEYOND
-
-
-class Method:
-    """One of solve_ivp's methods."""
-
-    def __init__(self, peer: Scipy, method: str, tolerance: float, stop: float) -> None:
-        self.peer, self.settings = peer, (method, tolerance, stop)
+    def derivative(self, t: float, y: np.ndarray) -> np.ndarray:
+        """f(t, y)."""
+        if self.tick is not None:
+            self.tick()
+        return call(self.model.plain_rate, t, y, self.address, len(y))
 
     def run(self) -> None:
-        """Once."""
-        self.peer.run(*self.settings)
+        """To ``stop``."""
+
+        def event(t: float, y: np.ndarray) -> float:
+            return call(self.model.plain_least, t, y, self.address, 1)[0]
+
+        event.terminal, event.direction = True, -1
+        self.start()
+        self.time, self.steps, self.missed, self.message = 0.0, 0, False, ""
+        self.seen, first, flight = np.array([-np.inf, 0.0, 0.0]), None, 1.0
+        while self.time < self.stop:
+            sol = solve_ivp(
+                self.derivative, (self.time, self.stop), self.y, self.method, rtol=self.tolerance,
+                atol=self.tolerance, events=event if len(self.found) else None, first_step=first,
+            )  # fmt: skip
+            self.steps += len(sol.t) - 1
+            if self.watch:
+                self.look(sol.y)
+            self.time, self.y[:] = float(sol.t[-1]), sol.y[:, -1]
+            if sol.status != 1:
+                self.message = "" if sol.status == 0 else sol.message
+                break
+            if not self.touch["active_count"] and len(sol.t) > 2:
+                flight = sol.t[-2] - sol.t[-3]
+            self.time, first = self.switch(self.time, self.y, flight)
+            first = min(first, max(self.stop - self.time, 1e-15))
+
+    def look(self, states: np.ndarray) -> None:
+        """Note energy, depth and missed onsets at the ends of the steps of a segment."""
+        for y in np.ascontiguousarray(states.T):
+            found = np.zeros(3)
+            self.model.plain_look(y.ctypes.data, found.ctypes.data, self.address)
+            self.seen = np.maximum(self.seen, found)
+            self.missed = self.missed or found[2] > BEYOND
 
     def outcome(self) -> Outcome:
         """Once more."""
         try:
-            run = self.peer.run(*self.settings)
+            self.run()
         except (ValueError, RuntimeError) as problem:  # of scipy's root finder
-            return Outcome(self.peer.first, failed=str(problem))
-        return Outcome(run.state, run.onsets, run.steps, run.rhs, run.message)
+            return Outcome(self.y, failed=str(problem))
+        return self.finished(self.steps, self.message)
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
     """Both."""
-    peer = Scipy(problem.scene())
-    return {f"scipy {method}": Method(peer, method, tolerance, stop) for method in METHODS}
+    return {f"scipy {method}": Scipy(problem.scene(tolerance), stop, method) for method in METHODS}

@@ -1,6 +1,6 @@
-/* CVODE on the model of the kernel, with events: the other side of rest.py.
+/* CVODE on the model of the kernel, with events: peers/cvode.py loads it.
  *
- * The model is compiled from the kernel's own functions, see rest_model.py. At an event (a contact begins,
+ * The model is compiled from the kernel's own functions, see kernel_model.py. At an event (a contact begins,
  * ends, or has its impact speed latched anew) the solver is started anew, as the right-hand side is another.
  */
 #include <cvode/cvode.h>
@@ -11,19 +11,19 @@
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 #include <time.h>
 
-extern int rest_start(void *instance, double *y);
-extern int rest_rate(void *instance, const double *y, double *rate);
-extern int rest_roots(void *instance, int careful, const double *y, double *value);
-extern int rest_happen(void *instance, double time, const double *y, const int *found);
-extern int rest_weights(void *instance, int careful, const double *y, double *weight);
-extern int rest_stop(void *instance, double time, const double *y);
+extern int cvode_start(void *instance, double *y);
+extern int cvode_rate(void *instance, const double *y, double *rate);
+extern int cvode_roots(void *instance, int careful, const double *y, double *value);
+extern int cvode_happen(void *instance, double time, const double *y, const int *found);
+extern int cvode_weights(void *instance, int careful, const double *y, double *weight);
+extern int cvode_stop(void *instance, double time, const double *y);
 
 enum { MOST_ROOTS = 256, OVER_BUDGET = -100 };
 
 typedef struct {
     long states, candidates; /* sizes */
     long adams;              /* 1: Adams with fixed-point iteration; 0: BDF with Newton, dense */
-    long careful;            /* 1: tolerance and end of contact as the stiffness needs, see rest_model.py */
+    long careful;            /* 1: tolerance and end of contact as the stiffness needs, see kernel_model.py */
     double budget;           /* s of CPU time */
 } Settings;
 
@@ -49,18 +49,18 @@ static int rate(double t, N_Vector y, N_Vector out, void *data) {
     Problem *problem = data;
     (void)t;
     problem->counts->rates++;
-    return rest_rate(problem->instance, NV_DATA_S(y), NV_DATA_S(out));
+    return cvode_rate(problem->instance, NV_DATA_S(y), NV_DATA_S(out));
 }
 
 static int roots(double t, N_Vector y, double *value, void *data) {
     Problem *problem = data;
     (void)t;
-    return rest_roots(problem->instance, (int)problem->settings->careful, NV_DATA_S(y), value);
+    return cvode_roots(problem->instance, (int)problem->settings->careful, NV_DATA_S(y), value);
 }
 
 static int weights(N_Vector y, N_Vector weight, void *data) {
     Problem *problem = data;
-    return rest_weights(problem->instance, (int)problem->settings->careful, NV_DATA_S(y), NV_DATA_S(weight));
+    return cvode_weights(problem->instance, (int)problem->settings->careful, NV_DATA_S(y), NV_DATA_S(weight));
 }
 
 static void silent(int code, const char *module, const char *function, char *message, void *data) {
@@ -92,12 +92,12 @@ static int restart(void *cvode, Problem *problem, double t, N_Vector y) {
     CVodeGetRootInfo(cvode, found);
     add_counts(cvode, problem->counts);
     problem->counts->restarts++;
-    rest_happen(problem->instance, t, NV_DATA_S(y), found);
+    cvode_happen(problem->instance, t, NV_DATA_S(y), found);
     return CVodeReInit(cvode, t, y);
 }
 
 /* Solve up to each of the times [s] in turn, with one row of counts for each. Returns the rows filled. */
-long rest_solve(void *instance, const Settings *settings, const double *times, long count, Counts *rows) {
+long cvode_solve(void *instance, const Settings *settings, const double *times, long count, Counts *rows) {
     Counts sums = {0};
     Problem problem = {instance, settings, &sums};
     long row = 0, flag = 0;
@@ -107,7 +107,7 @@ long rest_solve(void *instance, const Settings *settings, const double *times, l
     SUNContext context;
     SUNContext_Create(NULL, &context);
     N_Vector y = N_VNew_Serial(settings->states, context);
-    rest_start(instance, NV_DATA_S(y));
+    cvode_start(instance, NV_DATA_S(y));
     void *cvode = CVodeCreate(settings->adams ? CV_ADAMS : CV_BDF, context);
     CVodeInit(cvode, rate, 0.0, y);
     CVodeSetUserData(cvode, &problem);
@@ -140,7 +140,7 @@ long rest_solve(void *instance, const Settings *settings, const double *times, l
         rows[row] = so_far(cvode, &sums, start);
         rows[row].flag = flag;
     }
-    rest_stop(instance, t, NV_DATA_S(y));
+    cvode_stop(instance, t, NV_DATA_S(y));
 
     CVodeFree(&cvode);
     if (linear) SUNLinSolFree(linear);

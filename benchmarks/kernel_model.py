@@ -1,0 +1,389 @@
+"""The kernel's model as C functions, for solvers that take pointers to such: what peers integrate.
+
+Compiled by numba and linked just as the kernel is, on the same record: so peers evaluate the very machine
+code that ours does, and their contacts are latched, released and latched anew by the kernel. Functions named
+``plain_`` have the kernel's state without the energies, u and the time, which drive nothing; those of CVODE,
+named ``cvode_``, have the dissipated energy, too.
+
+    int32 PREFIX_start(instance*, double* y)                      initialize; the state at 0 s
+    int32 PREFIX_stop(instance*, double t, const double* y)       stand there, to be observed
+    void  plain_rate(double t, const double* y, double* rate, instance*)
+    void  plain_least(double t, const double* y, double* value, instance*)
+    int32 plain_switch(instance*, double* clock, double* y, int32* found)
+    void  plain_look(double* y, double* found, instance*)
+    int32 plain_steps(instance*, double dt, int64 count, int32 euler, double* y, int32* found, double* limits)
+    int32 cvode_rate(instance*, const double* y, double* rate)
+    int32 cvode_roots(instance*, int32 careful, const double* y, double* value)
+    int32 cvode_happen(instance*, double time, const double* y, const int32* found)
+    int32 cvode_weights(instance*, int32 careful, const double* y, double* weight)
+"""
+
+from __future__ import annotations
+
+# common.py comes before numba, and adds the folder of the tests to Python's path
+import common  # isort: skip  # noqa: F401
+
+import ctypes
+import hashlib
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numba import float64, int32, int64, types, void
+
+from chain_impact.compilation import compilers, ready
+from chain_impact.compilation.cache import made
+from chain_impact.compilation.collecting import collect_only
+from chain_impact.compilation.entry_points import Entries
+from chain_impact.compilation.functions import compiled
+from chain_impact.compilation.lower import lowered
+from chain_impact.compilation.record_type import INSTANCE, vector
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.marks import END, NONE, ONSET, RELATCH
+from chain_impact.kernel.events.table import apply_events
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.integration.last_step import reset_step
+from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
+from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.geometry import clearance
+from chain_impact.system import HOST
+
+REALS, COUNTS = types.CPointer(float64), types.CPointer(int32)
+PLAIN, CVODE = 4, 3  # how many components at the end of the kernel's state they are without
+AT_ZERO = 1e-12  # s, how far from zero in time a candidate is that has an event
+# m, by which an event comes late: a contact that has just begun or ended is then clear of zero, as peers
+# need a change of sign between the ends of a step
+CLEAR = 1e-13
+HOP = 0.2  # first step of a flight, in parts of separation speed / g: a low hop must not be stepped over
+FIRST_STEP = 0.09  # of expected depth / impact speed: the force rises as δⁿ, unseen at onset
+POLISH = 1e-7  # s, how far a solver's root may be corrected
+POSITION_ERROR = 1e-2  # of the static penetration: what a careful CVODE's position may err by in contact …
+MARGIN = 5e-2  # … and how far above the wall a contact then ends
+
+
+@compiled
+def rate_at(d, y, out):
+    """Set the first components of f(y)."""
+    d.statistics.rhs_evaluations += 1
+    state_rate(d, y, d.work.stage[0])
+    for j in range(len(y)):
+        out[j] = d.work.stage[0, j]
+
+
+@compiled
+def happen(d, time, y, found):
+    """Let the events found take effect.
+
+    Args:
+        d: the instance.
+        time: [s].
+        y: state.
+        found: for each candidate the sign of the change of its clearance, then of what its speed leaves to
+            being latched anew; 0 without an event.
+    """
+    d.step.end = time
+    for j in range(len(y)):
+        d.step.state_end[j] = y[j]
+    for c in range(d.candidates):
+        kind = RELATCH if found[d.candidates + c] < 0 else NONE
+        if d.touch.active[c] and found[c] > 0:
+            kind = END
+        elif not d.touch.active[c] and found[c] < 0:
+            kind = ONSET
+        d.touch.event[c] = kind
+    apply_events(d)
+
+
+def start_and_stop(prefix: str, left_out: int) -> Entries:
+    """Initialize and set the state at 0 s; stand in a state at a time, to be observed."""
+
+    def start(d, y):
+        status = initialize(d, 0.0)
+        for j in range(len(d.step.state) - left_out):
+            y[j] = d.step.state[j]
+        return status
+
+    def stop(d, time, y):
+        size = len(d.step.state) - left_out
+        for j in range(len(d.step.state)):
+            d.work.y[j] = y[j] if j < size else 0.0
+        reset_step(d, time, d.work.y)
+        return 0
+
+    return {
+        f"{prefix}_start": (int32(INSTANCE, REALS), start),
+        f"{prefix}_stop": (int32(INSTANCE, float64, REALS), stop),
+    }
+
+
+# --- for solvers that stop where one event function falls through zero ------------------------------------
+
+
+def rate(_t, y, out, d):
+    """f(y)."""
+    rate_at(d, vector(y, len(d.step.state) - PLAIN), out)
+
+
+@compiled
+def least_event(d, y):
+    """The smallest of all event functions, and its rate where it is a clearance."""
+    lowest, slope = np.inf, 0.0
+    locate_points(d, y)
+    for c in range(d.candidates):
+        gap, gap_rate = clearance(d, c)
+        sign = -1.0 if d.touch.active[c] else 1.0
+        if sign * gap < lowest:
+            lowest, slope = sign * gap, sign * gap_rate
+        fast = RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate
+        if d.touch.active[c] and fast < lowest:
+            lowest, slope = fast, 0.0
+    return lowest + CLEAR, slope
+
+
+def least(_t, y, out, d):
+    """The least event function."""
+    out[0], _ = least_event(d, vector(y, len(d.step.state) - PLAIN))
+
+
+def switch(d, clock, values, found):
+    """Let the event at clock[0] [s] take effect, and propose a next step in clock[1] [s].
+
+    A root finder with a coarse tolerance in time is helped: the last part to the root is gone by f(y).
+    Returns the number of active contacts.
+    """
+    y = vector(values, len(d.step.state) - PLAIN)
+    value, slope = least_event(d, y)
+    if slope < 0.0 and abs(value) < -slope * POLISH:
+        dt = -value / slope
+        state_rate(d, y, d.work.stage[0])
+        for j in range(len(y)):
+            y[j] += dt * d.work.stage[0, j]
+        clock[0] += dt
+    hop = np.inf
+    locate_points(d, y)
+    for c in range(d.candidates):
+        gap, gap_rate = clearance(d, c)
+        active = d.touch.active[c]
+        sign = -1.0 if active else 1.0
+        falls = sign * gap_rate < 0.0 and sign * gap <= -sign * gap_rate * AT_ZERO + 1e-15
+        found[c] = (1 if active else -1) if falls else 0
+        fast = active and -gap_rate >= RELATCH_RATIO * d.touch.impact_speed[c] * (1.0 - 1e-9)
+        found[d.candidates + c] = -1 if fast and not falls else 0
+        if falls:
+            hop = min(hop, abs(gap_rate) * HOP / 9.81)
+    d.step.next_size = clock[1]
+    happen(d, clock[0], y, found)
+    if d.touch.active_count == 0:
+        clock[1] = min(clock[1], hop)
+        return 0
+    clock[1] = d.step.next_size
+    for c in range(d.candidates):
+        if found[c] < 0 and d.touch.active[c]:
+            clock[1] = min(clock[1], FIRST_STEP * d.touch.depth_scale[c] / d.touch.impact_speed[c])
+    return d.touch.active_count
+
+
+# --- for stability.py: what a state has come to, and fixed steps ------------------------------------------
+
+
+@compiled
+def looked_at(d, y):
+    """Energy [J], largest penetration [m], and depth of points without a contact [m]."""
+    locate_points(d, y)
+    kinetic, potential = mechanical_energy(d, y)
+    deepest, outside = 0.0, 0.0
+    for c in range(d.candidates):
+        gap, _ = clearance(d, c)
+        deepest = max(deepest, -gap)
+        if not d.touch.active[c]:
+            outside = max(outside, -gap)
+    return kinetic + potential + stored_energy(d, y), deepest, outside
+
+
+def look(y, found, d):
+    """What ``looked_at`` finds in a state."""
+    found[0], found[1], found[2] = looked_at(d, vector(y, len(d.step.state) - PLAIN))
+
+
+def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compiled
+    """Fixed steps of semi-implicit Euler or of RK4; a contact begins and ends at the end of a step.
+
+    Args:
+        d: the instance.
+        dt: step [s].
+        count: of the steps.
+        euler: whether to take Euler's steps.
+        values: state, changed in place.
+        found: room for ``happen``.
+        limits: energy [J] and depth [m] at which it stops; then the highest and the deepest.
+
+    Returns:
+        The steps made.
+    """
+    size, n = len(d.step.state) - PLAIN, d.links + 2
+    y, z, stage = vector(values, size), d.work.y, d.work.stage
+    highest, deepest = -np.inf, 0.0
+    for step in range(count):
+        energy, deep, _ = looked_at(d, y)
+        any_event = False
+        for c in range(d.candidates):
+            gap, gap_rate = clearance(d, c)
+            active = d.touch.active[c]
+            found[c] = (1 if active else 0) if gap >= 0.0 else (0 if active else -1)
+            fast = active and gap < 0.0 and -gap_rate > RELATCH_RATIO * d.touch.impact_speed[c]
+            found[d.candidates + c] = -1 if fast else 0
+            any_event = any_event or found[c] != 0 or fast
+        if any_event:
+            happen(d, step * dt, y, found)
+            energy, _, _ = looked_at(d, y)
+        highest, deepest = max(highest, energy), max(deepest, deep)
+        if not (energy <= limits[0] and deepest <= limits[1]):
+            limits[0], limits[1] = energy, deepest
+            return step
+        state_rate(d, y, stage[0])
+        if euler:
+            for j in range(n):
+                y[n + j] += dt * stage[0, n + j]
+                y[j] += dt * y[n + j]
+        else:
+            for k in range(1, 4):
+                part = dt if k == 3 else 0.5 * dt
+                for j in range(size):
+                    z[j] = y[j] + part * stage[k - 1, j]
+                state_rate(d, z, stage[k])
+            for j in range(size):
+                y[j] += dt * (stage[0, j] + 2.0 * (stage[1, j] + stage[2, j]) + stage[3, j]) / 6.0
+    limits[0], limits[1] = highest, deepest
+    return count
+
+
+# --- for CVODE, which has a root function for each event --------------------------------------------------
+
+
+@compiled
+def static_depth(d):
+    """Penetration [m] under the weight of one link."""
+    weight = abs(d.model.gravity[1]) * d.model.mass[0]
+    return (weight / d.law.stiffness[0]) ** (1.0 / d.law.exponent[0])
+
+
+def cvode_rate(d, y, out):
+    """f(y)."""
+    rate_at(d, vector(y, len(d.step.state) - CVODE), out)
+    return 0
+
+
+def cvode_happen(d, time, y, found):
+    """Let the events found take effect."""
+    happen(d, time, vector(y, len(d.step.state) - CVODE), found)
+    return 0
+
+
+def cvode_roots(d, careful, y, value):
+    """For each candidate its clearance, and how far an active one is from being latched anew.
+
+    CVODE's solution jumps by a part of its tolerance when it starts anew. So a point that leaves slowly is
+    seen to arrive and leave again, up to a million times over, unless the contact ends a margin above the
+    wall. There is no force up there.
+    """
+    margin = MARGIN * static_depth(d) if careful else 0.0
+    locate_points(d, vector(y, len(d.step.state) - CVODE))
+    for c in range(d.candidates):
+        gap, gap_rate = clearance(d, c)
+        active = d.touch.active[c]
+        value[c] = gap - margin if active else gap
+        # δ̇ = −ġ
+        value[d.candidates + c] = RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate if active else 1.0
+    return 0
+
+
+def cvode_weights(d, careful, y, weight):
+    """One over the error allowed in each component.
+
+    As users have it: tolerance × (|y| + scale), the scale that of the kernel. Careful: positions without the
+    relative part, and while a contact is active no more than a part of the static penetration.
+    """
+    n, tolerance = d.links, d.solver.tolerance
+    position = tolerance * d.model.size
+    if careful and d.touch.active_count > 0:
+        position = min(position, POSITION_ERROR * static_depth(d))
+    for j in range(2 * n + 5):
+        if j < n + 2:
+            allowed = position if j < 2 else position / d.model.size
+            if not careful:
+                allowed += tolerance * abs(y[j])
+        else:
+            scale = d.model.size if j < n + 4 else 1.0 if j < 2 * n + 4 else d.model.energy
+            allowed = tolerance * (scale + abs(y[j]))
+        weight[j] = 1.0 / allowed
+    return 0
+
+
+# --- the library --------------------------------------------------------------------------------------------
+
+
+def entry_points() -> Entries:
+    """The C functions."""
+    solver, roots = void(float64, REALS, REALS, INSTANCE), int32(INSTANCE, int32, REALS, REALS)
+    functions: Entries = start_and_stop("plain", PLAIN) | start_and_stop("cvode", CVODE)
+    return functions | {
+        "plain_rate": (solver, rate),
+        "plain_least": (solver, least),
+        "plain_switch": (int32(INSTANCE, REALS, REALS, COUNTS), switch),
+        "plain_look": (void(REALS, REALS, INSTANCE), look),
+        "plain_steps": (int32(INSTANCE, float64, int64, int32, REALS, COUNTS, REALS), steps),
+        "cvode_rate": (int32(INSTANCE, REALS, REALS), cvode_rate),
+        "cvode_roots": (roots, cvode_roots),
+        "cvode_happen": (int32(INSTANCE, float64, REALS, COUNTS), cvode_happen),
+        "cvode_weights": (roots, cvode_weights),
+    }
+
+
+def lower(file: str) -> None:
+    """Write the C functions to a file in LLVM's language; this changes how the process compiles."""
+    collect_only(any_python=False, guarded=True)
+    Path(file).write_text(lowered(entry_points()), encoding="utf-8")
+
+
+def digest(*sources: Path) -> str:
+    """Hexadecimal digits that change with the content of the files."""
+    return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:12]
+
+
+def built(links: int) -> Path:
+    """The library for a number of links, compiled if it is not cached."""
+    here, exact = Path(__file__), ready.exact(links)
+    name = f"{here.stem}-{digest(here)}"
+    program = f"import sys; sys.path.insert(0, {str(here.parent)!r}); import kernel_model; "
+
+    def write(file: Path) -> None:
+        subprocess.run([sys.executable, "-c", f"{program}kernel_model.lower({str(file)!r})"], check=True)
+
+    return made(f"{name}-{exact or 'any'}.so", lambda file: link(made(f"{name}.ll", write), exact, file))
+
+
+def link(lowered_file: Path, links: int | None, library: Path) -> None:
+    """Make a library as that of the kernel, but without the C interface of FMUs, which calls the kernel."""
+    functions = library.with_name("functions.o")
+    compilers.compile_part(lowered_file.read_text(), functions, HOST, compilers.KERNEL, links)
+    compilers.prepare_zig(HOST)
+    registers = compilers.INTERFACE / "common" / "registers.c"
+    compilers._zig_library(HOST, library, functions, registers, *compilers.write_beside(library, None))
+
+
+@cache
+def load(links: int) -> ctypes.CDLL:
+    """The library of the ``plain_`` functions, compiled if it is not cached."""
+    model = ctypes.CDLL(str(built(links)))
+    pointer, real = ctypes.c_void_p, ctypes.c_double
+    model.plain_start.argtypes = [pointer] * 2
+    model.plain_rate.argtypes = model.plain_least.argtypes = [real, *[pointer] * 3]
+    model.plain_rate.restype = model.plain_least.restype = model.plain_look.restype = None
+    model.plain_switch.argtypes = [pointer] * 4
+    model.plain_look.argtypes = [pointer] * 3
+    model.plain_steps.argtypes = [pointer, real, ctypes.c_int64, ctypes.c_int32, *[pointer] * 3]
+    model.plain_stop.argtypes = [pointer, real, pointer]
+    return model

@@ -1,0 +1,52 @@
+"""What peers have in common that integrate the kernel's own functions, see kernel_model.py."""
+
+from __future__ import annotations
+
+import ctypes
+
+import kernel_model
+import numpy as np
+
+from chain_impact.scene.scene import Scene
+from peers import Outcome
+from peers.ours import OnInstance
+
+
+class OnKernel(OnInstance):
+    """State, pointers, what happens at an event, and the way back to what can be observed."""
+
+    def __init__(self, scene: Scene, stop: float) -> None:
+        super().__init__(scene, stop)
+        self.tolerance, self.touch = scene.solver.tolerance, self.instance.record["touch"]
+        self.model = kernel_model.load(len(scene.chain.links))
+        self.y = np.zeros(2 * len(scene.chain.links) + 4)
+        self.found = np.zeros(2 * self.instance.record["candidates"], np.int32)
+        self.clock = np.zeros(2)  # time and proposed step [s]
+        self.rate, self.least = (
+            ctypes.cast(f, ctypes.c_void_p).value for f in (self.model.plain_rate, self.model.plain_least)
+        )
+
+    def start(self) -> None:
+        """Back to the start."""
+        self.block[:] = self.fresh
+        self.model.plain_start(self.address, self.y.ctypes.data)
+
+    def switch(self, time: float, y: np.ndarray, flight: float = 1.0) -> tuple[float, float]:
+        """Let the event at a time [s] take effect; the time of it [s], and a first step [s] from there.
+
+        Args:
+            time: [s].
+            y: state.
+            flight: the most that the first step of a flight may be [s].
+        """
+        self.y[:], self.clock[:] = y, (time, flight)
+        self.model.plain_switch(
+            self.address, self.clock.ctypes.data, self.y.ctypes.data, self.found.ctypes.data
+        )
+        return float(self.clock[0]), float(self.clock[1])
+
+    def finished(self, steps: int | None, failed: str = "") -> Outcome:
+        """What came out."""
+        rhs = int(self.instance.statistics["rhs_evaluations"])
+        self.model.plain_stop(self.address, self.stop, self.y.ctypes.data)
+        return Outcome(*self.observed(), steps, rhs, failed)
