@@ -55,18 +55,12 @@ def test_cost_of_a_tolerance(scene, tolerance, most):
     assert simulate(scene(), tolerance=tolerance, method="implicit").statistics["rhs_evaluations"] < most
 
 
-def implicit_phase(tolerance=1e-8):
-    """An instance in the middle of implicit steps."""
-    instance = Instance(with_values(tipping(), {("solver", "tolerance"): tolerance}))
-    assert instance.advance(0.05) == 0
-    assert instance.record["step"]["last_method"] == IMPLICIT
-    return instance
-
-
 @pytest.mark.parametrize("elsewhere", [0.0, 0.09])
 def test_a_state_saved_in_the_middle_continues_bit_by_bit(elsewhere):
     """In an instance that is at another time until it is restored, with another tolerance."""
-    instance = implicit_phase()
+    instance = Instance(tipping().with_values({"solver.tolerance": 1e-8}))
+    assert instance.advance(0.05) == 0
+    assert instance.record["step"]["last_method"] == IMPLICIT
     saved = np.frombuffer(instance.record.tobytes(), instance.record.dtype)[0]
     instance.advance(0.08)
     restored = Instance(with_values(tipping(), {("solver", "tolerance"): 1e-6}))

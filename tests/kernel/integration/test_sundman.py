@@ -16,37 +16,26 @@ from tests.plain import Plain, make_rigid
 from tests.problems import ball
 
 SPEED, STIFFNESS = 2.0, 1e8
-VELOCITY, ROOT, TIME = 4, -2, -1  # in the state of one link
-
-
-def at_onset():
-    """A ball of 1 kg that touches the floor at this moment, with a law without loss."""
-    block = Model(ball(0.0, SPEED, stiffness=STIFFNESS, restitution=1.0)).new_instance()
-    d = Plain(block[0])
-    assert initialize(d, 0.0) == 0
-    d["touch"]["event"][0] = ONSET
-    assert begin_step(d) == 1
-    assert d["step"]["regularized"] == 0
-    return block
-
-
-def time_scale(d):
-    return float(d["touch"]["depth_scale"][0]) / SPEED
-
-
-def energy(d, y):
-    """½ m v² + K δ^(5/2)/(5/2), with δ from u."""
-    depth = float(d["touch"]["depth_scale"][0]) * y[ROOT] ** 2
-    return 0.5 * y[VELOCITY] ** 2 + STIFFNESS * depth**2.5 / 2.5
 
 
 def test_a_step_from_the_onset_keeps_the_order_of_the_method():
     """In time the force begins as its power 3/2, and a step errs by its power 5/2, whatever the method."""
-    start, sizes, errors = at_onset(), np.array([0.5, 0.6, 0.7, 0.8]), []
+    start = Model(ball(0.0, SPEED, stiffness=STIFFNESS, restitution=1.0)).new_instance()
+    sizes, errors, d = np.array([0.5, 0.6, 0.7, 0.8]), [], Plain(start[0])
+    assert initialize(d, 0.0) == 0
+    d.touch.event[0] = ONSET
+    assert begin_step(d) == 1
+    assert d.step.regularized == 0
+
+    def energy(y):
+        """½ m v² + K δ^(5/2)/(5/2), with the mass of 1 kg and δ from u."""
+        return 0.5 * y[4] ** 2 + STIFFNESS * (depth * y[-2] ** 2) ** 2.5 / 2.5
+
     for size in sizes:
         d = Plain(start.copy()[0])
-        methods.attempt(d, size * time_scale(d))
-        errors.append(abs(energy(d, d["trial"]["state"]) - energy(d, d["step"]["state_end"])))
+        depth = float(d.touch.depth_scale[0])
+        methods.attempt(d, size * depth / SPEED)
+        errors.append(abs(energy(d.trial.state) - energy(d.step.state_end)))
     assert min(errors) > 1e-13  # else it is round-off that is measured
     assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] > 8.0
 

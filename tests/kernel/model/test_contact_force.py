@@ -21,7 +21,6 @@ from tests.reference import newton_impact, realised_restitution, rebound
 FORCES = [law for law in CONTACT_LAWS.values() if not law.impulsive]
 LAWS = pytest.mark.parametrize("law", FORCES, ids=lambda law: law.id)
 FACTOR = functools.cache(contact_laws.damping_factor)  # that of Kuwabara and Kono takes an integration
-FAMILY = pytest.mark.parametrize("law", [law for law in FORCES if law.in_family], ids=lambda law: law.id)
 OTHERS = pytest.mark.parametrize("law", [law for law in FORCES if not law.in_family], ids=lambda law: law.id)
 MASS, SPEED, STIFFNESS = 2.0, 1.5, 1e7
 DEPTHS, RATES = np.geomspace(1e-18, 1.0, 10), np.array([-1e9, -30.0, -1.0, -1e-9, 0.0, 1e-9, 1.0, 30.0])

@@ -48,26 +48,16 @@ def height_of(time, stiffness, restitution, vy):
     return -depth(off) - rate(off) * (since - off)
 
 
-def contact_times():
-    """Onset, kink and end of the contact [s]."""
-    omega, zeta = map(float, damped(STIFFNESS, RESTITUTION))
-    off = math.atan2(2 * zeta * math.sqrt(1 - zeta**2), 2 * zeta**2 - 1) / (omega * math.sqrt(1 - zeta**2))
-    impact = simulate(scene_of()).impacts[0]
-    return impact["onset"], impact["onset"] + off, impact["end"]
-
-
-def scene_of():
-    return ball(
-        HEIGHT, SPEED, stiffness=STIFFNESS, restitution=RESTITUTION, stop_time=0.1, **of_law("kelvin_voigt")
-    )
-
-
 def test_a_damped_spring_before_and_behind_its_kink():
     """Where the force would begin to pull, while the ball is still in the wall, and when it has left."""
-    onset, kink, end = contact_times()
+    contact = {"stiffness": STIFFNESS, "restitution": RESTITUTION, **of_law("kelvin_voigt")}
+    scene = ball(HEIGHT, SPEED, stop_time=0.1, **contact)
+    impact, (omega, zeta) = simulate(scene).impacts[0], map(float, damped(STIFFNESS, RESTITUTION))
+    off = math.atan2(2 * zeta * math.sqrt(1 - zeta**2), 2 * zeta**2 - 1) / (omega * math.sqrt(1 - zeta**2))
+    onset, kink, end = impact["onset"], impact["onset"] + off, impact["end"]
     assert onset < kink < end - 1e-3
     times = [0.5 * onset, onset + 1e-3, kink - 1e-4, kink + 1e-4, 0.5 * (kink + end), end + 1e-3, 0.1]
-    scene = scene_of().with_values({"solver.tolerance": 1e-12})
+    scene = scene.with_values({"solver.tolerance": 1e-12})
     instance = started(Case(scene, PARAMETERS, ()))
     values, slopes = followed(instance, times)
     column = list(simulate(scene).columns).index("point[0].y")
