@@ -5,14 +5,7 @@ import pytest
 
 from chain_impact.kernel import entry
 from chain_impact.kernel.advance import advance
-from chain_impact.kernel.entry import (
-    advance_awhile,
-    advance_to,
-    finish_run,
-    observe_now,
-    run_each,
-    trajectory,
-)
+from chain_impact.kernel.entry import advance_awhile, advance_to, observe_now, run_each, trajectory
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE, PAUSED
@@ -112,15 +105,6 @@ def test_a_run_goes_on_where_a_call_has_paused(monkeypatch):
         done, continuing, calls = done + more, 1, calls + 1
     assert calls > 3
     assert rows.tolist() == whole.tolist()
-
-
-def test_the_finished_contacts_of_a_run_are_collected(monkeypatch):
-    d = Runs().d
-    initialize(d, 0.0)
-    d.finished.count = 2
-    monkeypatch.setattr(entry, "advance", lambda *_: OK)
-    assert finish_run(d, 0.1, UNLIMITED) == OK
-    assert d.finished.collected == d.finished.count == 2
 
 
 def test_rows_are_the_outputs_at_their_times():

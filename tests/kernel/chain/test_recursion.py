@@ -23,13 +23,7 @@ from chain_impact.scene.scene import WALLS, scene_from_dict
 from chain_impact.variables.model import Model
 from tests.kernel.chains import random_links
 from tests.plain import Plain
-from tests.reference import (
-    exact_damping_factor,
-    generalized_force,
-    mass_matrix,
-    point_jacobian,
-    set_vectors,
-)
+from tests.reference import exact_damping_factor, generalized_force, mass_matrix, point_jacobian, set_vectors
 
 RESTITUTION, STIFFNESS, DEPTH = 0.5, 2e4, 1e-3
 IMPACT_SPEED = 60.0  # m/s, so high that the wall pushes at any speed of the point

@@ -444,23 +444,6 @@ def test_it_is_that_of_the_log(law, kept):
     assert (listed["point"][len(impacts) :] == -1).all()
 
 
-@pytest.mark.full("more cases", but=1)
-@pytest.mark.parametrize(("method", "part"), [("implicit", 0.1), ("auto", 0.4), ("auto", 0.9)])
-def test_an_impact_that_lasts_has_its_values_so_far(method, part):
-    """Against the largest values of many looks on the way, and the impulse of the output."""
-    scene = with_values(load_scene("four_link_box"), {"solver.method": method, "solver.tolerance": 1e-8})
-    first = simulate(scene).impacts[0]
-    now = first["onset"] + part * (first["end"] - first["onset"])
-    listed = look(scene, now)
-    fine = simulate(scene, now, (now - first["onset"]) / 200, tolerance=1e-8)
-    forces, depths = fine.outputs["force"], fine.outputs["penetration"]
-    assert listed["end"][0] == now
-    assert listed["peak_force"][0] == pytest.approx(forces.max(), rel=1e-4)
-    assert listed["max_penetration"][0] == pytest.approx(depths.max(), rel=1e-4)
-    assert listed["impulse"][0] == pytest.approx(fine.outputs["impulse"][-1].max(), rel=1e-6)
-    assert (listed["separation_speed"][0] < 0) == (part < 0.5)
-
-
 def test_a_look_changes_nothing():
     scene = load_scene("four_link_box")
     looked, blind = Instance(scene), Instance(scene)

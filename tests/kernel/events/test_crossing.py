@@ -11,20 +11,12 @@ from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.crossing import CROSSES, QUIET, SPLIT
 from chain_impact.kernel.events.exclusion import keep_start, suspect_all
 from chain_impact.kernel.events.marks import END, NONE, ONSET
-from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
+from chain_impact.kernel.integration.dense import rate_bounds
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.geometry import clearance
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch
-from tests.kernel.steps import (
-    Motion,
-    free_motion,
-    gaps_of,
-    set_step,
-    translation,
-    wall_at,
-    walls_away,
-)
+from tests.kernel.steps import Motion, free_motion, gaps_of, set_step, translation, wall_at, walls_away
 
 SAMPLES = np.linspace(0.0, 1.0, 2001)
 
@@ -361,17 +353,6 @@ def bounded():
     return d, rate_bounds(d.step, first), rate_bounds(d.step, first + 1)
 
 
-def test_a_point_is_bounded_along_the_normal_of_its_wall(bounded):
-    d, along_x, along_y = bounded
-    seen = set()
-    for c in set(range(d.candidates)) - set(stops_of(d)):
-        nx, ny = d.candidate.normal_x[c], d.candidate.normal_y[c]
-        right = rate_bounds_along(d.step, velocity_at(LINKS), nx, ny)
-        assert crossing.motion_bounds(d, c, along_x, along_y) == pytest.approx(right, rel=1e-12)
-        seen.add((abs(nx) > 0.5, nx * ny == 0.0))
-    assert len(seen) > 2
-
-
 def test_a_joint_is_bounded_by_the_turn_of_its_link_relative_to_the_one_before(bounded):
     d, along_x, along_y = bounded
     at, joints = omega_at(LINKS), set()
@@ -406,17 +387,13 @@ def test_intervals_are_halved_where_they_must_and_as_wide_as_they_can_be_after_t
     monkeypatch.setattr(crossing, "measure", lambda _, b: seen.append(b))
     monkeypatch.setattr(crossing, "keep_start", lambda _: None)
     monkeypatch.setattr(
-        crossing,
-        "check_interval",
-        lambda _, a, b: SPLIT if a <= near < b and b - a > 0.125 else QUIET,
+        crossing, "check_interval", lambda _, a, b: SPLIT if a <= near < b and b - a > 0.125 else QUIET
     )
     assert crossing.find_crossing(d) == -1.0
     assert seen == ends
 
 
-def test_the_curvature_of_a_stop_is_that_of_its_joint_and_of_a_point_that_of_the_links_before_it(
-    bounded,
-):
+def test_the_curvature_of_a_stop_is_that_of_its_joint_and_of_a_point_that_of_the_links_before_it(bounded):
     d, along_x, along_y = bounded
     d.step.regularized = NO_CONTACT
     crossing.bound_curvature(d)
@@ -428,19 +405,3 @@ def test_the_curvature_of_a_stop_is_that_of_its_joint_and_of_a_point_that_of_the
         _, bend = crossing.motion_bounds(d, c, along_x, along_y)
         links = 0.0 if d.candidate.stop[c] else reach[d.candidate.point[c]]
         assert d.search.curvature[c] == pytest.approx(bend + links, rel=1e-12)
-
-
-def test_in_another_variable_it_is_that_of_the_motion_at_its_pace(bounded):
-    """d²g/ds² = p² g̈ + p′ ġ, with p and p′ at most u and u′."""
-    d, along_x, along_y = bounded
-    d.step.regularized = 0
-    crossing.bound_curvature(d)
-    p, change = rate_bounds(d.step, sundman_u_at(LINKS))
-    reach = [0.0]
-    for i in range(LINKS):
-        omega, alpha = rate_bounds(d.step, omega_at(LINKS) + i)
-        reach.append(reach[-1] + d.model.length[i] * (p * (alpha + p * omega**2) + change * omega))
-    for c in range(d.candidates):
-        speed, bend = crossing.motion_bounds(d, c, along_x, along_y)
-        links = 0.0 if d.candidate.stop[c] else reach[d.candidate.point[c]]
-        assert d.search.curvature[c] == pytest.approx(p * bend + change * speed + links, rel=1e-12)

@@ -18,7 +18,6 @@ from chain_impact.variables.model import Model
 from tests.kernel.chains import chain, random_state, touch
 from tests.kernel.steps import free_motion, gaps_of, set_step, translation, wall_at, walls_away
 from tests.plain import Plain, make_rigid
-from tests.reference import set_vectors
 
 SAMPLES = np.linspace(0.0, 1.0, 1001)
 
@@ -226,16 +225,6 @@ def test_walls_are_not_far_for_who_touches_unless_its_contact_is_regularized_and
         d.step.state_end[sundman_u_at(d.links)], d.touch.kink_crossed[2] = u, crossed
         assert exclusion.remains_far(d) == expected
         assert exclusion.known_clearances(d) == (exclusion.FAR if expected else exclusion.WITH_CURVES)
-
-
-def test_the_fastest_point_is_bounded_by_the_sum_of_its_components():
-    _, d = chain(np.random.default_rng(0), 2)
-    set_vectors(d.work.motion, [(0.3, -0.4), (-2.0, 1.5), (1.0, 3.0)])
-    assert speed_bound(d, d.work.motion) == 4.0
-    d.work.motion.x[1] = -3.0
-    assert speed_bound(d, d.work.motion) == 4.5
-    d.work.motion.x[:], d.work.motion.y[:] = 0.0, 0.25
-    assert speed_bound(d, d.work.motion) == 0.25
 
 
 @pytest.mark.parametrize("speed", [0.0, 1.4, 1.6])

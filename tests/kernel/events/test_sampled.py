@@ -134,6 +134,16 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
     assert d.touch.event[1] == KINK
 
 
+def test_a_kink_is_crossed_first_where_a_sample_shows_it():
+    """h = −t + 4 t² − 4 t³ has δ̇ < 0 from 1/6 … ½ s; and from the other side it comes back at ½ s."""
+    d, _ = falling([0.0, -1.0, 4.0, -4.0])
+    first_crossing = first_passage(sampled.own_side_at, 8, 0.0)
+    assert first_crossing(d, 1, 1.0) == pytest.approx(1.0 / 6.0, abs=1e-14)
+    assert first_crossing(d, 1, 0.16) == -1.0
+    d.touch.beyond_kink[1] = 1
+    assert first_crossing(d, 1, 1.0) == 0.0  # at the start it is on the other side already
+
+
 def test_the_first_of_several_kinks_counts_and_those_at_one_moment_are_one_event():
     d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
     found = sampled.find_force_event(d, -1.0)

@@ -1,11 +1,9 @@
 """How laws are registered, a relation that several laws share, and the place of a law of the user."""
 
-import math
-
 import pytest
 
 from chain_impact.kernel.laws import registry, user_law
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS, _logarithmic_damping
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import contact_law
 
 
@@ -39,15 +37,6 @@ def test_a_law_is_registered_under_the_name_of_its_function(options, monkeypatch
     assert (law.mass_power, law.approach_only, law.impulsive) == (0.0, False, False)
     assert laws["other"].number == 2
     assert laws["other"].impulsive
-
-
-@pytest.mark.parametrize("e", [0.05, 0.3, 0.9, 1.0])
-@pytest.mark.parametrize("scale", [1.0, 2.0, math.sqrt(5.0)])
-def test_the_half_cycles_of_a_linear_oscillator_shrink_to_the_restitution(scale, e):
-    """By exp(−π ζ/√(1 − ζ²))."""
-    ratio = _logarithmic_damping(scale, e) / scale
-    assert 0.0 <= ratio < 1.0
-    assert math.exp(-math.pi * ratio / math.sqrt(1.0 - ratio**2)) == pytest.approx(e, rel=1e-13)
 
 
 def test_the_force_of_a_law_is_told_with_its_exponents():
