@@ -7,14 +7,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from chain_impact import explore
+from chain_impact import explore, load_scene
 from chain_impact.compilation.library import browser_module
 from chain_impact.results.page.description import description, packed
 from chain_impact.results.page.explore import WORKER
 from chain_impact.results.page.recorded import program
 from tests.tiers import CHROMIUM
 
-DESK, PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
+DESK, PHONE, ON_ITS_SIDE = (
+    {"width": width, "height": height} for width, height in ((1366, 768), (390, 844), (844, 390))
+)
 
 RUN = """async ({ module, scene, values, stop, step }) => {
   const kernel = await Kernel.load(await compiled(module), scene);
@@ -61,27 +63,54 @@ def address(tmp_path_factory):
 
 
 @pytest.fixture
-def show(browser, address):
-    """Open the page, which must not complain, nor ask for anything."""
-    said, opened = [], []
+def open_page(browser):
+    """Open a page, which must not complain, nor ask for anything; its clock may be ``stopped``."""
+    said, opened, local = [], [], ["data:", "blob:"]
 
-    def show(viewport=DESK, hash_="", begins=True, **options):
-        context = browser.new_context(viewport=viewport, reduced_motion="reduce", **options)
-        page = context.new_page()
-        opened.append(context)
+    def open_page(address, begins=True, stopped=False, **options):
+        page = browser.new_page(**{"viewport": DESK, "reduced_motion": "reduce", **options})
+        opened.append(page)
+        local.append(address.split("#")[0])
+        if stopped:
+            page.clock.install(time=0)
         page.on("console", lambda message: said.append(message.text))
         page.on("pageerror", lambda error: said.append(str(error)))
         page.on("request", lambda request: said.append(request.url))
-        page.goto(address + hash_)
-        if begins:
+        page.goto(address)
+        if stopped:
+            page.clock.pause_at(60)
+        elif begins:
             page.wait_for_function("performance.getEntriesByName('first-frame').length === 1")
         return page
 
-    yield show
-    for context in opened:
-        context.close()
-    local = ("data:", "blob:", "file:")
-    assert [text for text in said if not text.startswith(local)] == []
+    yield open_page
+    for page in opened:
+        page.close()
+    assert [text for text in said if not text.startswith(tuple(local))] == []
+
+
+@pytest.fixture
+def show(open_page, address, tmp_path):
+    """Open the page that simulates: the box with four links, or a scene with other values."""
+
+    def show(model="", changes=None, hash_="", **options):
+        if not model:
+            return open_page(address + hash_, **options)
+        path = tmp_path / f"{model}.html"
+        explore(load_scene(model).with_values(changes or {}), path)
+        return open_page(path.as_uri(), **options)
+
+    return show
+
+
+def until(page, condition):
+    """Wait for a condition that the page works out."""
+    page.wait_for_function(condition)
+
+
+def until_told(page, text, where="subtitle"):
+    """Wait for a text in an element of the page."""
+    until(page, f"document.getElementById({where!r}).textContent.includes({json.dumps(text)})")
 
 
 @pytest.fixture(scope="module")

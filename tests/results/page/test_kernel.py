@@ -1,19 +1,28 @@
-"""The kernel in a browser gives the bits of `simulate()`: every output in every row, and every impact."""
+"""The page's worker: the bits of `simulate()` and `sweep()`, the frames of an animation, what it refuses."""
 
 import json
 
 import numpy as np
 import pytest
 
-from chain_impact import SimulationError, load_scene, model_names, simulate
+from chain_impact import SceneError, SimulationError, load_scene, model_names, simulate, sweep
+from chain_impact.kernel import status
 from chain_impact.results.page.description import description
+from chain_impact.results.view import framed, pin_mark, radius_of
+from chain_impact.studies.animate import record_slowly
 from tests.compilation.test_browser import SINH
 from tests.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
-from tests.results.page.conftest import packed_module
+from tests.results.page.conftest import bits, packed_module
 from tests.stops import knee
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
+
+
+def given(scene):
+    """The description of a scene as a page has it."""
+    return json.loads(json.dumps(description(scene, [])))
+
 
 CHANGES = [
     (
@@ -100,13 +109,13 @@ def test_a_start_that_cannot_be_has_a_status_and_no_rows(kernel):
 
 def test_a_thousand_runs_leave_the_module_as_large_as_it_was(worker):
     """It does not allocate: runs of one scene, with and without rows, and studies of it."""
-    scene = json.loads(json.dumps(description(load_scene("four_link_box"), [])))
+    scene = given(load_scene("four_link_box"))
     before, after, same = worker.evaluate(
         """async ([module, scene]) => {
           const kernel = await Kernel.load(await compiled(module), scene);
           const times = rowTimes(0.6, 0.01);
-          const given = [["contact.restitution"], Float64Array.of(0.5, 0.7), Float64Array.of(0.5, 0.6)];
-          const study = () => runThrough(kernel.runEach({}, ...given, [scene.layout.status]));
+          const asked = [["contact.restitution"], Float64Array.of(0.5, 0.7), Float64Array.of(0.5, 0.6)];
+          const study = () => runThrough(kernel.runEach({}, ...asked, [scene.layout.status]));
           const values = (k) => ({ "contact.restitution": 0.3 + k / 2000 });
           const once = (k) => runThrough(kernel.run(values(k), times, scene.columns.slice(0, 3)));
           const size = () => kernel.exports.memory.buffer.byteLength;
@@ -135,3 +144,184 @@ def test_a_law_of_ones_own_gives_the_numbers_of_simulate(kernel, tmp_path):
         assert float(here["peak_force"]) == pytest.approx(there["peak_force"], rel=1e-7)
     other = simulate(load_scene("rod_drop"))
     assert abs(other["point[1].y"] - known["point[1].y"]).max() > 1e-4  # by another law it is another motion
+
+
+# --- studies, and what the page works out itself: frames, view, what follows from what ---------------------
+
+
+RUN = """async ([module, scene, names, grid, stops, words]) => {
+  const kernel = await Kernel.load(await compiled(module), scene);
+  const given = [Float64Array.from(grid), Float64Array.from(stops), words];
+  const found = runThrough(kernel.runEach({ "link[2].mass": 1.2 }, names, ...given));
+  const after = runThrough(kernel.run({}, rowTimes(0.1, 0.01), scene.columns.slice(0, 1))).columns[0].length;
+  return [btoa(String.fromCharCode(...new Uint8Array(found.buffer))), after];
+}"""
+
+
+def test_the_runs_of_a_map_have_the_bits_of_a_sweep(worker):
+    scene = load_scene("four_link_box").with_values({"simulation.stop_time": 1.2})
+    varied = {"contact.restitution": np.linspace(0.2, 0.9, 9), "initial.angle[1]": np.linspace(0.1, 0.7, 9)}
+    outputs = ["energy.total", "impact.last_time", "point[4].x", "impact.count"]
+    known = sweep(scene.with_values({"link[2].mass": 1.2}), varied, outputs=outputs).table
+    data = given(scene)
+    words = {one["name"]: one["word"] for one in data["columns"]}
+    grid = np.column_stack([known[name] for name in varied])
+    stops, asked = [1.2] * len(grid), [words[name] for name in outputs]
+    study = [packed_module(), data, list(varied), grid.ravel().tolist(), stops, asked]
+    text, rows_after = worker.evaluate(RUN, study)
+    found = bits(text).reshape(len(grid), len(outputs))
+    for place, name in enumerate(outputs):
+        column = np.ascontiguousarray(known[name])
+        np.testing.assert_array_equal(found[:, place], column.view(np.int64), name)
+    assert rows_after == 11  # the memory has grown, and other runs go on as before
+
+
+@pytest.fixture(scope="module")
+def motions(worker):
+    """The motion that the page's worker makes of a scene."""
+
+    def run(scene):
+        return worker.evaluate(
+            """async ([text, scene]) => {
+              const kernel = await Kernel.load(await compiled(text), scene);
+              const { parts, status } = runThrough(motion(kernel, {}));
+              const { time, view, anchor, pin, energies, forces, stops, radius, peakForce } = parts;
+              return { status, time: [...time], view, anchor, pin, energies: Object.keys(energies), radius,
+                stops, peakForce, forces: forces.map(({ point, wall }) => [point, wall]) };
+            }""",
+            [packed_module(), given(scene)],
+        )
+
+    return run
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        load_scene(name)
+        for name in ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "sliding_rod", "bouncing_ball")
+    ]
+    + [knee()],
+    ids=lambda scene: scene.name,
+)
+def test_the_page_shows_what_an_animation_shows(motions, scene):
+    found, known = motions(scene), record_slowly(scene)
+    radius = radius_of(known)
+    view, anchor = framed(known.points, known.walls, radius)
+    size = np.ptp(view, axis=0).max()
+    np.testing.assert_allclose(found["view"], view, atol=0.01 * size)
+    assert found["anchor"] == anchor.tolist()
+    for here, there in zip(found["pin"], pin_mark(known.points), strict=True):
+        np.testing.assert_allclose(here, there, atol=0.01 * size)
+    assert set(found["energies"]) == {name for name, energy in known.energies.items() if energy.any()}
+    forces = {(one.point, one.wall) for one in known.touches if one.force is not None and one.force.any()}
+    assert {(point, wall) for point, wall in found["forces"]} == forces
+    assert found["radius"] == pytest.approx(radius, abs=1e-9)
+    assert [one["joint"] for one in found["stops"]] == list(known.stops)
+    # of walls only: moments of stops are drawn on a scale of their own
+    peak = known.impacts["peak_force"][~known.at_stops].max(initial=0.0)
+    assert found["peakForce"] == pytest.approx(peak, rel=1e-3, abs=1e-200)
+    assert (found["time"][0], found["time"][-1]) == (known.time[0], known.time[-1])
+    assert (np.diff(found["time"]) > 0).all()
+    assert 0.5 < len(found["time"]) / len(known.time) < 2.0
+
+
+def begun(worker, scene, changes):
+    """The sentence with which the page refuses changes of a scene; else the status of the run's start."""
+    return worker.evaluate(
+        """async ([text, scene, changes]) => {
+          const kernel = await Kernel.load(await compiled(text), scene);
+          let values;
+          try {
+            values = new Changes(scene).with(changes);
+          } catch (error) {
+            if (!(error instanceof RangeError)) throw error;
+            return error.message;
+          }
+          return runThrough(kernel.run(values, [0, 0.01], [])).status;
+        }""",
+        [packed_module(), given(scene), changes],
+    )
+
+
+@pytest.mark.parametrize(
+    ("model", "changes", "expected"),
+    [
+        ("four_link_box", {"box.x_max": 0.0}, "box.x_max = 0 must be > "),
+        ("four_link_box", {"box.y_max": 0.02, "box.y_min": 0.01}, status.STARTS_INSIDE_WALL),
+        ("four_link_box", {"contact.radius": 1.6}, "box.x_max = 3 must be > 3.2 [m]"),
+        (
+            "four_link_box",
+            {"contact.model": "flores", "contact.restitution": 0.0},
+            status.RESTITUTION_NOT_ALLOWED,
+        ),
+        ("four_link_box", {"contact.model": "tsuji", "contact.exponent": 1.2}, status.EXPONENT_NOT_ALLOWED),
+        ("four_link_box", {"initial.x": 0.1, "initial.angle[1]": 3.0}, status.STARTS_INSIDE_WALL),
+        ("four_link_box", {f"link[{k}].inertia": 0.0 for k in range(1, 5)}, status.MASS_MATRIX_SINGULAR),
+        ("kneed_leg", {"link[3].joint_max": -3.0}, "link[3].joint_max = -3 must be > "),
+        ("kneed_leg", {"initial.angle[3]": 3.0}, status.STARTS_INSIDE_WALL),
+        ("sliding_rod", {"wall.y_min.static_friction": 0.01}, "static_friction = 0.01 must be >= 0.3"),
+        ("sliding_rod", {"contact.model": "newton_impact"}, status.FRICTION_WITH_RIGID_WALLS),
+        ("ramp", {"wall.ramp.y": 5.0}, status.STARTS_INSIDE_WALL),
+    ],
+)
+def test_parameters_that_do_not_go_together_are_refused_as_by_a_scene(worker, model, changes, expected):
+    """By the page, before it simulates, or else by the kernel, with a status."""
+    scene = load_scene(model)
+    if model == "kneed_leg":
+        scene = scene.with_values({"link[3].joint_min": -2.9})
+    with pytest.raises((SceneError, SimulationError)):
+        simulate(scene.with_values(changes))
+    found = begun(worker, scene, changes)
+    assert expected in found if isinstance(expected, str) else expected == found
+
+
+def test_a_value_is_not_set_back_where_it_does_not_go_with_another(worker):
+    fault, values = worker.evaluate(
+        """(scene) => {
+          const changes = new Changes(scene);
+          changes.set({ "box.x_min": -5, "box.x_max": -1 });
+          try {
+            changes.reset("box.x_min");
+          } catch (error) {
+            return [error.message, changes.values];
+          }
+        }""",
+        given(load_scene("four_link_box")),
+    )
+    assert fault == "box.x_max = -1 must be > 0 [m], which is x_min + 2 contact.radius"
+    assert values == {"box.x_min": -5, "box.x_max": -1}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"link[1].length": 0.6, "link[2].mass": 0.2},
+        {"contact.restitution": 0.45, "contact.exponent": 1.25},
+        {"link[1].length": 0.6, "link[1].inertia": 0.02, "stop.restitution": 0.9, "contact.restitution": 0.4},
+        {"link[1].length": 0.6, "link[1].center_of_mass": 0.25},  # as it would be in the scene
+    ],
+    ids=str,
+)
+def test_what_follows_from_others_is_shown_as_in_the_edited_file(worker, changes):
+    """And follows them again once it is set back."""
+    scene, expected = given(finger()), edited(FINGER, changes)
+    shown, text, back = worker.evaluate(
+        """([scene, given]) => {
+          const changes = new Changes(scene);
+          changes.set(given);
+          const names = scene.parameters.map(({ name }) => name);
+          const all = () => Object.fromEntries(names.map((name) => [name, changes.valueOf(name)]));
+          const [shown, text] = [all(), changes.texts().map(([name]) => name)];
+          for (const name of Object.keys(given)) changes.reset(name);
+          return [shown, text, all()];
+        }""",
+        [scene, changes],
+    )
+    for name in ("center_of_mass", "inertia"):
+        for link in (1, 2, 3):
+            assert shown[f"link[{link}].{name}"] == expected.values[f"link[{link}].{name}"]
+    for name in ("stop.restitution", "stop.exponent"):
+        assert shown[name] == expected.values[name]
+    assert set(text) == set(changes)
+    assert back == {one["name"]: one["start"] for one in scene["parameters"]}

@@ -1,4 +1,4 @@
-"""The page: it stands alone, holds what the recording holds, and its parts are what npm has."""
+"""The pages: they stand alone and are small, hold what they are made of, and their parts are what npm has."""
 
 import base64
 import hashlib
@@ -11,11 +11,12 @@ import tarfile
 import numpy as np
 import pytest
 
-from chain_impact import load_scene, simulate
+from chain_impact import load_scene, model_names, simulate
 from chain_impact.results.page import explore
 from chain_impact.results.page.recorded import FRAGMENTS, MODULES, PAGE, data, page, program
 from chain_impact.studies.animate import record_slowly
 from tests.friction import pendulum, sled
+from tests.page_data import data_of
 from tests.stops import knee
 
 # file → package of npm, version, path in the package
@@ -54,10 +55,15 @@ def rows_of(touch):
 
 
 def test_the_page_needs_nothing_else(recording):
-    text = re.sub(r"<script>.*?</script>", "", html(recording), flags=re.DOTALL)  # without the libraries
-    assert not re.findall(r"""(?:src|href)=["'](?!data:)""", text)
-    assert not re.findall(r"@import|url\((?!data:)", text)
-    assert "{{" not in text
+    assert_alone(html(recording))
+
+
+def assert_alone(text):
+    """A page needs nothing else."""
+    others = re.sub(r"<script>.*?</script>", "", text, flags=re.DOTALL)  # without the libraries
+    assert not re.findall(r"""(?:src|href)=["'](?!data:)""", others)
+    assert not re.findall(r"@import|url\((?!data:)|\bfetch\(|XMLHttpRequest", others)
+    assert "{{" not in others
 
 
 def test_what_is_packed_is_the_recording(recording):
@@ -109,24 +115,49 @@ def test_a_name_cannot_break_the_page(recording):
     vars(recording)["name"] = name = "</script><b>&{{ data }}"
     text = html(recording)
     assert "&lt;/script&gt;&lt;b&gt;&amp;" in text
-    embedded = re.search(r'<script id="data"[^>]*>(.*?)</script>', text, re.DOTALL)[1]
-    assert json.loads(embedded)["name"] == name
+    assert data_of(text)["name"] == name
+
+
+@pytest.mark.full("more cases", but=6)
+@pytest.mark.parametrize("model", model_names())
+def test_the_page_of_every_model_is_small_and_needs_nothing_else(model):
+    text = explore.page(load_scene(model), [model])
+    assert len(text.encode()) < 900_000
+    assert_alone(text)
+
+
+def test_the_start_values_are_those_of_the_scene():
+    scene = load_scene("four_link_box")
+    found = {one["name"]: one for one in data_of(explore.page(scene, []))["parameters"]}
+    for name, one in found.items():
+        value = scene.values[name]
+        assert one["start"] == (scene.law_names.index(value) + 1 if name == "contact.model" else
+                                1 if name == "solver.method" else value)  # fmt: skip
+    assert found["contact.restitution"]["high"] == 1.0
+    assert np.isfinite([one["low"] for one in found.values()]).all()
+
+
+def test_a_law_has_a_sentence_with_its_range_and_source():
+    laws = next(
+        one
+        for one in data_of(explore.page(load_scene("rod_drop"), []))["parameters"]
+        if one["name"] == "contact.model"
+    )
+    found = dict(laws["items"])
+    assert (
+        found["zhang_sharf"]
+        == "Exact for one contact on its own, for all e. Zhang & Sharf 2009, J Appl Mech 76:051002."
+    )
 
 
 @pytest.mark.parametrize(
     "modules", [MODULES, explore.MODULES, explore.WORKER], ids=["recorded", "explore", "worker"]
 )
-def test_the_modules_are_one_program(modules):
+def test_the_modules_are_one_program_and_import_what_stands_before_them(modules):
     text = program(modules)
     assert not re.search(r"^(import|export)\b", text, re.MULTILINE)
     names = re.findall(r"^(?:const|let|class|(?:async )?function\*?) (\w+)", text, re.MULTILINE)
     assert len(names) == len(set(names)), "two modules have a name in common, but are put into one"
-
-
-@pytest.mark.parametrize(
-    "modules", [MODULES, explore.MODULES, explore.WORKER], ids=["recorded", "explore", "worker"]
-)
-def test_a_module_imports_what_stands_before_it(modules):
     for place, name in enumerate(modules):
         text = PAGE.joinpath(f"{name}.js").read_text(encoding="utf-8")
         used = re.findall(r'^import .* from "\./(\w+)\.js";$', text, re.MULTILINE)

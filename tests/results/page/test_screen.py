@@ -1,154 +1,185 @@
-"""What stands on the screen: grips that can be taken, refusals, the room, the trace, small screens."""
+"""What stands on the screen and is taken by hand: grips, the room, the trace, small screens, fingers."""
+
+import re
 
 import numpy as np
 import pytest
 
-from chain_impact import explore, load_scene
+from chain_impact import load_scene, simulate
+from tests.results.page.conftest import ON_ITS_SIDE, PHONE, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
-ON_ITS_SIDE = {"width": 844, "height": 390}
 AT_REST = {"initial.velocity": (0.0, 0.0), "initial.angular_velocities": (0.0,) * 4}
 PLACES = """() => document.querySelector('.trace').getAttribute('points').trim().split(/\\s+/).map((place) =>
   place.split(',').map(Number))"""
-
-
-@pytest.fixture
-def show_scene(browser, tmp_path):
-    """Open the page of a scene with other values."""
-    opened = []
-
-    def show_scene(model, changes=None, viewport=None):
-        explore(load_scene(model).with_values(changes or {}), tmp_path / "page.html")
-        page = browser.new_page(reduced_motion="reduce", **({"viewport": viewport} if viewport else {}))
-        opened.append(page)
-        page.goto((tmp_path / "page.html").as_uri())
-        page.wait_for_function("performance.getEntriesByName('first-frame').length === 1")
-        return page
-
-    yield show_scene
-    for page in opened:
-        page.close()
+STILL = "!document.body.classList.contains('computing')"
 
 
 def middle(page, grip):
     box = page.locator(f'[data-grip="{grip}"]').bounding_box()
-    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    return np.array([box["x"] + box["width"] / 2, box["y"] + box["height"] / 2])
 
 
-def parameter(page, name):
-    return float(page.evaluate(f"chainImpact.parameters['{name}']"))
+def parameters(page):
+    """Name → value of all numbers among the parameters."""
+    texts = page.evaluate("Object.entries(chainImpact.parameters)")
+    return {name: float(text) for name, text in texts if re.fullmatch(r"[-+.\de]+", text)}
 
 
-def drag_to(page, grip, x, y):
+def drag(page, grip, by, origin=None):
+    """Drag a grip to some pixels from where it, or another origin, is; returns the parameters that follow."""
     page.mouse.move(*middle(page, grip))
     page.mouse.down()
-    page.mouse.move(x, y, steps=4)
+    page.mouse.move(*(middle(page, origin or grip) + by), steps=4)
     page.mouse.up()
-    page.wait_for_timeout(300)
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    return parameters(page)
 
 
-@pytest.mark.parametrize("joint", range(5))
-def test_a_joint_at_rest_is_given_a_velocity(show_scene, joint):
-    page = show_scene("four_link_box", AT_REST)
-    x, y = middle(page, f"velocity {joint}")
-    at = page.evaluate("([x, y]) => document.elementFromPoint(x, y).dataset.grip", [x, y])
-    assert at == f"velocity {joint}"
-    x0, y0 = middle(page, f"joint {joint}")
-    drag_to(page, f"velocity {joint}", x + 0.7 * (x - x0), y + 0.7 * (y - y0))
-    if joint == 0:
-        assert parameter(page, "initial.vx") < 0.0 < abs(parameter(page, "initial.vy"))
-    else:
-        assert parameter(page, f"initial.angular_velocity[{joint}]") > 0.0
+@pytest.mark.parametrize(
+    ("grip", "by", "signs"),
+    [
+        ("joint 4", (-20, -60), {"initial.angle[4]": 1}),
+        ("joint 0", (15, 25), {"initial.x": 1, "initial.y": -1}),
+        ("wall y_min", (40, -30), {"box.y_min": 1}),
+        ("velocity 0", (30, -20), {"initial.vx": 1, "initial.vy": 1}),
+        ("velocity 4", (0, -25), {"initial.angular_velocity[4]": 1}),
+    ],
+)
+def test_what_is_dragged_changes_what_it_stands_for(show, grip, by, signs):
+    """A joint turns its link, the base takes the chain along, a wall moves along its normal."""
+    page, scene = show(), load_scene("four_link_box")
+    before = {name: value for name, value in parameters(page).items() if name in scene.values}
+    after = drag(page, grip, by)
+    changed = {name: after[name] - value for name, value in before.items() if after[name] != value}
+    assert {name: np.sign(change) for name, change in changed.items()} == signs
+    until_told(
+        page, f"{len(simulate(scene.with_values({name: after[name] for name in signs})).impacts)} impacts"
+    )
 
 
-def test_an_arrow_that_is_dragged_ends_where_the_pointer_is_and_on_its_stem_the_joint_rests(show_scene):
-    page = show_scene("four_link_box", AT_REST)
+def test_joints_at_rest_are_given_velocities(show):
+    page = show("four_link_box", AT_REST)
+    for joint in range(5):
+        x, y = middle(page, f"velocity {joint}")
+        at = page.evaluate("([x, y]) => document.elementFromPoint(x, y).dataset.grip", [x, y])
+        assert at == f"velocity {joint}"
+        way = middle(page, f"velocity {joint}") - middle(page, f"joint {joint}")
+        after = drag(page, f"velocity {joint}", 0.7 * way)
+        if joint == 0:
+            assert after["initial.vx"] < 0.0 < abs(after["initial.vy"])
+        else:
+            assert after[f"initial.angular_velocity[{joint}]"] > 0.0
+        page.get_by_role("button", name="Reset all").click()
+        until(page, STILL)
+
+
+def test_an_arrow_that_is_dragged_ends_where_the_pointer_is_and_on_its_stem_the_joint_rests(show):
+    page = show("four_link_box", AT_REST)
     x, y = middle(page, "velocity 0")
-    drag_to(page, "velocity 0", x - 30.0, y - 60.0)
-    assert middle(page, "velocity 0") == pytest.approx((x - 30.0, y - 60.0), abs=1.5)
-    drag_to(page, "velocity 0", *(place + 10.0 for place in middle(page, "joint 0")))
-    assert (parameter(page, "initial.vx"), parameter(page, "initial.vy")) == (0.0, 0.0)
+    drag(page, "velocity 0", (-30.0, -60.0))
+    until(page, STILL)
+    assert tuple(middle(page, "velocity 0")) == pytest.approx((x - 30.0, y - 60.0), abs=1.5)
+    after = drag(page, "velocity 0", 10.0, "joint 0")
+    assert (after["initial.vx"], after["initial.vy"]) == (0.0, 0.0)
 
 
-COLOUR = "field => getComputedStyle(field).borderTopColor"
-
-
-def test_a_refused_value_is_marked_and_told_until_it_is_changed(show):
+def test_there_are_handles_at_the_start_only_and_the_right_button_drags_nothing(show):
     page = show()
-    field = page.get_by_role("textbox", name="contact.stiffness")
-    usual = field.evaluate(COLOUR)
-    field.fill("-1")
-    field.press("Enter")
-    page.get_by_role("textbox", name="gravity.y").focus()
-    told = page.get_by_role("alert").filter(has_text="Not taken")
-    assert (
-        told.inner_text() == "Not taken: contact.stiffness = -1 must be a finite number > 0 [N/m^exponent]."
-    )
-    assert field.evaluate(COLOUR) != usual
-    assert parameter(page, "contact.stiffness") == 1e8
-    field.fill("1e7")
-    field.press("Enter")
-    assert told.count() == 0
-    assert field.evaluate(COLOUR) == usual
+    before = parameters(page)
+    page.mouse.move(*middle(page, "joint 4"))
+    page.mouse.down(button="right")
+    page.mouse.move(*(middle(page, "joint 4") - (20, 60)))
+    page.mouse.up(button="right")
+    assert parameters(page) == before
+    assert page.locator("[data-grip]").count() > 9
+    page.keyboard.press("Shift+ArrowRight")
+    until(page, "document.querySelectorAll('[data-grip]').length === 0")
+    page.get_by_role("button", name="Set the start by hand").click()
+    until(page, "document.querySelectorAll('[data-grip]').length > 9")
 
 
-def test_a_refused_value_in_the_list_is_told_and_another_change_shows_the_value_that_holds(show):
-    page = show()
-    page.get_by_text("All parameters").click()
-    row = page.locator(".parameter").filter(has_text="link[2].\u200bmass").first
-    row.locator("input").fill("heavy")
-    row.locator("input").press("Enter")
-    told = "Not taken: link[2].mass = heavy must be a finite number > 0 [kg]."
-    assert row.locator(".refusal").inner_text() == told
-    page.get_by_role("slider", name="Restitution").press("ArrowLeft")
-    assert row.locator("input").input_value() == "1"
-    assert not row.locator(".refusal").is_visible()
-
-
-def sides(page):
-    """How many straight walls are drawn."""
-    return page.locator("#scene polyline.wall").count()
-
-
-def test_a_closed_box_is_drawn_closed_unless_it_is_much_larger_than_the_motion(show_scene):
-    page = show_scene("four_link_box")
+def test_a_closed_box_is_drawn_closed_unless_it_is_much_larger_than_the_motion(show):
+    page = show("four_link_box", {"box.x_min": -9.0, "box.y_max": 12.0})
+    walls = page.locator("#scene polyline.wall")
+    assert walls.count() == 2
+    page.evaluate("chainImpact.show({ 'box.x_min': 0, 'box.y_max': 2.5 })")
+    until(page, "document.querySelectorAll('#scene polyline.wall').length === 4")
     view = page.locator("#view").bounding_box()
-    ends = page.locator("#scene polyline.wall").evaluate_all(
-        "lines => lines.flatMap((line) => [...line.points]).map(({ x, y }) => [x, y])"
-    )
-    assert len(ends) == 8
+    ends = walls.evaluate_all("lines => lines.flatMap((line) => [...line.points]).map(({ x, y }) => [x, y])")
     assert np.min(ends) > 0.0
     assert (np.max(ends, axis=0) < [view["width"], view["height"]]).all()
-    assert sides(show_scene("four_link_box", {"box.x_min": -9.0, "box.y_max": 12.0})) == 2
 
 
-def test_the_trace_has_corners_at_impacts_only(show_scene):
+def test_the_trace_has_corners_at_impacts_only(show):
     """A rod that spins about its pin: with 5 turns in a second, it turns by 30° from frame to frame."""
-    spin = {"gravity": (0.0, 0.0), "initial.angular_velocities": (30.0,)}
-    page = show_scene("simple_pendulum", {**spin, "simulation.stop_time": 0.15})
+    spin = {"gravity": (0.0, 0.0), "initial.angular_velocities": (30.0,), "simulation.stop_time": 0.15}
+    page = show("simple_pendulum", spin)
     page.locator("#scrub").press("End")
-    page.wait_for_timeout(300)
+    until(page, "document.getElementById('time').textContent === '0.15000 s'")
     places = np.array(page.evaluate(PLACES))
-    centre = np.array(middle_of_pin(page))
-    middles = np.concatenate([places, 0.5 * (places[1:] + places[:-1])])
-    radii = np.hypot(*(middles - centre).T)
-    assert np.ptp(radii) < 0.5
-
-
-def middle_of_pin(page):
-    return page.evaluate("""() => {
+    centre = page.evaluate("""() => {
       const joint = document.querySelector('.joint');
       return [joint.cx.baseVal.value, joint.cy.baseVal.value];
     }""")
+    middles = np.concatenate([places, 0.5 * (places[1:] + places[:-1])])
+    assert np.ptp(np.hypot(*(middles - centre).T)) < 0.5
 
 
 @pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "kneed_leg"])
-def test_on_a_phone_on_its_side_all_of_the_chain_is_seen(show_scene, model):
-    page = show_scene(model, viewport=ON_ITS_SIDE)
+def test_on_a_phone_on_its_side_all_of_the_chain_is_seen(show, model):
+    page = show(model, viewport=ON_ITS_SIDE)
     lowest = page.locator("footer").bounding_box()["y"]
-    links = load_scene(model).chain.links
-    for k in range(len(links) + 1):
+    for k in range(len(load_scene(model).chain.links) + 1):
         box = page.locator(f'[data-grip="joint {k}"]').bounding_box()
         assert 0.0 < box["x"] < ON_ITS_SIDE["width"]
         assert 0.0 < box["y"] < box["y"] + box["height"] < lowest
+
+
+# --- under a finger --------------------------------------------------------------------------------------
+
+
+def touch(page, kind, *points):
+    """Let fingers touch the screen at points; what they did before goes on."""
+    page.touches = getattr(page, "touches", None) or page.context.new_cdp_session(page)
+    given = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(points)]
+    page.touches.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": given})
+
+
+def angle(page, link=4):
+    return parameters(page)[f"initial.angle[{link}]"]
+
+
+def test_a_finger_drags_a_joint_does_not_scroll_and_a_second_one_does_not_take_it_away(show):
+    page = show(viewport=PHONE, has_touch=True)
+    first, second = middle(page, "joint 4"), middle(page, "joint 1")
+    lower = second + np.array([0, 40])
+    before = angle(page)
+    touch(page, "touchStart", first)
+    touch(page, "touchMove", first - (0, 20))
+    held, other = angle(page), angle(page, 1)
+    touch(page, "touchStart", first - (0, 20), second)
+    touch(page, "touchMove", first - (0, 20), lower)
+    assert (angle(page), angle(page, 1)) == (held, other)
+    touch(page, "touchMove", first - (0, 40), lower)
+    assert angle(page) > held
+    for k in range(2, 11):
+        touch(page, "touchMove", first - (3 * k, 6 * k), lower)
+        page.wait_for_timeout(10)
+    touch(page, "touchEnd")
+    assert angle(page) > before + 0.5
+    assert page.evaluate("scrollY") == 0
+
+
+def test_a_finger_reads_a_run_of_a_map_and_then_opens_it(show):
+    page = show(hash_="#simulation.stop_time=0.2", viewport=PHONE, has_touch=True)
+    page.get_by_role("button", name="Map…").click()
+    page.get_by_role("button", name="Simulate 41 × 41 runs").click()
+    page.locator("#map-text").get_by_text("1681 runs in").wait_for()
+    page.locator("#map-canvas").tap()
+    page.locator("#map-text").get_by_text("impact.count = ").wait_for()
+    assert page.locator("#map").is_visible()
+    page.locator("#map-canvas").tap()
+    page.locator("#map").wait_for(state="hidden")
+    assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.5"
