@@ -1,4 +1,4 @@
-"""The page in a browser, by real events: knobs, list, console, link, command, maps, runs that fail or last."""
+"""The page in a browser, by real events: knobs, list, console, link, files, maps, runs that fail or last."""
 
 import csv
 import functools
