@@ -165,6 +165,14 @@ def test_every_impact_is_an_event_and_nothing_else_changes(fmi3, run3, model, si
 
 
 @calling3("rod_drop")
+def test_a_step_that_ends_at_an_impact_is_not_early(fmu):
+    library = Library(fmu)
+    *_, onset = Component(library).start().step(0.0, 2.0)
+    assert onset < 1.0
+    assert Component(library).start().step(0.0, onset) == [OK, True, False, False, onset]
+
+
+@calling3("rod_drop")
 def test_parameters_set_at_an_impact_hold_for_it(fmu, rigid):
     """A rod that falls flat; at each impact another restitution, and the speeds before and after it."""
     one, time = Component(Library(fmu)), 0.0
