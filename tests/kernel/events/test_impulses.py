@@ -366,3 +366,18 @@ def test_contacts_with_a_force_take_the_rates_after_it_and_the_side_of_their_kin
             assert d.touch.force_rate[c] == 1.0
         else:
             assert (d.touch.speed[c], d.touch.force_rate[c]) == (77.0, -5.0)
+
+
+def test_a_contact_with_a_force_that_is_due_at_an_impact_begins_if_its_point_still_moves_inward():
+    found = set()
+    for seed in range(12):
+        d, y, jacobian, _, w, (rigid, soft) = touching(seed, (1, 6))
+        make_rigid(d, np.arange(d.candidates) != soft)
+        before = jacobian @ y[6:12]
+        p = complementary_impulses(w[:1, :1], before[:1], -E * before[:1])
+        inward = bool((before + w[:, 0] * p[0])[1] < 0.0)
+        assert impulses.handle_impact(d) == (soft if inward else -1)
+        assert d.touch.active[[rigid, soft]].tolist() == [0, inward]
+        assert d.impact.count == 1 + inward
+        found.add(inward)
+    assert found == {True, False}
