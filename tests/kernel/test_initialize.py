@@ -189,7 +189,7 @@ def test_a_parameter_out_of_its_range_is_refused(record, field, value):
             else:
                 d[record][name][i] = value
         assert check_parameters(d) == (OK if good else PARAMETER_OUT_OF_RANGE)
-        if record == "model":
+        if record == "model" and field != "wall":
             assert check_links(d) == check_parameters(d)
         if not good:
             assert initialize(d, 0.0) == d.statistics.status == PARAMETER_OUT_OF_RANGE

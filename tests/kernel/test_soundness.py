@@ -125,7 +125,7 @@ def test_each_index_has_its_least_and_its_most(record, field):
         before = d[record][field] if i is None else d[record][field][i]
         put(d[record], field, i, least)
         assert within_bounds(d)
-        put(d[record], field, i, least - 1)
+        put(d[record], field, i, least - 1 if (record, field) in BOUNDS else min(least, 0) - 1)
         assert not within_bounds(d)
         for value in () if most is None else (most, most + 1, 1 << 40):
             put(d[record], field, i, value)
