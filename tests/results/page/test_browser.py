@@ -108,7 +108,7 @@ def test_it_plays_on_its_own_and_pauses(show):
 
 
 def test_it_stands_still_for_who_asked_for_less_motion_and_its_clock_passes_as_it_says(show):
-    """For a third of a second on the screen: at an impact some tenths of a millisecond, else as long."""
+    """In a third of a second: some tenths of a millisecond at an impact, else as long or twice."""
     page = show(stopped=True)
     assert time_after(page, 500) == 0.0
     page.get_by_role("button", name="Play").click()
@@ -120,7 +120,7 @@ def test_it_stands_still_for_who_asked_for_less_motion_and_its_clock_passes_as_i
     page.keyboard.press("Space")
     page.keyboard.press("Home")
     passed = []
-    for key in ("Shift+ArrowRight", "s"):
+    for key in ("Shift+ArrowRight", "s", "ArrowUp"):
         page.keyboard.press(key)
         before = time_after(page, 50)
         page.keyboard.press("Space")
@@ -128,7 +128,7 @@ def test_it_stands_still_for_who_asked_for_less_motion_and_its_clock_passes_as_i
         page.keyboard.press("Space")
         passed.append(time_after(page, 50) - before)
     assert 1e-5 < passed[0] < 3e-3
-    assert passed[1] == pytest.approx(0.33, abs=0.05)
+    assert passed[1:] == pytest.approx([0.33, 0.66], abs=0.05)
 
 
 def test_positions_alone_make_a_page(show):
