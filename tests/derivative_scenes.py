@@ -77,12 +77,25 @@ def from_arrays(data: Arrays) -> Derivatives:
 @cache
 def _exact(case: Case, tolerance: float) -> Derivatives:
     given = case.parameters, case.times, dict(case.inputs), tolerance
-    return from_arrays(kept(lambda: as_arrays(differentiate(case.scene, *given)), ORACLE, case.scene, *given))
+    found = from_arrays(
+        kept(lambda: as_arrays(differentiate(case.scene, *given)), ORACLE, case.scene, *given)
+    )
+    return replace(found, values=add_joints(found.values), slopes=add_joints(found.slopes))
 
 
 def exact(case: Case, tolerance: float = 1e-12) -> Derivatives:
     """The oracle's answer, which does not depend on how the kernel is to solve the scene."""
     return _exact(replace(case, scene=case.scene.with_values({"solver.method": "auto"})), tolerance)
+
+
+def add_joints(named: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Values or slopes of links, and those of the joints: the difference to the link before."""
+    joints, before = {}, {"angle": 0.0, "angular_velocity": 0.0}
+    for name, value in named.items():
+        if name.startswith("link[") and (kind := name.split(".")[1]) in before:
+            joints[f"joint{name[4:]}"] = value - before[kind]
+            before[kind] = value
+    return named | joints
 
 
 def table(links: Sequence[Mapping[str, float]], **tables: Any) -> Scene:

@@ -121,7 +121,9 @@ def message(module, record):
 
 
 @pytest.mark.full("more cases", but=2)
-@pytest.mark.parametrize("name", ["stability", "rest", "scaling", "fidelity"])
+@pytest.mark.parametrize(
+    "name", ["stability", pytest.param("rest", marks=needs_compilers), "scaling", "fidelity"]
+)
 def test_a_chart_is_drawn_with_a_message(charts, name):
     module = charts(name if name != "stability" else "stability_chart")
     assert re.search(r"\d", message(module, stored(name))[0])

@@ -225,9 +225,10 @@ def test_a_kept_answer_is_that_of_the_model(name):
     live = differentiate(case.scene, case.parameters, case.times, case.inputs, 1e-12)
     assert live.points.tolist() == kept.points.tolist()
     for kind in ("values", "slopes", "impacts", "impact_slopes"):
-        for key, value in getattr(kept, kind).items():
+        for key, found_now in getattr(live, kind).items():
+            value = getattr(kept, kind)[key]
             scale = np.max(np.abs(value), initial=1e-6, where=np.isfinite(value))
-            np.testing.assert_allclose(getattr(live, kind)[key], value, rtol=1e-9, atol=1e-9 * scale)
+            np.testing.assert_allclose(found_now, value, rtol=1e-9, atol=1e-9 * scale)
 
 
 # --- derivatives at a sharp tolerance ----------------------------------------------------------------------
