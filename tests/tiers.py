@@ -22,6 +22,7 @@ GROUPS = {
     "browser": ("marionette_driver", "playwright"),
     "interop": ("av", "dask", "distributed", "ecospy", "libcosimpy", "pyarrow", "xarray"),
     "notebook": ("ipykernel", "nbconvert"),
+    "dev": ("yaml",),
 }
 """Extra of the package → what ``pytest --full`` needs of it."""
 
@@ -35,6 +36,7 @@ needs_interop = pytest.mark.full("needs other tools")
 IMPORTING = {
     "numba": ["test_dual_numbers.py", "test_lower.py", "test_record_type.py"],
     "nbconvert": ["test_notebook.py"],
+    "yaml": ["test_workflows.py"],
 }
 """Module that is not needed for the quick tier → files that import it."""
 
