@@ -17,7 +17,10 @@ STILL = "!document.body.classList.contains('computing')"
 
 
 def middle(page, grip):
-    box = page.locator(f'[data-grip="{grip}"]').bounding_box()
+    """Where a grip is on the screen, as soon as it is there: a run that ends draws all of them anew."""
+    found = f"document.querySelector('[data-grip=\"{grip}\"]')"
+    until(page, f"{found} !== null")
+    box = page.evaluate(f"{found}.getBoundingClientRect().toJSON()")
     return np.array([box["x"] + box["width"] / 2, box["y"] + box["height"] / 2])
 
 
@@ -72,7 +75,7 @@ def test_joints_at_rest_are_given_velocities(show):
         else:
             assert after[f"initial.angular_velocity[{joint}]"] > 0.0
         page.get_by_role("button", name="Reset all").click()
-        until(page, STILL)
+        until(page, "document.querySelectorAll('[data-grip]').length > 9")
 
 
 def test_an_arrow_that_is_dragged_ends_where_the_pointer_is_and_on_its_stem_the_joint_rests(show):
