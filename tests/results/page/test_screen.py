@@ -30,13 +30,19 @@ def parameters(page):
     return {name: float(text) for name, text in texts if re.fullmatch(r"[-+.\de]+", text)}
 
 
+def settle(page):
+    """Wait until what has been done is drawn, and the run that follows from it."""
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    until(page, STILL)
+
+
 def drag(page, grip, by, origin=None):
     """Drag a grip to some pixels from where it, or another origin, is; returns the parameters that follow."""
     page.mouse.move(*middle(page, grip))
     page.mouse.down()
     page.mouse.move(*(middle(page, origin or grip) + by), steps=4)
     page.mouse.up()
-    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    settle(page)
     return parameters(page)
 
 
@@ -75,14 +81,13 @@ def test_joints_at_rest_are_given_velocities(show):
         else:
             assert after[f"initial.angular_velocity[{joint}]"] > 0.0
         page.get_by_role("button", name="Reset all").click()
-        until(page, "document.querySelectorAll('[data-grip]').length > 9")
+        settle(page)
 
 
 def test_an_arrow_that_is_dragged_ends_where_the_pointer_is_and_on_its_stem_the_joint_rests(show):
     page = show("four_link_box", AT_REST)
     x, y = middle(page, "velocity 0")
     drag(page, "velocity 0", (-30.0, -60.0))
-    until(page, STILL)
     assert tuple(middle(page, "velocity 0")) == pytest.approx((x - 30.0, y - 60.0), abs=1.5)
     after = drag(page, "velocity 0", 10.0, "joint 0")
     assert (after["initial.vx"], after["initial.vy"]) == (0.0, 0.0)
