@@ -321,11 +321,6 @@ def six_impacts() -> Case:
     return Case(scene, parameters, (0.3, 0.6, 0.9, 1.2))
 
 
-def at_stops(scene: Scene, walls: np.ndarray) -> np.ndarray:
-    """Which impacts are those at stops of joints, by the indices of their walls."""
-    return np.isin(walls, [scene.wall_names.index(stop) for _, stop in scene.chain.stops])
-
-
 def state_names(scene: Scene) -> list[str]:
     """The outputs that are the state: of the base and of the links."""
     links = range(1, len(scene.chain.links) + 1)

@@ -6,7 +6,6 @@ import sys
 
 import numpy as np
 import pytest
-from scipy.optimize import fsolve
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.models import models_folder
@@ -137,47 +136,3 @@ def test_the_arm_hits_the_wall_twice_and_then_holds(run):
     assert (force[time > 0.5] > 0.0).all()
     for name in ("link[1].angular_velocity", "link[2].angular_velocity"):
         assert np.abs(columns[name][time > 1.9]).max() < 1e-7
-
-
-def balance(unknowns):
-    """What is left over, at rest, of the moments on both links [N·m] and of the wall's force [N].
-
-    u_1 − u_2 − (m_1 c_1 + m_2 l_1) g cos θ_1 + F l_1 sin θ_1 = 0,
-    u_2 − m_2 c_2 g cos θ_2 + F l_2 sin θ_2 = 0,
-    u_i = kp_i (q*_i − q_i),  F = K δ^(3/2),  δ = l_1 cos θ_1 + l_2 cos θ_2 − x_max.
-    """
-    theta, force = unknowns[:2], unknowns[2]
-    a, b = SCENE.chain.links
-    g = -SCENE.gravity[1]
-    u = PROPORTIONAL * (TARGET - np.diff(theta, prepend=0.0))
-    c, s = np.cos(theta), np.sin(theta)
-    depth = a.length * c[0] + b.length * c[1] - SCENE.box.x_max
-    weight = a.mass * a.center_of_mass + b.mass * a.length
-    return [
-        u[0] - u[1] - weight * g * c[0] + force * a.length * s[0],
-        u[1] - b.mass * b.center_of_mass * g * c[1] + force * b.length * s[1],
-        force - SCENE.contact.stiffness * max(depth, 0.0) ** SCENE.contact.exponent,
-    ]
-
-
-@pytest.mark.full("takes long")
-def test_it_holds_where_the_moments_balance(run):
-    """Solved for both angles and the force, without a simulation."""
-    _, columns = run
-    *angles, force = fsolve(balance, [-1.2, -0.8, 20.0], xtol=1e-13)
-    assert np.abs(balance(np.array([*angles, force]))).max() < 1e-9
-    assert [columns[f"link[{i}].angle"][-1] for i in (1, 2)] == pytest.approx(angles, abs=1e-9)
-    assert columns["contact[2].x_max.force"][-1] == pytest.approx(force, rel=1e-7)
-
-
-@pytest.mark.full("takes long")
-def test_force_times_lever_is_the_torque(run):
-    """About each joint: u = F h + the moment of the weights beyond it, with h the height above the tip."""
-    _, columns = run
-    last = {name: values[-1] for name, values in columns.items()}
-    x, y = ([last[f"point[{k}].{axis}"] for k in range(3)] for axis in "xy")
-    a, b = (link.mass * -SCENE.gravity[1] for link in SCENE.chain.links)
-    force = last["contact[2].x_max.force"]
-    shoulder = force * (y[0] - y[2]) + a * (x[1] - x[0]) / 2 + b * ((x[1] + x[2]) / 2 - x[0])
-    elbow = force * (y[1] - y[2]) + b * (x[2] - x[1]) / 2
-    assert [last[name] for name in TORQUES] == pytest.approx([shoulder, elbow], abs=1e-6)

@@ -17,11 +17,9 @@ from chain_impact import Chain, simulate
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.simulation.derivatives import DifferentiatedRun
 from chain_impact.simulation.reasons import REASONS, REASONS_OF_FRICTION
-from tests import invariance
 from tests.derivative_scenes import (
     AT_STOPS,
     Case,
-    at_stops,
     differences,
     exact,
     off,
@@ -38,7 +36,7 @@ from tests.derivative_scenes import (
 )
 from tests.derivatives import FIELDS, differentiate
 from tests.friction_derivative_scenes import SLOPE, driven, dry_joints, puck, swinging, thrown
-from tests.problems import GRAVITY, ball, flat_rod, of_law, rod
+from tests.problems import ball, flat_rod, rod
 
 ENERGIES = ("energy.total", "energy.dissipated")
 STIFFNESS = "contact.stiffness"
@@ -217,6 +215,9 @@ def test_modes_of_friction_are_those_of_the_independent_model(name):
     assert all(np.abs(np.array(begun) - time).min() < 1e-7 for time in found)
 
 
+# --- derivatives at a sharp tolerance ----------------------------------------------------------------------
+
+
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("name", ["rigid", "stop, kelvin_voigt", "thrown, kelvin_voigt"])
 def test_a_kept_answer_is_that_of_the_model(name):
@@ -229,9 +230,6 @@ def test_a_kept_answer_is_that_of_the_model(name):
             value = getattr(kept, kind)[key]
             scale = np.max(np.abs(value), initial=1e-6, where=np.isfinite(value))
             np.testing.assert_allclose(found_now, value, rtol=1e-9, atol=1e-9 * scale)
-
-
-# --- derivatives at a sharp tolerance ----------------------------------------------------------------------
 
 
 @pytest.mark.full("more cases", but=18)
@@ -278,13 +276,6 @@ def test_a_constant_of_a_joint_that_is_zero_may_vary(method):
     assert errors.max() < (EXACT if method == "explicit" else 1e-6)
 
 
-def test_the_exponent():
-    case = struck_twice("zhang_sharf")
-    case = Case(case.scene, ("contact.exponent",), case.times)
-    errors, _ = state_errors(case, found(case))
-    assert errors.max() < 1e-6
-
-
 @pytest.mark.parametrize(
     "name", ["stops on a slope", "swings, static", "driven", "four dry joints", "thrown"]
 )
@@ -322,19 +313,6 @@ def test_derivatives_are_those_of_differences(name):
             assert off(by_state[t], expected, values, size_of(case, parameter)) < bound, parameter
 
 
-def test_friction_has_a_say():
-    """The derivatives with respect to all coefficients are far from zero where they should be."""
-    for name, parameter in (
-        ("slides back", "contact.friction"),
-        ("swings, static", "contact.static_friction"),
-        ("driven", "wall.y_min.friction"),
-        ("four dry joints", "link[3].joint_friction"),
-    ):
-        case = CASES[name]
-        slopes = exact(case).slopes["link[1].angle" if name == "four dry joints" else "point[0].x"]
-        assert abs(slopes[-1, case.parameters.index(parameter)]) > 1e-3, name
-
-
 # --- at other tolerances ------------------------------------------------------------------------------------
 
 
@@ -369,6 +347,9 @@ def test_derivatives_are_as_exact_as_the_run(tolerance):
     assert max(others) <= 10.0 * of_run.max()
 
 
+# --- closed forms ------------------------------------------------------------------------------------------
+
+
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-10])
 @pytest.mark.parametrize("name", ["slides back", "swings, static", "driven", "two dry joints"])
 def test_errors_with_friction_follow_the_tolerance(name, tolerance):
@@ -376,45 +357,11 @@ def test_errors_with_friction_follow_the_tolerance(name, tolerance):
     assert state_errors(case, found(case, tolerance))[0].max() < 2e4 * tolerance
 
 
-# --- closed forms ------------------------------------------------------------------------------------------
-
-
 def slopes_of_impacts(scene, parameters, time, outputs=("point[0].vy",)):
     """Values and slopes of the impacts until a time, and slopes of outputs then."""
     run = DifferentiatedRun(scene.with_values({"solver.tolerance": 1e-12}), parameters, list(outputs))
     answer = run.run(np.array([float(scene.values[name]) for name in parameters]), np.array([0.0, time]))
     return answer.impacts, answer.impact_slopes, answer.slopes[1]
-
-
-def test_hertz():
-    """T ∝ (m²/(K² v))^(1/5), F ∝ K^(2/5) m^(3/5) v^(6/5), δ ∝ (m v²/K)^(2/5)."""
-    scene = ball(1e-3, 2.0, mass=0.3, model="hertz", stiffness=1e7)
-    value, slope, _ = slopes_of_impacts(scene, [STIFFNESS, "link[1].mass", "initial.vy"], 0.01)
-    sizes = np.array([1e7, 0.3, -2.0])
-    powers = {
-        "peak_force": (2 / 5, 3 / 5, 6 / 5),
-        "max_penetration": (-2 / 5, 2 / 5, 4 / 5),
-        "separation_speed": (0.0, 0.0, 1.0),
-        "impulse": (0.0, 1.0, 1.0),
-        "effective_mass": (0.0, 1.0, 0.0),
-    }
-    for field, power in powers.items():
-        np.testing.assert_allclose(slope[field][0] * sizes / value[field][0], power, atol=EXACT)
-    lasting = (slope["end"] - slope["onset"])[0] * sizes / (value["end"] - value["onset"])
-    np.testing.assert_allclose(lasting, (-2 / 5, 2 / 5, -1 / 5), atol=EXACT)
-
-
-@pytest.mark.parametrize("law", [law for law in CONTACT_LAWS if law != "newton_impact"])
-def test_stiffness_scales_a_free_impact(law):
-    """Whatever the damping: T and δ ∝ K^(−1/(n+1)), F ∝ K^(1/(n+1)), and no effect on the rebound."""
-    scene = ball(1e-3, 2.0, **({"stiffness": 1e7} | of_law(law)))
-    value, slope, _ = slopes_of_impacts(scene, [STIFFNESS], 0.02)
-    power, by_stiffness = 1.0 / (scene.contact.exponent + 1.0), {k: v[0, 0] * 1e7 for k, v in slope.items()}
-    assert by_stiffness["end"] / (value["end"] - value["onset"]) == pytest.approx(-power, abs=1e-7)
-    assert by_stiffness["max_penetration"] / value["max_penetration"] == pytest.approx(-power, abs=1e-7)
-    assert by_stiffness["peak_force"] / value["peak_force"] == pytest.approx(power, abs=1e-6)
-    assert by_stiffness["separation_speed"] == pytest.approx(0.0, abs=1e-7)
-    assert by_stiffness["impulse"] == pytest.approx(0.0, abs=1e-7)
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.3, 1.5, 2.0])
@@ -436,25 +383,6 @@ def test_the_power_of_any_law_of_the_family(exponent):
     np.testing.assert_allclose(found[:2], 0.0, atol=1e-6)
 
 
-def test_the_exact_law_rebounds_as_it_is_told():
-    """Zhang & Sharf: the separation speed is e v₀, whatever the stiffness."""
-    scene = ball(1e-3, 2.0, model="zhang_sharf", restitution=0.6)
-    _, slope, _ = slopes_of_impacts(scene, ["contact.restitution", STIFFNESS, "initial.vy"], 0.01)
-    np.testing.assert_allclose(slope["separation_speed"][0], [2.0, 0.0, -0.6], atol=EXACT)
-
-
-def test_a_rigid_floor():
-    """Falls from h, rebounds with e: times √(2h/g), and v = −e√(2gh) + g(t − √(2h/g)) downwards."""
-    scene = ball(0.5, 0.0, gravity=GRAVITY, model="newton_impact", restitution=0.8, stop_time=0.5)
-    _, slope, by_end = slopes_of_impacts(scene, ["contact.restitution", "initial.y", "gravity.y"], 0.5)
-    fall, speed = math.sqrt(2 * 0.5 / GRAVITY), math.sqrt(2 * 0.5 * GRAVITY)
-    # by gravity.y = −g
-    np.testing.assert_allclose(slope["onset"][0], [0.0, fall, fall / 2 / GRAVITY], rtol=1e-10)
-    by_height = 0.8 * speed / 1.0 + GRAVITY * fall
-    by_gravity = -0.8 * speed / 2 / GRAVITY + (0.5 - fall) + GRAVITY * fall / 2 / GRAVITY
-    np.testing.assert_allclose(by_end[0], [speed, by_height, by_gravity], rtol=1e-10)
-
-
 # --- conserved quantities -----------------------------------------------------------------------------------
 
 
@@ -471,78 +399,6 @@ def test_the_derivative_of_the_ledger_is_constant(name):
     moved = np.abs(ledger - ledger[0]).max(0)
     # an energy of 1 J over the parameter is the least that counts
     assert (moved <= 1e-8 * np.maximum(largest, 1e-3 / units)).all(), worst(moved / largest, case.parameters)
-
-
-@pytest.mark.parametrize("law", ["zhang_sharf", "kelvin_voigt", "newton_impact"])
-def test_impulses_account_for_the_momentum(law):
-    """Σ dp_c/dθ n_c + m g t of the derivatives = d(momentum)/dθ: for parameters that are not in m or L."""
-    case = struck_twice(law)
-    scene = case.scene
-    names = (
-        "contact.stiffness",
-        "contact.restitution",
-        "gravity.y",
-        "initial.vx",
-        "initial.angle[2]",
-        "box.y_min",
-    )
-    points = [f"point[{k}].v{axis}" for k in range(3) for axis in "xy"]
-    normals = {"x_min": (1.0, 0.0), "y_min": (0.0, 1.0)}
-    walls = [(k, wall) for k in scene.contact.points for wall in normals]
-    impulses = [f"contact[{k}].{wall}.impulse" for k, wall in walls]
-    run = DifferentiatedRun(scene.with_values({"solver.tolerance": 1e-12}), names, [*points, *impulses])
-    times = np.array([0.0, 0.1, 0.2022, 0.3])
-    answer = run.run(np.array([scene.values[name] for name in names]), times)
-    momentum = 0.0
-    for i, link in enumerate(scene.chain.links):
-        part = link.center_of_mass / link.length
-        speeds = [answer.slopes[:, 2 * (i + end) : 2 * (i + end) + 2] for end in (0, 1)]
-        momentum = momentum + link.mass * ((1.0 - part) * speeds[0] + part * speeds[1])
-    given = np.einsum(
-        "tcp,cj->tjp", answer.slopes[:, len(points) :], np.array([normals[wall] for _, wall in walls])
-    )
-    mass = sum(link.mass for link in scene.chain.links)
-    given[:, 1, names.index("gravity.y")] += mass * times
-    error = np.abs(momentum - momentum[0] - given).max((0, 1))
-    largest = np.maximum(np.abs(given).max((0, 1)), np.abs(momentum).max((0, 1)))
-    assert (error <= 1e-8 * largest).all(), worst(error / largest, names)
-
-
-@pytest.mark.full("more cases", but=41)
-@pytest.mark.parametrize(("name", "unit"), invariance.applicable(name for name in SMOOTH if name != "six"))
-def test_units_are_of_no_consequence(name, unit):
-    """Σ a_p p ∂y/∂p = a_y y − t ẏ: all parameters at once, and no oracle."""
-    case = CASES[name]
-    answer, of = found(case), invariance.UNITS[unit]
-    columns = list(outputs_of(case))
-    values = {parameter: case.value(parameter) for parameter in case.parameters}
-    weight = invariance.weights(values, of, case.scene.contact.exponent)
-    slopes = {output: answer.slopes[:, columns.index(output)] for output in state_names(case.scene)}
-    outputs = {output: answer.values[:, w] for w, output in enumerate(columns)}
-    assert invariance.state_residual(outputs, slopes, np.array(case.times), weight, of) < EXACT
-    bound = IMPACTS.get(name, EXACT)
-    stops = at_stops(case.scene, answer.impacts["wall"])
-    assert invariance.impact_residual(answer.impacts, answer.impact_slopes, stops, weight, of) < bound
-
-
-def test_before_any_impact_the_wall_has_no_say():
-    case = six_impacts()
-    slopes = found(case).slopes[0]
-    for name in ("contact.stiffness", "contact.restitution", "box.y_min"):
-        assert (slopes[:, case.parameters.index(name)] == 0.0).all()
-
-
-@pytest.mark.parametrize("axis", "xy")
-@pytest.mark.parametrize("name", OF_ALL_KINDS)
-def test_the_origin_is_of_no_consequence(name, axis):
-    case = OF_ALL_KINDS[name]
-    answer, moved = found(case), invariance.shifted(case.parameters, axis)
-    for j, output in enumerate(state_names(case.scene)):
-        along, largest = float(output == f"point[0].{axis}"), np.abs(answer.slopes[:, j]).max()
-        assert np.abs(answer.slopes[:, j] @ moved - along).max() <= EXACT * largest, output
-    for field, slopes in answer.impact_slopes.items():
-        largest = np.nanmax(np.abs(slopes), initial=0.0)
-        assert (np.abs(slopes @ moved)[~np.isnan(slopes).any(1)] <= EXACT * largest).all(), field
 
 
 # --- where there is no derivative ---------------------------------------------------------------------------
@@ -611,15 +467,6 @@ def test_simulate_tells_the_same():
         for field in FIELDS:
             slopes = result.impact_sensitivity(field, parameter)
             assert off(slopes, right.impact_slopes[field][:, k], right.impacts[field], unit) < 1e-6
-
-
-def test_the_values_of_a_differentiated_run_are_those_of_a_plain_run():
-    case = CASES["sprung"]
-    answer = found(case, 1e-8)
-    result = simulate(case.scene, tolerance=1e-8, inputs=case.inputs)
-    rows = np.searchsorted(result.time, np.array(case.times) - 1e-9)
-    for w, name in enumerate(outputs_of(case)):
-        np.testing.assert_allclose(answer.values[:, w], result[name][rows], rtol=1e-12, atol=1e-12)
 
 
 # --- where a mode is open -----------------------------------------------------------------------------------

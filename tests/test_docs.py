@@ -9,7 +9,6 @@ import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
-import build_site
 import generate
 import pytest
 import try_it
@@ -70,12 +69,6 @@ def commands(page):
                 yield shlex.split(arguments)
             elif program.endswith("build_fmu.py"):
                 yield ["build", *shlex.split(arguments)]
-
-
-def test_the_readme_begins_with_two_lines_to_paste():
-    build, test, *_ = blocks(ROOT / "README.md", "sh")
-    assert "\n" not in build + test
-    assert (build.endswith("build_fmu.py --simulate"), test.endswith("-m pytest")) == (True, True)
 
 
 def test_version_and_number_of_laws_are_right():
@@ -216,36 +209,6 @@ def test_the_scene_reference_has_every_key():
     for key, entry in scene_keys():
         if "default" in entry.metadata and not key.endswith(("links", "walls", ".wall")):
             assert f"`{key.rpartition('.')[2]}`" in text, key
-
-
-def test_notebooks_link_to_a_service_once_the_repository_has_an_address(tmp_path):
-    for notebook in NOTEBOOKS:
-        (tmp_path / f"{notebook.stem}.md").write_text("# Title\n\nText\n", encoding="utf-8")
-    build_site.add_links(tmp_path, "")
-    page = tmp_path / f"{NOTEBOOKS[0].stem}.md"
-    assert page.read_text(encoding="utf-8") == "# Title\n\nText\n"
-    build_site.add_links(tmp_path, "owner/name")
-    link = f"https://colab.research.google.com/github/owner/name/blob/main/docs/notebooks/{NOTEBOOKS[0].name}"
-    first = "%pip install 'chain-impact @ git+https://github.com/owner/name'"
-    said = f"[Open this notebook in Colab]({link}), and run there first: `{first}`"
-    assert page.read_text(encoding="utf-8") == f"# Title\n\n{said}\n\nText\n"
-    assert build_site.repository().count("/") in (0, 1)
-
-
-def test_the_address_of_the_repository_stands_in_one_place():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    source = project["urls"].get("Source")
-    assert all(source and url.startswith(source) for url in project["urls"].values())
-    files = [*ROOT.glob("*.*"), *(ROOT / ".github").rglob("*"), *(ROOT / "docs").rglob("*")]
-    files += [file for file in (ROOT / "fmu_src").rglob("*") if file.suffix == ".py"]
-    of_ours = re.compile(
-        r"https?://[^\s\"')]*/chain[-_]impact|^(repository-code|repo_url|url):", re.MULTILINE
-    )
-    texts = {".md", ".py", ".yml", ".cff", ".ipynb"}
-    named = [
-        file for file in files if file.suffix in texts if of_ours.search(file.read_text(encoding="utf-8"))
-    ]
-    assert not set(named) - MADE
 
 
 def test_the_page_to_try_has_every_model_and_links_to_its_page(tmp_path, monkeypatch):

@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 import zipfile
-from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import pytest
@@ -65,42 +65,6 @@ def test_a_wheel_for_one_platform_is_taken(wheels, tmp_path):
 def test_a_wheel_with_a_wrong_tag_or_kernel_is_refused(wheels, tmp_path, parts, sentence):
     with pytest.raises(wheels.ReleaseError, match=sentence):
         wheels.check_wheel(wheel(tmp_path, *parts), "linux64")
-
-
-def test_a_large_file_is_refused(wheels, tmp_path):
-    large = tmp_path / "chain_impact-1.0.tar.gz"
-    large.write_bytes(bytes(8_000_000))
-    with pytest.raises(wheels.ReleaseError, match=r"chain_impact-1\.0\.tar\.gz: must be smaller than 8 MB"):
-        wheels.check_all([large])
-
-
-def test_a_folder_with_other_files_is_refused(wheels, tmp_path, monkeypatch):
-    (tmp_path / "old.whl").touch()
-    monkeypatch.setattr(sys, "argv", ["wheels.py", "-o", str(tmp_path)])
-    with pytest.raises(SystemExit, match="must be empty"):
-        wheels.main()
-
-
-# --- what a build tells -------------------------------------------------------------------------------------
-
-TELL = [sys.executable, "-c", "import kernel_hook; kernel_hook.say('linking')"]
-AS_PIP = f"import subprocess; subprocess.run({TELL}, capture_output=True, check=True)"
-IN_A_TERMINAL = f"import pty; pty.spawn({[sys.executable, '-c', AS_PIP]})"
-
-
-def telling(*command):
-    """What a program prints that begins in the folder of the build and without a terminal."""
-    settings = {"cwd": PACKAGING, "start_new_session": True, "stdin": subprocess.DEVNULL}
-    return subprocess.run(command, capture_output=True, text=True, check=True, **settings)
-
-
-@pytest.mark.skipif(find_spec("termios") is None, reason="needs terminals as Unix has them")
-def test_a_build_tells_the_terminal_what_it_does_though_pip_keeps_its_output():
-    assert telling(sys.executable, "-c", IN_A_TERMINAL).stdout.endswith("chain-impact: linking\n")
-
-
-def test_without_a_terminal_a_build_tells_standard_error():
-    assert telling(*TELL).stderr == "chain-impact: linking\n"
 
 
 # --- the smoke suite ---------------------------------------------------------------------------------------
@@ -169,14 +133,3 @@ def test_the_traps_of_the_smoke_suite_end_a_process():
 
 def run_python(*arguments):
     return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, check=False)
-
-
-# --- the container -----------------------------------------------------------------------------------------
-
-
-def test_the_container_takes_the_wheel_of_its_processor():
-    text = (PACKAGING / "Containerfile").read_text(encoding="utf-8")
-    pattern = re.search(r"/dist/(\S+)\"\$\(uname -m\)\"\.whl", text)[1].replace("*", ".*")
-    tags = [tag for tag in loaded("kernel_hook").TAGS.values() if tag.startswith("manylinux")]
-    for tag, machine in zip(tags, ("x86_64", "aarch64"), strict=True):
-        assert re.fullmatch(f"{pattern}{machine}\\.whl", f"chain_impact-1.0-py3-none-{tag}.whl")

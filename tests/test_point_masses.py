@@ -15,8 +15,6 @@ from tests.kernel_calls import initialize
 from tests.problems import GRAVITY
 from tests.reference import balance
 
-DOWN = -np.pi / 2
-
 
 def bob(length, mass, **more):
     """A point mass at the end of a massless rod."""
@@ -38,25 +36,6 @@ def scene(links, *, base="pinned", stop_time=1.0, tolerance=1e-10, points=(), **
 def double(angles, spins=(0.0, 0.0), **more):
     initial = {"angles": list(angles), "angular_velocities": list(spins)}
     return scene([bob(0.7, 2.0), bob(1.1, 0.5)], initial=initial, **more)
-
-
-def frequencies(l1, m1, l2, m2):
-    """Those of a hanging double pendulum: m₁ l₁ l₂ ω⁴ − (m₁ + m₂)(l₁ + l₂) g ω² + (m₁ + m₂) g² = 0."""
-    total = m1 + m2
-    return np.sqrt(np.sort(np.roots([m1 * l1 * l2, -total * (l1 + l2) * GRAVITY, total * GRAVITY**2])))
-
-
-@pytest.mark.parametrize("mode", [0, 1])
-def test_a_double_pendulum_has_its_two_frequencies(mode):
-    pace = frequencies(0.7, 2.0, 1.1, 0.5)[mode]
-    # the lower rod over the upper one in this mode: (m₁ + m₂) (l₁ ω² − g) θ₁ + m₂ l₂ ω² θ₂ = 0
-    ratio = 2.5 * (GRAVITY - 0.7 * pace**2) / (0.5 * 1.1 * pace**2)
-    amplitude = 1e-5 / max(1.0, abs(ratio))
-    stop = 2 * np.pi / pace * 5
-    result = simulate(double([DOWN + amplitude, DOWN + ratio * amplitude], stop_time=stop, tolerance=1e-13))
-    for shape, angle in zip((1.0, ratio), result.angles.T, strict=True):
-        swing = shape * amplitude * np.cos(pace * result.time)
-        np.testing.assert_allclose(angle - DOWN, swing, rtol=0, atol=1e-9)
 
 
 def test_a_double_pendulum_swings_wide_as_its_textbook_equations_say():

@@ -1,15 +1,9 @@
 """Faults planted in FMUs of ours, each of which is found with its place; and no fault in sound ones."""
 
 import itertools
-import os
 import re
-import shutil
 import struct
-import subprocess
-import sys
-import textwrap
 import zipfile
-from pathlib import Path
 
 import pytest
 
@@ -47,33 +41,6 @@ def test_nothing_is_found_in_an_fmu_of_ours(fmus, model):
     found = validation(fmus[model])
     assert list(found.findings) == []
     assert [note.split(",")[0] for note in found.notes] == ["reference results: passed"]
-
-
-@pytest.mark.full("takes long")
-def test_the_workflow_of_the_docs_finds_what_is_wrong(native, tmp_path):
-    page = (Path(__file__).parents[2] / "docs" / "check_fmus.md").read_text(encoding="utf-8")
-    script = textwrap.dedent(re.search(r"```yaml.*?        run: \|\n(.*?)```", page, re.DOTALL)[1])
-    command = tmp_path / "chain-impact"
-    command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m chain_impact.cli "$@"\n')
-    command.chmod(0o755)
-    environment = {**os.environ, "PATH": f"{tmp_path}{os.pathsep}{os.environ['PATH']}"}
-
-    def checked():
-        shell = ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", script]
-        done = subprocess.run(
-            shell, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-        )
-        return done.returncode, done.stdout
-
-    assert checked() == (1, "")  # a folder without FMUs is no success
-    (tmp_path / "fmus" / "deep").mkdir(parents=True)
-    shutil.copy(native["rod_drop"], tmp_path / "fmus" / "deep" / "good one.fmu")
-    code, lines = checked()
-    assert (code, lines.splitlines()[0]) == (0, "fmus/deep/good one.fmu: no problems found")
-    spoiled(
-        native["rod_drop"], tmp_path / "fmus" / "odd.fmu", edited(*FAULTS["2"]["start out of range"].pairs)
-    )
-    assert checked()[0] == 1
 
 
 # --- faults of each kind of FMU ---------------------------------------------------------------------------

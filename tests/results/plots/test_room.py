@@ -75,13 +75,6 @@ def test_the_room_is_white_and_all_beyond_it_grey():
         assert outline.contains_point(place) == inside
 
 
-def test_a_wall_far_away_does_not_shrink_the_motion():
-    _, motion, *_ = drawn(swing(walls={"x_max": 1.5, "y_min": -0.2}))
-    assert len(wall_lines(motion)) == 1
-    assert np.ptp(motion.get_xlim()) < 2.5
-    assert motion.get_ylim()[0] < -0.2
-
-
 def test_what_moves_beyond_a_wall_is_in_view():
     """Points that are not candidates pass through walls."""
     _, motion, *_ = drawn(swing(walls={"y_max": 0.4}))
@@ -101,12 +94,6 @@ def test_a_wall_at_any_angle_is_seen_from_both_sides(angle):
     gaps = [recording.walls["slope"].clearance(*corner) for corner in view]
     assert np.ptp(line, axis=0).max() > 0.5
     assert min(gaps) < -0.1 < 0.1 < max(gaps)
-
-
-def test_without_walls_nothing_is_grey():
-    _, motion, *_ = drawn(swing())
-    assert wall_lines(motion) == []
-    assert mpl.colors.to_hex(motion.get_facecolor()) == "#ffffff"
 
 
 def test_a_pinned_base_stands_on_ground_in_view_and_a_free_one_does_not():

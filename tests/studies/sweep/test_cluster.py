@@ -156,19 +156,6 @@ class Other:
     __module__, __qualname__ = cluster.__name__, "identity"
 
 
-def test_nobody_answers(monkeypatch):
-    monkeypatch.setattr(cluster, "CONNECT", 0.5)
-    with pytest.raises(SceneError, match=r"scheduler tcp://127.0.0.1:9: no dask scheduler answers there"):
-        sweep(SCENE, VARY, scheduler="tcp://127.0.0.1:9")
-
-
-@pytest.mark.parametrize("address", ["nonsense://", "tcp:", ""])
-def test_an_address_that_is_none(address, monkeypatch):
-    monkeypatch.setattr(cluster, "CONNECT", 0.5)
-    with pytest.raises(SceneError, match="scheduler"):
-        sweep(SCENE, VARY, scheduler=address)
-
-
 @pytest.mark.parametrize(
     "address", ["tcp:", "tls://127.0.0.1:9", "inproc://127.0.0.1/1/1", "tcp://127.0.0.1:9"]
 )

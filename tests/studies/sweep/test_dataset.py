@@ -151,33 +151,6 @@ def test_bytes_that_have_changed_are_said_when_they_are_read(tmp_path, whole):
     assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
 
 
-def test_another_sweep_and_other_files_are_refused(tmp_path):
-    folder = tmp_path / "runs"
-    stopped(folder)
-    before = {file: file.read_bytes() for file in folder.iterdir()}
-    with pytest.raises(SceneError, match="runs was left by a sweep with another outputs: remove the folder"):
-        sweep(SCENE, VARY, outputs=OUTPUTS, path=folder)
-    assert {file: file.read_bytes() for file in folder.iterdir()} == before
-    other = tmp_path / "other"
-    other.mkdir()
-    (other / "mine.parquet").write_bytes(b"mine")
-    with pytest.raises(SceneError, match="other has files, but no manifest of a sweep: choose another name"):
-        sweep(SCENE, VARY, path=other)
-    with pytest.raises(SceneError, match="mine must be a folder: remove the file, or choose another name"):
-        sweep(SCENE, VARY, path=f"{(other / 'mine.parquet').rename(other / 'mine')}/")
-
-
-def test_two_sweeps_do_not_write_one_folder(tmp_path):
-    def second(_):
-        with pytest.raises(SceneError, match="runs is being written by another sweep: wait until"):
-            sweep(SCENE, VARY, path=tmp_path / "runs")
-        raise StopError
-
-    with pytest.raises(StopError):
-        sweep(SCENE, VARY, path=tmp_path / "runs", progress=second)
-    assert [path.name for path in tmp_path.iterdir()] == ["runs"]
-
-
 @pytest.mark.parametrize("room", [10, 14_000])
 def test_a_full_disk_is_said_with_the_folder_and_what_is_whole_is_kept(tmp_path, whole, room):
     """The system takes so many bytes for a file, and no more."""

@@ -2,9 +2,6 @@
 
 import errno
 import json
-import signal
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -181,55 +178,6 @@ def test_nothing_is_left_where_no_run_was_done(tmp_path, monkeypatch):
     with pytest.raises(OSError, match="no kernel"):
         sweep(SCENE, VARY, path=tmp_path / "out.csv")
     assert list(tmp_path.iterdir()) == []
-
-
-ENDLESS = """
-import signal
-import sys
-import time
-from chain_impact.cli import main
-from chain_impact.studies.sweep import sweep
-
-# a shell ignores it for what it starts in the background, as it may have started the tests
-signal.signal(signal.SIGINT, signal.default_int_handler)
-real = sweep.run_in_threads
-
-def endless(*arguments):
-    pieces = real(*arguments)
-    yield next(pieces)
-    print("a piece is kept", file=sys.stderr, flush=True)
-    while True:  # as if the next took for ever; the threads go on
-        time.sleep(0.01)
-
-sweep.run_in_threads = endless
-sys.exit(main(sys.argv[1:]))
-"""
-
-
-@pytest.mark.full("takes long")
-def test_ctrl_c_on_the_command_line(tmp_path):
-    """However fast the machine is: the sweep cannot end before it is interrupted."""
-    arguments = ["sweep", "--set", "solver.tolerance=1e-6", "--set", "simulation.stop_time=0.6"]
-    arguments += ["--vary", "contact.restitution=0.3:0.7:2000", "-o", "out.csv"]
-    command = [sys.executable, "-c", ENDLESS, *arguments]
-    running = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
-    while running.stderr.readline() not in {"a piece is kept\n", ""}:
-        pass
-    running.send_signal(signal.SIGINT)
-    _, said = running.communicate()
-    assert running.returncode == 130
-    assert "what is done is kept in out.csv.partial; the same command goes on" in said
-    assert not (tmp_path / "out.csv").exists()
-    command = [sys.executable, "-m", "chain_impact.cli", *arguments]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert "2000 runs: 2000 ok" in done.stdout
-    assert [file.name for file in tmp_path.iterdir()] == ["out.csv"]
-    energies = np.genfromtxt(
-        tmp_path / "out.csv", delimiter=",", names=True, usecols=range(5), deletechars=""
-    )
-    whole = sweep(SCENE, {"contact.restitution": "0.3:0.7:2000"})
-    assert (energies["contact.restitution"] == whole["contact.restitution"]).all()
-    assert (energies["peak_force"] == whole["peak_force"]).all()
 
 
 def test_what_is_kept_is_said(tmp_path, caplog):
