@@ -60,8 +60,8 @@ def add(verbs: Verbs) -> None:
         dest="table",
         metavar="FILE",
         required=True,
-        help="write the table (csv, parquet), or a folder, as runs/, to which rows are streamed as Parquet; "
-        "the same command goes on after an interruption",
+        help="write the table (csv, parquet), or a folder, as runs/, to which rows are streamed as Parquet: "
+        "then the same command goes on after an interruption",
     )
     add_plot(sweep, "the main results over what varies")
     sweep.set_defaults(run=run)
@@ -69,12 +69,10 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the sweep, write what was asked for, and say how many runs failed, and why."""
-    from chain_impact.studies.sweep.dataset import partial_path
     from chain_impact.studies.sweep.sweep import sweep
     from chain_impact.studies.sweep.table import is_folder
 
     table = Path(options.table)
-    keeps = table if is_folder(options.table) else partial_path(table)
     check_outputs(table, options.plot, inputs=[options.source])
     scene = with_settings(load_scene(options.source), settings_of(options.set))
     vary = variations(options.vary, settings_of(options.set))
@@ -97,8 +95,8 @@ def run(options: argparse.Namespace) -> int:
                 progress=advance,
             )
     except KeyboardInterrupt:
-        if keeps.exists():
-            complain(f"what is done is kept in {keeps}; the same command goes on")
+        if is_folder(options.table) and table.exists():
+            complain(f"what is done is kept in {table}; the same command goes on")
         raise
     say(f"table    {options.table}")
     if options.plot:

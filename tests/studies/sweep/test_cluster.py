@@ -5,7 +5,7 @@ import re
 import subprocess
 import sys
 import time
-from types import SimpleNamespace
+from functools import partial
 
 import pytest
 
@@ -16,6 +16,7 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.studies.sweep import cluster
 from chain_impact.studies.sweep.sweep import sweep
+from chain_impact.studies.sweep.work import Work
 from tests.tiers import needs_interop
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
@@ -113,21 +114,6 @@ def test_no_workers_left(scheduler, monkeypatch):
         )
 
 
-def test_rows_that_are_lost_with_the_last_worker(scheduler, monkeypatch):
-    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
-    worker, real = scheduler.worker(), cluster.Cluster.result
-
-    def late(*arguments):
-        worker.kill()  # when the first piece is done, and before its rows are here
-        worker.wait()
-        time.sleep(0.5)
-        return real(*arguments)
-
-    monkeypatch.setattr(cluster.Cluster, "result", late)
-    with pytest.raises(RunError, match="it has no workers left"):
-        sweep(SCENE, {"contact.restitution": "0.3:0.7:300"}, scheduler=scheduler.address)
-
-
 def test_a_worker_without_the_package(scheduler, tmp_path):
     package = tmp_path / "without" / "chain_impact"
     package.mkdir(parents=True)
@@ -183,18 +169,11 @@ def test_a_worker_that_can_keep_no_kernel(scheduler):
         sweep(SCENE, VARY, scheduler=scheduler.address)
 
 
-def test_a_piece_that_a_worker_cannot_do():
-    class Failed:
-        status = "error"
-
-        def result(self, timeout):  # noqa: ARG002
-            raise ValueError("odd")
-
-    lost = SimpleNamespace(_work=SimpleNamespace(job=SimpleNamespace(scene=SCENE)))
-    with pytest.raises(
-        RunError, match="FourLinkBox: the cluster could not do the runs 0 to 2: ValueError: odd"
-    ):
-        cluster.Cluster.result(lost, Failed(), (0, 3))
+def test_a_piece_that_a_worker_cannot_do(scheduler, monkeypatch):
+    scheduler.worker()
+    monkeypatch.setattr(Work, "do", property(lambda _: partial(int, "odd")))
+    with pytest.raises(RunError, match="FourLinkBox: the cluster could not do a piece of the sweep: TypeErr"):
+        sweep(SCENE, VARY, scheduler=scheduler.address)
 
 
 def test_the_scheduler_dies(scheduler):

@@ -1,5 +1,6 @@
 """A sweep into a folder: rows go to Parquet files as they come, and are the same as in the memory."""
 
+import errno
 import itertools
 import json
 import signal
@@ -9,6 +10,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from filelock import FileLock
 from scipy.stats import qmc
 
 from chain_impact import cli
@@ -149,6 +151,94 @@ def test_bytes_that_have_changed_are_said_when_they_are_read(tmp_path, whole):
         found.table  # noqa: B018
     file.unlink()
     assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"outputs": OUTPUTS}, "another outputs"),
+        ({"vary": {**VARY, "contact.restitution": "0:0.71:400"}}, "another varied values"),
+        ({"vary": dict(reversed(VARY.items()))}, "another varied values"),
+        ({"vary": {"contact.restitution": "0:0.7"}, "samples": 800}, "another varied values"),
+        ({"scene": SCENE.with_values({"link[1].mass": 1.5})}, "another scene"),
+    ],
+)
+def test_another_sweep_is_refused(tmp_path, changes, words):
+    folder = tmp_path / "runs"
+    stopped(folder)
+    before = {file: file.read_bytes() for file in folder.iterdir()}
+    with pytest.raises(SceneError, match=f"runs was left by a sweep with {words}: remove the folder"):
+        sweep(**{"scene": SCENE, "vary": VARY, "path": folder, **changes})
+    assert {file: file.read_bytes() for file in folder.iterdir()} == before
+
+
+def test_samples_of_another_seed_are_refused(tmp_path):
+    first, second = (
+        {"vary": {"contact.restitution": "0.3:0.7"}, "samples": 8, "seed": seed} for seed in (0, 1)
+    )
+    sweep(SCENE, **first, path=tmp_path / "runs")
+    with pytest.raises(SceneError, match="another varied values"):
+        sweep(SCENE, **second, path=tmp_path / "runs")
+
+
+def test_a_folder_of_other_files_and_a_file_in_its_place_are_refused(tmp_path):
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "mine.parquet").write_bytes(b"mine")
+    with pytest.raises(SceneError, match="other has files, but no manifest of a sweep: choose another name"):
+        sweep(SCENE, VARY, path=other)
+    with pytest.raises(SceneError, match="mine must be a folder: remove the file, or choose another name"):
+        sweep(SCENE, VARY, path=f"{(other / 'mine.parquet').rename(other / 'mine')}/")
+
+
+@pytest.mark.parametrize("content", [b"\xffmine\n", b"[1]", b"{}"])
+def test_a_manifest_of_something_else_is_refused(tmp_path, content):
+    (tmp_path / MANIFEST).write_bytes(content)
+    with pytest.raises(SceneError, match=f"{MANIFEST} is not the manifest of a sweep: remove the folder"):
+        sweep(SCENE, VARY, path=tmp_path)
+    assert (tmp_path / MANIFEST).read_bytes() == content
+
+
+@pytest.mark.parametrize(("name", "span"), [("../mine", [0, 1]), ("runs-000000000000000.parquet", [0, 9999])])
+def test_a_manifest_that_lists_what_is_no_file_of_the_sweep_is_refused(tmp_path, name, span):
+    stopped(tmp_path / "runs")
+    manifest = tmp_path / "runs" / MANIFEST
+    manifest.write_text(json.dumps(json.loads(manifest.read_text()) | {"files": {name: span}}))
+    with pytest.raises(SceneError, match=f"{MANIFEST} lists {name}, which is no file of the sweep: remove"):
+        sweep(SCENE, VARY, path=tmp_path / "runs")
+
+
+def test_nothing_is_left_where_no_run_was_done(tmp_path, monkeypatch):
+    def broken(*_):
+        raise OSError("no kernel")
+        yield
+
+    monkeypatch.setattr(module, "run_in_threads", broken)
+    with pytest.raises(OSError, match="no kernel"):
+        sweep(SCENE, VARY, path=tmp_path / "runs")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_can_only_be_read_is_said_with_the_path_of_the_table(tmp_path, monkeypatch):
+    def refused(lock, **_):
+        raise PermissionError(errno.EACCES, "Permission denied", lock.lock_file)
+
+    path = tmp_path / "runs"
+    monkeypatch.setattr(FileLock, "acquire", refused)
+    with pytest.raises(PermissionError, match="Permission denied") as caught:
+        sweep(SCENE, VARY, path=path)
+    assert caught.value.filename == str(path)
+
+
+def test_two_sweeps_do_not_write_one_folder(tmp_path):
+    def second(_):
+        with pytest.raises(SceneError, match="runs is being written by another sweep: wait until"):
+            sweep(SCENE, VARY, path=tmp_path / "runs")
+        raise StopError
+
+    with pytest.raises(StopError):
+        sweep(SCENE, VARY, path=tmp_path / "runs", progress=second)
+    assert [path.name for path in tmp_path.iterdir()] == ["runs"]
 
 
 @pytest.mark.parametrize("room", [10, 14_000])

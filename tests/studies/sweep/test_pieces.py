@@ -1,8 +1,29 @@
-"""Pieces cover what is missing, each run once, and are cut to the time that they shall take."""
+"""Pieces cover what is missing, each run once, and are cut to the time that they shall take.
 
+The rows do not depend on how many threads there are, nor on how the runs are cut into pieces.
+"""
+
+import threading
+from concurrent.futures import CancelledError
+
+import numpy as np
 import pytest
 
-from chain_impact.studies.sweep.pieces import LONGEST, LONGEST_PIECE, SHORTEST, Pieces, missing
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import load_scene, with_values
+from chain_impact.studies.sweep.design import grid
+from chain_impact.studies.sweep.job import Runner, job_of
+from chain_impact.studies.sweep.pieces import (
+    LONGEST,
+    LONGEST_PIECE,
+    SHORTEST,
+    Pieces,
+    missing,
+    run_in_threads,
+)
+from chain_impact.studies.sweep.sweep import sweep
+from chain_impact.studies.sweep.variation import variations_of
+from chain_impact.studies.sweep.work import Work
 
 
 @pytest.mark.parametrize(
@@ -41,3 +62,70 @@ def test_pieces_take_a_part_of_the_time_so_far():
     assert len(sizes) < 150
     assert sizes[-1] < 0.1 * max(sizes)  # at the end, everybody gets a share
     assert max(end - first for first, end in taken(Pieces([(0, 10**7)], 2), 1e-9)) == LONGEST_PIECE
+
+
+SCENE = with_values(
+    load_scene("four_link_box"), {("simulation", "stop_time"): 0.6, ("solver", "tolerance"): 1e-6}
+)
+
+
+def parts(vary):
+    variations = variations_of(SCENE, vary)
+    return job_of(SCENE, variations, ()), grid(variations, SCENE.name)
+
+
+@pytest.mark.full("takes long")
+def test_rows_do_not_depend_on_threads():
+    # more than the kernel does in a call: it pauses within a run, and goes on
+    vary = {"contact.restitution": "0.3:0.7:15000"}
+    job, design = parts(vary)
+    at_once = Runner(job).run(design.values(0, 15000))
+    for threads in (1, 2, 5):
+        assert sweep(SCENE, vary, threads=threads).rows.tobytes() == at_once.tobytes()
+
+
+@pytest.mark.full("takes long")
+def test_the_kernel_pauses_within_a_second():
+    job, design = parts({"contact.restitution": "0.3:0.7:15000"})
+    runner, calls = Runner(job), []
+
+    def wanted():
+        calls.append(1)
+        return len(calls) < 2
+
+    with pytest.raises(CancelledError):
+        runner.run(design.values(0, 15000), wanted)
+    assert len(calls) == 2
+
+
+def test_who_stops_listening_gets_all_threads_back():
+    before = threading.active_count()
+    pieces = run_in_threads(Work(*parts({"contact.restitution": "0.3:0.7:100000"})), [(0, 100000)], 2)
+    _, rows = next(pieces)
+    assert rows["solver.steps"].all()
+    pieces.close()
+    assert threading.active_count() == before
+
+
+def test_an_error_in_a_thread_is_raised_here(monkeypatch):
+    work = Work(*parts({"contact.restitution": "0.3:0.7:100"}))
+
+    def broken(*_):
+        raise MemoryError("no room")
+
+    monkeypatch.setattr(Runner, "run", broken)
+    with pytest.raises(MemoryError, match="no room"):
+        list(run_in_threads(work, [(0, 100)], 2))
+
+
+@pytest.mark.parametrize("threads", [0, 1.5])
+def test_threads_are_checked(threads):
+    with pytest.raises(SceneError, match=f"threads = {threads} must be a whole number >= 1"):
+        sweep(SCENE, {"contact.restitution": [0.5]}, threads=threads)
+
+
+def test_progress_ends_at_one():
+    told = []
+    sweep(SCENE, {"contact.restitution": "0.3:0.7:100"}, progress=told.append)
+    assert told[-1] == 1.0
+    assert (np.diff(told) > 0.0).all()

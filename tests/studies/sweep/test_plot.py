@@ -144,3 +144,10 @@ def test_too_many_parameters_are_refused(tmp_path):
     found = sweep(SCENE, {f"initial.{name}": [1.0] for name in names})
     with pytest.raises(SceneError, match="7 parameters vary, must be <= 6 for a picture"):
         found.plot(tmp_path / "out.png")
+
+
+def test_too_many_runs_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("chain_impact.studies.sweep.plot.MOST_DRAWN", 3)
+    found = sweep(SCENE, {"contact.restitution": [0.3, 0.4, 0.5, 0.6]})
+    with pytest.raises(SceneError, match="4 runs must be <= 3 for a picture: draw parts of the table"):
+        found.plot(tmp_path / "sweep.png")

@@ -104,3 +104,18 @@ def test_a_data_frame_needs_pandas(found, monkeypatch):
 def test_a_folder_that_is_not_there(tmp_path):
     with pytest.raises(FileNotFoundError):
         sweep(SCENE, VARY, path=tmp_path / "nowhere" / "out.csv")
+
+
+def test_a_folder_that_is_not_there_is_said_before_any_run_and_not_made(tmp_path):
+    path = tmp_path / "nofolder" / "x.csv"
+    with pytest.raises(FileNotFoundError, match=f"there is no folder {path.parent}") as caught:
+        sweep(SCENE, VARY, path=path, progress=lambda _: pytest.fail("it ran"))
+    assert caught.value.filename == str(path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_can_only_be_read_is_said_before_any_run(tmp_path, monkeypatch):
+    monkeypatch.setattr("os.access", lambda *_: False)
+    with pytest.raises(PermissionError, match="Permission denied") as caught:
+        sweep(SCENE, VARY, path=tmp_path / "x.csv", progress=lambda _: pytest.fail("it ran"))
+    assert caught.value.filename == str(tmp_path / "x.csv")

@@ -17,75 +17,18 @@ from chain_impact.simulation.record_scene import RunError
 from chain_impact.studies.sweep.pieces import Made, Span, hand_out
 from chain_impact.studies.sweep.work import Work
 
-LOST = "the connection was lost"
 CONNECT, PATIENCE = 10.0, 30.0  # s, for the scheduler to answer, and without any worker
-
-
-class Cluster:
-    """The workers of a cluster. When one is lost the others take over its pieces."""
-
-    def __init__(self, work: Work, address: str) -> None:
-        """Connect to a scheduler, ``tcp://host:port``."""
-        self._distributed = require("distributed", "cluster")
-        self._work, self._address = work, address
-        self._client = _connected(self._distributed.Client, address)
-        try:
-            self.count = _check_workers(self._client, work, address)
-        except BaseException:
-            self._client.close()
-            raise
-
-    def submit(self, piece: Span) -> Any:
-        """A future for a piece."""
-        return self._client.submit(self._work.do, piece, pure=False)
-
-    def finished(self, futures: list[Any]) -> list[Any]:
-        """Those that are done, as soon as one is."""
-        while True:
-            try:
-                with self._client.as_current():
-                    wait = self._distributed.wait
-                    return list(wait(futures, timeout=PATIENCE, return_when="FIRST_COMPLETED").done)
-            except TimeoutError:
-                self._check_alive()
-            except CancelledError:
-                raise RunError(f"scheduler {self._address}: {LOST}") from None
-
-    def result(self, future: Any, piece: Span) -> tuple[Made, float]:
-        """What came of a piece, and how long it took [s]; if a worker is lost with it, it is made again."""
-        while True:
-            try:
-                made: tuple[Made, float] = future.result(timeout=PATIENCE)
-            except Exception as error:
-                if isinstance(error, BuildError):
-                    raise
-                if future.status == "error":
-                    name, reason = self._work.job.scene.name, f"{type(error).__name__}: {error}"
-                    runs = f"the runs {piece[0]} to {piece[1] - 1}"
-                    raise RunError(f"{name}: the cluster could not do {runs}: {reason}") from None
-                if not isinstance(error, TimeoutError):
-                    raise RunError(f"scheduler {self._address}: {LOST}") from None
-                self._check_alive()
-            else:
-                return made
-
-    def stop(self, futures: list[Any]) -> None:
-        """Let go of what is not done, and of the scheduler."""
-        with self._client:
-            self._client.cancel(futures)
-
-    def _check_alive(self) -> None:
-        """Go on waiting only while there are workers."""
-        try:
-            threads = self._client.nthreads()
-        except OSError:
-            raise RunError(f"scheduler {self._address}: {LOST}") from None
-        if not threads:
-            raise RunError(f"scheduler {self._address}: it has no workers left")
 
 
 def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator[tuple[Span, Made]]:
     """Yield what comes of the runs in some spans, piece by piece as they are done.
+
+    When a worker is lost the others take over its pieces.
+
+    Args:
+        work: what is done with each piece.
+        spans: the runs.
+        address: of the scheduler, ``tcp://host:port``.
 
     Raises:
         MissingExtraError: when distributed is not installed.
@@ -94,7 +37,29 @@ def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator
         BuildError: when a worker cannot compile the kernel.
         RunError: when the cluster gives up a piece, has no workers left, or is lost.
     """
-    return hand_out(Cluster(work, address), spans)
+    lost = RunError(f"scheduler {address}: the connection was lost")
+
+    def check() -> None:
+        """Go on waiting only while there are workers."""
+        try:
+            threads = client.nthreads()
+        except OSError:
+            raise lost from None
+        if not threads:
+            raise RunError(f"scheduler {address}: it has no workers left")
+
+    with _connected(require("distributed", "cluster").Client, address) as client:
+        count = _check_workers(client, work, address)
+        try:
+            executor = client.get_executor(pure=False)
+            yield from hand_out(executor, count, work.do, spans, check=check, patience=PATIENCE)
+        except (BuildError, RunError):
+            raise
+        except CancelledError:
+            raise lost from None
+        except Exception as error:
+            name, reason = work.job.scene.name, f"{type(error).__name__}: {error}"
+            raise RunError(f"{name}: the cluster could not do a piece of the sweep: {reason}") from None
 
 
 def identity() -> tuple[str, str]:

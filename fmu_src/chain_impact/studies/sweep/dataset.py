@@ -1,19 +1,15 @@
 """The folder that the rows of a sweep go to as they come, in files of some runs each.
 
 Its manifest, a JSON file, says what sweep it is, which columns it has, and which runs are in which file. A
-file is written under another name, is renamed when it is complete, and then listed; what the manifest does
-not list is no part of the sweep. So a sweep that has died goes on after the last complete file.
-
-A dataset that stays has Parquet files with the columns of the table, which are written by whoever makes the
-runs. Where the table is one file, the folder stands beside it until it is written, and its files are NumPy's.
+file is written under another name by whoever makes the runs, is renamed when it is complete, and then listed;
+what the manifest does not list is no part of the sweep. So a sweep that has died goes on after the last
+complete file.
 """
 
 from __future__ import annotations
 
-import errno
 import hashlib
 import json
-import zipfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
@@ -29,13 +25,11 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, scene_to_dict
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job
-from chain_impact.studies.sweep.pieces import Made, Span
-from chain_impact.studies.sweep.work import CHUNK, PARQUET, Columns, columns_of, file_name
+from chain_impact.studies.sweep.work import CHUNK, PARQUET, Columns, Span, columns_of, file_name
 from chain_impact.system import remove_lock, written_whole
 
-ARRAYS = ".npz"
 MANIFEST = "_manifest.json"  # readers of Parquet take names with _ and . for no data
-SUFFIX, LOCK = ".partial", ".lock"
+LOCK = ".lock"
 FORMAT = 2  # of the folder; raised when it changes
 
 
@@ -46,14 +40,12 @@ class Dataset:
     Attributes:
         path: the folder.
         runs: how many the sweep has.
-        suffix: of its files.
         dtype: of the rows, which have no values and no word for the status.
         files: name → its runs, of the complete ones.
     """
 
     path: Path
     runs: int
-    suffix: str
     dtype: np.dtype
     _head: dict[str, Any]
     files: dict[str, Span] = field(default_factory=dict)
@@ -62,14 +54,10 @@ class Dataset:
         """How many runs."""
         return self.runs
 
-    def add(self, piece: Span, made: Made) -> None:
-        """Add a complete file: one that a worker has written, or one for these rows."""
-        name = file_name(piece, self.suffix)
-        if isinstance(made, str):
-            (self.path / made).replace(self.path / name)
-        else:
-            with written_whole(self.path / name) as fresh:
-                np.savez(fresh, rows=made)
+    def add(self, piece: Span, made: str) -> None:
+        """Add a complete file, which has another name until now."""
+        name = file_name(piece)
+        (self.path / made).replace(self.path / name)
         self.files[name] = piece
         self._list()
 
@@ -93,14 +81,14 @@ class Dataset:
 
     def remove(self) -> None:
         """Remove what the sweep has written here, and the folder if nothing else is in it."""
-        for pattern in (MANIFEST, f"runs-*{self.suffix}", ".runs-*"):
+        for pattern in (MANIFEST, f"runs-*{PARQUET}", ".runs-*"):
             for path in self.path.glob(pattern):
                 path.unlink()
         with suppress(OSError):
             self.path.rmdir()
 
-    def read(self, rows: np.ndarray) -> None:
-        """Take over what an earlier call has left here, also in ``rows``; begin, where there is nothing.
+    def read(self) -> None:
+        """Take over what an earlier call has left here; begin, where there is nothing.
 
         Raises:
             SceneError: when it is not of this sweep.
@@ -114,13 +102,13 @@ class Dataset:
             self.files = self._listed(manifest)
         elif any(self.path.iterdir()):
             raise SceneError(f"{self.path} has files, but no manifest of a sweep: choose another name")
-        for path in [*self.path.glob(f"runs-*{self.suffix}"), *self.path.glob(".runs-*")]:
+        for path in [*self.path.glob(f"runs-*{PARQUET}"), *self.path.glob(".runs-*")]:
             if path.name not in self.files:
                 path.unlink()
         for name, piece in list(self.files.items()):
             if not (self.path / name).exists():
                 del self.files[name]
-            elif fault := self._fault(name, piece, rows):
+            elif fault := self._fault(name, piece):
                 log.warning("%s is damaged, its runs are made anew (%s)", self.path / name, fault)
                 (self.path / name).unlink()
                 del self.files[name]
@@ -131,17 +119,12 @@ class Dataset:
                 self.path.rmdir()
             raise
 
-    def _fault(self, name: str, piece: Span, rows: np.ndarray) -> str:
+    def _fault(self, name: str, piece: Span) -> str:
         """What is wrong with a file, as far as it can be told at once; nothing if it is complete."""
         try:
-            if self.suffix == PARQUET:
-                with require("pyarrow.parquet", "sweep").ParquetFile(self.path / name) as file:
-                    found = file.metadata.num_rows
-            else:
-                with (self.path / name).open("rb") as file:
-                    block = np.load(file)["rows"]
-                rows[slice(*piece)], found = block, len(block)
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+            with require("pyarrow.parquet", "sweep").ParquetFile(self.path / name) as file:
+                found = file.metadata.num_rows
+        except (OSError, ValueError) as error:
             return str(error)
         return "" if found == piece[1] - piece[0] else f"{found} runs"
 
@@ -162,30 +145,22 @@ class Dataset:
         if differs:
             raise SceneError(f"{self.path} was left by a sweep with another {differs[0]}: {wrong}")
         for name, piece in files.items():
-            if name != file_name(piece, self.suffix) or not 0 <= piece[0] < piece[1] <= self.runs:
+            if name != file_name(piece) or not 0 <= piece[0] < piece[1] <= self.runs:
                 raise SceneError(f"{manifest} lists {name}, which is no file of the sweep: {wrong}")
         return files
 
 
 @contextmanager
-def kept(table: Path, job: Job, design: Design, rows: np.ndarray) -> Iterator[Dataset]:
+def kept(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
     """The folder of a sweep, which no other one writes meanwhile.
-
-    Args:
-        table: what the sweep writes.
-        job: what the runs share.
-        design: the values of each run.
-        rows: filled with what an earlier call has left, for a table that is a file; none for a folder.
 
     Raises:
         SceneError: when another sweep has left it, or writes it now.
         OSError: when it cannot be read or written.
     """
-    path, suffix = (partial_path(table), ARRAYS) if len(rows) else (table, PARQUET)
-    head = _head(job, design)
-    with _locked(table):
-        dataset = Dataset(path, design.runs, suffix, job.dtype, head)
-        dataset.read(rows)
+    with _locked(path):
+        dataset = Dataset(path, design.runs, job.dtype, _head(job, design))
+        dataset.read()
         try:
             yield dataset
         finally:
@@ -193,32 +168,25 @@ def kept(table: Path, job: Job, design: Design, rows: np.ndarray) -> Iterator[Da
                 dataset.remove()
 
 
-def partial_path(table: Path) -> Path:
-    """The folder that keeps what is done until the table, which is a file, is written."""
-    return table.with_name(table.name + SUFFIX)
-
-
 @contextmanager
-def _locked(table: Path) -> Iterator[None]:
-    """Keep other sweeps from writing the same table meanwhile.
+def _locked(path: Path) -> Iterator[None]:
+    """Keep other sweeps from writing the same folder meanwhile.
 
     Raises:
         SceneError: when one does.
-        OSError: when nothing can be written beside the table.
+        OSError: when nothing can be written beside the folder.
     """
-    if not table.parent.is_dir():  # the lock would make it
-        raise FileNotFoundError(errno.ENOENT, f"there is no folder {table.parent}", str(table))
     from filelock import FileLock, Timeout
 
-    lock = FileLock(table.with_name(table.name + SUFFIX + LOCK))
+    lock = FileLock(path.with_name(path.name + LOCK))
     try:
         lock.acquire(timeout=0)
     except Timeout:
         raise SceneError(
-            f"{table} is being written by another sweep: wait until it has ended, or choose another file"
+            f"{path} is being written by another sweep: wait until it has ended, or choose another folder"
         ) from None
     except OSError as error:  # the user knows nothing of the lock
-        raise type(error)(error.errno, error.strerror, str(table)) from None
+        raise type(error)(error.errno, error.strerror, str(path)) from None
     try:
         yield
     finally:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
-from typing import Any, Protocol
+from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from functools import partial
+from threading import Event
 
-import numpy as np
+from chain_impact.studies.sweep.job import Runner
+from chain_impact.studies.sweep.work import Made, Span, Work
+from chain_impact.system import LISTEN
 
-Span = tuple[int, int]
-"""The runs first … end − 1."""
-Made = np.ndarray | str
-"""The rows of a piece, or the name of the file that has them."""
 FIRST_PIECE, LONGEST_PIECE = 8, 2**18  # runs
 SHORTEST, LONGEST = 0.5, 60.0  # s
 SHARE = 0.2  # of the time so far: the most that is lost of a sweep that dies
@@ -51,45 +51,66 @@ class Pieces:
         self._least = max(1, int(wanted / ALIKE * a_second))
 
 
-class Workers(Protocol):
-    """Who does the pieces: the threads of this machine, or a cluster's."""
+def hand_out(
+    executor: Executor,
+    count: int,
+    do: Callable[[Span], tuple[Made, float]],
+    spans: Sequence[Span],
+    *,
+    check: Callable[[], None] = lambda: None,
+    patience: float = LISTEN,
+) -> Generator[tuple[Span, Made]]:
+    """Yield what comes of the runs in some spans, piece by piece as they are done.
 
-    count: int
-
-    def submit(self, piece: Span) -> Any:
-        """A future for a piece."""
-
-    def finished(self, futures: list[Any]) -> Sequence[Any]:
-        """Those that are done, after some time at the latest."""
-
-    def result(self, future: Any, piece: Span) -> tuple[Made, float]:
-        """What came of a piece, and how long it took [s]."""
-
-    def stop(self, futures: list[Any]) -> None:
-        """Let go of what is not done."""
-
-
-def hand_out(workers: Workers, spans: Sequence[Span]) -> Generator[tuple[Span, Made]]:
-    """Yield what comes of the runs in some spans, piece by piece as they are done."""
-    pieces = Pieces(spans, workers.count)
-    at_work: dict[Any, Span] = {}
+    Args:
+        executor: who does the pieces: the threads of this machine, or the workers of a cluster.
+        count: how many at the same time.
+        do: what is done with a piece: gives what comes of it, and how long it took [s].
+        spans: the runs, in order.
+        check: called when no piece was done for some time; raises what is wrong, if anything.
+        patience: that time [s]. Ctrl-C is heard in between.
+    """
+    pieces = Pieces(spans, count)
+    at_work: dict[Future[tuple[Made, float]], Span] = {}
 
     def submit() -> None:
         if piece := pieces.take():
-            at_work[workers.submit(piece)] = piece
+            at_work[executor.submit(do, piece)] = piece
 
     try:
-        for _ in range(AHEAD * workers.count):
+        for _ in range(AHEAD * count):
             submit()
         while at_work:
-            for future in workers.finished(list(at_work)):
+            done = wait(at_work, patience, FIRST_COMPLETED).done
+            if not done:
+                check()
+            for future in done:
                 piece = at_work.pop(future)
-                made, seconds = workers.result(future, piece)
+                made, seconds = future.result()
                 pieces.took(piece, seconds)
                 submit()
                 yield piece, made
     finally:
-        workers.stop(list(at_work))
+        for future in at_work:
+            future.cancel()
+
+
+def run_in_threads(work: Work, spans: Sequence[Span], threads: int) -> Generator[tuple[Span, Made]]:
+    """Yield what comes of the runs in some spans: the kernel lets other threads work while it does.
+
+    Who stops listening gets all threads back in less than a second.
+
+    Raises:
+        BuildError: when the kernel cannot be compiled.
+        OSError: when a file cannot be written.
+    """
+    Runner(work.job)  # compiles the kernel, here
+    enough = Event()
+    with ThreadPoolExecutor(threads) as pool:
+        try:
+            yield from hand_out(pool, threads, partial(work.do, wanted=lambda: not enough.is_set()), spans)
+        finally:
+            enough.set()
 
 
 def missing(done: Sequence[Span], count: int) -> list[Span]:

@@ -2,7 +2,7 @@
 
 One number varied gives lines, two a map, samples points over each parameter. A choice, such as the contact
 law, gives a line for each of up to ten; more become the rows of a map. Runs that failed are crosses, or grey
-in a map. Of very many runs, lines and maps show means.
+in a map.
 """
 
 from __future__ import annotations
@@ -18,13 +18,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.kernel.status import OK
 from chain_impact.results.plots.style import STYLE, headline, number, save
+from chain_impact.results.text import plural
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.design import Design
-from chain_impact.studies.sweep.job import PEAKS, STATUS
-from chain_impact.studies.sweep.means import means
+from chain_impact.studies.sweep.job import PEAKS
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.model import Model
 
@@ -38,7 +37,7 @@ COLOURS = (
 MAP_COLOURS, FAILED_COLOUR = "cividis", "0.8"
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
 MOST_VARIED, MOST_ASKED = 6, 4  # parameters that vary, outputs that were asked for
-MOST_DRAWN = 2**18  # runs that are drawn one by one
+MOST_DRAWN = 2**18  # runs
 WIDE_RANGE, MOST = 1e3, 0.95  # of most values, from which on an axis is logarithmic
 NEVER = "no run has a finite value"
 
@@ -92,22 +91,21 @@ def plot_sweep(found: Sweep, path: str | Path) -> None:
     """Draw a sweep into a file; the suffix says which kind (png, svg, pdf).
 
     Raises:
-        SceneError: when too many parameters vary.
+        SceneError: when too many parameters vary, or there are too many runs.
         OSError: when the file cannot be written.
     """
     check_picture(len(found.varied), found.scene.name)
+    if len(found) > MOST_DRAWN:
+        runs = f"{found.scene.name}: {len(found)} runs"
+        raise SceneError(f"{runs} must be <= {MOST_DRAWN} for a picture: draw parts of the table")
     save(path, lambda page: fill(page, found))
 
 
 @mpl.rc_context(STYLE)
 def fill(page: Figure, found: Sweep) -> None:
     """Draw all panels on an empty page."""
-    quantities, whole, note = _quantities(found), found, ""
-    varying = all_varying = _varying(found.design) or list(found.design.variations[:1])
-    if len(found) > MOST_DRAWN:
-        varying = sorted(varying, key=lambda one: bool(one.choices))[:2]
-        found = means(found, varying, [quantity.column for quantity in quantities])
-        varying, note = list(found.design.variations), "; means of neighbouring runs"
+    quantities = _quantities(found)
+    varying = _varying(found.design) or list(found.design.variations[:1])
     numbers = [one for one in varying if not one.choices]
     choices = [one for one in varying if one.choices]
     grid = found.design.samples is None
@@ -119,29 +117,23 @@ def fill(page: Figure, found: Sweep) -> None:
         _curves(page, found, quantities, numbers, choices[0])
     elif grid and len(varying) == 2:  # noqa: PLR2004
         _maps(page, found, quantities, *(numbers + choices))
-        headline(page, title(whole, ""), conditions(all_varying) + note)
+        headline(page, title(found, ""), conditions(varying))
         return
     else:  # the first choice gives the colours
         coloured = next((one for one in choices if len(one.values) <= len(COLOURS)), None)
         across = [one for one in varying if one is not coloured] or varying
         _curves(page, found, quantities, across, coloured, joined=False)
-    headline(page, title(whole, " (×)"), conditions(all_varying) + note)
+    headline(page, title(found, " (×)"), conditions(varying))
 
 
 def title(found: Sweep, mark: str) -> str:
     """What came of the runs."""
-    told = [quantity for quantity in _main(found) if quantity.told]
-    extremes: dict[str, list[float]] = {quantity.told: [] for quantity in told}
-    failed = 0
-    for chunk in found.chunks([*(quantity.column for quantity in told), STATUS]):
-        good = chunk[STATUS] == OK
-        failed += int(np.count_nonzero(~good))
-        for quantity in told:
-            values = chunk[quantity.column][good & ~np.isnan(chunk[quantity.column])]
-            if values.size:
-                extremes[quantity.told] += [quantity.factor * end for end in (values.min(), values.max())]
-    parts = [f"{found.scene.name}: {len(found)} run{'s' if len(found) != 1 else ''}"]
-    parts += [text.format(min(ends), max(ends)) for text, ends in extremes.items() if any(ends)]
+    parts, failed = [f"{found.scene.name}: {plural(len(found), 'run')}"], int(found.failed.sum())
+    for quantity in _main(found):
+        values = quantity.of(found)
+        values = values[~np.isnan(values)]
+        if quantity.told and values.any():
+            parts.append(quantity.told.format(values.min(), values.max()))
     return ", ".join(parts + ([f"{failed} failed{mark}"] if failed else []))
 
 

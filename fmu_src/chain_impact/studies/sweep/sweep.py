@@ -15,9 +15,8 @@ from chain_impact.studies.sweep.cluster import run_on_cluster
 from chain_impact.studies.sweep.dataset import kept
 from chain_impact.studies.sweep.design import Sampling, check_size, grid, sampled
 from chain_impact.studies.sweep.job import job_of
-from chain_impact.studies.sweep.pieces import missing
+from chain_impact.studies.sweep.pieces import missing, run_in_threads
 from chain_impact.studies.sweep.table import Sweep, is_folder, table_path
-from chain_impact.studies.sweep.threads import run_in_threads
 from chain_impact.studies.sweep.variation import Values, variations_of
 from chain_impact.studies.sweep.work import Work
 from chain_impact.system import cores
@@ -56,8 +55,7 @@ def sweep(
         outputs: names of further FMU outputs for the table, as they are at the end of each run.
         path: file for the table, CSV or Parquet; or a folder, which ends in ``/`` or has no suffix: rows are
             written there as they come, to Parquet files of some runs each, and are not kept in the memory.
-            After an interruption, the same call goes on: what is done is in the folder, or for a file in one
-            beside it, with ``.partial`` after its name, until the table is written.
+            After an interruption, the same call goes on with what is not in the folder yet.
         threads: how many runs are made at the same time; as many as there are cores by default.
         scheduler: address of a dask.distributed scheduler, ``tcp://host:port``, whose workers do the runs in
             place of this machine. They need the same version of this package, and write to the folder.
@@ -87,27 +85,26 @@ def sweep(
     target = table_path(path) if path else None
     rows = np.zeros(0 if streamed else design.runs, job.dtype)
     with ExitStack() as stack:
-        dataset = stack.enter_context(kept(target, job, design, rows)) if target else None
+        dataset = stack.enter_context(kept(target, job, design)) if target and streamed else None
         spans = missing(list(dataset.files.values()) if dataset else [], design.runs)
         left = sum(end - first for first, end in spans)
         if dataset and left < design.runs:
             there = f"{design.runs - left} of {design.runs} runs are kept in {dataset.path}"
             log.info("%s, %s are left", there, left)
-        work = Work(job, design, dataset.path.resolve() if dataset and streamed else None)
+        work = Work(job, design, dataset.path.resolve() if dataset else None)
         if scheduler is None or not spans:
             pieces = run_in_threads(work, spans, threads)
         else:
             pieces = run_on_cluster(work, spans, scheduler)
         stack.enter_context(closing(pieces))
         for piece, made in pieces:
-            if not streamed:
-                rows[slice(*piece)] = made
-            if dataset:
+            if dataset and isinstance(made, str):
                 dataset.add(piece, made)
+            else:
+                rows[slice(*piece)] = made
             left -= piece[1] - piece[0]
             progress(1.0 - left / design.runs)
-        found = Sweep(scene, design, dataset if dataset and streamed else rows, job.outputs)
-        if target and dataset and not streamed:
-            found.save(target)
-            dataset.remove()
+    found = Sweep(scene, design, dataset or rows, job.outputs)
+    if target and not dataset:
+        found.save(target)
     return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import functools
 import math
 import os
@@ -169,8 +170,13 @@ def table_path(path: str | Path) -> Path:
     Raises:
         SceneError: when it is no folder, and its suffix is none of ``TABLES``.
         MissingExtraError: when pyarrow is not installed, for Parquet.
+        OSError: when nothing can be written there.
     """
     folder, path = is_folder(path), Path(path)
+    if not path.parent.is_dir():
+        raise FileNotFoundError(errno.ENOENT, f"there is no folder {path.parent}", str(path))
+    if not os.access(path.parent, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
     if not folder and path.suffix.lower() not in TABLES:
         raise SceneError(f"{path} must end in {' or '.join(TABLES)}, or in / for a folder of Parquet files")
     if folder or path.suffix.lower() == PARQUET:

@@ -16,8 +16,11 @@ from chain_impact.extras import require
 from chain_impact.kernel.status import STATUS_NAME
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import STATUS, Job, Runner
-from chain_impact.studies.sweep.pieces import Made, Span
 
+Span = tuple[int, int]
+"""The runs first … end − 1."""
+Made = np.ndarray | str
+"""The rows of a piece, or the name of the file that has them."""
 Columns = dict[str, np.ndarray]
 PARQUET = ".parquet"
 CHUNK = 2**14  # runs that are in the memory at once, 3 MB
@@ -89,7 +92,7 @@ class Work:
 
         if self.folder is None:
             return np.concatenate([rows for _, rows in chunks()]), perf_counter() - started
-        path = self.folder / f".{file_name(piece, PARQUET)}-{uuid4().hex}"
+        path = self.folder / f".{file_name(piece)}-{uuid4().hex}"
         try:
             write_parquet(path, (columns_of(self.design, rows, first) for first, rows in chunks()))
         except BaseException as error:
@@ -101,6 +104,6 @@ class Work:
         return path.name, perf_counter() - started
 
 
-def file_name(piece: Span, suffix: str) -> str:
+def file_name(piece: Span) -> str:
     """The name of a complete file; in the order of names, files are in that of the runs."""
-    return f"runs-{piece[0]:015d}{suffix}"
+    return f"runs-{piece[0]:015d}{PARQUET}"
