@@ -14,8 +14,8 @@ from chain_impact.compilation.sources import fingerprint
 from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
-from chain_impact.studies.sweep.pieces import Made, Span, hand_out
-from chain_impact.studies.sweep.work import Work
+from chain_impact.studies.sweep.pieces import hand_out
+from chain_impact.studies.sweep.work import Made, Span, Work
 
 CONNECT, PATIENCE = 10.0, 30.0  # s, for the scheduler to answer, and without any worker
 
