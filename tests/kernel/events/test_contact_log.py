@@ -422,41 +422,6 @@ def test_each_row_of_the_list_is_an_impact_and_keeps_what_it_has_come_to(kept):
         assert name == "point" or not d.latest[name].any()
 
 
-def look(scene, time):
-    """The list after an advance to a time."""
-    instance = Instance(scene)
-    assert instance.advance(time) == 0
-    instance.observe()
-    return {name: instance.record["latest"][name].copy() for name in (*FIELDS, "wall")}
-
-
-@pytest.mark.parametrize("law", ["zhang_sharf", "hertz", "newton_impact"])
-@pytest.mark.parametrize("kept", [1, 8, LATEST])
-def test_it_is_that_of_the_log(law, kept):
-    scene = with_values(load_scene("four_link_box"), {"contact.model": law, "outputs.impacts": kept})
-    impacts = simulate(scene, 1.9).impacts[::-1][:kept]
-    listed = look(scene, 1.9)
-    assert np.isfinite(impacts["end"]).all()
-    for name, column in FIELDS.items():
-        np.testing.assert_array_equal(listed[name][: len(impacts)], impacts[column])
-    np.testing.assert_array_equal(listed["wall"][: len(impacts)], impacts["wall"] + 1)
-    assert (listed["wall"][len(impacts) :] == 0).all()
-    assert (listed["point"][len(impacts) :] == -1).all()
-
-
-def test_a_look_changes_nothing():
-    scene = load_scene("four_link_box")
-    looked, blind = Instance(scene), Instance(scene)
-    for time in np.linspace(0.01, 2.0, 2000):
-        looked.advance(time)
-        looked.observe()
-    blind.advance(2.0)
-    blind.observe()
-    assert looked.statistics == blind.statistics
-    for name in ("latest", "output", "quadrature"):
-        assert looked.record[name].tobytes() == blind.record[name].tobytes()
-
-
 @pytest.mark.parametrize("method", ["auto", "implicit"])
 @pytest.mark.parametrize("parts", [(0.46,), (0.3, 0.5, 0.7), (0.48, 0.49, 0.5, 0.51, 0.52)])
 def test_a_restart_inside_of_an_impact_loses_no_peak(method, parts):

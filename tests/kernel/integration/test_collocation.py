@@ -55,22 +55,6 @@ def test_cost_of_a_tolerance(scene, tolerance, most):
     assert simulate(scene(), tolerance=tolerance, method="implicit").statistics["rhs_evaluations"] < most
 
 
-@pytest.mark.parametrize("elsewhere", [0.0, 0.09])
-def test_a_state_saved_in_the_middle_continues_bit_by_bit(elsewhere):
-    """In an instance that is at another time until it is restored, with another tolerance."""
-    instance = Instance(tipping().with_values({"solver.tolerance": 1e-8}))
-    assert instance.advance(0.05) == 0
-    assert instance.record["step"]["last_method"] == IMPLICIT
-    saved = np.frombuffer(instance.record.tobytes(), instance.record.dtype)[0]
-    instance.advance(0.08)
-    restored = Instance(with_values(tipping(), {("solver", "tolerance"): 1e-6}))
-    restored.advance(elsewhere)
-    for name in saved.dtype.names:
-        restored.record[name] = saved[name]
-    restored.advance(0.08)
-    assert restored.record.tobytes() == instance.record.tobytes()
-
-
 def test_the_dense_output_is_as_accurate_as_the_tolerance():
     times = np.linspace(0.0, 0.1, 301)[1:]
     rows = {}

@@ -2,16 +2,25 @@
 
 import numpy as np
 
+from chain_impact.kernel.initialize import derive_chain
+from chain_impact.kernel.model.derived import DERIVED
 from tests.kernel.chains import chain, free_coordinates, gradients, struck
 from tests.reference import mass_matrix
 
 CANDIDATES = [1, 6, 11, 16]  # points 0 to 4 of a free chain, each at another wall
 
 
-def problem(base="free", pressed=(1, 0, 1, 1), seed=0):
-    """A chain whose touching candidates have motions to aims; its state, J, M⁻¹ Jᵀ and W."""
+def problem(base="free", pressed=(1, 0, 1, 1), seed=0, masses=None):
+    """A chain whose touching candidates have motions to aims; its state, J, M⁻¹ Jᵀ and W.
+
+    With ``masses`` [kg] its links are rods; M⁻¹ Jᵀ and W are those of other masses then.
+    """
     rng = np.random.default_rng([len(base), seed])
     scene, d = chain(rng, 4, base, model="newton_impact")
+    if masses:
+        d.model.mass[:] = masses
+        d.model.given_center_of_mass[:] = d.model.given_inertia[:] = DERIVED
+        derive_chain(d)
     candidates = CANDIDATES[: len(pressed)]
     if base == "pinned":
         candidates = [c - 1 for c in candidates]

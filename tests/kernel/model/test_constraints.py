@@ -4,102 +4,56 @@ They are compared with dense matrices and with every possible set of contacts.
 """
 
 import itertools
-import math
 
 import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.elimination import HELD
-from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model import compliance, constraints, geometry, holding
-from chain_impact.scene.scene import WALLS, with_values
-from chain_impact.variables.model import Model
 from tests.kernel.chains import touch
 from tests.kernel.model.pressed import CANDIDATES, problem
-from tests.plain import Plain
-from tests.problems import default_scene
-from tests.reference import clearance_gradient, complementary_impulses, mass_matrix
-from tests.turned import turned
+from tests.reference import complementary_impulses
 
 POINTS, FAR = 5, 10.0
 
 
-def located(angles, touching, turn=0.0):
-    """The default chain, turned by ``turn`` [rad], as if it touched some (points, walls): the walls are far.
-
-    Returns:
-        Its record, W = J M⁻¹ Jᵀ and M⁻¹ Jᵀ.
-    """
-    far = {("box", name): -FAR if name.endswith("min") else FAR for name in WALLS}
-    start = {("initial", "angles"): angles, ("initial", "position"): (0.0, 0.0)}
-    scene = turned(with_values(default_scene(model="newton_impact"), start | far), turn)
-    d, angles, names = Plain(Model(scene).new_instance()[0]), scene.initial.angles, list(scene.half_planes)
-    start_touching(d, touching)
-    walls = [(point, names[WALLS.index(wall)]) for point, wall in touching]
-    gradient = np.array([clearance_gradient(scene, angles, point, wall) for point, wall in walls])
-    response = np.linalg.solve(mass_matrix(scene, angles), gradient.T)
-    return d, gradient @ response, response
-
-
-def start_touching(d, touching):
-    assert initialize(d, 0.0) == 0
-    d.touch.active_count = len(touching)
-    for k, (point, wall) in enumerate(touching):
-        d.touch.active_index[k] = c = 4 * point + WALLS.index(wall)
-        d.touch.active[c] = 1
-
-
-def set_problem(d, start, aim, pressed):
-    own, count = d.rigid, len(start)
-    own.start[:count], own.target[:count], own.in_active_set[:count] = start, aim, pressed
-    constraints.factorize_free(d)
-    return own
-
-
 @pytest.mark.parametrize("ratio", [1e-6, 1.0, 1e6])
 def test_masses_that_differ_by_a_million_are_no_hindrance(ratio):
-    floor = [(point, "y_min") for point in range(POINTS)]
-    d, _, _ = located([0.1, -0.2, 0.1, 0.2], floor)
-    masses = np.array([1.0, ratio, 1.0, 1.0])
-    d["model"]["mass"], d["model"]["inertia"] = masses, masses * 0.25 / 12
-    start_touching(d, floor)
-    own = set_problem(d, -np.ones(5), np.full(5, 0.5), np.ones(5))
+    d, *_ = problem(pressed=(1, 1, 1, 1), masses=(1.0, ratio, 1.0, 1.0))
+    constraints.factorize_free(d)
     constraints.solve_equality(d, 1.0)
-    np.testing.assert_allclose(own["reached"][:5], 0.5, atol=1e-10)
+    np.testing.assert_allclose(d.rigid.reached[:4], d.rigid.target[:4], atol=1e-10)
 
 
 @pytest.mark.full("more cases", but=28)
 @pytest.mark.parametrize("seed", range(40))
 def test_impulses_are_complementary(seed):
-    """Against all 2^k sets of contacts, from any guess; the points are anywhere, as if in the walls.
-
-    For every other seed all is turned.
-    """
-    random = np.random.default_rng(seed)
-    angles = random.uniform(-math.pi, math.pi, 4)
-    places = [(point, wall) for point in range(POINTS) for wall in ("y_min", "x_max")]
-    touching = [places[i] for i in sorted(random.choice(len(places), random.integers(1, 6), replace=False))]
-    count = len(touching)
-    d, w, response = located(angles.tolist(), touching, turn=0.4 * (seed % 2))
-    start = random.normal(size=count)
-    aim = random.choice([0.0, 0.5], count) * np.abs(start)
-    expected = complementary_impulses(w, start, aim)
-    own = set_problem(d, start, aim, random.integers(0, 2, count))
-    constraints.solve_lcp(d, np.abs(start).max())
+    """Against all 2^k sets of contacts, from any guess."""
+    rng = np.random.default_rng(seed)
+    d, _, _, response, w = problem(pressed=rng.integers(0, 2, rng.integers(1, 5)), seed=seed)
+    own, count = d.rigid, len(w)
+    own.target[:count] = rng.choice([0.0, 0.5], count) * np.abs(own.start[:count])
+    expected = complementary_impulses(w, own.start[:count], own.target[:count])
+    constraints.factorize_free(d)
+    constraints.solve_lcp(d, np.abs(own.start[:count]).max())
     scale = np.linalg.cond(w) * max(1.0, np.abs(expected).max())
-    np.testing.assert_allclose(own["impulse"][:count], expected, atol=1e-14 * scale)
-    np.testing.assert_allclose(own["change"], response @ expected, atol=1e-13 * scale)
+    np.testing.assert_allclose(own.impulse[:count], expected, atol=1e-14 * scale)
+    np.testing.assert_allclose(own.change, response @ expected, atol=1e-13 * scale)
     assert ((own.impulse[:count] > 0.0) <= (own.in_active_set[:count] == 1)).all()
 
 
 def test_a_link_jammed_between_two_walls_has_a_solution_of_many():
-    """Both ends of a level link at vertical walls: W is singular, the motion unique, the squeeze is not."""
-    d, w, _ = located([0.0] * 4, [(0, "x_min"), (4, "x_max")])
-    assert np.linalg.matrix_rank(w) == 1
-    own = set_problem(d, np.array([-1.0, 1.0]), np.zeros(2), np.ones(2))
+    """A point between opposite walls: W is singular, the motion unique, the squeeze is not."""
+    d, *_ = problem(pressed=(1, 1))
+    own, (first, second) = d.rigid, d.touch.active_index[:2]
+    d.candidate.place[second] = d.candidate.place[first]
+    for normal in (d.candidate.normal_x, d.candidate.normal_y):
+        normal[second] = -normal[first]
+    own.start[:2], own.target[:2] = (-1.0, 1.0), 0.0
+    constraints.factorize_free(d)
     constraints.solve_lcp(d, 1.0)
-    np.testing.assert_allclose(own["reached"][:2], 0.0, atol=1e-14)
-    assert (own["impulse"][:2] >= 0.0).all()
+    np.testing.assert_allclose(own.reached[:2], 0.0, atol=1e-14)
+    assert (own.impulse[:2] >= 0.0).all()
 
 
 def test_only_the_pressed_have_an_impedance_and_miss_their_aims():

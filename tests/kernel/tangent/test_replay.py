@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from chain_impact import simulate
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, SLIDING_ENDS
@@ -61,14 +60,6 @@ def test_values_are_those_of_the_run(name):
         d["output"]["impulse"],
         atol=1e-9 * np.abs(d["output"]["impulse"]).max(),
     )
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_the_run_is_the_same_with_derivatives_and_without(name):
-    case = CASES[name]
-    values, _ = followed(started(case), [*case.times])
-    plain = simulate(case.scene, inputs=case.inputs, output_step=case.scene.simulation.stop_time)
-    np.testing.assert_array_equal(values[-1], [column[-1] for column in plain.motion.values()])
 
 
 LINKS = 1
