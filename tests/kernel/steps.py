@@ -18,6 +18,11 @@ from tests.plain import Plain
 POWERS = [(1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3)]
 
 
+def basis(theta: np.ndarray | float) -> np.ndarray:
+    """The functions of the dense output at fractions of a step, shape (coefficients, …)."""
+    return np.array([theta**p * (1.0 - theta) ** q for p, q in POWERS])
+
+
 class Motion:
     """y(s), with coefficients of the powers of s, shape (degree + 1, len(y)), of a degree of 7 at most."""
 
@@ -51,9 +56,8 @@ def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regulari
     """
     step, work = d.step, d.work
     nodes = np.linspace(0.1, 1.0, DENSE_COEFFICIENTS)
-    basis = np.array([[t**p * (1.0 - t) ** q for p, q in POWERS] for t in nodes])
     values = np.array([motion.at(size * t) - motion.at(0.0) for t in nodes])
-    step.dense[:] = np.linalg.solve(basis, values)
+    step.dense[:] = np.linalg.solve(basis(nodes).T, values)
     step.state[:], step.state_end[:] = motion.at(0.0), motion.at(size)
     work.rate_start[:], work.rate_end[:] = motion.at(0.0, 1), motion.at(size, 1)
     step.start, step.clock, step.time = start, start, start

@@ -9,7 +9,6 @@ from chain_impact.kernel import advance as loop
 from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration import control
 from chain_impact.kernel.integration.control import FAR_OFF, conclude, refuse
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, SAFETY
 from chain_impact.kernel.model import constraints
@@ -104,13 +103,13 @@ ORDER = 8
 
 
 class Trials:
-    """A solver whose errors and losses of energy are told in advance."""
+    """A solver whose errors are told in advance, and whose steps lose no energy."""
 
-    def __init__(self, monkeypatch, errors, losses=(), limit=math.inf):
+    def __init__(self, monkeypatch, errors, limit=math.inf):
         _, self.d = chain(np.random.default_rng(1), 2)
         self.d.step.next_size, self.d.step.method = SIZE, EXPLICIT
         self.d.step.end = 1.0
-        self.sizes, self.errors, self.losses, self.noted = [], list(errors), list(losses), []
+        self.sizes, self.errors, self.noted = [], list(errors), []
         monkeypatch.setattr(loop, "attempt", self.attempt)
         monkeypatch.setattr(loop, "prepare", lambda _, h: h)
         monkeypatch.setattr(loop, "limit_to_piece", lambda _, h: min(h, limit))
@@ -118,14 +117,10 @@ class Trials:
         monkeypatch.setattr(loop, "roll_back", self.note("roll back"))
         monkeypatch.setattr(loop, "drop_events", self.note("drop events"))
         monkeypatch.setattr(loop, "find_event", lambda _: -1.0)
-        monkeypatch.setattr(loop, "check_energy", self.check_energy)
+        monkeypatch.setattr(loop, "check_energy", lambda *_: (0.0, 0.0))
 
     def note(self, what):
         return lambda *_: self.noted.append(what)
-
-    def check_energy(self, d, _):
-        refuse(d, self.losses.pop(0) if self.losses else 0.0)
-        return 0.0, 0.0
 
     def attempt(self, d, h):
         self.sizes.append(h)
@@ -140,24 +135,32 @@ def suggested(error):
     return SAFETY[EXPLICIT] * error ** (-1.0 / ORDER)
 
 
-@pytest.mark.parametrize("error", [1e-4, 0.1, 1.0])
-def test_the_next_step_has_the_size_that_the_error_suggests(monkeypatch, error):
-    trials = Trials(monkeypatch, [error])
-    assert trials.run() == (OK, pytest.approx(suggested(error), rel=1e-13))
-    assert trials.sizes == [SIZE]
+INF, NAN = math.inf, math.nan
+
+
+@pytest.mark.parametrize(
+    ("errors", "longest", "sizes", "next_size"),  # sizes over that which is proposed
+    [
+        *(([error], INF, [1.0], suggested(error)) for error in (1e-4, 0.1, 1.0)),
+        *(([error], INF, [1.0], 6.0) for error in (0.0, 1e-16)),
+        # after a refused one the next does not grow
+        ([20.0, 1e-9], INF, [1.0, suggested(20.0)], suggested(20.0)),
+        ([1.05, 0.5], INF, [1.0, suggested(1.05)], suggested(1.05) * suggested(0.5)),
+        # without a finite error it is a tenth
+        *(([bad, bad, 0.5], INF, [1.0, 0.1, 0.01], 0.01 * suggested(0.5)) for bad in (NAN, INF)),
+        # the end of an input says nothing about the size after it
+        ([0.5], 0.1, [0.1], 1.0),
+        # unless the step was still too long, or could have been longer than was wanted
+        ([20.0, 0.5], 0.1, [0.1, 0.1 * suggested(20.0)], 0.1 * suggested(20.0) * suggested(0.5)),
+        ([1e-9], 0.5, [0.5], 3.0),
+    ],
+)
+def test_a_size_follows_from_the_error_of_the_one_before(monkeypatch, errors, longest, sizes, next_size):
+    trials = Trials(monkeypatch, errors, limit=longest * SIZE)
+    assert trials.run() == (OK, pytest.approx(next_size, rel=1e-13))
+    assert trials.sizes == pytest.approx([SIZE * size for size in sizes], rel=1e-13)
+    assert trials.d.statistics.rejected_steps == len(sizes) - 1
     assert trials.noted == ["accept"]
-
-
-def test_an_error_above_the_tolerance_is_refused(monkeypatch):
-    trials = Trials(monkeypatch, [1.05, 0.5])
-    trials.run()
-    assert len(trials.sizes) == 2
-
-
-def test_a_step_grows_sixfold_at_most_without_an_error(monkeypatch):
-    assert Trials(monkeypatch, [0.0]).run() == (OK, pytest.approx(6.0))
-    assert Trials(monkeypatch, [1e-16]).run() == (OK, pytest.approx(6.0))
-    assert control.GROW == 6.0
 
 
 def test_a_step_that_its_method_makes_longer_ends_with_the_piece_of_an_input(monkeypatch):
@@ -166,21 +169,6 @@ def test_a_step_that_its_method_makes_longer_ends_with_the_piece_of_an_input(mon
         monkeypatch.setattr(loop, "prepare", lambda _, h: 1.2 * h)
         trials.run()
         assert trials.sizes == [size]
-
-
-def test_a_refused_step_is_tried_with_the_size_its_error_suggests_and_the_next_one_does_not_grow(monkeypatch):
-    trials = Trials(monkeypatch, [20.0, 1e-9])
-    assert trials.run() == (OK, pytest.approx(suggested(20.0), rel=1e-13))
-    assert trials.sizes == pytest.approx([SIZE, SIZE * suggested(20.0)], rel=1e-13)
-    assert trials.d.statistics.rejected_steps == 1
-    assert trials.noted == ["accept"]
-
-
-@pytest.mark.parametrize("bad", [math.nan, math.inf])
-def test_a_step_that_is_not_finite_is_tried_with_a_tenth(monkeypatch, bad):
-    trials = Trials(monkeypatch, [bad, bad, 0.5])
-    trials.run()
-    assert trials.sizes == pytest.approx([SIZE, 0.1 * SIZE, 0.01 * SIZE], rel=1e-13)
 
 
 @pytest.mark.parametrize(("bad", "status"), [(math.nan, NOT_FINITE), (2e6, STEP_TOO_SMALL)])
@@ -193,17 +181,6 @@ def test_no_step_is_longer_than_a_second(monkeypatch):
     trials.d.step.next_size = 7.0
     trials.run()
     assert trials.sizes == [1.0]
-
-
-def test_the_end_of_an_input_says_nothing_about_the_size_after_it(monkeypatch):
-    trials = Trials(monkeypatch, [0.5], limit=0.1 * SIZE)
-    assert trials.run() == (OK, pytest.approx(1.0))
-    assert trials.sizes == [0.1 * SIZE]
-    # unless the step was still too long, or could have been longer than was wanted
-    trials = Trials(monkeypatch, [20.0, 0.5], limit=0.1 * SIZE)
-    assert trials.run() == (OK, pytest.approx(0.1 * suggested(20.0) * min(1.0, suggested(0.5)), rel=1e-13))
-    trials = Trials(monkeypatch, [1e-9], limit=0.5 * SIZE)
-    assert trials.run() == (OK, pytest.approx(3.0))
 
 
 def test_a_step_ends_where_its_size_is_lost_in_the_time(monkeypatch):
@@ -420,39 +397,49 @@ class Landing:
 
 
 BACK = ["roll back", "drop events"]
+REPEATED = ["roll back", ("try", 0.4), "accept"]
 
 
-def test_a_step_without_an_event_is_only_checked(monkeypatch):
-    assert Landing(monkeypatch, bends=True, loss=0.3).run(-1.0) == (0.3, [("energy", -1.0)])
-    assert Landing(monkeypatch, bends=True, loss=0.1).run(-1.0) == (0.2, [("energy", -1.0)])
+def of(theta):
+    """The check of a step that ends at a fraction, at which it is cut."""
+    return [("energy", theta), ("cut", theta)]
 
 
-def test_a_step_is_cut_at_an_event_at_which_the_force_does_not_bend(monkeypatch):
-    cut = [("energy", 0.4), ("cut", 0.4)]
-    assert Landing(monkeypatch, bends=False).run(0.4) == (0.2, cut)
-    cut = [("energy", 0.0), ("cut", 0.0)]
-    assert Landing(monkeypatch, bends=True).run(0.0) == (0.2, cut)
-
-
-@pytest.mark.parametrize(("bends", "method"), [(True, EXPLICIT), (False, IMPLICIT)])
-def test_it_is_repeated_up_to_one_at_which_the_force_bends_or_if_it_is_implicit(monkeypatch, bends, method):
+@pytest.mark.parametrize(
+    ("told", "theta", "error", "done"),
+    [
+        # without an event a step is only checked
+        ({"bends": True, "loss": 0.3}, -1.0, 0.3, [("energy", -1.0)]),
+        ({"bends": True, "loss": 0.1}, -1.0, 0.2, [("energy", -1.0)]),
+        # it is cut where the force does not bend
+        ({"bends": False}, 0.4, 0.2, of(0.4)),
+        ({"bends": True}, 0.0, 0.2, of(0.0)),
+        # and repeated up to where it bends, or if it is implicit, up to an onset before its end
+        ({"bends": True}, 0.4, 0.2, [*REPEATED, ("energy", -1.0)]),
+        ({"bends": False, "method": IMPLICIT}, 0.4, 0.2, [*REPEATED, ("energy", -1.0)]),
+        ({"bends": True, "onset": 0.9}, 0.4, 0.2, [*REPEATED, *of(0.9)]),
+        # at the ends the interpolant of an implicit step is right
+        *(({"bends": False, "method": IMPLICIT}, theta, 0.2, of(theta)) for theta in (1e-3, 1.0)),
+        # what cannot be located or repeated is refused, and rolled back, also if its repeat has been
+        ({"bends": True}, None, FAR_OFF, BACK),
+        ({"bends": True, "onset": None}, 0.4, FAR_OFF, [*REPEATED, *BACK]),
+        *(
+            ({"bends": True, "errors": [0.2, bad]}, 0.4, FAR_OFF, [*REPEATED[:2], *BACK])
+            for bad in (1.5, NAN)
+        ),
+        # as is what does not keep the energy
+        *(
+            ({"bends": False, "keeps": False, "loss": loss}, 0.4, FAR_OFF, [of(0.4)[0], *BACK])
+            for loss in (0.0, 1.0)
+        ),
+        ({"bends": False, "loss": 1.05}, 0.4, 1.05, [of(0.4)[0], *BACK]),
+    ],
+)
+def test_a_step_ends_at_its_event(monkeypatch, told, theta, error, done):
     """The next size follows from the error of the whole step, and from the cost of the repeated one."""
-    landing = Landing(monkeypatch, bends=bends, method=method)
-    repeated = ["roll back", ("try", 0.4), "accept", ("energy", -1.0)]
-    assert landing.run(0.4) == (0.2, repeated)
-    assert landing.d.trial.cost_factor == 0.7
-
-
-@pytest.mark.parametrize("theta", [1e-3, 1.0])
-def test_at_its_ends_the_interpolant_of_an_implicit_step_is_right(monkeypatch, theta):
-    landing = Landing(monkeypatch, bends=False, method=IMPLICIT)
-    assert landing.run(theta) == (0.2, [("energy", theta), ("cut", theta)])
-
-
-def test_a_repeated_step_may_have_an_onset_before_its_end(monkeypatch):
-    landing = Landing(monkeypatch, bends=True, onset=0.9)
-    repeated = ["roll back", ("try", 0.4), "accept", ("energy", 0.9), ("cut", 0.9)]
-    assert landing.run(0.4) == (0.2, repeated)
+    landing = Landing(monkeypatch, **told)
+    assert landing.run(theta) == (error, done)
+    assert error > 1.0 or landing.d.trial.cost_factor == (0.7 if REPEATED[1] in done else 1.0)
 
 
 def test_a_step_that_is_not_accurate_is_not_searched(monkeypatch):
@@ -460,16 +447,6 @@ def test_a_step_that_is_not_accurate_is_not_searched(monkeypatch):
     loop.try_step(landing.d, SIZE)
     assert landing.d.trial.error == 1.5
     assert landing.noted == [("try", 1.0)]
-
-
-def test_what_cannot_be_located_or_repeated_is_refused(monkeypatch):
-    """A refused step is rolled back, also if its repeat has been."""
-    assert Landing(monkeypatch, bends=True).run(None) == (FAR_OFF, BACK)
-    for error in (1.5, math.nan):
-        done = ["roll back", ("try", 0.4), *BACK]
-        assert Landing(monkeypatch, bends=True, errors=[0.2, error]).run(0.4) == (FAR_OFF, done)
-    landing = Landing(monkeypatch, bends=True, onset=None)
-    assert landing.run(0.4) == (FAR_OFF, ["roll back", ("try", 0.4), "accept", *BACK])
 
 
 UNFOUND = [(SOLVED, False), (MOVING, True), (constraints.UNSOLVED, True)]
@@ -497,11 +474,3 @@ def test_a_refused_step_is_not_repeated_for_an_event_that_was_found_before(monke
     landing = Landing(monkeypatch, bends=True)
     landing.located = lambda d, theta: (refuse(d, FAR_OFF), theta)[1]
     assert landing.run(0.4) == (FAR_OFF, BACK)
-
-
-@pytest.mark.parametrize(
-    ("keeps", "loss", "error"), [(False, 0.0, FAR_OFF), (False, 1.0, FAR_OFF), (True, 1.05, 1.05)]
-)
-def test_a_step_that_does_not_keep_the_energy_is_refused(monkeypatch, keeps, loss, error):
-    landing = Landing(monkeypatch, bends=False, keeps=keeps, loss=loss)
-    assert landing.run(0.4) == (error, [("energy", 0.4), *BACK])

@@ -12,21 +12,12 @@ from chain_impact.kernel.chain.kinematics import (
     place_points,
     zero,
 )
-from tests.kernel.chains import chain, random_state, stopped_chain, vectors
+from tests.kernel.chains import chain, located, random_state, stopped_chain, vectors
+from tests.kernel.steps import points_of
 from tests.reference import point_jacobian, set_vectors
 
 BASES = pytest.mark.parametrize("base", ["free", "pinned"])
 COUNTS = pytest.mark.parametrize("count", [1, 2, 5])
-
-
-def places(d, y):
-    """The points for a state, as complex numbers."""
-    turns = d.model.length * np.exp(1j * y[2 : d.links + 2])
-    return y[0] + 1j * y[1] + np.concatenate([[0.0], np.cumsum(turns)])
-
-
-def as_complex(points):
-    return vectors(points) @ (1.0, 1.0j)
 
 
 @BASES
@@ -42,20 +33,22 @@ def test_points_are_at_the_ends_of_the_links_and_move_with_them(count, base):
     locate_points(d, y)
     # these are the points at the end of a step no longer
     assert d.work.at_end == 0
-    np.testing.assert_allclose(as_complex(d.work.position), places(d, y), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(located(d), points_of(d, y), rtol=0, atol=1e-14)
     np.testing.assert_allclose(
-        d.work.link.x[:count] + 1j * d.work.link.y[:count], np.diff(places(d, y)), rtol=0, atol=1e-14
+        d.work.link.x[:count] + 1j * d.work.link.y[:count], np.diff(points_of(d, y)), rtol=0, atol=1e-14
     )
     accelerate_points(d, y, rate)
 
     def on_the_way(t):
-        return places(d, y[:half] + t * rate[:half] + 0.5 * t * t * rate[half : 2 * half])
+        return points_of(d, y[:half] + t * rate[:half] + 0.5 * t * t * rate[half : 2 * half])
 
     h = 1e-4
     ahead, here, behind = on_the_way(h), on_the_way(0.0), on_the_way(-h)
-    np.testing.assert_allclose(as_complex(d.work.velocity), (ahead - behind) / (2 * h), rtol=0, atol=1e-6)
     np.testing.assert_allclose(
-        as_complex(d.work.acceleration), (ahead - 2 * here + behind) / h**2, rtol=0, atol=1e-5
+        vectors(d.work.velocity) @ (1.0, 1.0j), (ahead - behind) / (2 * h), rtol=0, atol=1e-6
+    )
+    np.testing.assert_allclose(
+        vectors(d.work.acceleration) @ (1.0, 1.0j), (ahead - 2 * here + behind) / h**2, rtol=0, atol=1e-5
     )
 
 
@@ -66,7 +59,7 @@ def test_points_can_be_placed_for_link_vectors_that_are_known():
     link_vectors(d, y)
     d.work.at_end = 1
     place_points(d, y)
-    np.testing.assert_allclose(as_complex(d.work.position), places(d, y), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(located(d), points_of(d, y), rtol=0, atol=1e-14)
     assert d.work.at_end == 1
     link_vectors(d, y)
     assert d.work.at_end == 0

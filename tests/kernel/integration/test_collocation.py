@@ -19,7 +19,7 @@ from chain_impact.simulation.instance import Instance
 from tests.kernel.chains import chain, random_state, struck, touch
 from tests.kernel.integration.stiff_problems import PROBLEMS, exact, swinging, tipping
 from tests.kernel.integration.touching import touching
-from tests.kernel.steps import POWERS
+from tests.kernel.steps import basis
 from tests.plain import Plain, make_rigid
 from tests.reference import mass_matrix
 
@@ -132,10 +132,6 @@ def step():
     return d
 
 
-def functions(theta, powers=POWERS[:STAGES]):
-    return np.array([theta**p * (1.0 - theta) ** q for p, q in powers])
-
-
 def through(values, theta):
     """The polynomial of degree 5 through 0 at the start and these values at the nodes."""
     from_start = np.concatenate([np.zeros_like(values[:1]), values])
@@ -158,7 +154,7 @@ def test_the_polynomial_goes_through_the_stages(step):
         part = collocation.interpolated(d, 4, theta) - d.implicit.start[4]
         assert part == pytest.approx(through(stages[:, 4], theta), abs=1e-14)
         for k in range(2):
-            found = functions(theta, POWERS) @ d.quadrature.dense[:, k]
+            found = basis(theta) @ d.quadrature.dense[:, k]
             assert found == pytest.approx(through(stages[:, quadrature_at(d, k)], theta), abs=1e-14)
     # what follows has a straight line, and no coefficients but that
     assert not d.step.dense[1:, n:].any()
@@ -168,7 +164,7 @@ def test_the_polynomial_goes_through_the_stages(step):
 
 def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
     bound, parts = collocation.CURVE_BOUND, np.linspace(0.0, 1.0, 10001)
-    bends = np.abs(np.diff(functions(parts), 2, axis=1)).max(axis=1) / parts[1] ** 2
+    bends = np.abs(np.diff(basis(parts)[:STAGES], 2, axis=1)).max(axis=1) / parts[1] ** 2
     assert bends == pytest.approx(bound, rel=1e-2, abs=1e-6)
     d = step
     collocation.keep_stages(d, H)

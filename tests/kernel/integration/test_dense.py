@@ -8,7 +8,7 @@ import pytest
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.integration import dense
 from tests.kernel.chains import chain
-from tests.kernel.steps import POWERS
+from tests.kernel.steps import POWERS, basis
 
 LINKS = 2
 ROOT, CLOCK = sundman_u_at(LINKS), time_at(LINKS)
@@ -24,10 +24,6 @@ def d():
         part[:] = rng.uniform(-1.0, 1.0, part.shape)
     d.step.size, d.step.start, d.step.regularized = 0.25, 3.0, -1
     return d
-
-
-def basis(theta):
-    return np.array([theta**p * (1.0 - theta) ** q for p, q in POWERS])
 
 
 @pytest.mark.parametrize("theta", [0.0, 0.3, 0.8, 1.0])

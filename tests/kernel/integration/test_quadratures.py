@@ -91,13 +91,6 @@ def test_points_that_a_rigid_wall_releases_have_the_integral_of_their_force(tole
     assert errors.max() < 300.0 * tolerance * impulse.max()
 
 
-def test_they_do_not_depend_on_communication_points():
-    scene = load_scene("four_link_box")
-    coarse, fine = (simulate(scene, output_step=step) for step in (0.1, 1e-3))
-    np.testing.assert_array_equal(coarse.outputs["impulse"], fine.outputs["impulse"][::100])
-    np.testing.assert_array_equal(coarse.impacts["impulse"], fine.impacts["impulse"])
-
-
 def test_an_input_that_changes_in_an_impact_does_not_lose_any():
     scene = with_values(load_scene("four_link_box"), {"inputs.tip_force": True})
     onset = simulate(scene).impacts[0]["onset"]

@@ -74,6 +74,11 @@ class Dual:
         return number if isinstance(number, Dual) else Dual(number, np.zeros_like(self.slope))
 
 
+def dual(number: float, *slopes: float) -> Dual:
+    """A value with these slopes, or two of zero."""
+    return Dual(number, slopes or (0.0, 0.0))
+
+
 class Duals(SimpleNamespace):
     """A record or a table of dual numbers."""
 

@@ -7,13 +7,9 @@ import pytest
 
 from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.tangent import friction, trust
-from tests.kernel.tangent.dual import Dual
+from tests.kernel.tangent.dual import dual
 
 TOLERANCE = 1e-6
-
-
-def dual(number, *slopes):
-    return Dual(number, slopes or (0.0, 0.0))
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, SL
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.tangent import replay
 from tests.derivative_scenes import AT_STOPS, pinned_chain, pressed_tip, sprung_chain, struck_twice
-from tests.kernel.tangent.dual import Dual, followed, started
+from tests.kernel.tangent.dual import dual, followed, started
 
 CASES = {
     "explicit": sprung_chain(),
@@ -64,10 +64,6 @@ def test_values_are_those_of_the_run(name):
 
 LINKS = 1
 SIZE = 2 * (LINKS + 2) + 4  # of a state
-
-
-def dual(number, *slopes):
-    return Dual(number, slopes or (0.0, 0.0))
 
 
 def parts(number):
