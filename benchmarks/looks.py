@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from chain_impact.results.plots.labels import label_curves, settle, spread_labels
+from matplotlib.text import Text
+
+from chain_impact.results.plots.labels import settle
 from chain_impact.results.plots.style import (  # noqa: F401 - for the charts
     BLACK,
     BLUE,
@@ -22,6 +24,7 @@ from chain_impact.results.plots.style import (  # noqa: F401 - for the charts
 )
 
 OURS, LINE_NAME = VERMILLION, 8.0  # points, the size of a name at a curve
+LINE = 1.25  # of the height of a name, between names one above the other
 STYLE = STYLE | {"axes.grid": True}
 PYTHON = ":"  # the line of who is driven from Python, whose marks are hollow
 LOOKS = {
@@ -64,7 +67,24 @@ def curve(axes: Any, points: Sequence[tuple], drawn: Mapping[str, Any], text: st
 
 def names_at_ends(page: Any, curves: Mapping[Any, Sequence[tuple[float, float, str, Any]]]) -> None:
     """Write the names of curves beside them, once all is drawn: axes → x, y, name and colour of each."""
-    names = {axes: label_curves(axes, ends, fontsize=LINE_NAME) for axes, ends in curves.items()}
+    names = {axes: [_name(axes, *end) for end in ends] for axes, ends in curves.items()}
     settle(page)
     for axes, texts in names.items():
-        spread_labels(axes, texts)
+        _spread(axes, texts)
+
+
+def _name(axes: Any, x: float, y: float, name: str, colour: Any) -> Any:
+    """The name of a curve to the right of the axes, with a line to the curve."""
+    line = {"arrowstyle": "-", "color": colour, "linewidth": 0.7, "shrinkA": 1.0, "shrinkB": 0.0}
+    line["relpos"] = (0.0, 0.5)  # it ends left of its name, so it crosses no other
+    style = {"color": colour, "va": "center", "arrowprops": line, "fontsize": LINE_NAME}
+    return axes.annotate(name, (x, y), (1.03, 0.5), textcoords="axes fraction", **style)
+
+
+def _spread(axes: Any, texts: Sequence[Any]) -> None:
+    """Put the names at the height of their curves, or as far above as they do not overlap."""
+    box, above = axes.get_window_extent(), -float("inf")
+    for text in sorted(texts, key=lambda text: axes.transData.transform(text.xy)[1]):
+        gap = LINE * Text.get_window_extent(text).height  # without the line to the curve
+        above = max(axes.transData.transform(text.xy)[1], box.y0, above + gap)
+        text.set_y((above - box.y0) / box.height)

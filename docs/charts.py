@@ -6,7 +6,7 @@ The curves are free impacts of 1 kg at 1 m/s, simulated with each law of the reg
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import matplotlib as mpl
@@ -16,8 +16,9 @@ from matplotlib.figure import Figure
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.results.plots.style import BLACK, DPI, GREY, PALETTE, STYLE, headline
-from chain_impact.scene.scene import load_scene
-from chain_impact.studies.compare import free_impact
+from chain_impact.scene.scene import load_scene, scene_from_dict
+from chain_impact.scene.tables import Contact
+from chain_impact.simulation.simulate import simulate
 
 PICTURE = Path(__file__).parent / "images" / "restitution.png"
 SAMPLES = np.linspace(0.005, 1.0, 200)
@@ -30,7 +31,29 @@ NAMED = {
     EXACT: "exact",
     "gharib_hurmuzlu": "differs most",
 }
+LONGEST = 200.0  # elastic contact times, after which a free impact is given up
+NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no motion along the wall
+HEIGHT = 1e-3  # m, from which the mass of a free impact flies to the wall
 FROM, NEAR = 0.5, 0.05  # restitution from which, and error within which, the headline counts
+
+
+def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
+    """The impact of a point mass [kg] at a speed [m/s], with no other force: a row of ``Result.impacts``."""
+    link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
+    n, k = contact.exponent, contact.stiffness
+    depth = (0.5 * mass * speed**2 * (n + 1.0) / k) ** (1.0 / (n + 1.0))
+    stop = (2.0 * HEIGHT + LONGEST * depth) / speed  # also where the depth is lost beside the height
+    data = {
+        "name": "FreeImpact",
+        "gravity": [0.0, 0.0],
+        "chain": {"links": [link]},
+        "box": {"y_min": 0.0},
+        "contact": asdict(contact) | {"points": [0], "radius": 0.0, "wall": {}} | NO_FRICTION,
+        "initial": {"position": [0.0, HEIGHT], "angles": [0.0], "velocity": [0.0, -speed]},
+        "simulation": {"stop_time": stop, "step_size": stop},
+    }
+    impacts = simulate(scene_from_dict(data, "free impact")).impacts
+    return impacts[0]
 
 
 def curve(law: ContactLaw) -> np.ndarray:

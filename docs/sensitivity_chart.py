@@ -14,11 +14,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.text import Annotation
 
 from chain_impact import Result, simulate
 from chain_impact.results.plots.changes import calm
-from chain_impact.results.plots.labels import label_curves, settle, spread_labels
 from chain_impact.results.plots.over_time import mark_impacts
 from chain_impact.results.plots.style import BLACK, DPI, PALETTE, STYLE, headline, number
 
@@ -64,16 +62,13 @@ def message(result: Result) -> str:
     return f"After {len(result.impacts)} impacts {moves}"
 
 
-def draw_motion(axes: Axes, result: Result) -> list[Annotation]:
-    """How far the tip moves, over time; the names of the curves, to be spread."""
-    ends = []
+def draw_motion(axes: Axes, result: Result) -> None:
+    """How far the tip moves, over time. The names of the colours stand beside the table of forces."""
     for kind, size in moved(result).items():
         axes.plot(result.time, size, color=COLOURS[kind], linewidth=1.5)
-        ends.append((result.time[-1], size[-1], kind, COLOURS[kind]))
     mark_impacts(axes, result)
     axes.set(yscale="log", ylim=(LEAST, 5.0), xlabel="time [s]", ylabel=f"how far point {TIP} moves [m]")
     axes.margins(x=0.0)
-    return label_curves(axes, ends, fontsize=8)
 
 
 def draw_forces(axes: Axes, result: Result) -> None:
@@ -103,11 +98,9 @@ def draw(path: Path) -> None:
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(11.0, 4.6), dpi=DPI, layout="constrained")
         motion, forces = page.subplots(1, 2, width_ratios=(1.25, 1.0))
-        labels = draw_motion(motion, result)
+        draw_motion(motion, result)
         draw_forces(forces, result)
         headline(page, message(result), CONDITIONS)
-        settle(page)
-        spread_labels(motion, labels)
         page.savefig(path, dpi="figure")
 
 

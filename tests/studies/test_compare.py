@@ -10,9 +10,8 @@ import pytest
 from chain_impact import CONTACT_LAWS, SceneError, compare, load_scene, simulate, with_law
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import with_values
-from chain_impact.studies.compare import free_impact, realised_restitution
 from tests.problems import ball, default_scene, flat_rod, of_law, own_law, struck_ball
-from tests.reference import exact_damping_factor, point_impact, realised_restitution as exact_restitution
+from tests.reference import exact_damping_factor, realised_restitution as exact_restitution
 from tests.tiers import needs_compilers
 
 compare_module = import_module("chain_impact.studies.compare")
@@ -160,50 +159,6 @@ def test_the_csv_has_a_row_for_each_law(box, tmp_path):
         assert float(row["restitution"]) == run.restitution
         assert float(row["peak force [N]"]) == run.peak_force
         assert row["first other impact"] == ("" if run.divergence is None else str(run.divergence))
-
-
-# --- the free impact ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.full("more cases", but=2)
-@pytest.mark.parametrize("restitution", [0.05, 0.7, 1.0])
-def test_a_free_impact_is_the_exact_one(restitution):
-    contact = default_scene(restitution=restitution).contact
-    impact = free_impact(contact, 2.5, 4.0)
-    exact = point_impact(2.5, 4.0, contact.stiffness, 1.5, exact_damping_factor(restitution))
-    assert impact["separation_speed"] == pytest.approx(exact.separation_speed, rel=1e-6)
-    assert impact["peak_force"] == pytest.approx(exact.peak_force, rel=1e-6)
-    assert impact["end"] - impact["onset"] == pytest.approx(exact.duration, rel=1e-6)
-
-
-def test_where_no_impact_is_seen_the_curve_has_no_number(box, monkeypatch):
-    """As an impact is not logged before the run ends."""
-
-    def without_impacts(*given, **options):
-        result = simulate(*given, **options)
-        vars(result)["impacts"] = result.impacts[:0]
-        return result
-
-    monkeypatch.setattr(compare_module, "simulate", without_impacts)
-    with pytest.raises(SceneError, match=r"^free impact: there is none of 2\.5 kg at 4 m/s within"):
-        free_impact(default_scene().contact, 2.5, 4.0)
-    assert np.isnan(list(realised_restitution(box, np.array([0.5])).values())).all()
-
-
-def test_curves_of_the_family_keep_the_exact_relation(box):
-    prescribed = np.array([0.1, 0.4, 0.7, 1.0])
-    curves = realised_restitution(box, prescribed)
-    assert list(curves) == list(CONTACT_LAWS)
-    for law in CONTACT_LAWS.values():
-        if law.in_family:
-            expected = [exact_restitution(law.damping_factor(e)) for e in prescribed]
-            np.testing.assert_allclose(curves[law.id], expected, rtol=1e-6)
-
-
-def test_a_restitution_that_a_law_does_not_allow_is_no_number(box):
-    curves = realised_restitution(box, np.array([0.0]))
-    assert np.isfinite(curves["hertz"][0])
-    assert np.isnan(curves["zhang_sharf"][0])
 
 
 def test_some_laws_only():

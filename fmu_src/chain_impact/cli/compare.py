@@ -51,8 +51,7 @@ def run(options: argparse.Namespace) -> int:
     if options.plot:
         from chain_impact.studies.compare_plot import plot_comparison
 
-        with progress("drawing") as advance:
-            plot_comparison(comparison, options.plot, advance)
+        plot_comparison(comparison, options.plot)
         say(f"picture  {options.plot}")
     show(law_table(comparison))
     return 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from chain_impact.results.result import Result
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.reading import SceneError, UnknownNameError
-from chain_impact.scene.scene import Scene, SceneSource, scene_from_dict, scene_of, with_values
+from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.scene.tables import Contact
 from chain_impact.simulation.instance import Instance, SimulationError
 from chain_impact.simulation.simulate import simulate
@@ -36,9 +36,6 @@ from chain_impact.studies.law_change import (
 from chain_impact.system import written_whole
 
 SAMPLES = 400  # of a loop of force and penetration
-LONGEST = 200.0  # elastic contact times, after which a free impact is given up
-NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no motion along the wall
-HEIGHT = 1e-3  # m, from which the mass of a free impact flies to the wall
 
 
 @dataclass(frozen=True, eq=False)
@@ -330,62 +327,3 @@ def _against(expected: Result, run: LawRun) -> LawRun:
         common = min(len(ours), len(theirs))
     time = (rows[0] if common < len(ours) else rows[1])["onset"][common]
     return replace(run, divergence=common + 1, divergence_time=float(time))
-
-
-# ---- a free impact ----------------------------------------------------------------------------------------
-
-
-def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
-    """The impact of a point mass [kg] at a speed [m/s], with no other force: a row of ``Result.impacts``.
-
-    Raises:
-        SceneError: when mass or speed are out of range, or there is no impact until the end of the run.
-        SimulationError: when the solver cannot go on.
-        BuildError: when the kernel cannot be compiled.
-    """
-    link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
-    n, k = contact.exponent, contact.stiffness
-    depth = (0.5 * mass * speed**2 * (n + 1.0) / k) ** (1.0 / (n + 1.0))
-    stop = (2.0 * HEIGHT + LONGEST * depth) / speed  # also where the depth is lost beside the height
-    data = {
-        "name": "FreeImpact",
-        "gravity": [0.0, 0.0],
-        "chain": {"links": [link]},
-        "box": {"y_min": 0.0},
-        "contact": asdict(contact) | {"points": [0], "radius": 0.0, "wall": {}} | NO_FRICTION,
-        "initial": {"position": [0.0, HEIGHT], "angles": [0.0], "velocity": [0.0, -speed]},
-        "simulation": {"stop_time": stop, "step_size": stop},
-    }
-    impacts = simulate(scene_from_dict(data, "free impact")).impacts
-    if not len(impacts):
-        raise SceneError(f"free impact: there is none of {mass:g} kg at {speed:g} m/s within {stop:g} s")
-    first: np.void = impacts[0]
-    return first
-
-
-def realised_restitution(
-    comparison: Comparison,
-    prescribed: np.ndarray,
-    progress: Progress = silent,
-) -> dict[str, np.ndarray]:
-    """Realised over prescribed restitution of each law, in a free impact like the first of the comparison.
-
-    It has the speed and the effective mass of the first impact under the reference law. NaN where a law does
-    not allow the restitution, or fails.
-    """
-    scene, impact = comparison.scene, comparison.first_impact
-    mass, speed = float(impact["effective_mass"]), float(impact["impact_speed"])
-    at_first = contact_at(scene, impact)
-    curves: dict[str, np.ndarray] = {}
-    for number, run in enumerate(comparison.runs):
-        curve = np.full(len(prescribed), math.nan)
-        contact = with_law(at_first, run.law, impact)
-        for k, e in enumerate(prescribed):
-            try:
-                row = free_impact(replace(contact, restitution=float(e)), mass, speed)
-            except (SceneError, SimulationError):
-                continue
-            curve[k] = row["separation_speed"] / row["impact_speed"]
-        curves[run.law] = curve
-        progress((number + 1) / len(comparison.runs))
-    return curves

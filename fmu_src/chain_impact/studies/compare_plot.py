@@ -1,4 +1,4 @@
-"""The picture of a comparison of contact laws: restitution, the first impact, energy over time.
+"""The picture of a comparison of contact laws: the first impact, and energy over time.
 
 Five laws have a colour and a name: the reference, the scene's own, the one that differs most, and others that
 are much used. The rest is grey.
@@ -14,16 +14,12 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.text import Annotation
 
-from chain_impact.progress import Progress, silent
-from chain_impact.results.plots.labels import label_curves, settle, spread_labels
-from chain_impact.results.plots.style import BLACK, GREY, INK, PALETTE, STYLE, headline, number, save
-from chain_impact.studies.compare import Comparison, LawRun, realised_restitution
+from chain_impact.results.plots.style import BLACK, GREY, PALETTE, STYLE, headline, number, save
+from chain_impact.studies.compare import Comparison
 from chain_impact.studies.law_change import first_place
 
 SIZE = (11.0, 4.5)  # inches
-PRESCRIBED = np.linspace(0.02, 1.0, 50)  # restitutions
 NAMED = 5  # laws with a colour
 ELASTIC = 1.0 - 1e-3  # restitution of an impact in which nothing is dissipated
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
@@ -33,30 +29,21 @@ MILLI, KILO = 1e3, 1e-3
 Looks = dict[str, dict[str, Any]]
 
 
-def plot_comparison(
-    comparison: Comparison,
-    path: Path,
-    progress: Progress = silent,
-) -> None:
-    """Draw a comparison into a file; the suffix says which kind (png, svg, pdf).
-
-    ``progress`` is told of the free impacts that the first panel needs.
-    """
-    curves = realised_restitution(comparison, PRESCRIBED, progress)
-    save(path, lambda page: fill(page, comparison, curves), SIZE)
+def plot_comparison(comparison: Comparison, path: Path) -> None:
+    """Draw a comparison into a file; the suffix says which kind (png, svg, pdf)."""
+    save(path, lambda page: fill(page, comparison), SIZE)
 
 
 @mpl.rc_context(STYLE)
-def fill(page: Figure, comparison: Comparison, curves: dict[str, np.ndarray]) -> None:
-    """Draw the three panels on an empty page."""
-    looks = looks_of(comparison, curves)
+def fill(page: Figure, comparison: Comparison) -> None:
+    """Draw the two panels on an empty page."""
+    looks = looks_of(comparison)
     headline(page, message(comparison), conditions(comparison, looks))
-    restitution, loops, energy = page.subplots(1, 3)
-    draw_restitution(restitution, comparison, curves, looks)
+    loops, energy = page.subplots(1, 2)
     draw_loops(loops, comparison, looks)
-    names = draw_energy(energy, comparison, looks)
-    settle(page)
-    spread_labels(energy, names)
+    draw_energy(energy, comparison, looks)
+    lines = [line for line in energy.lines if line.get_color() != GREY]
+    page.legend(handles=lines, loc="outside right center")
 
 
 def message(comparison: Comparison) -> str:
@@ -101,12 +88,12 @@ def named_laws(comparison: Comparison) -> dict[str, str]:
     return why
 
 
-def looks_of(comparison: Comparison, curves: dict[str, np.ndarray]) -> Looks:
+def looks_of(comparison: Comparison) -> Looks:
     """How each law is drawn; the second of two laws with the same force has no look, but shares a label."""
     why, colours = named_laws(comparison), iter(PALETTE)
     twins: dict[str, list[str]] = {}
     for run in comparison.runs:
-        twin = next((one for one in twins if _same(comparison[one], run, curves)), run.law)
+        twin = next((one for one in twins if _alike(comparison[one].loop, run.loop)), run.law)
         twins.setdefault(twin, []).append(run.law)
     looks: Looks = {}
     for first, laws in twins.items():
@@ -122,19 +109,9 @@ def looks_of(comparison: Comparison, curves: dict[str, np.ndarray]) -> Looks:
     return looks
 
 
-def _same(one: LawRun, other: LawRun, curves: dict[str, np.ndarray]) -> bool:
-    if one.loop is None or other.loop is None or not np.array_equal(one.loop, other.loop):
-        return False
-    return np.array_equal(curves[one.law], curves[other.law], equal_nan=True)
-
-
-def draw_restitution(axes: Axes, comparison: Comparison, curves: dict[str, np.ndarray], looks: Looks) -> None:
-    """Realised over prescribed restitution in a free impact; the scene's e as a line."""
-    axes.axvline(comparison.contact.restitution, color=INK, linewidth=0.8, linestyle=":")
-    for law, look in looks.items():
-        axes.plot(PRESCRIBED, curves[law], **look)
-    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.02))
-    axes.set(xlabel="prescribed restitution e", ylabel="realised restitution of a free impact")
+def _alike(one: np.ndarray | None, other: np.ndarray | None) -> bool:
+    """Whether two loops are one; impulses, which have none, are told apart."""
+    return one is not None and other is not None and one.size > 0 and np.array_equal(one, other)
 
 
 def draw_loops(axes: Axes, comparison: Comparison, looks: Looks) -> None:
@@ -152,16 +129,11 @@ def draw_loops(axes: Axes, comparison: Comparison, looks: Looks) -> None:
     axes.set(xlabel=f"penetration in the {first_place(comparison.scene)} [{depth_unit}]", ylabel=name)
 
 
-def draw_energy(axes: Axes, comparison: Comparison, looks: Looks) -> list[Annotation]:
-    """Total energy over time, with the names of the coloured laws; returns these, to be spread."""
-    ends = []
+def draw_energy(axes: Axes, comparison: Comparison, looks: Looks) -> None:
+    """Total energy over time."""
     for law, look in looks.items():
         result = comparison[law].result
         if result is not None:
             axes.plot(result.time, result.energy["total"], **look)
-            if look["color"] != GREY:
-                name = look["label"].replace(" (", "\n(")
-                ends.append((result.time[-1], result.energy["total"][-1], name, look["color"]))
     axes.set(xlabel="time [s]", ylabel="total energy [J]")
     axes.margins(x=0.0)
-    return label_curves(axes, ends, fontsize=7.5)

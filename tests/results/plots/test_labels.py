@@ -1,21 +1,16 @@
-"""Labels get the first free place, and curves' names stay apart."""
+"""Labels get the first free place."""
 
 import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 
 from chain_impact.results.plots.labels import (
     Label,
-    apart,
-    label_curves,
     marker_boxes,
     place_labels,
     settle,
-    spread_labels,
     stem_boxes,
 )
 
@@ -78,50 +73,3 @@ def test_a_stem_stands_between_zero_and_its_top(axes):
     place_labels(axes, [Label("x", (0.5, 0.4))], box[None], fontsize=7)
     (text,) = axes.texts
     assert text.xyann[0] != 0.0  # beside the stem
-
-
-def test_names_of_curves_stay_apart_and_in_order(axes):
-    curves = [(1.0, y, f"curve {k}", "black") for k, y in enumerate((0.5, 0.5, 0.52, 0.9))]
-    names = label_curves(axes, curves, fontsize=9)
-    spread_labels(axes, names)
-    axes.figure.draw_without_rendering()
-    boxes = [Text.get_window_extent(name) for name in names]  # without the lines
-    for one, other in itertools.combinations(boxes, 2):
-        assert not one.overlaps(other)
-    heights = [box.y0 for box in boxes]
-    assert heights == sorted(heights)
-    assert all(box.x0 > axes.get_window_extent().x1 for box in boxes)
-
-
-def test_lines_to_names_of_curves_cross_no_other_name(axes):
-    names = label_curves(
-        axes, [(1.0, 0.9 + 0.001 * k, f"a long name {k}", "black") for k in range(6)], fontsize=9
-    )
-    spread_labels(axes, names)
-    axes.figure.draw_without_rendering()
-    boxes = [Text.get_window_extent(name) for name in names]
-    for name, box in itertools.product(names, boxes):
-        path = name.arrow_patch.get_path().transformed(name.arrow_patch.get_transform())
-        assert not path.intersects_bbox(box.padded(-1.0), filled=False)
-
-
-@given(st.lists(st.floats(-5.0, 15.0), max_size=8), st.floats(0.01, 1.0))
-def test_heights_keep_their_gap_their_order_and_the_bounds(wanted, gap):
-    heights = apart(wanted, gap, 0.0, 10.0)
-    assert len(heights) == len(wanted)
-    ordered = heights[np.argsort(wanted, kind="stable")]
-    assert np.all(np.diff(ordered) >= gap * (1 - 1e-9))
-    assert np.all((heights > -1e-9) & (heights < 10.0 + 1e-9))
-
-
-@given(st.lists(st.floats(2.0, 8.0), min_size=2, max_size=5))
-def test_heights_shift_as_little_as_they_can(wanted):
-    """Against a search of scipy for the least sum of squares under the same gaps."""
-    from scipy.optimize import minimize
-
-    wanted, gap = np.sort(wanted), 0.5
-    found = apart(wanted, gap, -100.0, 100.0)
-    gaps = {"type": "ineq", "fun": lambda y: np.diff(y) - gap}
-    begin = wanted.mean() + gap * np.arange(len(wanted))
-    best = minimize(lambda y: ((y - wanted) ** 2).sum(), begin, constraints=gaps, tol=1e-12)
-    assert ((found - wanted) ** 2).sum() <= best.fun + 1e-6

@@ -12,12 +12,10 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.text import Annotation, Text
+from matplotlib.text import Annotation
 
 CLOSE, STEP = 6.0, 8.0  # points from the place to its label, and along it between trials
 PAD = 2.5  # points that stay free around a label
-RIGHT = 8.0  # points from the edge of the axes to the labels of curves
-LINE = 1.25  # of the font's size, between labels one above the other
 
 
 @dataclass(frozen=True)
@@ -90,51 +88,3 @@ def stem_boxes(axes: Axes, tops: Sequence[tuple[float, float]]) -> np.ndarray:
     """The boxes of upright lines from zero to their tops, as those of markers."""
     places = np.reshape(tops, (-1, 2))
     return np.hstack([axes.transData.transform(ends) for ends in (places * [1.0, 0.0], places)])
-
-
-def label_curves(
-    axes: Axes, curves: Sequence[tuple[float, float, str, Any]], **look: Any
-) -> list[Annotation]:
-    """Write the names of curves in their colours to the right of the axes, each with a line to its curve.
-
-    ``curves`` are the x and y of the place that is named, the name and the colour. `spread_labels` moves the
-    names apart once the layout is settled.
-    """
-    texts = []
-    for x, y, name, colour in curves:
-        line = {"arrowstyle": "-", "color": colour, "linewidth": 0.7, "shrinkA": 1.0, "shrinkB": 0.0}
-        line["relpos"] = (0.0, 0.5)  # it ends left of its name, so it crosses no other
-        style: dict[str, Any] = {"color": colour, "va": "center", "arrowprops": line, **look}
-        texts.append(axes.annotate(name, (x, y), (1.03, 0.5), textcoords="axes fraction", **style))
-    return texts
-
-
-def spread_labels(axes: Axes, texts: Sequence[Annotation]) -> None:
-    """Put the names of curves as near to the height of their curves as they do not overlap."""
-    if not texts:
-        return
-    box = axes.get_window_extent()
-    heights = [axes.transData.transform(text.xy)[1] for text in texts]
-    # without the lines to the curves
-    gap = max(Text.get_window_extent(text).height for text in texts) * LINE
-    for text, height in zip(texts, apart(heights, gap, box.y0, box.y1), strict=True):
-        text.set_y((height - box.y0) / box.height)
-
-
-def apart(wanted: Sequence[float], gap: float, low: float, high: float) -> np.ndarray:
-    """The heights nearest to those wanted that keep a gap between each other, and inside low … high.
-
-    The order stays. The sum of squared shifts is least: z = y − i gap has to rise, so neighbours that would
-    fall are pooled at their mean (Ayer et al. 1955, Annals of Mathematical Statistics, 26, 641–647).
-    """
-    order = np.argsort(wanted, kind="stable")
-    pools: list[list[float]] = []
-    for i, y in enumerate(np.asarray(wanted, dtype=float)[order]):
-        pools.append([y - i * gap])
-        while len(pools) > 1 and np.mean(pools[-2]) > np.mean(pools[-1]):
-            pools[-2:] = [pools[-2] + pools[-1]]
-    level = np.concatenate([np.full(len(pool), np.mean(pool)) for pool in pools] or [np.zeros(0)])
-    top = max(low, high - gap * (len(order) - 1))
-    heights = np.empty(len(order))
-    heights[order] = np.clip(level, low, top) + gap * np.arange(len(order))
-    return heights
