@@ -108,6 +108,14 @@ def test_an_extra_that_is_missing(refused, monkeypatch):
     refused(2, r"pip install 'chain-impact\[pandas\]'$", "simulate")
 
 
+def test_a_package_that_is_damaged(refused, monkeypatch):
+    def record(*_, **__):
+        raise ImportError("DLL load failed while importing lib: not a valid application", name="pyarrow.lib")
+
+    monkeypatch.setattr(report, "record", record)
+    refused(2, "a package is damaged, install it anew: DLL load failed while importing lib", "simulate")
+
+
 def test_what_cannot_be_shown_is_refused_before_anything_runs(refused, monkeypatch):
     monkeypatch.setattr(report, "record", None)
     for name in ("out.bmpx", "out", "png"):

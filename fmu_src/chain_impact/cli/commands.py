@@ -55,6 +55,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (AnimationError, SceneError, UsageError, MissingExtraError) as error:
         complain(error)
         return 2
+    except ImportError as error:
+        complain(f"a package is damaged, install it anew: {error}")
+        return 2
     except (BuildError, RunError) as error:
         complain(error)
         return 3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from itertools import count, takewhile
 from pathlib import Path
@@ -142,6 +142,13 @@ class Recording:
         ]
         speeds: np.ndarray = self.impacts["impact_speed"] * np.array(arms)
         return speeds
+
+    def at(self, rows: np.ndarray) -> Recording:
+        """The recording with some of its rows, without derivatives; all impacts stay."""
+        parts = {one.name: getattr(self, one.name) for one in fields(Recording)}
+        columns = {name: values[rows] for name, values in self.columns.items()}
+        parts |= {"time": self.time[rows], "columns": columns, "sensitivities": None}
+        return Recording(**parts)
 
     def point_at(self, point: int, time: float) -> np.ndarray:
         """Position [m] of a point at a time [s], interpolated between communication points, shape (2,)."""

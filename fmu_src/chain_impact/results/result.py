@@ -34,6 +34,8 @@ ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "supplied", "total"
 class Result(Recording):
     """What happened in a simulation: a recording with its scene.
 
+    It is what was simulated, so ``dataclasses.replace`` can change nothing of it.
+
     ``result["point[4].x"]`` is an output over time, shape (T,), by its name in the FMU; ``result["time"]`` is
     the time. A name with ``*``, which stands for any text, gives a dict of all that are like it:
     ``result["contact[2].*.force"]``; so does a list of names: ``result[["point[4].x", "energy.*"]]``.

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, model_names, simulate
-from chain_impact.results.page import explore
+from chain_impact.results.page import explore, recorded
 from chain_impact.results.page.recorded import FRAGMENTS, MODULES, PAGE, data, page, program
 from chain_impact.studies.animate import record_slowly
 from tests.friction import pendulum, sled
@@ -105,6 +105,26 @@ def test_the_page_has_the_ranges_and_tells_stops_from_walls():
 def test_ten_seconds_of_four_links_are_small():
     scene = load_scene("four_link_box").with_values({"simulation.stop_time": 10.0})
     assert len(html(record_slowly(scene))) < 1_500_000
+
+
+def test_of_very_many_rows_those_stay_that_are_shown_and_those_beside_impacts(monkeypatch):
+    monkeypatch.setattr(recorded, "MOST_ROWS", 1000)
+    whole = simulate("four_link_box", output_step=1e-5)
+    found = recorded.thinned(whole, 0.6)
+    assert len(found.time) < 0.2 * len(whole.time)
+    assert (found.time[[0, -1]] == whole.time[[0, -1]]).all()
+    assert (found.impacts == whole.impacts).all()
+    for moment in (*whole.impacts["onset"], *whole.impacts["end"]):
+        after = int(np.searchsorted(whole.time, moment))
+        assert np.isin(whole.time[after - 1 : after + 1], found.time).all()
+    rows = np.searchsorted(whole.time, found.time)
+    np.testing.assert_array_equal(found.points, whole.points[rows])
+    assert len(html(whole)) < 0.4 * len(html_of_all(whole, monkeypatch))
+
+
+def html_of_all(recording, monkeypatch):
+    monkeypatch.setattr(recorded, "MOST_ROWS", len(recording.time))
+    return html(recording)
 
 
 def test_a_recording_with_even_rows_has_a_page_too():

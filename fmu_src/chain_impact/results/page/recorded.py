@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.results.joint_stops import JointRange
+from chain_impact.results.pacing import frame_times, slow_spans
 from chain_impact.results.recording import Recording
 from chain_impact.results.touches import Touch
 from chain_impact.results.view import radius_of
@@ -35,6 +36,7 @@ IMPORT = re.compile(r"^import [^;]+;\n", re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
 FINEST = 65535  # of 16 bits
+MOST_ROWS = 80_000  # from which on a page leaves out rows
 
 
 def page(recording: Recording, speed: float, impact_time: float) -> str:
@@ -45,7 +47,7 @@ def page(recording: Recording, speed: float, impact_time: float) -> str:
         speed: at which it plays at first, 1 for real time.
         impact_time: what an impact takes on the screen [s], 0 for no slow motion.
     """
-    shown = data(recording) | {"speed": speed, "impactTime": impact_time}
+    shown = data(thinned(recording, impact_time)) | {"speed": speed, "impactTime": impact_time}
     template = text_of("recording.html")
     return assembled(template, recording.name, styles(), program(MODULES), data=script_data(shown))
 
@@ -76,6 +78,20 @@ def styles() -> list[str]:
 def program(names: Iterable[str]) -> str:
     """Modules one after the other, as one: without what they import from each other."""
     return "\n".join(EXPORT.sub("", IMPORT.sub("", text_of(f"{name}.js"))) for name in names)
+
+
+def thinned(recording: Recording, impact_time: float) -> Recording:
+    """A recording without the rows that the page does not show, if it has very many of them.
+
+    Those beside its frames stay, and those beside the onset and the end of each impact.
+    """
+    time, impacts = recording.time, recording.impacts
+    if len(time) <= MOST_ROWS:
+        return recording
+    frames, _ = frame_times(float(time[0]), float(time[-1]), slow_spans(recording), impact_time)
+    shown = np.concatenate([frames, impacts["onset"], impacts["end"]])
+    after = np.searchsorted(time, shown[np.isfinite(shown)])
+    return recording.at(np.unique(np.concatenate([after - 1, after]).clip(0, len(time) - 1)))
 
 
 def script_data(content: Any) -> str:
