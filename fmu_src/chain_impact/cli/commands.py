@@ -52,11 +52,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with hints_shown():
             code: int = options.run(options)
-    except (AnimationError, SceneError, UsageError, MissingExtraError) as error:
-        complain(error)
-        return 2
-    except ImportError as error:
-        complain(f"a package is damaged, install it anew: {error}")
+    except (AnimationError, SceneError, UsageError, ImportError) as error:
+        damaged = isinstance(error, ImportError) and not isinstance(error, MissingExtraError)
+        complain(f"a package is damaged, install it anew: {error}" if damaged else error)
         return 2
     except (BuildError, RunError) as error:
         complain(error)
