@@ -16,8 +16,6 @@ from chain_impact.results.joint_stops import JointRange, ranges_of
 from chain_impact.results.recording import Recording
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.stick_slip import NO_PHASES
-from chain_impact.results.touches import Touch
-from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.reading import UnknownNameError, matching
 from chain_impact.scene.scene import Scene
@@ -203,37 +201,6 @@ class Result(Recording):
             if self._has_all or name != "supplied" or driven:
                 energy[name] = self.outputs[name] if self._has_all else self[f"energy.{name}"]
         return energy
-
-    @property
-    def energies(self) -> Mapping[str, np.ndarray]:
-        """The energies that are known: kinetic, potential, … → shape (T,) [J]."""
-        if not self._has_all:
-            return super().energies
-        driven = self.scene.inputs.joint_torques or self.scene.inputs.tip_force
-        found = {name: self.outputs[name] for name in ENERGIES if name != "supplied" or driven}
-        rubbed = {"friction": self.outputs["friction"]["dissipated"]}
-        return found | rubbed if self.scene.has_friction else found
-
-    @cached_property
-    def touches(self) -> list[Touch]:
-        """What points and walls, and joints and their stops, do to each other; joints with dry friction."""
-        if not self._has_all:
-            return super().touches
-        rows, scene, names = self.outputs, self.scene, self.scene.wall_names
-        friction, rubs, found = rows["friction"], scene.has_contact_friction, []
-        pairs = point_wall_pairs(scene)
-        for c, (point, wall) in enumerate(pairs):
-            kinds = [rows[name][:, c] for name in ("force", "penetration", "penetration_rate")]
-            kinds += [friction[name][:, c] for name in ("force", "sticking")] if rubs else []
-            found.append(Touch(point, names[wall], *kinds))
-        candidates = [joint for joint, _ in self.model.candidates]
-        for joint in scene.chain.joint_ranges:
-            # the kernel puts them in the place of the joint's first stop
-            found += Touch.of_stops(joint, rows["force"][:, candidates.index(joint, len(pairs))])
-        for joint in scene.friction_joints:
-            kinds = [friction[name][:, joint - 1] for name in ("joint_moment", "joint_sticking")]
-            found.append(Touch(joint, "", None, friction=kinds[0], sticking=kinds[1]))
-        return found
 
     def sensitivity(self, quantity: str, parameter: str) -> np.ndarray:
         """The derivative of an output with respect to a parameter, for all other parameters held.
