@@ -6,8 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.quadratures import reset_quadratures
 from chain_impact.kernel.record.fields import is_table
+from chain_impact.kernel.status import OK
+from chain_impact.scene.scene import Scene
+from chain_impact.variables.model import Model
 
 
 class Plain:
@@ -43,6 +47,18 @@ class Plain:
         """As ``copy_values`` in kernel/tangent/blocks.py, without derivatives."""
         for name in self._record.dtype.names:
             self._record[name] = source._record[name]
+
+
+def record_of(scene: Scene) -> Plain:
+    """A new instance of a scene."""
+    return Plain(Model(scene).new_instance()[0])
+
+
+def begun(scene: Scene) -> Plain:
+    """An instance of a scene at the start of its run, at 0 s."""
+    d = record_of(scene)
+    assert initialize(d, 0.0) == OK
+    return d
 
 
 def make_rigid(d: Plain, rigid: Any = 1) -> None:

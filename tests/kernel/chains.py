@@ -15,8 +15,7 @@ from chain_impact.kernel.model.geometry import along, normal
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene, scene_from_dict
-from chain_impact.variables.model import Model
-from tests.plain import Plain, pack
+from tests.plain import Plain, begun, pack
 from tests.reference import point_jacobian
 
 FAR = 1e3  # m, how far the walls are off
@@ -67,8 +66,7 @@ def chain(
     if inputs:
         table["inputs"] = {"joint_torques": True, "tip_force": True}
     scene = scene_from_dict(table, "chain")
-    d = Plain(Model(scene).new_instance()[0])
-    assert initialize(d, 0.0) == OK
+    d = begun(scene)
     return scene, d
 
 

@@ -8,14 +8,12 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, joint_of, list_friction, set_friction_used
 from chain_impact.kernel.model.geometry import tangent, tangential_acceleration, tangential_position
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import Model
 from tests.kernel.chains import chain, press_in, random_state, touch
-from tests.plain import Plain
+from tests.plain import Plain, begun
 from tests.reference import mass_matrix, point_jacobian
 
 MU, MU_S, MOMENT = 0.3, 0.4, 0.7
@@ -33,8 +31,7 @@ def rubbing_chain(
     if joints:
         scene = scene.with_values({f"link[{i}].joint_friction": MOMENT for i in range(2, count + 1)})
 
-    d = Plain(Model(scene).new_instance()[0])
-    assert initialize(d, 0.0) == 0
+    d = begun(scene)
     y = random_state(rng, d)
     locate_points(d, y)
     first = 1 if base == "free" else 0

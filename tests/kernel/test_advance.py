@@ -8,7 +8,6 @@ import pytest
 from chain_impact.kernel import advance as loop
 from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET
-from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.control import FAR_OFF, conclude, refuse
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, SAFETY
 from chain_impact.kernel.model import constraints
@@ -22,18 +21,14 @@ from chain_impact.kernel.status import (
     STEP_TOO_SMALL,
     TOO_MUCH_WORK,
 )
-from chain_impact.scene.scene import load_scene, with_values
-from chain_impact.variables.model import Model
+from chain_impact.scene.scene import load_scene
 from tests.friction import pendulum
 from tests.kernel.chains import chain, touch
-from tests.plain import Plain
+from tests.plain import begun
 
 
-def started(**solver):
-    changes = {("solver", key): value for key, value in solver.items()}
-    d = Plain(Model(with_values(load_scene("four_link_box"), changes)).new_instance()[0])
-    assert initialize(d, 0.0) == OK
-    return d
+def started():
+    return begun(load_scene("four_link_box"))
 
 
 def advance(d, time, work=UNLIMITED):
@@ -72,8 +67,7 @@ def test_a_call_pauses_after_its_work_and_goes_on():
 
 def pendulum_of_dry_joints():
     """A double pendulum with two elements, whose modes both change at the start."""
-    d = Plain(Model(pendulum()).new_instance()[0])
-    assert initialize(d, 0.0) == OK
+    d = begun(pendulum())
     assert (d.elements, d.changes.count, len(d.changes.time)) == (2, 2, 8)
     return d
 

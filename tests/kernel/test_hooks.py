@@ -11,8 +11,7 @@ from chain_impact.kernel.tangent import entry
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.entry import HOOKS
 from chain_impact.scene.scene import load_scene
-from chain_impact.variables.model import Model
-from tests.plain import Plain
+from tests.plain import record_of
 
 SIZES = {"links": 4, "candidates": 20, "elements": 24}
 FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]
@@ -37,7 +36,7 @@ ENDING = {hooks.on_start, hooks.on_reinit, hooks.on_step, hooks.on_truncate}
 
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: one.__name__)
 def test_a_plain_run_has_hooks_that_do_nothing(function):
-    d = Plain(Model(load_scene("four_link_box")).new_instance()[0])
+    d = record_of(load_scene("four_link_box"))
     before = d._record.tobytes()
     answer = function(*[d, 1.5][: len(inspect.signature(function).parameters)])
     assert answer == ANSWERS.get(function)

@@ -17,9 +17,8 @@ from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.work_limit import UNLIMITED
 from chain_impact.scene.scene import Scene, scene_from_dict
-from chain_impact.variables.model import Model
 from tests.derivative_scenes import AT_STOPS, pressed_tip
-from tests.plain import Plain
+from tests.plain import Plain, record_of
 
 
 class Checked(np.ndarray):
@@ -90,7 +89,7 @@ SCENES = {
 @pytest.mark.parametrize("name", SCENES)
 def test_no_index_is_negative(name):
     scene, time = SCENES[name]
-    d = Plain(Model(scene).new_instance()[0])
+    d = record_of(scene)
     checked(d)
     assert initialize(d, 0.0) == OK
     assert advance(d, time, UNLIMITED, UNLIMITED) == OK
@@ -103,7 +102,7 @@ def test_no_index_is_negative(name):
 def test_nor_where_inputs_and_parameters_change(model):
     """A tip is pressed onto the floor, its law changes, a torque follows a polynomial, the tip is lifted."""
     scene = pressed_tip(model).scene.with_values({"outputs.impacts": 5, "solver.tolerance": 1e-4})
-    d = Plain(Model(scene).new_instance()[0])
+    d = record_of(scene)
     checked(d)
     d.given.tip_force[1] = -30.0
     assert initialize(d, 0.0) == OK

@@ -22,7 +22,7 @@ from chain_impact.variables.model import Model
 from tests.derivative_scenes import table
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch
 from tests.kernel.rubbing import rubbing_chain
-from tests.plain import Plain
+from tests.plain import Plain, record_of
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def test_the_last_status_is_the_last():
 
 def test_without_candidates_no_contact_is_regularized():
     still = {"position": [0.0, 0.0], "angles": [0.0] * 3}
-    d = Plain(Model(table([{"length": 0.3, "mass": 1.0}] * 3, initial=still)).new_instance()[0])
+    d = record_of(table([{"length": 0.3, "mass": 1.0}] * 3, initial=still))
     assert sound(d) == 1
     d.step.regularized = 0
     assert sound(d) == 0

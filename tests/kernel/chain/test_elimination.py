@@ -9,9 +9,8 @@ from chain_impact.kernel.chain.kinematics import link_vectors
 from chain_impact.kernel.chain.recursion import accelerations, arms
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict
-from chain_impact.variables.model import Model
 from tests.kernel.chains import chain, random_links, random_state, stopped_chain
-from tests.plain import Plain
+from tests.plain import record_of
 from tests.reference import (
     generalized_force,
     mass_matrix,
@@ -34,7 +33,7 @@ def random_chain(rng, count, base, largest):
 
 def prepared(scene, angles):
     """The record of a chain, as plain Python takes it, with its link vectors."""
-    d = Plain(Model(scene).new_instance()[0])
+    d = record_of(scene)
     derive_chain(d)
     link_vectors(d, np.array([0.0, 0.0, *angles]))
     return d

@@ -11,8 +11,7 @@ from chain_impact.kernel.chain.kinematics import link_vectors
 from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict
-from chain_impact.variables.model import Model
-from tests.plain import Plain
+from tests.plain import record_of
 
 PLACES = (0.0, 0.4, 1.0, 1.3)  # of the centre of mass, over the length
 
@@ -87,7 +86,7 @@ def test_what_it_allows_has_positive_pivots(pinned):
             "contact": {"points": []},
             "initial": {"angles": [0.0] * count},
         }
-        d = Plain(Model(scene_from_dict(table, "points")).new_instance()[0])
+        d = record_of(scene_from_dict(table, "points"))
         derive_chain(d)
         for angles in (rng.choice([0.0, np.pi], count), rng.uniform(-3.0, 3.0, count)):
             link_vectors(d, np.array([0.0, 0.0, *angles]))

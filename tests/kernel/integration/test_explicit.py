@@ -10,17 +10,14 @@ from scipy.special import ellipj
 
 from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain import kinematics, state
-from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration import control, dop853, last_step, methods, sundman
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.explicit import BEYOND, LEFT, estimate, toward_end
 from chain_impact.kernel.model import equations, geometry
-from chain_impact.kernel.status import OK
 from chain_impact.simulation.instance import Instance
-from chain_impact.variables.model import Model
 from tests.friction import pendulum
 from tests.kernel.chains import chain, located, struck
-from tests.plain import Plain
+from tests.plain import begun
 from tests.problems import FAR, build, contact_table, rod
 
 STAGES = len(dop853.A)
@@ -133,12 +130,6 @@ def test_dense_output_fulfils_every_condition_of_order_7(order):
 # --- the step, as plain Python ---------------------------------------------------------------------------
 
 
-def started(scene):
-    d = Plain(Model(scene).new_instance()[0])
-    assert initialize(d, 0.0) == 0
-    return d
-
-
 def tried(d, h):
     """The record after a step of the size h has been tried."""
     d["step"]["state_end"][-1] = 0.0  # the time since its start
@@ -207,7 +198,7 @@ def test_flight_converges_with_order_8(scene, exact, columns):
     """The root mean square of the error over a second, as at one time the leading term may vanish."""
     counts, errors = np.array([12, 16, 20, 24, 28]), []
     for count in counts:
-        d, total = started(scene), 0.0
+        d, total = begun(scene), 0.0
         for k in range(count):
             step(d, 1.0 / count)
             total += np.sum((d["step"]["state_end"][columns] - exact((k + 1) / count)) ** 2) / count
@@ -221,7 +212,7 @@ def test_dense_output_converges_with_order_7(scene, exact, columns):
     """Over one step, where the error is h times that of the order: between the ends it falls as h⁸."""
     sizes, errors, y = np.array([0.1, 0.08, 0.06, 0.05]), [], np.zeros(10)
     for h in sizes:
-        d = started(scene)
+        d = begun(scene)
         step(d, h)
         worst = 0.0
         for theta in np.linspace(0.0, 1.0, 21):
@@ -238,13 +229,13 @@ def test_dense_output_converges_with_order_7(scene, exact, columns):
 @PROBLEMS
 def test_error_estimate_falls_with_order_8(scene, exact, columns):
     sizes = np.array([0.05, 0.04, 0.03, 0.02])
-    assert slope(sizes, [step(started(scene), h) for h in sizes]) == pytest.approx(8.0, abs=0.2)
+    assert slope(sizes, [step(begun(scene), h) for h in sizes]) == pytest.approx(8.0, abs=0.2)
 
 
 @PROBLEMS
 @pytest.mark.parametrize("h", [0.06, 0.12])
 def test_error_estimate_is_not_below_the_true_error(scene, exact, columns, h):
-    d = started(scene)
+    d = begun(scene)
     estimate = step(d, h) * scene.solver.tolerance
     y = d["step"]["state_end"][columns]
     # the scales of the pendulum and of the rod: 1 m, 1 rad, and speeds with respect to themselves plus one
@@ -256,10 +247,10 @@ def test_error_estimate_is_not_below_the_true_error(scene, exact, columns, h):
 @pytest.mark.parametrize("entry", range(6))
 def test_a_step_that_is_not_finite_or_far_too_long_is_not_accepted(entry):
     """Error estimates of the latter are so large that their squares overflow, and their quotient is 0."""
-    d = started(FLYER)
+    d = begun(FLYER)
     d["step"]["state_end"][entry] = math.nan
     assert tried(d, 0.1).trial.error == math.inf
-    d = started(FLYER)
+    d = begun(FLYER)
     d["step"]["state_end"][5] = 1e3
     assert not control.accepted(tried(d, (1.0, 1e2, 1e4, 1e6, 1e8, 1e10)[entry]))
 
@@ -280,8 +271,7 @@ def test_only_a_step_with_an_event_or_an_output_gets_a_dense_output():
 def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
     """Also if nothing touches a wall, but a joint sticks: those of the last stage are not at the end."""
     scene = pendulum(**{"link[1].joint_friction": 0.0, "link[2].joint_friction": 50.0})
-    d = Plain(Model(scene).new_instance()[0])
-    assert initialize(d, 0.0) == OK
+    d = begun(scene)
     assert d.friction.stuck_count == 1
     begin_step(d)
     methods.attempt(d, 0.1)

@@ -5,14 +5,12 @@ import pytest
 
 from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.events import exclusion
-from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration import explicit, last_step, methods
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.scene.scene import load_scene
-from chain_impact.variables.model import Model
-from tests.plain import Plain
+from tests.plain import begun
 
 H = 0.01  # s
 
@@ -21,8 +19,7 @@ def started(method=EXPLICIT, **changes):
     scene = load_scene("four_link_box").with_values(
         {f"contact.{key}": value for key, value in changes.items()}
     )
-    d = Plain(Model(scene).new_instance()[0])
-    assert initialize(d, 0.0) == 0
+    d = begun(scene)
     d.step.method = method
     return d
 

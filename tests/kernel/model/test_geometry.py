@@ -30,9 +30,8 @@ from chain_impact.kernel.model.geometry import (
 )
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE
 from chain_impact.scene.scene import with_values
-from chain_impact.variables.model import Model
 from tests.kernel.chains import random_state, stopped_chain, stops_of
-from tests.plain import Plain
+from tests.plain import record_of
 from tests.problems import default_scene
 
 # angle and point; the last angle is beyond what the kernel's own sines are for
@@ -51,7 +50,7 @@ def prepared(box, changes=None):
     scene = with_values(
         default_scene(), {("walls",): walls} | ({} if box else {("box",): {}}) | (changes or {})
     )
-    return scene, Plain(Model(scene).new_instance()[0])
+    return scene, record_of(scene)
 
 
 @pytest.fixture(params=[True, False], ids=["box", "no box"])

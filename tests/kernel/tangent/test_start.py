@@ -11,12 +11,11 @@ from chain_impact.kernel.model import contact, contact_force, contact_law
 from chain_impact.kernel.record.fields import AT_START
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent import blocks, directions, start as starts, trust
-from chain_impact.variables.model import Model
 from tests.complex_laws import FAMILY, TINY, WITH_MASS
 from tests.derivative_scenes import Case
 from tests.kernel.chains import chain, press_in, random_state, touch, vectors
 from tests.kernel.tangent.dual import Dual, random_duals, started
-from tests.plain import Plain, make_rigid
+from tests.plain import Plain, make_rigid, record_of
 from tests.problems import ball, of_law
 
 FACTORS = FAMILY | {name: factor for name, (factor, *_) in WITH_MASS.items()}
@@ -161,7 +160,7 @@ def twins(monkeypatch):
     dtype = d._record.dtype
     fields = [*((name, dtype[name]) for name in dtype.names), ("trust", directions.TRUST)]
     t = Plain(np.zeros(1, np.dtype(fields))[0])
-    blank = Plain(Model(scene).new_instance()[0])
+    blank = record_of(scene)
     for name in ("links", "candidates", "candidate"):
         t._record[name] = blank._record[name]
     t.model.pinned, t.model.driven = d.model.pinned, d.model.driven
