@@ -1,7 +1,5 @@
 """What an observer sees within a step, on motions in closed form."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -215,9 +213,3 @@ def test_what_an_observer_sees_of_a_stop_is_its_moment_and_its_depth():
     before = vectors(d.work.load)
     assert not before.any()
     assert d.work.load.x[d.links + 2] == pytest.approx(-force, rel=1e-9)
-
-
-def test_in_a_scene_without_walls_the_stops_come_first():
-    own = SimpleNamespace(stop=[1, -1, -1, 1, 1, -1], point=[1, 1, 2, 3, 4, 4])
-    d = SimpleNamespace(candidate=own)
-    assert [first_stop(d, c) for c in range(6)] == [0, 0, 2, 3, 4, 4]

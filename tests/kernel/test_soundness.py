@@ -105,6 +105,15 @@ def put(record, field, i, value):
         record[field][i] = value
 
 
+def assert_fits(d, record, field, i, cases):
+    """That of some values of a number those are sound that are said to be; the one before is put back."""
+    before = d[record][field] if i is None else d[record][field][i]
+    for value, fits in cases:
+        put(d[record], field, i, value)
+        assert bool(within_bounds(d)) == fits, (field, i, value)
+    put(d[record], field, i, before)
+
+
 @pytest.mark.full("more cases", but=17)
 @pytest.mark.parametrize(("record", "field"), [*BOUNDS, *OF_FRICTION])
 def test_each_index_has_its_least_and_its_most(record, field):
@@ -122,24 +131,17 @@ def test_each_index_has_its_least_and_its_most(record, field):
     assert within_bounds(d)
     shape = np.shape(d[record][field])
     for i in range(shape[0]) if shape else [None]:
-        before = d[record][field] if i is None else d[record][field][i]
-        put(d[record], field, i, least)
-        assert within_bounds(d)
-        put(d[record], field, i, least - 1 if (record, field) in BOUNDS else min(least, 0) - 1)
-        assert not within_bounds(d)
-        for value in () if most is None else (most, most + 1, 1 << 40):
-            put(d[record], field, i, value)
-            assert bool(within_bounds(d)) == (value == most)
-        put(d[record], field, i, before)
+        too_small = least - 1 if (record, field) in BOUNDS else min(least, 0) - 1
+        assert_fits(d, record, field, i, ((least, True), (too_small, False)))
+        if most is not None:
+            assert_fits(d, record, field, i, ((most, True), (most + 1, False), (1 << 40, False)))
     assert within_bounds(d)
 
 
 def test_no_more_contacts_have_a_force_than_there_are():
     _, d = chain(np.random.default_rng(0), 3)
     touch(d, [1, 4, 7])
-    for count, fits in ((0, True), (3, True), (4, False), (-1, False)):
-        d.touch.compliant_count = count
-        assert bool(within_bounds(d)) == fits
+    assert_fits(d, "touch", "compliant_count", None, ((0, True), (3, True), (4, False), (-1, False)))
 
 
 def test_a_law_may_be_missing_only_before_a_start_and_where_nothing_touches():
@@ -157,10 +159,7 @@ def test_a_law_may_be_missing_only_before_a_start_and_where_nothing_touches():
 def test_a_law_is_copied_from_a_candidate_that_is_not_later():
     _, d = chain(np.random.default_rng(0), 3)
     for c in range(d.candidates):
-        for source, fits in ((0, True), (c, True), (c + 1, False), (-1, False)):
-            d.law.same_as[c] = source
-            assert bool(within_bounds(d)) == fits
-            d.law.same_as[c] = 0
+        assert_fits(d, "law", "same_as", c, ((0, True), (c, True), (c + 1, False), (-1, False)))
 
 
 def test_only_stops_have_the_numbers_after_those_of_walls():
@@ -168,16 +167,9 @@ def test_only_stops_have_the_numbers_after_those_of_walls():
     d = stopped_chain(3)[1]
     last, stop = 4 + d.candidates - 1, stops_of(d)[0]
     assert within_bounds(d)
-    for c, number, fits in ((0, last, True), (0, last + 1, False), (stop, last + 2, True)):
-        kept = int(d.candidate.wall[c])
-        d.candidate.wall[c] = number
-        assert bool(within_bounds(d)) == fits
-        d.candidate.wall[c] = kept
-    for point, fits in ((1, True), (3, True), (0, False), (4, False)):
-        d.candidate.point[stop] = point
-        assert bool(within_bounds(d)) == fits
-    d.candidate.point[stop] = 2
-    assert within_bounds(d)
+    assert_fits(d, "candidate", "wall", 0, ((last, True), (last + 1, False)))
+    assert_fits(d, "candidate", "wall", stop, ((last + 2, True),))
+    assert_fits(d, "candidate", "point", stop, ((1, True), (3, True), (0, False), (4, False)))
 
 
 @pytest.mark.parametrize("course", ["given", "inputs"])
@@ -193,10 +185,7 @@ def test_a_record_without_room_for_friction_has_none():
     _, d = chain(np.random.default_rng(0), 3)
     assert d.elements == 0
     for field in ("used", "count", "contact_count", "stuck_count", "stuck_joints"):
-        d.friction[field] = 1
-        assert not within_bounds(d)
-        d.friction[field] = 0
-    assert within_bounds(d)
+        assert_fits(d, "friction", field, None, ((1, False), (0, True)))
 
 
 def test_a_users_law_is_one_more(monkeypatch):

@@ -299,29 +299,24 @@ def test_a_contact_that_ends_is_a_row_of_the_log(impulsive, rate):
 
 
 def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
-    """At the lever arm s: φ = δ/s, M = F s, and the inertia m s²."""
+    """At the lever arm s: φ = δ/s, M = F s, and the inertia m s²; peaks are the largest of either kind."""
     _, d = stopped_chain(2)
-    c, arm = stops_of(d)[0], 1.4
+    stop, arm, log = stops_of(d)[0], 1.4, d.finished
     d.model.size = arm
-    for name, value in {
-        "onset_speed": 0.7,
-        "peak_force": 9.0,
-        "max_penetration": 0.3,
-        "effective_mass": 2.5,
-    }.items():
-        d.touch[name][c] = value
-    d.quadrature.total[c], d.quadrature.onset[c] = 8.0, 6.5
-    rate = clearance(d, c)[1]
-    contact_log.end_contact(d, c, 0)
-    log = d.finished
-    assert log.impact_speed[0] == pytest.approx(0.7 / arm)
-    assert log.separation_speed[0] == pytest.approx(rate / arm)
-    assert log.peak_force[0] == pytest.approx(9.0 * arm)
-    assert log.max_penetration[0] == pytest.approx(0.3 / arm)
-    assert log.effective_mass[0] == pytest.approx(2.5 * arm**2)
-    assert log.impulse[0] == pytest.approx(1.5 * arm)
-    assert (d.peaks.moment, d.peaks.rotation) == (log.peak_force[0], log.max_penetration[0])
-    assert (d.peaks.force, d.peaks.penetration) == (0.0, 0.0)
+    contact_log.clear_peaks(d)
+    for c, force, depth in ((0, 2.0, 1e-3), (1, 1.0, 5e-3), (2, 3.0, 2e-3), (stop, 9.0, 0.3)):
+        d.touch.onset_speed[c], d.touch.effective_mass[c] = 0.7, 2.5
+        d.touch.peak_force[c], d.touch.max_penetration[c] = force, depth
+        d.quadrature.total[c], d.quadrature.onset[c] = 8.0, 6.5
+        rate = clearance(d, c)[1]
+        contact_log.end_contact(d, c, 0)
+    told = [log[name][3] for name in ("impact_speed", "separation_speed", "peak_force", "max_penetration")]
+    assert told == pytest.approx([0.7 / arm, rate / arm, 9.0 * arm, 0.3 / arm])
+    assert (log.effective_mass[3], log.impulse[3]) == pytest.approx((2.5 * arm**2, 1.5 * arm))
+    assert (d.peaks.moment, d.peaks.rotation) == (log.peak_force[3], log.max_penetration[3])
+    assert (d.peaks.force, d.peaks.penetration) == (3.0, 5e-3)
+    contact_log.clear_peaks(d)
+    assert not any(d.peaks[name] for name in ("force", "penetration", "moment", "rotation"))
 
 
 @pytest.mark.parametrize("count", [0, 5, -1])
@@ -344,18 +339,6 @@ def test_contacts_that_last_are_logged_behind_those_that_have_ended(count):
         assert log.max_penetration[row] == d.touch.max_penetration[c] / lever
         assert np.isnan([log.end[row], log.separation_speed[row]]).all()
     assert (d.peaks.force, d.peaks.moment) == (3.0, (3.0 + stop) * arm)
-
-
-def test_peaks_are_the_largest_of_all_contacts():
-    d, _ = pressed([0.0, 0.0, 0.0])
-    contact_log.clear_peaks(d)
-    for c, (force, penetration) in enumerate([(2.0, 1e-3), (1.0, 5e-3), (3.0, 2e-3)]):
-        d.touch.peak_force[c], d.touch.max_penetration[c] = force, penetration
-        contact_log.end_contact(d, c, 0)
-    assert (d.peaks.force, d.peaks.penetration) == (3.0, 5e-3)
-    assert (d.peaks.moment, d.peaks.rotation) == (0.0, 0.0)
-    contact_log.clear_peaks(d)
-    assert (d.peaks.force, d.peaks.penetration) == (0.0, 0.0)
 
 
 FIELDS = {

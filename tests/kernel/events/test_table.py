@@ -47,6 +47,12 @@ def arrived(law="zhang_sharf", speed=1.0, depth=0.0, touching=()):
     return d
 
 
+def begins_explicit(d):
+    """Whether steps are explicit, as if none had been stiff before."""
+    own = d.step
+    return (own.method, own.stiff_count, own.switch_hysteresis) == (EXPLICIT, 0, MIN_SWITCH_STEPS)
+
+
 @LAWS
 def test_a_contact_begins_on_its_side_of_the_kink(law):
     d = arrived(law)
@@ -163,7 +169,7 @@ def test_rigid_walls_take_all_events_at_once_and_steps_are_explicit():
     p = complementary_impulses(np.array([[gradient @ response]]), np.array([-1.0]), np.array([0.5]))
     assert apply_events(d)
     np.testing.assert_allclose(d.step.state_end[5:10], y[5:10] + response * p, rtol=0, atol=1e-9)
-    assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (EXPLICIT, 0, MIN_SWITCH_STEPS)
+    assert begins_explicit(d)
 
 
 def test_the_size_of_steps_in_flight_is_kept_when_a_first_contact_begins():
@@ -192,7 +198,7 @@ def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method
     assert d.step.next_size == min(flight, turning)
     assert vectors(d.work.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, 0.4]]
     # no joint resists: explicit steps do
-    assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (EXPLICIT, 0, MIN_SWITCH_STEPS)
+    assert begins_explicit(d)
 
 
 @pytest.mark.parametrize("onset", [-1, 0, C])
@@ -205,11 +211,7 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     choose_size(d, onset, goes_on)
     if onset >= 0:
         assert d.step.next_size == control.at_onset_beside(d, onset) < control.at_onset(d, onset, EXPLICIT)
-        assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (
-            EXPLICIT,
-            0,
-            MIN_SWITCH_STEPS,
-        )
+        assert begins_explicit(d)
     else:
         kept = method == IMPLICIT or goes_on
         assert d.step.next_size == (0.125 if kept else control.at_onset(d, 0, EXPLICIT))

@@ -400,20 +400,6 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
         assert control.factor(d) == pytest.approx(share, rel=0.02)
 
 
-def test_the_iteration_of_a_step_that_is_far_too_long_diverges():
-    d = at_start()[1]
-    errors = []
-    for h in np.geomspace(0.01, 10.0, 25):
-        d.implicit.listing = STALE
-        collocation.prepare(d, h)
-        collocation.attempt(d, h)
-        errors.append(float(d.trial.error))
-    assert errors[0] <= 1.0
-    assert collocation.LATE in errors
-    assert collocation.DIVERGED in errors
-    assert not any(error <= 1.0 for error in errors[errors.index(collocation.DIVERGED) :])
-
-
 # --- what it costs and what it errs -------------------------------------------------------------------------
 
 

@@ -11,14 +11,13 @@ from chain_impact.kernel.model import contact, contact_force, contact_law
 from chain_impact.kernel.record.fields import AT_START
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent import blocks, directions, start as starts, trust
-from tests.complex_laws import FAMILY, TINY, WITH_MASS
+from tests.complex_laws import TINY
 from tests.derivative_scenes import Case
 from tests.kernel.chains import chain, press_in, random_state, touch, vectors
+from tests.kernel.laws.test_contact_laws import FACTORS
 from tests.kernel.tangent.dual import Dual, random_duals, started
 from tests.plain import Plain, make_rigid, record_of
 from tests.problems import ball, of_law
-
-FACTORS = FAMILY | {name: factor for name, (factor, *_) in WITH_MASS.items()}
 
 
 @pytest.mark.full("more cases", but=40)
