@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.results.plots.message import conditions, message
+from chain_impact.results.plots.message import conditions
 from chain_impact.results.plots.over_time import ROWS
 from chain_impact.results.plots.style import GREY, VERMILLION
 from tests.friction import pendulum, sled, thrown
-from tests.results.plots.pictures import drawn, recorded, swing
+from tests.results.plots.pictures import drawn, recorded
 
 
 @pytest.fixture(scope="module")
@@ -67,16 +67,6 @@ def test_energies_have_that_of_friction_as_a_part(recording):
     assert line.get_linestyle() == "--"
     np.testing.assert_array_equal(line.get_ydata(), recording.columns["energy.friction"])
     assert "friction" not in [line.get_label() for line in drawn(recorded("rod_drop"))[3].lines]
-
-
-def test_the_headline_tells_the_share_of_friction(recording):
-    lost = recording.columns["energy.dissipated"][-1]
-    assert message(recording) == (
-        f"Pendulum: no impacts, {lost:.3g} J dissipated, 100 % of it by dry friction, in 4 s"
-    )
-    part = swing()
-    part.columns["energy.friction"] = 0.25 * part.columns["energy.dissipated"]
-    assert message(part).endswith("dissipated, 25 % of it by dry friction, in 2 s")
 
 
 def test_the_conditions_tell_the_coefficients(recording):

@@ -98,7 +98,7 @@ def test_the_motion_fills_its_panel(name):
 def test_the_headline_has_the_message_and_the_conditions():
     page, *_ = drawn(recorded("four_link_box"))
     message, conditions = (text.get_text() for text in page.texts)
-    assert message.startswith("FourLinkBox: 14 impacts dissipate ")
+    assert message.startswith("FourLinkBox: 14 impacts in 2 s, ")
     assert "zhang_sharf" in conditions
 
 

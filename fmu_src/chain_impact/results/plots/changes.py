@@ -21,7 +21,7 @@ from chain_impact.results.plots.room import OUTSIDE_COLOUR
 from chain_impact.results.plots.style import GREY, INK, PALETTE, STYLE, headline
 from chain_impact.results.recording import Recording
 from chain_impact.results.sensitivity import Sensitivities
-from chain_impact.results.text import speed_unit
+from chain_impact.results.text import plural, speed_unit
 
 NOTHING = 1e-12  # of the range of an output: smaller changes are round-off
 STEEP = 30.0  # times as large as usual is the largest change on an axis that is not linear
@@ -38,7 +38,8 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
     found = sensitivities_of(recording)
     names = found.drawn(outputs)
     relative = relative_changes(recording, names)
-    headline(page, message(recording, relative), conditions(recording))
+    parameters = plural(len(found.parameters), "parameter")
+    headline(page, f"{recording.name}: changes with {parameters}, to first order", conditions(recording))
     looks = looks_of(found, relative)
     grid = page.subplots(len(names) // 2 + 1, 2, sharex=True).ravel()
     panels, rest = grid[: len(names) + 1], grid[len(names) + 1 :]
@@ -83,24 +84,6 @@ def relative_changes(recording: Recording, outputs: Sequence[str]) -> np.ndarray
     largest: np.ndarray = np.max(np.nan_to_num(shares), axis=0)
     largest[~calm(recording)] = 0.0
     return largest
-
-
-def message(recording: Recording, relative: np.ndarray) -> str:
-    """Which parameter matters most; or from when on a small change of it changes everything.
-
-    That is when the change to first order is as large as the range of an output.
-    """
-    found = sensitivities_of(recording)
-    lost = np.flatnonzero((relative > 1.0).any(axis=1))
-    row = int(lost[0]) if lost.size else int(relative.max(axis=1, initial=0.0).argmax())
-    name = list(found.parameters)[int(relative[row].argmax())]
-    if not relative.any():
-        return f"{recording.name}: {', '.join(found.parameters)} changes nothing in {recording.time[-1]:g} s"
-    what = f"{recording.name}: {found.step_text(name)} of {name} changes the"
-    if lost.size:
-        return f"{what} motion entirely from {recording.time[row]:.3g} s on"
-    most = "most, by" if len(found.parameters) > 1 else "by up to"
-    return f"{what} outputs {most} {100.0 * relative[row].max():.2g} % of their range"
 
 
 def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:

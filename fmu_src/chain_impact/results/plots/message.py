@@ -11,54 +11,17 @@ from chain_impact.results.plots.style import SEPARATOR, number
 from chain_impact.results.recording import Recording
 from chain_impact.results.text import plural
 
-SHARE = 0.01  # of the energy at the start: more below zero, and a share of it means nothing
 ROUND_OFF = 1e-12  # of the largest energy: less is not dissipated
 
 
 def message(recording: Recording) -> str:
-    """How many impacts there were, and what they took: "Box: 14 impacts dissipate 82 % of the energy in 2 s".
-
-    Dissipation is that of impacts and joints, and where no joint is damped and nothing rubs that of the
-    impacts. It is a share
-    where the energy at the start can be lost: where none is supplied and the motion stays above the place at
-    which the potential energy is zero. Else it is in joules.
-    """
-    count, span = recording.impact_count, f"in {recording.time[-1] - recording.time[0]:g} s"
-    impacts = plural(count, "impact") if count else "no impacts"
+    """How many impacts there were, and what was dissipated: "Box: 14 impacts in 2 s, 50.3 J dissipated"."""
+    count, span = recording.impact_count, recording.time[-1] - recording.time[0]
+    told = f"{recording.name}: {plural(count, 'impact') if count else 'no impacts'} in {span:g} s"
     lost = recording.energies.get("dissipated", np.zeros(1))[-1]
     if not lost > ROUND_OFF * np.abs(recording.energies.get("total", np.zeros(1))).max():
-        return f"{recording.name}: {impacts} {span}"
-    share = lost_share(recording)
-    amount = f"{lost:.3g} J" if share is None else f"{percentage(share)} % of the energy"
-    rubbed = recording.energies.get("friction", np.zeros(1))[-1]
-    if rubbed > ROUND_OFF * lost:
-        part = f"{percentage(rubbed / lost)} % of it by dry friction"
-        return f"{recording.name}: {impacts}, {amount} dissipated, {part}, {span}"
-    if count and joint_damping(recording) == 0.0:
-        return f"{recording.name}: {impacts} dissipate{'s' if count == 1 else ''} {amount} {span}"
-    return f"{recording.name}: {impacts}, {amount} dissipated {span}"
-
-
-def percentage(share: float) -> str:
-    """A share in percent: a whole number, and below 1 % two digits."""
-    return f"{100 * share:.0f}" if share >= SHARE else f"{100 * share:.2g}"
-
-
-def lost_share(recording: Recording) -> float | None:
-    """The part of the energy at the start that was dissipated, where that means something."""
-    names = ("total", "potential", "dissipated")
-    if any(name not in recording.energies for name in names):
-        return None
-    total, potential, dissipated = (recording.energies[name] for name in names)
-    supplied = recording.energies.get("supplied", np.zeros(1))
-    if supplied.any() or not total[0] > 0.0 or potential.min() < -SHARE * total[0]:
-        return None
-    return float(dissipated[-1] / total[0])
-
-
-def joint_damping(recording: Recording) -> float | None:
-    """The largest damping of a joint [N·m·s/rad]; None where the parameters are not known."""
-    return largest(recording, ".joint_damping")
+        return told
+    return f"{told}, {lost:.3g} J dissipated"
 
 
 def largest(recording: Recording, ending: str) -> float | None:
@@ -89,7 +52,7 @@ def conditions(recording: Recording) -> str:
     links = recording.points.shape[1] - 1
     known = recording.parameters
     parts = [plural(links, "link")]
-    if damping := joint_damping(recording):
+    if damping := largest(recording, ".joint_damping"):
         parts.append(f"joint damping ≤ {damping:g} N·m·s/rad")
     if dry := largest(recording, ".joint_friction"):
         parts.append(f"joint friction ≤ {dry:g} N·m")

@@ -17,13 +17,23 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.results.plots.style import GREY, INK, PALE, PALETTE, STYLE, Page, headline, number, save
+from chain_impact.results.plots.style import (
+    GREY,
+    INK,
+    PALE,
+    PALETTE,
+    SEPARATOR,
+    STYLE,
+    Page,
+    headline,
+    number,
+    save,
+)
 from chain_impact.results.result import Result
 from chain_impact.results.tables import IMPACT_UNITS
-from chain_impact.results.text import plural
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import QUANTITIES
-from chain_impact.studies.fit.report import rounded
+from chain_impact.studies.fit.report import heading, rounded
 from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.model import Model
 
@@ -31,10 +41,9 @@ if TYPE_CHECKING:
     from chain_impact.studies.fit.result import Fit
 
 MOST_PANELS = 8  # columns that are shown
-LETTERS, SMALLER = 9.5, 1.5  # of the headline, in an inch; and how many times as many in the line below it
+MOST_TOLD = 10  # parameters in the lines below the headline
 POINTS = 1500  # of the model's curve
 WIDTH, HEIGHT = 5.2, 2.9  # inches, of a panel
-APART = "  ·  "  # between the parts of the line below the headline
 USUAL = 2.0  # standard deviations, the band of the residuals
 
 
@@ -80,7 +89,13 @@ def fill(page: Figure, fit: Fit) -> None:
     grid = page.add_gridspec(down, across)
     for k, name in enumerate(names):
         _panel(grid[k // across, k % across], fit, name, results)
-    headline(page, *_words(fit, int(LETTERS * page.get_size_inches()[0]), len(names)))
+    told = [_told(fit, label) for label in fit.values]
+    more = [f"{len(told) - MOST_TOLD} more parameters"] if len(told) > MOST_TOLD else []
+    if len(names) < len(fit.columns):
+        more.append(f"{len(names)} of {len(fit.columns)} columns")
+    if len(fit.estimated) < len(fit.columns):
+        more.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
+    headline(page, heading(fit), SEPARATOR.join([*told[:MOST_TOLD], *more]))
 
 
 def _model(fit: Fit, k: int) -> Result:
@@ -168,22 +183,3 @@ def _told(fit: Fit, label: str) -> str:
     one = next(one for one in fit.parameters if one.label == label)
     value, error = fit.values[label], fit.standard_errors[label]
     return f"{label} {rounded(value, error)} ± {size_of(one, value, error / one.slope(value))}"
-
-
-def _words(fit: Fit, room: int, shown: int) -> tuple[str, str]:
-    """The headline, with as many parameters as there is room for letters, and the line below it."""
-    told = [_told(fit, label) for label in fit.values]
-    first = 1
-    while first < len(told) and len("; ".join(told[: first + 1])) <= room:
-        first += 1
-    parts = [fit.scene.name, *filter(None, [fit.law]), plural(int(fit.used.sum()), "value")]
-    if shown < len(fit.columns):
-        parts.append(f"{shown} of {len(fit.columns)} columns")
-    if len(fit.estimated) < len(fit.columns):
-        parts.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
-    rest = told[first:]
-    while rest and len(APART.join(parts)) + len(rest[0]) <= SMALLER * room:
-        parts.append(rest.pop(0))
-    if rest:
-        parts.append(plural(len(rest), "more parameter"))
-    return "; ".join(told[:first]), APART.join(parts)
