@@ -6,9 +6,7 @@ import zipfile
 
 def test_validate_of_a_good_fmu(run, fmu):
     code, said, errors = run("validate", fmu)
-    first, second = said.splitlines()
-    assert (code, first, errors) == (0, f"{fmu}: no problems found", "")
-    assert second.startswith(f"{fmu}: reference results: passed, ")
+    assert (code, said, errors) == (0, f"{fmu}: no problems found\n", "")
 
 
 def odd(fmu):
@@ -28,7 +26,7 @@ def test_validate_says_as_json_what_it_says_in_words(run, here, fmu):
     code, said, errors = run("validate", fmu, "--json")
     found = json.loads(said)
     assert (code, errors, found["fmu"], found["findings"]) == (0, "", str(fmu), [])
-    assert found["notes"][0].startswith("reference results: passed, ")
+    assert found["notes"] == []
     code, said, errors = run("validate", odd(fmu), "--json")
     found = json.loads(said)
     assert (code, errors, found["notes"]) == (1, "", [])
