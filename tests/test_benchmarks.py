@@ -1,40 +1,25 @@
 """The benchmarks go with the present package, as far as that shows without running one."""
 
 import ast
-import ctypes
 import importlib
 import json
-import math
 import os
 import re
-import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
 
 import matplotlib as mpl
-import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 import chain_impact
 from chain_impact.results.plots.style import STYLE
-from chain_impact.scene.scene import load_scene
-from chain_impact.simulation.instance import Instance
 from tests.tiers import needs_compilers
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 FILES = sorted([*BENCHMARKS.glob("*.py"), *BENCHMARKS.glob("peers/*.py")])
 OTHER_REVISION = "against_side.py"  # also imports what only other revisions have
-# writes one of the functions for other solvers in LLVM's language
-LOWER = """
-import sys
-sys.path.insert(0, {folder!r})
-import kernel_model
-one = {{"plain_least": kernel_model.entry_points()["plain_least"]}}
-kernel_model.entry_points = lambda: one
-kernel_model.lower({file!r})
-"""
 
 
 def names_of(module):
@@ -80,29 +65,6 @@ def charts():
     for name in set(sys.modules) - modules:
         if BENCHMARKS in Path(getattr(sys.modules[name], "__file__", None) or "/").parents:
             del sys.modules[name]
-
-
-@needs_compilers
-def test_functions_for_other_solvers_are_lowered_and_linked(charts, tmp_path):
-    lowered, library = tmp_path / "lowered.ll", tmp_path / "library.so"
-    text = LOWER.format(folder=str(BENCHMARKS), file=str(lowered))
-    subprocess.run([sys.executable, "-c", text], check=True)
-    model = charts("kernel_model")
-    model.link(lowered, None, library)
-    least = ctypes.CDLL(str(library)).plain_least
-    least.argtypes, least.restype = [ctypes.c_double, *[ctypes.c_void_p] * 3], None
-
-    scene = load_scene("four_link_box")
-    instance, first, out = Instance(scene), scene.initial, np.zeros(1)
-    y = np.array([*first.position, *first.angles, *first.velocity, *first.angular_velocities])
-    least(0.0, y.ctypes.data, out.ctypes.data, instance._address)
-    steps = [
-        (link.length * math.cos(angle), link.length * math.sin(angle))
-        for link, angle in zip(scene.chain.links, first.angles, strict=True)
-    ]
-    points = np.array(first.position) + np.cumsum([(0.0, 0.0), *steps], axis=0)
-    low, high = (scene.box.x_min, scene.box.y_min), (scene.box.x_max, scene.box.y_max)
-    assert out[0] == pytest.approx(min((points - low).min(), (high - points).min()) + model.CLEAR, abs=1e-14)
 
 
 # --- the charts of the docs, drawn from the stored figures --------------------------------------------------

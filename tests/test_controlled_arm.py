@@ -16,9 +16,6 @@ from tests.tiers import needs_interop
 MODEL = "controlled_arm"
 SCENE = load_scene(MODEL)
 TORQUES = [variable.name for variable in Model(SCENE).inputs]
-# as docs/models/controlled_arm.md has them
-TARGET, PROPORTIONAL, DERIVATIVE = np.array([-1.0, 0.6]), np.array([100.0, 40.0]), np.array([10.0, 3.0])
-LIMIT = np.array([30.0, 12.0])  # N·m
 
 
 def co_simulated(folder, *arguments):
@@ -110,29 +107,3 @@ def test_the_stored_inputs_are_those_of_the_co_simulation(run):
     assert list(stored) == TORQUES
     for name in TORQUES:
         np.testing.assert_allclose(columns[name], stored[name], rtol=0, atol=1e-6)
-
-
-@pytest.mark.full("takes long")
-def test_torques_follow_from_what_was_sampled_a_step_before(run):
-    _, columns = run
-    angle, rate = (
-        np.stack([columns[f"link[{i}].{name}"] for i in (1, 2)]) for name in ("angle", "angular_velocity")
-    )
-    angle[1] -= angle[0]
-    rate[1] -= rate[0]
-    wanted = PROPORTIONAL[:, None] * (TARGET[:, None] - angle) - DERIVATIVE[:, None] * rate
-    expected = np.clip(wanted, -LIMIT[:, None], LIMIT[:, None])
-    torques = np.stack([columns[name] for name in TORQUES])
-    np.testing.assert_allclose(torques[:, 1:], expected[:, :-1], rtol=0, atol=1e-12)
-    assert (torques[:, 0] == 0.0).all()
-    assert (torques.max(axis=1) == LIMIT).all(), "both controllers reach their limits"
-
-
-@pytest.mark.full("takes long")
-def test_the_arm_hits_the_wall_twice_and_then_holds(run):
-    time, columns = run
-    force = columns["contact[2].x_max.force"]
-    assert np.count_nonzero((force[1:] > 0.0) & (force[:-1] == 0.0)) == 3
-    assert (force[time > 0.5] > 0.0).all()
-    for name in ("link[1].angular_velocity", "link[2].angular_velocity"):
-        assert np.abs(columns[name][time > 1.9]).max() < 1e-7

@@ -105,29 +105,6 @@ def test_a_law_that_is_not_that_of_the_scene_is_pointed_at(law, tmp_path):
     assert found.with_values({"contact.model": "damped"}).contact.model == "damped"
 
 
-@pytest.mark.full("takes long")
-def test_a_law_may_have_a_generator(law):
-    text = """
-def parts(x):
-    rest = x
-    for k in range(3):
-        half = 0.5 * rest
-        rest -= half
-        yield half
-    yield rest
-
-def damped(penetration, stiffness):
-    force = 0.0
-    for part in parts(stiffness * penetration):
-        force += part
-    return force
-"""
-    plain = "def damped(penetration, stiffness):\n    return stiffness * penetration"
-    scene, _ = struck_ball()
-    found, known = (simulate(with_file(scene, law(source))).impacts for source in (text, plain))
-    assert found["peak_force"] == pytest.approx(known["peak_force"], rel=1e-9)
-
-
 @needs_compilers
 @pytest.mark.parametrize("change", [lambda path: path.write_text("# another"), Path.unlink])
 def test_a_result_is_of_the_law_that_it_was_simulated_with(law, change):
@@ -154,14 +131,6 @@ def test_it_is_told_all_that_a_law_may_need_and_may_do_anything_with_it(law):
     with pytest.raises(SimulationError) as caught:
         simulate(with_values(scene, {("contact", "restitution"): 0.9}))
     assert caught.value.status == NOT_FINITE
-
-
-@pytest.mark.full("takes long")
-def test_a_chain_comes_to_rest_under_it(law):
-    scene = with_file(load_scene("rod_drop"), law(DAMPED))
-    result = simulate(scene, stop_time=6.0, tolerance=1e-6)
-    assert np.abs(result.angular_velocities[-1]).max() < 0.1
-    assert result.statistics["steps"] < 20000
 
 
 # --- scene and FMU -----------------------------------------------------------------------------------------

@@ -4,8 +4,6 @@ import itertools
 
 import numpy as np
 
-from chain_impact import load_scene, simulate
-from chain_impact.variables.model import Model
 from tests.fmu.clean import importing
 from tests.fmu.importer import Instance
 
@@ -49,29 +47,3 @@ def test_setting_what_is_already_set_changes_nothing(fmu):
         often.step((i + 1) * 2.0**-9)
     once.step(500 * 2.0**-9)
     assert often.get(often.outputs) == once.get(once.outputs)
-
-
-def followed(fmu, columns, stop_time, step, names):
-    """What fmpy's own loop gives, with a table of inputs: name → values at communication points."""
-    import fmpy
-    import numpy as np
-
-    signals = np.array(list(zip(*columns.values(), strict=True)), dtype=[(name, float) for name in columns])
-    rows = fmpy.simulate_fmu(fmu, stop_time=stop_time, output_interval=step, input=signals, output=names)
-    return [rows[name].tolist() for name in ("time", *names)]
-
-
-def test_simulate_follows_inputs_as_the_fmu_does(fmus, clean):
-    """Through impacts, too: fmpy's loop sets the inputs at each communication point."""
-    scene = load_scene("pinned_arm")
-    times = np.arange(801) * 1e-3
-    signals = {"joint[1].torque": 3.0 * np.sin(9.0 * times), "joint[2].torque": np.cos(7.0 * times)}
-    result = simulate(scene, stop_time=0.8, inputs={name: (times, u) for name, u in signals.items()})
-    assert len(result.impacts) > 0
-    expected = Model(scene).series(result.outputs)
-    table = {"time": times.tolist()} | {name: values.tolist() for name, values in signals.items()}
-    time, *columns = clean(followed, fmus["pinned_arm"], table, 0.8, 1e-3, list(expected))
-    np.testing.assert_allclose(time, result.time, rtol=0, atol=1e-12)
-    for name, column in zip(expected, columns, strict=True):
-        scale = max(1.0, np.abs(expected[name]).max())
-        np.testing.assert_allclose(column, expected[name], rtol=0, atol=1e-9 * scale, err_msg=name)

@@ -308,26 +308,6 @@ def test_the_memory_of_states(fmu):
     refused("DeSerialize", buffer.raw[: size.value], size, byref(c_void_p()), why="no memory for a state")
 
 
-@calling("rod_drop", kinds="fmus")
-def test_steps_can_be_taken_back(fmu, target):
-    """As by a master that controls its step: each from a state that it keeps."""
-    library = Library(fmu)
-    one, plain = Component(library).start(), Component(library).start()
-    time, size, state = 0.0, 2.0**-7, one.state()
-    for _ in range(100):
-        one.call("fmi2GetFMUstate", byref(state))
-        one.step(time, 3 * size)
-        one.outputs()
-        one.call("fmi2SetFMUstate", state)
-        one.step(time, size)
-        plain.step(time, size)
-        time += size
-        assert one.outputs() == plain.outputs()
-    assert one.integer("impact.count") > 0
-    # a table and an instance for each, and one state
-    assert target != "native" or len(library.blocks) == 5
-
-
 @calling("rod_drop", kinds="strict")
 def test_no_byte_of_a_state_can_change(fmu):
     library = Library(fmu)

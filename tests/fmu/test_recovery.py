@@ -8,7 +8,6 @@ from chain_impact.fmu.build import build_fmu
 from tests.fmu.conftest import KINDS
 from tests.random_scenes import scene as random_scene
 
-LATEST = 8  # impacts that an FMU shows
 of_each = pytest.mark.parametrize(
     ("model", "size"),
     [(model, size) for model in ("four_link_box", "rod_drop") for size in (1e-3, 1e-2, 0.1)],
@@ -45,29 +44,6 @@ def assert_recovered(record, impacts):
         np.testing.assert_allclose(found[name], impacts[name], rtol=0, atol=1e-9, err_msg=name)
     for name in ("peak_force", "max_penetration", "impulse"):
         np.testing.assert_allclose(found[name], impacts[name], rtol=1e-6, err_msg=name)
-
-
-@pytest.mark.full("more cases", but=6)
-@of_each
-def test_fmpy_sees_every_impact(fmus, clean, expected, model, size):
-    """From impact[j].* alone, where no more come in a step than are shown."""
-    record, impacts = clean(recorded, fmus[model], size), expected[model].impacts
-    if max(np.diff(record["impact.count"])) <= LATEST:
-        assert_recovered(record, impacts)
-    else:
-        assert (model, size) == ("rod_drop", 0.1)
-        some = table(record)
-        assert len(some) < len(impacts) == record["impact.count"][-1]
-        assert_recovered(record, impacts[np.isin(impacts["onset"], some["onset"])])
-
-
-@pytest.mark.full("more cases", but=2)
-def test_an_fmu_that_shows_more_of_them_loses_none(target, tmp_path, clean):
-    """The dropped rod comes to rest by ever more impacts: in a step of 100 ms there are more than 8."""
-    scene = load_scene("rod_drop").with_values({"outputs.impacts": 16})
-    assert_recovered(
-        clean(recorded, str(build_fmu(scene, tmp_path, **KINDS[target])), 0.1), simulate(scene).impacts
-    )
 
 
 @pytest.mark.full("more cases", but=1)

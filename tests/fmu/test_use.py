@@ -165,19 +165,6 @@ def test_a_parameter_that_is_set_to_the_value_it_shows_is_set(fmu):
     assert one.start(**{"link[1].length": 0.55})[name] == before
 
 
-@importing("finger")
-def test_a_stop_follows_the_walls_in_the_run(fmu):
-    def run(**more):
-        one = Instance(fmu).start()
-        one.step(0.0625)
-        one.set({"contact.restitution": 0.25} | more)
-        return one.run([2.0**-7 * i for i in range(9, 97)], ["point[3].x", "stop.restitution"])
-
-    assert run()[-1][1] == 0.25
-    assert run() == run(**{"stop.restitution": 0.25})
-    assert run()[-1] != run(**{"stop.restitution": 0.7})[-1]
-
-
 def test_a_recording_has_the_parameters_in_use(fmus):
     found = record_fmu(fmus["finger"], {"link[1].length": 0.55, "simulation.stop_time": 0.01})
     assert [found.parameters[name] for name in DERIVED] == values_of(edited(FINGER, {"link[1].length": 0.55}))

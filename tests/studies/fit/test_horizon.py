@@ -40,15 +40,6 @@ def test_it_converges_from_far_through_six_impacts(start):
     assert one.evaluations < 40
 
 
-def test_it_does_not_without_a_growing_horizon(monkeypatch):
-    """So the test above tests the horizon."""
-    monkeypatch.setattr(horizon, "_first_horizon", lambda *_: math.inf)
-    columns, _ = motion(1.2)
-    one = problem(columns, scene(**FAR[0]), dict.fromkeys(TIP, NOISE))
-    found = search(one)
-    assert ((found.search.best.residuals / NOISE) ** 2).sum() > 1e4
-
-
 def test_standard_deviations_are_estimated_by_column():
     columns, result = motion(0.9)
     columns[TIP[1]] += 4e-3 * np.random.default_rng(5).standard_normal(200)
