@@ -258,7 +258,7 @@ def test_columns_are_those_of_the_recorded_outputs():
     for scene in SCENES.values():
         outputs = np.zeros(3, Model(scene).row)
         links, pairs = len(scene.chain.links), len(candidates(scene))
-        assert outputs.dtype == output_dtype(links, pairs, pairs + links if scene.has_friction else 0)
+        assert outputs.dtype == output_dtype(links, pairs, pairs + links if scene.has_friction else 0, 0)
         width = outputs.dtype.itemsize // 8
         outputs.view(np.float64)[:] = np.arange(3 * width)
         columns, layout = Model(scene).series(outputs), Model(scene).new_instance().dtype

@@ -106,7 +106,7 @@ define internal void @put_registers_back(i64 %registers) alwaysinline {
 """
 C_TYPES = {"i64": "long long", "double": "double", "ptr": "void *"}
 _DECLARED_ABOVE = re.compile(
-    r"^declare .*@(chain_links|chain_candidates|chain_elements|usual_registers|put_registers_back)\(.*$\n",
+    r"^declare .*@(chain_(links|candidates|elements|loads)|usual_registers|put_registers_back)\(.*$\n",
     re.M,
 )
 _LEFT_OPEN = re.compile(rf"^(declare|define) (?=[^\n]*@({'|'.join([*LAW, *HOOKS])})\()", re.M)
@@ -124,7 +124,7 @@ def complete(module: str, links: int | None, registers: str = REGISTERS) -> str:
     """
     name = "chain_links"
     sizes = HELD.format(name=name, word=0) if links is None else CONSTANT.format(name=name, number=links)
-    for word, held in enumerate(("chain_candidates", "chain_elements"), 1):
+    for word, held in enumerate(("chain_candidates", "chain_elements", "chain_loads"), 1):
         sizes += HELD.format(name=held, word=word)
     hidden = _LEFT_OPEN.sub(r"\1 hidden ", module)  # private to a library, and called without a table
     return _DECLARED_ABOVE.sub("", hidden) + sizes + registers

@@ -38,7 +38,8 @@ def array_variables(model: Model) -> list[Array]:
     groups: dict[tuple[str | int, str], list[Variable]] = {}
     for variable in model.outputs:
         # stops have other units than contacts, and joints without a stop or dry friction no element
-        if variable.index and not variable.name.startswith("joint["):
+        of_joint = variable.name.startswith("joint[")
+        if variable.index and not of_joint and (variable.place[0] == "latest" or variable.field in NAMES):
             groups.setdefault((variable.place[0], variable.field), []).append(variable)
     return [_array(elements) for elements in groups.values()]
 

@@ -23,6 +23,7 @@ RATES = {
 }
 """Fields of the output record, and those that they are the derivatives of."""
 
+OF_A_FIELD = 3  # steps of a place: the part of the record, the field and an index
 DATE = "1980-01-01T00:00:00Z"  # the earliest that a zip can hold: equal scenes make equal FMUs
 LOG_CATEGORIES = {
     "logStatusWarning": "Warnings",
@@ -109,7 +110,7 @@ def values_of(model: Model) -> list[dict[str, str]]:
         value = {}
         if variable.type == "real":
             value = {"declaredType": unit_of(variable.unit).quantity, "unit": variable.unit}
-            of_stop = variable.name.startswith("joint[") and "friction" not in variable.place
+            of_stop = variable.name.startswith("joint[") and len(variable.place) == OF_A_FIELD
             key = f"stop_{variable.field}" if of_stop else variable.field
             if variable.place[0] in OBSERVED and key in nominal:
                 value["nominal"] = repr(nominal[key])
@@ -150,8 +151,10 @@ def nominal_values(scene: Scene) -> dict[str, float]:
     contacts = {"penetration": depth, "force": force, "impulse": mass * size}
     dry = {"force": force, "impulse": mass * size, "joint_moment": energy, "dissipated": energy}
     friction = {f"friction.{field}": value for field, value in dry.items()}
+    loads = dict.fromkeys(("x", "y", "impulse_x", "impulse_y", "peak"), mass * size) | {"moment": energy}
     impacts = {"speed": size, "separation_speed": size, "peak_force": force, "max_penetration": depth}
-    return motion | energies | contacts | friction | impacts | _of_stops(scene.stops, energy)
+    loaded = {f"load.{field}": value for field, value in loads.items()}
+    return motion | energies | contacts | friction | loaded | impacts | _of_stops(scene.stops, energy)
 
 
 def _of_stops(stops: Stops, energy: float) -> dict[str, float]:

@@ -44,6 +44,7 @@ from chain_impact.kernel.integration.quadratures import (
 )
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
+from chain_impact.kernel.loads import update_load_peaks
 from chain_impact.kernel.model.constraints import SOLVED, UNSOLVED, any_point_held, clear_unsolved
 from chain_impact.kernel.model.contact import clear_loads, latch, set_kink_sides
 from chain_impact.kernel.model.contact_law import laws_in_use, update_laws
@@ -363,6 +364,8 @@ def apply_pending_events(d):
     ensure_rate(d)
     if d.touch.active_count > 0:
         update_extremes(d)
+    if d.loads > 0:
+        update_load_peaks(d)
 
     rate = d.work.rate_start
     for j in range(len(d.work.y)):

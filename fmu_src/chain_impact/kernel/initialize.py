@@ -23,6 +23,7 @@ from chain_impact.kernel.integration.last_step import clear_breaks, reset_step, 
 from chain_impact.kernel.integration.method import IMPLICIT, SOLVER_METHODS, first_method
 from chain_impact.kernel.integration.quadratures import clear_quadratures
 from chain_impact.kernel.integration.switching import begin_explicit, stable
+from chain_impact.kernel.loads import start_loads
 from chain_impact.kernel.model.constraints import UNSOLVED, clear_unsolved
 from chain_impact.kernel.model.contact import clear_contacts, clear_loads
 from chain_impact.kernel.model.contact_law import start_laws
@@ -71,11 +72,13 @@ def initialize(d, time):
 
 
 def set_start(d, time):
-    """Set the walls, the state and the modes of dry friction at the start of a run, at ``time`` [s]."""
+    """Set walls, state, loads and modes of dry friction at the start of a run, at ``time`` [s]."""
     place_walls(d)
     set_initial_state(d, d.work.y)
     reset_step(d, time, d.work.y)
     clear_loads(d)
+    if d.loads > 0:
+        start_loads(d, time)
     reinit_modes(d, True)
 
 

@@ -10,6 +10,7 @@ from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, sup
 from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.quadratures import quadrature_within
+from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, keep_tip_impulse
 from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import located_rate
@@ -33,10 +34,14 @@ def fill_outputs(d):
     counted, theta = counted_work(d), fraction(d, d.step.time)
     fill_motion(d, theta)
     fill_quadratures(d, theta)
+    if d.loads > 0:
+        fill_load_impulses(d)
     list_latest(d)
     if d.model.stopped:
         combine_forces(d)
         combine_impulses(d)
+    if d.loads > 0:
+        fill_load_peaks(d)
     uncount_work(d, counted)
 
 
@@ -77,6 +82,8 @@ def fill_motion(d, theta):
     fill_forces(d)
     if d.elements > 0:
         fill_friction(d)
+    if d.loads > 0:
+        fill_loads(d, y)
     out.kinetic, out.potential = mechanical_energy(d, y)
     out.elastic = stored_energy(d, y)
     out.dissipated = y[dissipated_at(n)]
@@ -120,7 +127,10 @@ def fill_friction(d):
 
 
 def fill_quadratures(d, theta):
-    """Fill the impulses and the energy of dry friction at the fraction θ of the last step."""
+    """Fill impulses and the energy of dry friction at the fraction θ of the last step.
+
+    The impulse of the force at the tip is kept for the impulses in the joints.
+    """
     own = d.quadrature
     for i in range(len(own.total)):
         fill_quadrature(d, i, own.total[i])
@@ -135,8 +145,10 @@ def fill_quadrature(d, i, value):
         d.output.impulse[i] = value
     elif e < d.elements:
         d.output.friction.impulse[e] = value
-    else:
+    elif e == d.elements:
         d.output.friction.dissipated = value
+    else:
+        keep_tip_impulse(d, e - d.elements - 1, value)
 
 
 def combine_forces(d):

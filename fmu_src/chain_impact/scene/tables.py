@@ -236,6 +236,7 @@ class Outputs:
     )
     impacts: int = quantity("", "how many of the latest impacts", 8, minimum=0, maximum=LATEST)
     energies: bool = quantity("", "the energies", True)
+    loads: bool = quantity("", "forces and moments in the joints and on the walls, and their peaks", False)
     solver: bool = quantity("", "steps, evaluations and status of the solver", True)
     sensitivities: tuple[str, ...] = quantity(
         "", "parameters and inputs with respect to which outputs have derivatives", (), matching=_NAME

@@ -24,8 +24,8 @@ from chain_impact.variables.model import Model, model_of
 from chain_impact.variables.table import BEHIND, WORD, first_word
 from chain_impact.variables.variable import Variable
 
-# words at the start of a record: the numbers of links, candidates, elements and instances of dual numbers
-SIZES = 4
+# words at the start of a record: numbers of links, candidates, elements, loads, instances of dual numbers
+SIZES = 5
 CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000  # that the kernel fills at once, at most
 
 

@@ -29,7 +29,7 @@ LINK_PARAMETERS = (
     *("length", "mass", "center_of_mass", "inertia"),
     *("joint_damping", "joint_stiffness", "joint_rest_angle", "joint_friction"),
 )
-Sizes = tuple[int, int, int]
+Sizes = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> 
     Args:
         scene: what it is of.
         pairs: the candidates.
-        sizes: of the record: links, candidates, elements.
+        sizes: of the record: links, candidates, elements, loads.
     """
     layout, before = layout_of(*sizes), _kept.get(sizes)
     changes = None if before is None else changed_numbers(before.scene, scene)
@@ -101,7 +101,7 @@ def _kind_of_chain(scene: Scene) -> tuple[Any, ...]:
 def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     """Put the parameters of a scene, and its candidates, in their places in a new instance."""
     d["links"], d["candidates"] = len(scene.chain.links), len(pairs)
-    d["elements"] = len(d["element"]["mode"])
+    d["elements"], d["loads"] = len(d["element"]["mode"]), len(d["transmitted"]["peak"])
     d["step"]["regularized"] = NO_CONTACT
     model = d["model"]
     model["joint_min"], model["joint_max"] = -math.inf, math.inf
@@ -114,7 +114,8 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
 
     d["latest"]["kept"] = scene.outputs.impacts
     asked = scene.outputs
-    d["quadrature"]["wanted"] = asked.contacts or asked.impacts > 0 or (scene.has_friction and asked.energies)
+    rubbed = scene.has_friction and asked.energies
+    d["quadrature"]["wanted"] = asked.contacts or asked.impacts > 0 or asked.loads or rubbed
     _fill_walls(d, scene)
     if scene.stops.exponent is not None:
         _fill_stops(d, scene)

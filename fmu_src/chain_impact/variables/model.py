@@ -36,7 +36,7 @@ class Model:
     Attributes:
         scene: what the model is of.
         candidates: the C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch.
-        sizes: of a record: links, candidates, elements.
+        sizes: of a record: links, candidates, elements, loads.
         layout: the record of an instance without derivatives.
         row: the record of the outputs, a row of ``Result.outputs``.
     """
@@ -52,7 +52,8 @@ class Model:
         else:
             self.candidates = candidates(scene)
             links, pairs = len(scene.chain.links), len(self.candidates)
-            self.sizes = links, pairs, links + pairs if scene.has_friction else 0
+            loads = links + len(scene.wall_names) if scene.outputs.loads else 0
+            self.sizes = links, pairs, links + pairs if scene.has_friction else 0, loads
             self.layout = layout_of(*self.sizes)
             self.row: np.dtype = self.layout["output"]
         Model._last = self  # complete: another thread may take over what it has

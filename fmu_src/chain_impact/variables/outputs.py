@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
+from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING, STATUS_TEXT
 from chain_impact.scene.candidates import point_wall_pairs, stop_pairs
 from chain_impact.scene.names import AXES
@@ -122,6 +123,9 @@ def _outputs(shape: Shape) -> Iterator[Variable]:
         yield from _joint_friction(shape)
     if asked.energies:
         yield from _energies(shape)
+    if asked.loads:
+        yield from _joint_loads(shape)
+        yield from _wall_loads(shape)
     yield from _last_impact(shape)
     yield from _latest_impacts(shape)
     if asked.solver:
@@ -240,6 +244,38 @@ def _energies(shape: Shape) -> Iterator[Variable]:
     if shape.has_friction:
         text = "energy lost in dry friction since the start, part of energy.dissipated"
         yield _output("energy.friction", "J", text, "output", "friction", "dissipated")
+
+
+def _joint_loads(shape: Shape) -> Iterator[Variable]:
+    """What each joint transmits: its row is that of its link."""
+    for i in range(0 if shape.pinned else 1, shape.links):
+        name, of = f"joint[{i + 1}]", f"of {f'link {i}' if i > 0 else 'the ground'} on link {i + 1}"
+        quantities = [
+            *((f"force.{axis}", "N", f"{axis} of the force {of}", axis) for axis in AXES),
+            ("moment", "N.m", f"moment {of}: motor, spring, damper, friction and stops", "moment"),
+            *(
+                (f"impulse.{axis}", "N.s", f"{axis} of the impulse {of} since the start", f"impulse_{axis}")
+                for axis in AXES
+            ),
+            ("peak_force", "N", f"largest force {of} since the start", "peak"),
+        ]
+        for key, unit, text, field in quantities:
+            least = 0.0 if field == "peak" else None
+            place = ("output", "load", field, i)
+            yield _output(f"{name}.{key}", unit, f"joint {i + 1}: {text}", *place, minimum=least)
+
+
+def _wall_loads(shape: Shape) -> Iterator[Variable]:
+    """What the chain exerts on each wall that a point can touch: its row comes after those of the links."""
+    for number in sorted({number for _, number in shape.pairs}):
+        wall, about = shape.wall_names[number], "the origin" if number < len(WALLS) else "its point"
+        quantities = [
+            *((f"load.{axis}", "N", f"{axis} of the force of the chain on it", axis) for axis in AXES),
+            ("load_moment", "N.m", f"moment of the chain on it, about {about}", "moment"),
+        ]
+        for key, unit, text, field in quantities:
+            place = ("output", "load", field, shape.links + number)
+            yield _output(f"wall.{wall}.{key}", unit, f"wall {wall}: {text}", *place)
 
 
 def _last_impact(shape: Shape) -> Iterator[Variable]:

@@ -74,7 +74,10 @@ class Variable:
         True of accelerations, but of what is held, and of forces and their peaks: those of rigid walls hold
         against a torque, and so does what sticks by dry friction. True also of the derivatives of all these.
         """
-        at_once = ("acceleration", "force", "joint_moment", "sticking")
+        at_once = (
+            *("acceleration", "force", "joint_moment", "sticking"),
+            *("load.x", "load.y", "load.moment"),
+        )
         return not self.held and self.field.removesuffix(".slope").endswith(at_once)
 
     @property

@@ -136,13 +136,12 @@ def test_those_of_the_active_contacts_are_integrated_if_they_are_wanted(d):
 
 @pytest.mark.parametrize(("contacts", "joints"), [(2, False), (1, True), (0, True)])
 def test_those_of_dry_friction_follow(contacts, joints):
-    """A place for each element, and the last one for the energy."""
+    """A place for each element, and one for the energy after them."""
     _, d, _ = rubbing_chain(np.random.default_rng(1), "free", contacts, joints)
     d.quadrature.wanted = 1
     quadratures.reset_quadratures(d)
     own, touched = d.quadrature, d.touch.active_index[:contacts]
-    last = len(own.total) - 1
-    assert last == d.candidates + d.elements
+    last = d.candidates + d.elements
     assert own.index[: own.count].tolist() == [*touched, *(d.candidates + touched), last]
     rng = np.random.default_rng(2)
     d.touch.force[:], d.element.force[:] = rng.normal(size=d.candidates), rng.normal(size=d.elements)
@@ -150,9 +149,9 @@ def test_those_of_dry_friction_follow(contacts, joints):
     own.rate[:] = 99.0
     quadratures.keep_end_rates(d)
     quadratures.commit_quadratures(d)
-    right = np.zeros(last + 1)
+    right = np.zeros(len(own.total))
     right[touched], right[d.candidates + touched] = d.touch.force[touched], d.element.force[touched]
-    right[-1] = 3.5
+    right[last] = 3.5
     assert own.rate.tolist() == right.tolist()
 
 

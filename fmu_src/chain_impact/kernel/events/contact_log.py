@@ -5,6 +5,7 @@ import math
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET, drop_changes, mark
+from chain_impact.kernel.events.peaks import maximum_near
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.last_step import (
     OUTPUTS,
@@ -15,6 +16,7 @@ from chain_impact.kernel.integration.last_step import (
     truncate_to_output_time,
 )
 from chain_impact.kernel.integration.quadratures import commit_quadratures
+from chain_impact.kernel.loads import update_load_peaks
 from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.contact import (
     contact_force,
@@ -27,7 +29,6 @@ from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import clearance, gap_acceleration, lever
 from chain_impact.kernel.work_limit import count_evaluations, counted_work, uncount_work
 
-FORCE, PENETRATION = 0, 1
 HELD_SAMPLES = 5  # samples of a constraint force over a step, its ends included
 
 
@@ -66,10 +67,11 @@ def peaks(d, c, force_rate, time, reader):
     depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0 and not turns_at_end(d, c)
     if force_peaked or depth_peaked:
         ensure_dense(d, reader)
+    middle = 0.5 * fraction(d, time) if force_peaked or depth_peaked else 0.0
     if force_peaked:
-        peak = max(peak, maximum_inside(d, c, FORCE, time))
+        peak = max(peak, maximum_near(d, force_at, c, middle, middle, 2.0 * middle))
     if depth_peaked:
-        depth = max(depth, maximum_inside(d, c, PENETRATION, time))
+        depth = max(depth, maximum_near(d, penetration_at, c, middle, middle, 2.0 * middle))
     return peak, depth, force_peaked or depth_peaked
 
 
@@ -109,6 +111,8 @@ def update_own_to_output_time(d):
     end_at_output_time(d)
     ensure_rate(d)
     update_extremes(d)
+    if d.loads > 0:
+        update_load_peaks(d)
     commit_quadratures(d)
     log_active(d)
     uncount_work(d, counted)
@@ -169,36 +173,23 @@ def rate_of_force(d, c):
     return -(stiffness * gap_rate + damping * gap_acceleration(d, c))
 
 
-def maximum_inside(d, c, quantity, time):
-    """The maximum of FORCE or PENETRATION of candidate c inside the last step, until a ``time`` [s] in it.
-
-    Three parabolas, each through three points around the last top; returns the final top or a larger sample.
-    """
-    end = fraction(d, time)
-    middle, reach, best, summit = 0.5 * end, 0.5 * end, 0.0, 0.0
-    for _ in range(3):
-        left = value_at(d, c, quantity, middle - reach)
-        top = value_at(d, c, quantity, middle)
-        right = value_at(d, c, quantity, middle + reach)
-        best = max(best, left, top, right)
-        bend = left - 2.0 * top + right
-        if bend >= 0.0:
-            return best
-        shift = 0.5 * (left - right) / bend
-        summit = top - 0.25 * (left - right) * shift if abs(shift) <= 1.0 else top
-        middle += shift * reach
-        reach *= 0.1
-        middle = min(max(middle, reach), end - reach)
-    return max(best, summit)
+def force_at(d, c, theta):
+    """The force [N] of candidate c at the fraction θ of the last step."""
+    gap, gap_rate = clearance_at(d, c, theta)
+    return contact_force(d, c, gap, gap_rate)
 
 
-def value_at(d, c, quantity, theta):
-    """FORCE [N] or PENETRATION [m] of candidate c at the fraction θ of the last step."""
+def penetration_at(d, c, theta):
+    """The penetration [m] of candidate c at the fraction θ of the last step."""
+    gap, _ = clearance_at(d, c, theta)
+    return -gap
+
+
+def clearance_at(d, c, theta):
+    """The clearance [m] of candidate c and its rate [m/s] at the fraction θ of the last step."""
     interpolate(d.step, theta, d.work.y)
     locate_points(d, d.work.y)
-    gap, gap_rate = clearance(d, c)
-    force = contact_force(d, c, gap, gap_rate)
-    return force if quantity == FORCE else -gap
+    return clearance(d, c)
 
 
 def clear_log(d):

@@ -19,6 +19,7 @@ QUADRATURES = (
     ("impulse of a wall [N·s]", lambda d: d.candidates, lambda d, c: d.touch.force[c]),
     ("impulse of dry friction [N·s]", lambda d: d.elements, lambda d, e: d.element.force[e]),
     ("energy that dry friction dissipates [J]", lambda _d: 1, lambda d, _i: d.friction.power),
+    ("impulse of the force at the tip [N·s]", lambda _d: 2, lambda d, j: d.inputs.tip_force[j]),
 )
 
 
@@ -45,6 +46,9 @@ def list_quadratures(d):
             integrate(d, d.candidates + d.element.index[k])
         if d.friction.count > 0:
             integrate(d, d.candidates + d.elements)
+        if d.loads > 0 and d.model.driven:
+            for j in range(2):
+                integrate(d, d.candidates + d.elements + 1 + j)
 
 
 def integrate(d, i):

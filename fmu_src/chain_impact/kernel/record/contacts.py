@@ -155,7 +155,7 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
 
     Those that are integrated are packed.
     """
-    places = candidates + elements + 1
+    places = candidates + elements + 3
     return record(
         ("wanted", INTEGER),  # 1: they are integrated
         ("onset", REAL, (candidates,)),  # N·s, the impulse at the onset of the contact

@@ -8,9 +8,9 @@ needs no other knowledge of the layout.
 N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point and a wall), state vector y
 (kernel/chain/state.py).
 
-Every size and offset is a + bN + cC + dF. The compiled kernel relies on it (compilation/record_type.py). The
-parts that depend on C come after all others, and last those that depend on F, so that the offsets of all
-others do not depend on them.
+Every size and offset is a + bN + cC + dF + eL. The compiled kernel relies on it
+(compilation/record_type.py). The parts that depend on C come after all others, then those that depend on F,
+and last those that depend on L, so that the offsets of all others do not depend on them.
 """
 
 import numpy as np
@@ -41,7 +41,7 @@ from chain_impact.kernel.record.given import (
     walls_dtype,
 )
 from chain_impact.kernel.record.implicit import implicit_dtype
-from chain_impact.kernel.record.outputs import output_dtype
+from chain_impact.kernel.record.outputs import output_dtype, transmitted_dtype
 from chain_impact.kernel.record.solver import (
     balance_dtype,
     fault_dtype,
@@ -54,16 +54,18 @@ from chain_impact.kernel.record.solver import (
 )
 
 
-def instance_dtype(links: int, candidates: int, elements: int = 0) -> np.dtype:
+def instance_dtype(links: int, candidates: int, elements: int = 0, loads: int = 0) -> np.dtype:
     """The record of an instance with N = ``links`` links, C = ``candidates`` candidates and F elements.
 
     The ``elements`` are what may have dry friction: candidates and joints, C + N, or none, F = 0, in a scene
-    without dry friction, whose record has no room for it.
+    without dry friction, whose record has no room for it. Nor has it room for loads unless they are
+    requested: then ``loads`` L is the number of joints N and walls together.
     """
     return record(
         ("links", INTEGER),  # N
         ("candidates", INTEGER),  # C
         ("elements", INTEGER),  # F
+        ("loads", INTEGER),  # L
         ("tangents", INTEGER),  # number of tangent instances that follow this one in memory (kernel/tangent/)
         ("model", model_dtype(links)),
         ("contact", contact_dtype()),
@@ -89,10 +91,11 @@ def instance_dtype(links: int, candidates: int, elements: int = 0) -> np.dtype:
         ("law", law_dtype(candidates)),
         ("search", search_dtype(candidates)),
         ("finished", finished_dtype(candidates)),
-        ("output", output_dtype(links, candidates, elements)),
         ("implicit", implicit_dtype(links, candidates, elements)),
         ("rigid", rigid_dtype(links, candidates, elements)),
         ("element", element_dtype(elements)),
         ("quadrature", quadrature_dtype(candidates, elements)),
         ("changes", changes_dtype(elements)),
+        ("output", output_dtype(links, candidates, elements, loads)),
+        ("transmitted", transmitted_dtype(loads)),
     )

@@ -5,8 +5,8 @@ import numpy as np
 from chain_impact.kernel.record.fields import REAL, record, written_by
 
 
-@written_by("observe.py")
-def output_dtype(links: int, candidates: int, elements: int) -> np.dtype:
+@written_by("observe.py", load="loads.py")
+def output_dtype(links: int, candidates: int, elements: int, loads: int) -> np.dtype:
     """The outputs at the communication point; one row of a time series."""
     points = links + 1
     return record(
@@ -29,6 +29,7 @@ def output_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("supplied", REAL),  # J, by the inputs since the start
         ("total", REAL),  # J, kinetic + potential + elastic
         ("friction", friction_output_dtype(elements)),
+        ("load", load_output_dtype(loads)),
     )
 
 
@@ -41,4 +42,38 @@ def friction_output_dtype(elements: int) -> np.dtype:
         ("joint_moment", REAL, (elements,)),  # N·m, on the link of each joint; there are fewer than elements
         ("joint_sticking", REAL, (elements,)),  # 1: the joint sticks
         ("dissipated", REAL),  # J, part of `dissipated`
+    )
+
+
+def load_output_dtype(loads: int) -> np.dtype:
+    """The outputs of loads: a row for each joint, then one for each wall, without impulses and peaks."""
+    return record(
+        (
+            "x",
+            REAL,
+            (loads,),
+        ),  # N, on the link of each joint, of the link before or the ground; or on the wall
+        ("y", REAL, (loads,)),
+        ("moment", REAL, (loads,)),  # N·m, on the link of each joint, or on the wall about its point
+        ("impulse_x", REAL, (loads,)),  # N·s, since the start
+        ("impulse_y", REAL, (loads,)),
+        ("peak", REAL, (loads,)),  # N, the largest force so far
+    )
+
+
+@written_by("loads.py")
+def transmitted_dtype(loads: int) -> np.dtype:
+    """What is known of the forces that the joints transmit, with the rows of their outputs."""
+    return record(
+        ("start_time", REAL),  # s
+        ("tip_impulse", REAL, (2,)),  # N·s, of the force at the tip since the start
+        ("start_x", REAL, (loads,)),  # N·s, momentum of the links from each on, at the start
+        ("start_y", REAL, (loads,)),
+        ("peak", REAL, (loads,)),  # N², the largest square of a force until the start of the last step
+        ("top", REAL, (loads,)),  # N², likewise, while it is searched for
+        ("x", REAL, (loads,)),  # N, forces at a sample, …
+        ("y", REAL, (loads,)),
+        ("before", REAL, (loads,)),  # N², … and the squares of three in sequence
+        ("middle", REAL, (loads,)),
+        ("after", REAL, (loads,)),
     )

@@ -1,0 +1,231 @@
+"""Loads: the forces and moments that the joints transmit, and what the chain exerts on each wall.
+
+Newton's law for links i…N, with f_i the force of link i − 1 on link i, F_k the forces at the points:
+
+    f_i = Σ_{j≥i} m_j (a_Cj − g) − Σ_{k≥i} F_k.
+
+A contact at point k acts on link k, which ends there; one at the base of a free chain acts on link 1. In time,
+with p the momentum of these links, that is
+
+    ∫f_i dt = Δp − Σ m_j g Δt − Σ_{k≥i} ∫F_k dt,
+
+in which the impulses of rigid walls are contained. So the joints need no quadrature of their own. The peaks
+of |f_i| are found in the dense output of each step. An impulse of a rigid wall is no force: peaks do not have it.
+
+The record has a row for each joint, from 0 (that of the base), and after them one for each wall. A scene that
+does not request loads has none.
+"""
+
+import math
+
+from chain_impact.kernel.chain.joints import joint_damping, spring_stiffness, stretch
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.state import omega_at
+from chain_impact.kernel.events.peaks import maximum_near
+from chain_impact.kernel.integration.dense import fraction, interpolate
+from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense, ensure_points
+from chain_impact.kernel.model.equations import located_rate
+from chain_impact.kernel.model.geometry import WALLS, lever, normal, tangent
+from chain_impact.kernel.work_limit import count_evaluations
+
+INTERVALS = 8  # of a step, between the samples of the forces in its joints
+NEARLY = 0.95  # a parabola through three samples estimates the square of a peak to this fraction
+OF_A_MAXIMUM = 9  # evaluations
+
+
+def start_loads(d, time):
+    """Start at ``time`` [s] without peaks, in the state at the end of the last step."""
+    own = d.transmitted
+    locate_points(d, d.step.state_end)
+    own.start_time = time
+    link_momenta(d, own.start_x, own.start_y)
+    for i in range(d.links):
+        own.peak[i] = 0.0
+
+
+def keep_tip_impulse(d, j, impulse):
+    """Keep component j of the impulse [N·s] of the force at the tip since the start."""
+    d.transmitted.tip_impulse[j] = impulse
+
+
+def link_momenta(d, x, y):
+    """Set x and y to the momentum [N·s] of links i…N, for the located points."""
+    velocity, px, py = d.work.velocity, 0.0, 0.0
+    for i in range(d.links - 1, -1, -1):
+        # Σ m_j v_Cj
+        px += d.model.mass[i] * at_center(d, velocity.x, i)
+        py += d.model.mass[i] * at_center(d, velocity.y, i)
+        x[i], y[i] = px, py
+
+
+def at_center(d, values, i):
+    """The value at the centre of mass of link i, from those at the points."""
+    return values[i] + d.model.center_of_mass_ratio[i] * (values[i + 1] - values[i])
+
+
+def joint_of_point(point):
+    """The row of the innermost joint that carries a force at a point."""
+    return max(point, 1) - 1
+
+
+def joint_forces(d, contact_force, friction_force, x, y):
+    """Set x and y to f_i [N] for the accelerated points, with forces of the active contacts, by candidate."""
+    acceleration = d.work.acceleration
+    for i in range(d.links):
+        x[i] = d.model.mass[i] * (at_center(d, acceleration.x, i) - d.model.gravity[0])
+        y[i] = d.model.mass[i] * (at_center(d, acceleration.y, i) - d.model.gravity[1])
+    x[d.links - 1] -= d.inputs.tip_force[0]
+    y[d.links - 1] -= d.inputs.tip_force[1]
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        if d.candidate.stop[c] == 0:
+            fx, fy = wall_force(d, c, contact_force, friction_force)
+            i = joint_of_point(d.candidate.point[c])
+            x[i] -= fx
+            y[i] -= fy
+    for i in range(d.links - 2, -1, -1):
+        x[i] += x[i + 1]
+        y[i] += y[i + 1]
+
+
+def wall_force(d, c, along_normal, along_tangent):
+    """The force [N], or impulse [N·s], of a wall on the point of candidate c, from those of candidates."""
+    _, nx, ny = normal(d, c)
+    fx, fy = along_normal[c] * nx, along_normal[c] * ny
+    if d.elements > 0:
+        _, tx, ty = tangent(d, c)
+        fx += along_tangent[c] * tx
+        fy += along_tangent[c] * ty
+    return fx, fy
+
+
+def fill_loads(d, y):
+    """Fill the outputs of forces and moments, for the accelerated points, from those of the contacts."""
+    out = d.output
+    joint_forces(d, out.force, out.friction.force, out.load.x, out.load.y)
+    before = 0.0
+    for i in range(d.links):
+        omega = y[omega_at(d.links) + i]
+        # u − c (ω_i − ω_{i−1}) − k φ
+        out.load.moment[i] = d.inputs.joint_torque[i] - joint_damping(d, i) * (omega - before)
+        out.load.moment[i] -= spring_stiffness(d, i) * stretch(d, y, i)
+        if d.elements > 0:
+            out.load.moment[i] += out.friction.joint_moment[i]
+        before = omega
+    for row in range(d.links, d.loads):
+        out.load.x[row], out.load.y[row], out.load.moment[row] = 0.0, 0.0, 0.0
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        if d.candidate.stop[c] == 0:
+            load_wall(d, c)
+        else:
+            moment = d.candidate.stop[c] * lever(d, c) * out.force[c]
+            out.load.moment[d.candidate.point[c] - 1] += moment
+
+
+def load_wall(d, c):
+    """Add the force of candidate c on its wall, and the moment about the wall's point, to the outputs."""
+    out, wall, point = d.output, d.candidate.wall[c], d.candidate.point[c]
+    fx, fy = wall_force(d, c, out.force, out.friction.force)
+    x, y = d.work.position.x[point], d.work.position.y[point]
+    if wall >= len(WALLS):
+        x -= d.walls.x[wall - len(WALLS)]
+        y -= d.walls.y[wall - len(WALLS)]
+    row = d.links + wall
+    out.load.x[row] -= fx
+    out.load.y[row] -= fy
+    out.load.moment[row] -= x * fy - y * fx
+
+
+def fill_load_impulses(d):
+    """Fill the outputs of the impulses in joints at the communication point, for the located points."""
+    out, own = d.output.load, d.transmitted
+    link_momenta(d, out.impulse_x, out.impulse_y)
+    lasted, mass = d.step.time - own.start_time, 0.0
+    for i in range(d.links - 1, -1, -1):
+        mass += d.model.mass[i]
+        out.impulse_x[i] -= own.start_x[i] + mass * d.model.gravity[0] * lasted
+        out.impulse_y[i] -= own.start_y[i] + mass * d.model.gravity[1] * lasted
+    for c in range(d.candidates):
+        if d.candidate.stop[c] == 0:
+            px, py = wall_force(d, c, d.output.impulse, d.output.friction.impulse)
+            for i in range(joint_of_point(d.candidate.point[c]) + 1):
+                out.impulse_x[i] -= px
+                out.impulse_y[i] -= py
+    for i in range(d.links):
+        out.impulse_x[i] -= own.tip_impulse[0]
+        out.impulse_y[i] -= own.tip_impulse[1]
+
+
+def fill_load_peaks(d):
+    """Fill the outputs of the largest forces so far. Afterwards the points are located elsewhere."""
+    out, own = d.output.load, d.transmitted
+    for i in range(d.links):
+        own.top[i] = max(own.peak[i], out.x[i] * out.x[i] + out.y[i] * out.y[i])
+    search_peaks(d, d.step.time)
+    for i in range(d.links):
+        out.peak[i] = math.sqrt(own.top[i]) if own.top[i] > 0.0 else 0.0
+
+
+def update_load_peaks(d):
+    """Update the largest forces in the joints over the last step."""
+    own = d.transmitted
+    ensure_dense(d, SOLVER)
+    for i in range(d.links):
+        own.top[i] = own.peak[i]
+    count_evaluations(d, search_peaks(d, d.step.end))
+    for i in range(d.links):
+        own.peak[i] = own.top[i]
+    load_joints_at(d, fraction(d, d.step.end))  # so that forces, and what follows from them, are those there
+    ensure_points(d)
+
+
+def search_peaks(d, time):
+    """Raise ``transmitted.top`` to the largest |f|² [N²] of the last step until a ``time`` [s].
+
+    Returns how many evaluations of the equations of motion that took.
+    """
+    own, end, evaluations = d.transmitted, fraction(d, time), INTERVALS + 1
+    for m in range(INTERVALS + 1):
+        load_joints_at(d, end * m / INTERVALS)
+        for i in range(d.links):
+            own.after[i] = square_of_force(d, i)
+        for i in range(d.links):
+            left, top, right = own.before[i], own.middle[i], own.after[i]
+            own.before[i], own.middle[i] = top, right
+            own.top[i] = max(own.top[i], right)
+            if m >= 2 and rises_between(left, top, right, own.top[i]):
+                found = maximum_near(d, square_at, i, end * (m - 1) / INTERVALS, end / INTERVALS, end)
+                own.top[i] = max(own.top[i], found)
+                evaluations += OF_A_MAXIMUM
+    return evaluations
+
+
+def rises_between(left, top, right, highest):
+    """Whether a value with these three samples may have a maximum between them that exceeds the highest."""
+    bend = 2.0 * top - left - right
+    # the top of a parabola through them, which at the ends of a step may lie between the outer two
+    if bend <= 0.0 or abs(right - left) > 2.0 * bend:
+        return False
+    return top + (right - left) ** 2 / (8.0 * bend) > NEARLY * highest
+
+
+def load_joints_at(d, theta):
+    """Find the forces in the joints at the fraction θ of the last step."""
+    y, rate = d.work.y, d.work.rate
+    interpolate(d.step, theta, y)
+    locate_points(d, y)
+    located_rate(d, y, rate)
+    accelerate_points(d, y, rate)
+    joint_forces(d, d.touch.force, d.element.force, d.transmitted.x, d.transmitted.y)
+
+
+def square_of_force(d, i):
+    """|f|² [N²] of the joint in row i, as found last."""
+    return d.transmitted.x[i] * d.transmitted.x[i] + d.transmitted.y[i] * d.transmitted.y[i]
+
+
+def square_at(d, i, theta):
+    """|f|² [N²] of the joint in row i at the fraction θ of the last step."""
+    load_joints_at(d, theta)
+    return square_of_force(d, i)
