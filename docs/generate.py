@@ -134,7 +134,7 @@ def variable_patterns() -> str:
     more = {"inputs.joint_torques": True, "inputs.tip_force": True, "link[2].joint_min": -2.0}
     more |= {"link[2].joint_max": 2.0, "wall.y_min.stiffness": 1e7, "wall.y_min.restitution": 0.3}
     more |= {"contact.friction": 0.3, "wall.y_min.friction": 0.3, "wall.y_min.static_friction": 0.3}
-    more |= {"link[2].joint_friction": 0.1}
+    more |= {"link[2].joint_friction": 0.1, "outputs.loads": True}
     everything = with_values(load_scene("four_link_box"), more)
     rows: dict[str, Variable] = {}
     for scene in (everything, *scenes):

@@ -8,7 +8,7 @@ from chain_impact.kernel.record.outputs import output_dtype
 from chain_impact.variables.table import WORD
 
 # links N, candidates C, elements F
-SIZES = [(1, 0, 0), (1, 1, 0), (1, 0, 1), (2, 2, 4), (4, 20, 0), (7, 32, 39)]
+SIZES = [(1, 0, 0, 0), (1, 1, 0, 3), (1, 0, 1, 0), (2, 2, 4, 0), (4, 20, 0, 8), (7, 32, 39, 0)]
 
 
 def scalars(dtype):

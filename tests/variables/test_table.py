@@ -39,6 +39,7 @@ def scenes() -> dict[str, Scene]:
         "stops only": with_values(models["simple_pendulum"], {"link[1].joint_max": 7.0, **NO_POINTS}),
         "materials": with_values(box, MATERIALS),
         "friction": with_values(box, FRICTION | STOPS),
+        "loads": with_values(box, FRICTION | STOPS | {"outputs.loads": True}),
         "friction in joints": pendulum(),
         "slanted": with_values(box, {("walls",): [{"name": "slope", "point": [0.0, 0.0], "angle": -0.75}]}),
     }
@@ -258,7 +259,8 @@ def test_columns_are_those_of_the_recorded_outputs():
     for scene in SCENES.values():
         outputs = np.zeros(3, Model(scene).row)
         links, pairs = len(scene.chain.links), len(candidates(scene))
-        assert outputs.dtype == output_dtype(links, pairs, pairs + links if scene.has_friction else 0, 0)
+        rows = (pairs + links if scene.has_friction else 0, links + 6 if scene.outputs.loads else 0)
+        assert outputs.dtype == output_dtype(links, pairs, *rows)
         width = outputs.dtype.itemsize // 8
         outputs.view(np.float64)[:] = np.arange(3 * width)
         columns, layout = Model(scene).series(outputs), Model(scene).new_instance().dtype

@@ -4,13 +4,13 @@ Newton's law for links i…N, with f_i the force of link i − 1 on link i, F_k 
 
     f_i = Σ_{j≥i} m_j (a_Cj − g) − Σ_{k≥i} F_k.
 
-A contact at point k acts on link k, which ends there; one at the base of a free chain acts on link 1. In time,
-with p the momentum of these links, that is
+A contact at point k acts on link k, which ends there; one at the base of a free chain acts on link 1. In
+time, with p the momentum of these links, that is
 
     ∫f_i dt = Δp − Σ m_j g Δt − Σ_{k≥i} ∫F_k dt,
 
 in which the impulses of rigid walls are contained. So the joints need no quadrature of their own. The peaks
-of |f_i| are found in the dense output of each step. An impulse of a rigid wall is no force: peaks do not have it.
+of |f_i| are found in the dense output of each step. An impulse of a rigid wall is no force, and in no peak.
 
 The record has a row for each joint, from 0 (that of the base), and after them one for each wall. A scene that
 does not request loads has none.
@@ -23,14 +23,13 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, locate_point
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.events.peaks import maximum_near
 from chain_impact.kernel.integration.dense import fraction, interpolate
-from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense, ensure_points
+from chain_impact.kernel.integration.last_step import OUTPUTS, ensure_dense, ensure_points
 from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.geometry import WALLS, lever, normal, tangent
-from chain_impact.kernel.work_limit import count_evaluations
+from chain_impact.kernel.work_limit import counted_work, uncount_work
 
 INTERVALS = 8  # of a step, between the samples of the forces in its joints
 NEARLY = 0.95  # a parabola through three samples estimates the square of a peak to this fraction
-OF_A_MAXIMUM = 9  # evaluations
 
 
 def start_loads(d, time):
@@ -168,24 +167,22 @@ def fill_load_peaks(d):
 
 
 def update_load_peaks(d):
-    """Update the largest forces in the joints over the last step."""
-    own = d.transmitted
-    ensure_dense(d, SOLVER)
+    """Update the largest forces in the joints over the last step; as for outputs, no work is counted."""
+    own, counted = d.transmitted, counted_work(d)
+    ensure_dense(d, OUTPUTS)
     for i in range(d.links):
         own.top[i] = own.peak[i]
-    count_evaluations(d, search_peaks(d, d.step.end))
+    search_peaks(d, d.step.end)
     for i in range(d.links):
         own.peak[i] = own.top[i]
     load_joints_at(d, fraction(d, d.step.end))  # so that forces, and what follows from them, are those there
     ensure_points(d)
+    uncount_work(d, counted)
 
 
 def search_peaks(d, time):
-    """Raise ``transmitted.top`` to the largest |f|² [N²] of the last step until a ``time`` [s].
-
-    Returns how many evaluations of the equations of motion that took.
-    """
-    own, end, evaluations = d.transmitted, fraction(d, time), INTERVALS + 1
+    """Raise ``transmitted.top`` to the largest |f|² [N²] of the last step until a ``time`` [s]."""
+    own, end = d.transmitted, fraction(d, time)
     for m in range(INTERVALS + 1):
         load_joints_at(d, end * m / INTERVALS)
         for i in range(d.links):
@@ -197,8 +194,6 @@ def search_peaks(d, time):
             if m >= 2 and rises_between(left, top, right, own.top[i]):
                 found = maximum_near(d, square_at, i, end * (m - 1) / INTERVALS, end / INTERVALS, end)
                 own.top[i] = max(own.top[i], found)
-                evaluations += OF_A_MAXIMUM
-    return evaluations
 
 
 def rises_between(left, top, right, highest):

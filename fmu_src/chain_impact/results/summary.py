@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from html import escape
+from itertools import chain
 
 import numpy as np
 
@@ -34,7 +35,8 @@ def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
 
 def text(result: Recording, outputs: int, facts: list[str]) -> str:
     """A result in a few lines: how many outputs it has, and facts of its scene and solver."""
-    return "\n".join([_headline(result, outputs), *_impact_lines(result), *_friction_lines(result), *facts])
+    lines = (_impact_lines(result), _friction_lines(result), _load_lines(result), facts)
+    return "\n".join([_headline(result, outputs), *chain.from_iterable(lines)])
 
 
 def html(result: Recording, outputs: int, facts: list[str]) -> str:
@@ -48,7 +50,7 @@ def html(result: Recording, outputs: int, facts: list[str]) -> str:
     more = len(result.impacts) - LISTED
     table = f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>" if rows else ""
     table += f"<p>… and {plural(more, 'more impact')}</p>" if more > 0 else ""
-    lines = "\n".join(map(escape, [*_friction_lines(result), *facts]))
+    lines = "\n".join(map(escape, [*_friction_lines(result), *_load_lines(result), *facts]))
     return f"<div><b>{escape(_headline(result, outputs))}</b>{table}<pre>{lines}</pre></div>"
 
 
@@ -75,6 +77,18 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, str, str, str
     unit = f" {speed_unit(stop)}" if result.stops else ""
     wall = result.wall_names[impact["wall"]]
     return f"{impact['onset']:.6f}", point, wall, f"{impact['impact_speed']:.4f}{unit}"
+
+
+def _load_lines(result: Recording) -> Iterator[str]:
+    """The largest force in a joint, where the scene asks for loads."""
+    peaks = {
+        name.split(".")[0]: values[-1]
+        for name, values in result.columns.items()
+        if name.startswith("joint[") and name.endswith(".peak_force") and len(values)
+    }
+    if peaks:
+        joint = max(peaks, key=lambda name: peaks[name])
+        yield f"loads    at most {peaks[joint]:.6g} N in {joint}"
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:

@@ -156,7 +156,7 @@ def _links(shape: Shape) -> Iterator[Variable]:
 def _joints(shape: Shape) -> Iterator[Variable]:
     rotations = (("angle", "rad", "angle"), ("angular_velocity", "rad/s", "angular velocity"))
     for i in range(0 if shape.pinned else 1, shape.links):
-        of = f"of link {i + 1} relative to " + (f"link {i}" if i > 0 else "the ground, from +x")
+        of = f"of link {i + 1} relative to " + ("the link before" if i > 0 else "the ground, from +x")
         for quantity, unit, text in rotations:
             place = ("output", f"joint_{quantity}", i)
             yield _output(f"joint[{i + 1}].{quantity}", unit, f"joint {i + 1}: {text} {of}", *place)
@@ -249,7 +249,8 @@ def _energies(shape: Shape) -> Iterator[Variable]:
 def _joint_loads(shape: Shape) -> Iterator[Variable]:
     """What each joint transmits: its row is that of its link."""
     for i in range(0 if shape.pinned else 1, shape.links):
-        name, of = f"joint[{i + 1}]", f"of {f'link {i}' if i > 0 else 'the ground'} on link {i + 1}"
+        name = f"joint[{i + 1}]"
+        of = f"of {'the link before' if i > 0 else 'the ground'} on link {i + 1}"
         quantities = [
             *((f"force.{axis}", "N", f"{axis} of the force {of}", axis) for axis in AXES),
             ("moment", "N.m", f"moment {of}: motor, spring, damper, friction and stops", "moment"),
@@ -270,12 +271,12 @@ def _wall_loads(shape: Shape) -> Iterator[Variable]:
     for number in sorted({number for _, number in shape.pairs}):
         wall, about = shape.wall_names[number], "the origin" if number < len(WALLS) else "its point"
         quantities = [
-            *((f"load.{axis}", "N", f"{axis} of the force of the chain on it", axis) for axis in AXES),
-            ("load_moment", "N.m", f"moment of the chain on it, about {about}", "moment"),
+            *((f"load.{axis}", "N", f"{axis} of the force of the chain on the wall", axis) for axis in AXES),
+            ("load_moment", "N.m", f"moment of the chain on the wall, about {about}", "moment"),
         ]
         for key, unit, text, field in quantities:
             place = ("output", "load", field, shape.links + number)
-            yield _output(f"wall.{wall}.{key}", unit, f"wall {wall}: {text}", *place)
+            yield _output(f"wall.{wall}.{key}", unit, f"at wall {wall}: {text}", *place)
 
 
 def _last_impact(shape: Shape) -> Iterator[Variable]:

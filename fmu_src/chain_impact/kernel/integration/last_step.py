@@ -184,9 +184,9 @@ def find_rate(d, located):
         if not located:
             locate_points(d, y)
         located_rate(d, y, rate)
-        keep_end_rates(d)
     else:
         state_rate(d, y, rate)
+    keep_end_rates(d)
     if d.candidates > 0:
         if not touching:
             place_points(d, y)

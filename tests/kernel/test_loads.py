@@ -1,0 +1,238 @@
+"""Loads in joints and on walls, against Newton's and Euler's laws for the public motion of each link."""
+
+import numpy as np
+import pytest
+from scipy.integrate import simpson
+
+from chain_impact import load_scene, simulate
+from chain_impact.scene.scene import Scene, with_values
+from chain_impact.simulation.instance import SimulationError
+from tests.random_scenes import RUBBED, SLANTED, STOPPED, scene as random_scene
+
+GEAR = {"link[2].joint_stiffness": 3.0, "link[3].joint_damping": 0.2, "inputs.tip_force": True}
+GEAR |= {"link[3].joint_min": 1.2, "link[3].joint_max": 1.4, "inputs.joint_torques": True}
+ROUGH = {"contact.friction": 0.3, "wall.y_min.static_friction": 0.5, "link[2].joint_friction": 0.5}
+SLOPE = {("walls",): [{"name": "slope", "point": [0.3, -0.2], "angle": -0.5}]}
+CASES = {
+    "box": ("four_link_box", {}),
+    "rigid walls": ("four_link_box", {"contact.model": "newton_impact"}),
+    "cut off": ("four_link_box", {"contact.model": "kelvin_voigt", "contact.exponent": 1.0}),
+    "pinned": ("pinned_arm", {}),
+    "driven, stops": ("four_link_box", GEAR),
+    "friction": ("four_link_box", ROUGH | GEAR),
+    "slope": ("four_link_box", SLOPE),
+    "held": ("ramp", {}),
+}
+PUSHED = {"joint[2].torque": 0.4, "tip.force.x": 3.0, "tip.force.y": -1.0}
+
+
+def loaded(name: str, **changes) -> Scene:
+    model, values = CASES[name]
+    return with_values(load_scene(model), values | {"outputs.loads": True} | changes)
+
+
+def run(name: str, step: float = 1e-3, **changes):
+    scene = loaded(name, **changes)
+    inputs = PUSHED if scene.inputs.tip_force else {}
+    return simulate(scene, output_step=step, stop_time=min(1.0, scene.simulation.stop_time), inputs=inputs)
+
+
+def cross(one, other):
+    return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
+
+
+class Links:
+    """What is public of a run: motion of the links and forces at their points, each of shape (T, 2).
+
+    ``push`` is the force on the tip [N].
+    """
+
+    def __init__(self, result, push=(0.0, 0.0)) -> None:
+        self.result, self.scene, self.push = result, result.scene, np.array(push)
+        self.links = self.scene.chain.links
+        self.count = len(self.links)
+        self.first = 1 if self.scene.chain.base == "pinned" else 2  # number of the first joint
+
+    def vector(self, name):
+        return np.stack([self.result[f"{name}{axis}"] for axis in "xy"], 1)
+
+    def at_center(self, i, kind=""):
+        """Position, velocity or acceleration of the centre of mass of link i, from 1."""
+        inner, outer = (self.vector(f"point[{k}].{kind}") for k in (i - 1, i))
+        link = self.links[i - 1]
+        return inner + link.center_of_mass / link.length * (outer - inner)
+
+    def forces_on(self, wall, kind="force"):
+        """Point → force, or impulse, of a wall on it."""
+        found, normal = {}, np.array(self.scene.half_planes[wall].normal)
+        for name in self.result.columns:
+            owner, _, quantity = name.rpartition(".")
+            point = int(owner[8 : owner.index("]")]) if owner.startswith("contact[") else -1
+            if point >= 0 and owner.endswith(f"].{wall}") and quantity in (kind, f"friction_{kind}"):
+                along = normal if quantity == kind else np.array([normal[1], -normal[0]])
+                found[point] = found.get(point, 0.0) + np.outer(self.result[name], along)
+        return found
+
+    def force_at(self, k, kind="force"):
+        """What walls, and an input at the tip, exert on point k."""
+        total = np.zeros((len(self.result.time), 2))
+        for wall in self.scene.half_planes:
+            total += self.forces_on(wall, kind).get(k, 0.0)
+        if k == self.count:
+            total += self.push if kind == "force" else np.outer(self.result.time, self.push)
+        return total
+
+    def cut_at_stops(self):
+        """Rows inside a step in which the force of a stop is cut off, which the accelerations do not have."""
+        beyond, names = np.zeros(len(self.result.time), bool), self.result.columns
+        for name in names:
+            if name.endswith("stop_penetration"):
+                force = names[name.replace("penetration", "moment")]
+                beyond |= (names[name] > 0.0) & (force == 0.0)
+        return beyond
+
+    def of_joint(self, i, name="force."):
+        return self.vector(f"joint[{i}].{name}") if self.first <= i <= self.count else 0.0
+
+
+def links_of(name: str, step: float = 1e-3) -> Links:
+    result = run(name, step)
+    push = [PUSHED[f"tip.force.{axis}"] for axis in "xy"] if result.scene.inputs.tip_force else (0.0, 0.0)
+    return Links(result, push)
+
+
+def off(found, right):
+    return np.abs(found - right).max() / max(np.abs(right).max(), 1e-6)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_forces_and_moments_are_those_of_the_laws_of_newton_and_euler(name):
+    assert_laws_hold(links_of(name))
+
+
+def test_they_hold_in_random_scenes():
+    """With walls at any angle, stops, springs, dry friction and rigid walls."""
+    complete = 0
+    for seed in (*range(4), *(first + k for first in (SLANTED, STOPPED, RUBBED) for k in range(8))):
+        try:
+            result = simulate(with_values(random_scene(seed), {"outputs.loads": True}))
+        except SimulationError as error:  # which has the rows until then
+            result = error.result
+        else:
+            complete += 1
+        if result is not None and len(result.time):
+            assert_laws_hold(Links(result))
+    assert complete > 20
+
+
+def assert_laws_hold(chain):
+    result, gravity = chain.result, np.array(chain.scene.gravity)
+    for i in range(chain.first, chain.count + 1):
+        link, center = chain.links[i - 1], chain.at_center(i)
+        inner, outer = chain.vector(f"point[{i - 1}]."), chain.vector(f"point[{i}].")
+        beyond = chain.force_at(i) - chain.of_joint(i + 1)
+        # m (a − g) = f_i − f_{i+1} + F_i
+        right = link.mass * (chain.at_center(i, "a") - gravity) - beyond
+        assert off(chain.of_joint(i), right) < 1e-12
+        # I α = τ_i − τ_{i+1} + (p_{i−1} − C) × f_i + (p_i − C) × (F_i − f_{i+1})
+        turned = link.inertia * result[f"link[{i}].angular_acceleration"]
+        turned -= cross(inner - center, chain.of_joint(i)) + cross(outer - center, beyond)
+        after = result[f"joint[{i + 1}].moment"] if i < chain.count else 0.0
+        size = np.abs(chain.of_joint(i)).max() * link.length
+        rest = np.abs(result[f"joint[{i}].moment"] - after - turned)
+        assert rest[~chain.cut_at_stops()].max(initial=0.0) < 1e-9 * max(size, 1.0)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_impulses_are_the_change_of_momentum(name):
+    chain = links_of(name, 0.01)
+    gravity, time = np.array(chain.scene.gravity), chain.result.time
+    for i in range(chain.first, chain.count + 1):
+        momentum = chain.links[i - 1].mass * chain.at_center(i, "v")
+        given = (
+            chain.of_joint(i, "impulse.") - chain.of_joint(i + 1, "impulse.") + chain.force_at(i, "impulse")
+        )
+        given += chain.links[i - 1].mass * np.outer(time, gravity)
+        assert np.abs(given - (momentum - momentum[0])).max() < 1e-11 * max(np.abs(momentum).max(), 1.0)
+
+
+def test_an_impulse_is_the_integral_of_the_force():
+    """By Simpson's rule, where no force has a kink."""
+    sharp = {"solver.tolerance": 1e-10, "link[3].joint_min": -9.0, "link[3].joint_max": 9.0}
+    result = run("driven, stops", 1e-4, **sharp)
+    flight = result.time <= result.impacts["onset"][0]
+    for joint in (2, 3, 4):
+        for axis in "xy":
+            force = result[f"joint[{joint}].force.{axis}"][flight]
+            right = simpson(force, dx=1e-4)
+            found = result[f"joint[{joint}].impulse.{axis}"][len(force) - 1]
+            assert found == pytest.approx(right, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["box", "rigid walls", "driven, stops", "friction", "pinned"])
+def test_a_peak_is_that_of_a_thousand_times_finer_rows(name):
+    coarse, fine = run(name, 0.05), run(name, 5e-5)
+    chain = Links(fine)
+    for i in range(chain.first, chain.count + 1):
+        sizes = np.hypot(*chain.of_joint(i).T)
+        peaks, found = fine[f"joint[{i}].peak_force"], coarse[f"joint[{i}].peak_force"]
+        assert (peaks >= np.maximum.accumulate(sizes) * (1.0 - 1e-6)).all()
+        assert (np.diff(peaks) >= -1e-7 * peaks[-1]).all()
+        assert found == pytest.approx(peaks[::1000], rel=1e-7)
+        assert sizes.max() <= found[-1] * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize("name", ["friction", "slope", "held"])
+def test_a_wall_bears_what_its_points_press_on_it(name):
+    chain = links_of(name)
+    bearing = 0
+    for wall in chain.scene.half_planes:
+        place = next((one.point for one in chain.scene.walls if one.name == wall), (0.0, 0.0))
+        force, moment = np.zeros((len(chain.result.time), 2)), np.zeros(len(chain.result.time))
+        for point, given in chain.forces_on(wall).items():
+            force -= given
+            moment -= cross(chain.vector(f"point[{point}].") - place, given)
+        bearing += force.any()
+        assert off(chain.vector(f"wall.{wall}.load."), force) < 1e-12
+        assert off(chain.result[f"wall.{wall}.load_moment"], moment) < 1e-12
+    assert bearing
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_motion_is_the_same_without_them(name):
+    with_loads, without = run(name), run(name, **{"outputs.loads": False})
+    assert all(
+        "load" in one or one.startswith("joint") for one in set(with_loads.columns) - set(without.columns)
+    )
+    for one, values in without.columns.items():
+        assert np.array_equal(with_loads[one], values), one
+    assert with_loads.impacts.tobytes() == without.impacts.tobytes()
+    assert ("loads    at most" in str(with_loads)) == any(
+        one.endswith("peak_force") for one in with_loads.motion
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "output"),
+    [
+        ("box", "joint[3].force.x"),
+        ("box", "joint[3].peak_force"),
+        ("box", "joint[4].impulse.y"),
+        ("driven, stops", "joint[3].moment"),
+        ("driven, stops", "joint[4].impulse.y"),
+    ],
+)
+def test_derivatives_are_those_of_differences(name, output):
+    parameter, change = "link[4].mass", 1e-5
+    scene = loaded(name, **{"solver.tolerance": 1e-11})
+    value, inputs = scene.values[parameter], PUSHED if scene.inputs.tip_force else {}
+    result = simulate(scene, stop_time=0.6, output_step=0.02, sensitivities=[parameter], inputs=inputs)
+    low, high = (
+        simulate(scene.with_values({parameter: value + d}), stop_time=0.6, output_step=0.02, inputs=inputs)
+        for d in (-change, change)
+    )
+    right = (high[output] - low[output]) / (2.0 * change)
+    found = result.sensitivity(output, parameter)
+    quiet = np.abs(right) < 50.0 * np.median(np.abs(right))  # a row just at an impact says nothing
+    assert quiet.sum() > 20
+    assert np.abs(found - right)[quiet].max() < 1e-5 * np.abs(right[quiet]).max()
