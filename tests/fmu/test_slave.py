@@ -15,6 +15,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu import pythonfmu_target
 from chain_impact.fmu.build import build_fmu
 from chain_impact.fmu.pythonfmu_target import slave_source
+from chain_impact.fmu.references import FILE
 from tests.fmu.clean import importing
 from tests.fmu.importer import Instance, refused
 from tests.fmu.planted_faults import spoiled
@@ -36,7 +37,7 @@ def test_only_the_files_that_are_needed_and_another_script_for_another_value(pat
     assert slave == script.replace(".py", "_slave.py")
     resources = ("instance.bin", "kernel-linux64.so", "model.json", "slavemodule.txt")
     expected = {f"resources/{name}" for name in resources}
-    expected |= {"documentation/index.html", "documentation/licenses/license.txt", "model.png"}
+    expected |= {FILE, "documentation/index.html", "documentation/licenses/license.txt", "model.png"}
     assert set(rest) == expected | {"modelDescription.xml", "binaries/linux64/RodDrop.so", script, slave}
     other = build_fmu(load_scene("rod_drop").with_values({"contact.stiffness": 2e8}), tmp_path)
     assert not {script, slave} & set(zipfile.ZipFile(other).namelist())

@@ -39,7 +39,8 @@ from tests.tiers import needs_compilers
 @pytest.mark.parametrize("model", ["rod_drop", "kneed_leg", "controlled_arm"])
 def test_nothing_is_found_in_an_fmu_of_ours(fmus, model):
     found = validation(fmus[model])
-    assert (list(found.findings), list(found.notes)) == ([], [])
+    assert list(found.findings) == []
+    assert [note.split(",")[0] for note in found.notes] == ["reference results: passed"]
 
 
 # --- faults of each kind of FMU ---------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""`chain-impact validate`: an FMU against the FMI standard and its own description."""
+"""`chain-impact validate`: an FMU against the FMI standard, its own description and its reference results."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from chain_impact.scene.reading import SceneError
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    validate = verbs.add_parser("validate", help="check an FMU against the FMI standard, and run it")
+    validate = verbs.add_parser(
+        "validate", help="check an FMU against the FMI standard, and run it, with its reference results"
+    )
     validate.add_argument("fmu", metavar="FMU", type=Path)
     validate.add_argument("--json", action="store_true", help="print findings and notes as JSON")
     validate.add_argument(

@@ -14,6 +14,7 @@ from chain_impact.compilation.library import kernel_library
 from chain_impact.fmu import native_target, pythonfmu_target
 from chain_impact.fmu.check_description import description_findings
 from chain_impact.fmu.documents import documents
+from chain_impact.fmu.references import reference_files
 from chain_impact.progress import log
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.system import HOST, PLATFORMS, nowhere, written_whole
@@ -99,7 +100,7 @@ def build_fmu(
     with written_whole(fmu) as path, tempfile.TemporaryDirectory(prefix="chain-impact-") as scratch:
         log.debug("packaging the FMU")
         files = TARGETS[target].files[fmi](model, kernels, Path(scratch)) | documents(model, fmi)
-        _pack(files, path)
+        _pack(files | reference_files(model), path)
         log.debug("validating the FMU")
         problems = validate_fmu(path)
         if problems:

@@ -1,7 +1,8 @@
 """An FMU's binary on trial: ``python -m chain_impact.fmu.trial FMU REPORT BINARY``, a process of its own.
 
 The report is a file, as an FMU may print what it likes. It has a line of JSON for each call before it is
-made, and for each finding, so that who reads it knows in which call the process ended.
+made, for each finding and for the reference results, so that who reads it knows in which call the process
+ended.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from xml.etree import ElementTree
 from chain_impact.fmu.check_variables import REALS, Value, Variable, variables_of
 from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
 from chain_impact.fmu.importer import instantiate, listening, loaded
+from chain_impact.fmu.references import FILE, check_references
 
 T = TypeVar("T")
 CLOSE = 1e-6  # relative: a start may be written with six digits
@@ -208,8 +210,11 @@ def main() -> None:
     """Try the FMU that the command line names."""
     path, binary = Path(sys.argv[1]), sys.argv[3]
     with Path(sys.argv[2]).open("w", encoding="utf-8") as report:
+        findings = 0
 
         def tell(**what: Any) -> None:
+            nonlocal findings
+            findings += "finding" in what
             print(json.dumps(what), file=report, flush=True)
 
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, listening() as reasons:
@@ -217,6 +222,13 @@ def main() -> None:
                 Trial(path, folder, binary, tell).run(reasons)
             except CallError as error:
                 tell(finding=asdict(Finding(str(error), binary)))
+        if not findings and "--references" in sys.argv:  # what is at fault needs no longer run to be told
+            tell(call="the run with the reference results")
+            outcome = check_references(path)
+            if outcome and outcome.passed:
+                tell(passed=f"reference results: {outcome.text}")
+            elif outcome:
+                tell(finding=asdict(Finding(outcome.text, FILE)))
         tell(call=COMPLETE)
     os._exit(0)  # what an FMU does as its host ends is not on trial
 

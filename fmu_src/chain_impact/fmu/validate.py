@@ -1,4 +1,4 @@
-"""All that can be found wrong with an FMU: its zip, its description, its binary."""
+"""All that can be found wrong with an FMU: its zip, its description, its binary, its reference results."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Validation:
 
     Attributes:
         findings: what is wrong.
-        notes: what was not checked.
+        notes: what passed, and what was not checked.
     """
 
     findings: Sequence[Finding]
@@ -64,7 +64,8 @@ def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Valida
     binary, missing = _binary(modes[0], names, second=root.get("fmiVersion") == "2.0")
     if missing:
         return Validation([*findings, missing], [])
-    return Validation([*findings, *_tried(path, binary, timeout)], [])
+    tried = _tried(path, binary, timeout, references=not findings)
+    return Validation([*findings, *tried.findings], tried.notes)
 
 
 def _binary(mode: Element, names: set[str], *, second: bool) -> tuple[str, Finding | None]:
@@ -83,14 +84,14 @@ def _binary(mode: Element, names: set[str], *, second: bool) -> tuple[str, Findi
     return "", Finding(said, wanted)
 
 
-def _tried(path: Path, binary: str, timeout: float) -> list[Finding]:
-    """What is found when the binary is run in a process of its own."""
+def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Validation:
+    """Run the binary in a process of its own."""
     with tempfile.TemporaryDirectory(prefix="chain-impact-", ignore_cleanup_errors=True) as folder:
         report, errors = Path(folder, "report"), Path(folder, "errors")
         command = [sys.executable, "-P", "-m", "chain_impact.fmu.trial", str(path), str(report), binary]
         with errors.open("wb") as stream:
             process = subprocess.Popen(
-                command,
+                [*command, *(["--references"] if references else [])],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=stream,
@@ -113,7 +114,7 @@ def _tried(path: Path, binary: str, timeout: float) -> list[Finding]:
     calls = [line["call"] for line in lines if "call" in line]
     if COMPLETE not in calls:
         findings.append(Finding(f"{calls[-1] if calls else 'the trial'} {end}", binary))
-    return findings
+    return Validation(findings, [line["passed"] for line in lines if "passed" in line])
 
 
 def _end(code: int, said: str) -> str:

@@ -1,0 +1,246 @@
+"""Reference results inside the FMU: a table of what it shall give, and how exactly, to check an importer.
+
+The file is CSV. Its first row has names: ``time``, the inputs, the outputs. Its second row begins with the
+word ``tolerance`` and tells how far each output may be off. Then there is a row for each communication point.
+An input acts from its row to the next; an output is empty where it is not to be compared.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from chain_impact.fmu.description import nominal_values
+from chain_impact.fmu.importer import read_fmu, simulated
+from chain_impact.progress import log
+from chain_impact.scene.scene import Scene
+from chain_impact.simulation.chain import Chain
+from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.record_scene import RunError
+from chain_impact.variables.model import Model
+
+FILE = "resources/chain_impact_reference.csv"
+EXACT = 1e-12  # tolerance of the reference
+ROWS = 100  # communication steps of the scene's time, about
+SHORTER = 10  # a part of the scene's time that is tried, when the results can be relied on in no more of it
+# A chain amplifies an error with each impact. The table ends before the scene's own tolerance leads
+# farther from the reference than LARGEST, or that tolerance, of the largest value of a unit. Tolerated is
+# MARGIN times as far as it led until there, and at least LEAST of that value.
+LARGEST, MARGIN, LEAST = 1e-5, 10.0, 1e-9
+CLOSE = 1e-4  # of a step: nearer to the begin or the end of a contact, nothing is compared
+MOST_WORK = 2_000_000  # evaluations of the equations of motion, times links: about 0.2 s
+SWING = 0.1  # of the inputs, of the magnitudes of the motion
+FEWEST, DIGITS = 2, 12  # rows: the start alone is no simulation; digits of a result
+
+
+class Reference(NamedTuple):
+    """What an FMU shall give.
+
+    Attributes:
+        inputs: name of an input → its values, each from a communication point to the next, shape (T,).
+        outputs: names of M of the FMU's outputs.
+        tolerances: how far these may be off, shape (M,).
+        times: communication points, equally spaced, shape (T,) [s].
+        values: what the outputs are, shape (T, M); rows of NaN are not to be compared.
+    """
+
+    inputs: dict[str, np.ndarray]
+    outputs: Sequence[str]
+    tolerances: np.ndarray
+    times: np.ndarray
+    values: np.ndarray
+
+
+class Outcome(NamedTuple):
+    """Whether an FMU keeps to its reference results, and a line that says so."""
+
+    passed: bool
+    text: str
+
+
+def reference_files(model: Model) -> dict[str, bytes]:
+    """The file, by its name in the FMU; none if the results cannot be relied on for any time."""
+    try:
+        found = reference(model)
+    except SimulationError as error:
+        log.info("no reference results in the FMU: %s", error)
+        return {}
+    if len(found.times) < FEWEST:
+        log.info("no reference results in the FMU: they depend too much on the solver's tolerance")
+        return {}
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["time", *found.inputs, *found.outputs])
+    writer.writerow(["tolerance", *("" for _ in found.inputs), *(f"{x:.2g}" for x in found.tolerances)])
+    rows = np.column_stack([*found.inputs.values(), found.values])
+    for time, row in zip(found.times, rows, strict=True):
+        writer.writerow([repr(float(time)), *("" if np.isnan(x) else f"{x:.{DIGITS}g}" for x in row)])
+    return {FILE: text.getvalue().encode()}
+
+
+def reference(model: Model) -> Reference:
+    """Simulate a scene at a tolerance of 1e-12 and at its own, as far as the second follows the first.
+
+    If that is a small part of the scene's time, in shorter steps.
+
+    Raises:
+        SimulationError: when it cannot start, or take the first step.
+    """
+    stop, shortest = model.scene.simulation.stop_time, model.scene.simulation.step_size
+    while True:
+        step = shortest * max(1, round(stop / shortest / ROWS))
+        count = max(1, math.floor(stop / step * (1 + 1e-12)))
+        found = _compared(model, np.minimum(np.arange(count + 1) * min(step, stop), stop))
+        if np.isfinite(found.values[:, 0]).sum() > ROWS / SHORTER or step == shortest:
+            return found
+        stop /= SHORTER
+
+
+def _compared(model: Model, times: np.ndarray) -> Reference:
+    """The reference with some communication points [s], equally spaced from 0."""
+    ends = {f"point[{k}].{axis}" for k in (0, model.sizes[0]) for axis in "xy"}
+    ends |= {f"link[{i}].angle" for i in (1, model.sizes[0])}
+    # a few outputs that together depend on all that happens
+    chosen = [v for v in model.outputs if v.name in ends or v.name.startswith(("energy.", "impact."))]
+    names, whole = [v.name for v in chosen], np.array([v.type != "real" for v in chosen])
+    units = np.array([v.unit for v in chosen])
+    inputs, tolerance = _inputs(model, len(times)), model.scene.solver.tolerance
+    (exact, contacts), (own, others) = (
+        _run(model.scene.with_values({"solver.tolerance": t, "outputs.solver": True}), times, inputs, names)
+        for t in (EXACT, tolerance)
+    )
+    count = min(len(exact), len(own))
+    # a contact that lasts has no end yet, which is NaN
+    edges = [table[end] for table in (contacts, others) for end in ("onset", "end")]
+    apart = (
+        np.nanmin(np.abs(times[:count, None] - np.concatenate([*edges, [math.inf]])), axis=1)
+        > CLOSE * times[1]
+    )
+    until = _agreed_until(contacts["onset"], others["onset"], CLOSE * times[1] / MARGIN)
+    rows = np.flatnonzero(apart & (times[:count] < until))
+    largest = np.abs(exact[rows]).max(axis=0, initial=0.0)
+    scale = np.array([largest[units == unit].max() for unit in units]) + EXACT
+    deviation = np.abs(own[rows] - exact[rows])
+    astray = (deviation > np.where(whole, 0.0, max(LARGEST, tolerance) * scale)).any(axis=1)
+    rows = rows[: np.argmax(astray)] if astray.any() else rows
+    worst = deviation[: len(rows)].max(axis=0, initial=0.0)
+    length = rows[-1] + 1 if len(rows) else 1
+    values = np.full((length, len(names)), np.nan)
+    values[rows] = exact[rows]
+    return Reference(
+        inputs={name: column[:length] for name, column in inputs.items()},
+        outputs=names,
+        tolerances=np.where(whole, 0.0, np.maximum(MARGIN * worst, LEAST * scale)),
+        times=times[:length],
+        values=values,
+    )
+
+
+def _run(
+    scene: Scene, times: np.ndarray, inputs: dict[str, np.ndarray], names: Sequence[str]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Outputs at some times, as far as the chain comes with little work, and the table of its impacts.
+
+    Raises:
+        SimulationError: when the first step cannot be taken.
+    """
+    chain, rows, links = Chain(scene), [], len(scene.chain.links)
+    for row, time in enumerate(times):
+        try:
+            chain.set({name: values[max(row - 1, 0)] for name, values in inputs.items()})
+            chain.step_to(time)
+            rows.append(chain.get(names))
+        except SimulationError:
+            if len(rows) < FEWEST:
+                raise
+            break
+        if chain.get("solver.rhs_evaluations") * links >= MOST_WORK:
+            break
+    return np.array(rows), chain.impacts
+
+
+def _inputs(model: Model, count: int) -> dict[str, np.ndarray]:
+    """A sine for each input, of another frequency each, so that none is taken for another."""
+    nominal = nominal_values(model.scene)
+    turn = 2.0 * math.pi * np.arange(count) / count
+    torque = SWING * nominal["kinetic"] / model.sizes[0]  # of M L²/s², shared by the links
+    size = {"joint": torque, "tip": torque / nominal["point_position"]}
+    names = [variable.name for variable in model.inputs]
+    return {
+        name: size["tip" if name.startswith("tip") else "joint"] * np.cos((1 + i) * turn)
+        for i, name in enumerate(names)
+    }
+
+
+def _agreed_until(exact: np.ndarray, own: np.ndarray, close: float) -> float:
+    """Until when [s] all onsets of two runs are the same, within ``close`` [s]."""
+    count = min(len(exact), len(own))
+    first = int(np.argmax(np.append(np.abs(exact[:count] - own[:count]) > close, True)))
+    return float(min([math.inf, *exact[first:], *own[first:]]))
+
+
+# --- the check -------------------------------------------------------------------------------------------
+
+
+def check_references(path: Path) -> Outcome | None:
+    """Simulate an FMU with fmpy and compare; None if it has no reference results."""
+    with zipfile.ZipFile(path) as fmu:
+        if FILE not in fmu.namelist():
+            return None
+        text = fmu.read(FILE).decode(errors="replace")
+    description = read_fmu(path)
+    kinds = {variable.name: variable.causality for variable in description.modelVariables}
+    try:
+        head, *rows = csv.reader(io.StringIO(text))
+        if head[0] != "time":
+            raise ValueError("its first column must be time")
+        table = np.array([[cell or "nan" for cell in row] for row in rows[1:]], float)
+        allowed = dict(zip(head, [float(cell or "nan") for cell in ["nan", *rows[0][1:]]], strict=True))
+        time, columns = table[:, 0], dict(zip(head, table.T, strict=True))
+        if len(time) < FEWEST or not (np.diff(time) > 0.0).all():
+            raise ValueError("it must have two times or more, and the times must increase")
+    except (ValueError, IndexError, csv.Error) as error:
+        return Outcome(False, f"must be a table of numbers with a row of tolerances: {error}")
+    unknown = [name for name in head[1:] if name not in kinds]
+    if unknown:
+        return Outcome(False, f"the FMU has no variable {unknown[0]}")
+    inputs = ["time", *(name for name in head if kinds.get(name) == "input")]
+    outputs = [name for name in head if name not in inputs]
+    given = np.rec.fromarrays([columns[name] for name in inputs], dtype=[(name, float) for name in inputs])
+    try:
+        found = simulated(
+            path,
+            description,
+            output=outputs,
+            start_time=time[0],
+            stop_time=time[-1],
+            output_interval=time[1] - time[0],
+            input=given if inputs[1:] else None,
+        )
+    except RunError as error:
+        return Outcome(False, f"cannot be simulated: {error}")
+    # so written that a NaN of the FMU deviates
+    errors = {
+        name: np.abs(np.interp(time, found["time"], found[name].astype(float)) - columns[name])
+        for name in outputs
+    }
+    astray = {
+        name: np.flatnonzero(~(errors[name] <= allowed[name]) & ~np.isnan(columns[name])) for name in outputs
+    }
+    deviating = {name: rows[0] for name, rows in astray.items() if rows.size}
+    if not deviating:
+        return Outcome(True, f"passed, outputs: {len(outputs)}, times: {len(time)}, until {time[-1]:.9g} s")
+    name = min(deviating, key=lambda name: deviating[name])
+    return Outcome(
+        False,
+        f"{name} is not {columns[name][deviating[name]]:.9g} at t = {time[deviating[name]]:.9g} s: "
+        f"{errors[name][deviating[name]]:.2g} off, {allowed[name]:.2g} allowed; "
+        f"of {len(outputs)} outputs {len(deviating)} deviate",
+    )
