@@ -9,11 +9,8 @@ import numpy as np
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.energy import mechanical_energy
 from chain_impact.kernel.model.geometry import along, normal
-from chain_impact.kernel.record.instance import instance_dtype
-from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene, scene_from_dict
 from tests.plain import Plain, begun, pack
 from tests.reference import point_jacobian
@@ -44,6 +41,7 @@ def chain(
     springs: bool = False,
     dampers: bool = False,
     inputs: bool = False,
+    stops: bool = False,
     **contact: Any,
 ) -> tuple[Scene, Plain]:
     """A chain whose points may touch four far walls where they move, by keys of [contact], and its record."""
@@ -63,6 +61,12 @@ def chain(
         "contact": {"points": list(range(base == "pinned", count + 1)), "radius": 0.03} | contact,
         "initial": {"angles": [0.0] * count},
     }
+    if stops:
+        for i in range(base == "free", count):
+            links[i]["joint_max"] = 1.1 + 0.1 * i
+            links[i]["joint_min"] = -links[i]["joint_max"]
+        own = {"stiffness": 1e5, "exponent": 1.5, "restitution": 0.5, "minimum_impact_speed": 1e-3}
+        table["stops"] = own
     if inputs:
         table["inputs"] = {"joint_torques": True, "tip_force": True}
     scene = scene_from_dict(table, "chain")
@@ -72,29 +76,7 @@ def chain(
 
 def stopped_chain(count: int, base: str = "free", **more: Any) -> tuple[Scene, Plain]:
     """A chain whose joints have stops at both sides, ±(1 + i/10) rad of joint i, after those of its walls."""
-    rng = np.random.default_rng([count, len(base)])
-    scene, plain = chain(rng, count, base, **more)
-    record, own = plain._record, plain.candidates
-    joints = list(range(1 if base == "pinned" else 2, count + 1))
-    dtype = instance_dtype(count, own + 2 * len(joints))
-    d = Plain(np.zeros(1, dtype)[0])
-    for name in ("model", "contact", "initial", "solver", "given", "inputs"):
-        d._record[name] = record[name]
-    d.links, d.candidates, d.latest.kept = count, own + 2 * len(joints), plain.latest.kept
-    for name in ("point", "wall"):
-        d.candidate[name][:own] = plain.candidate[name]
-    for name in ("x", "y", "angle"):
-        d.walls[name][:own] = plain.walls[name]
-    d.walls.restitution[:] = d.walls.friction[:] = d.walls.static_friction[:] = -1.0
-    d.candidate.point[own:] = np.repeat(joints, 2)
-    d.candidate.stop[own:] = [1, -1] * len(joints)
-    d.candidate.wall[own:] = [6, 7] * len(joints)  # the box has 4 numbers, and there are 2 other walls
-    d.model.joint_min[:] = -1.0 - 0.1 * np.arange(1, count + 1)
-    d.model.joint_max[:] = -d.model.joint_min
-    d.stops.given_exponent, d.stops.minimum_impact_speed = 1.5, 1e-3
-    d.given.stop_stiffness, d.given.stop_restitution = 1e5, 0.5
-    assert initialize(d, 0.0) == OK
-    return scene, d
+    return chain(np.random.default_rng([count, len(base)]), count, base, stops=True, **more)
 
 
 def stops_of(d: Plain) -> list[int]:

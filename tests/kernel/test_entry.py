@@ -107,7 +107,7 @@ def test_a_run_goes_on_where_a_call_has_paused(monkeypatch):
     assert rows.tolist() == whole.tolist()
 
 
-def test_rows_are_the_outputs_at_their_times():
+def test_rows_are_the_outputs_at_their_times(monkeypatch):
     d, output = Runs().d, np.zeros(3)
     initialize(d, 0.0)
     times, rows = np.array([0.0, 0.01, 0.02]), np.full((3, 3), -1.0)
@@ -117,11 +117,8 @@ def test_rows_are_the_outputs_at_their_times():
         output[:] = d.step.time, len(seen), 7.0
         seen.append(d.step.time)
 
-    original, entry.observe = entry.observe, look
-    try:
-        assert trajectory(d, output, times, np.array([[0, 2], [2, 1]]), rows) == 3
-    finally:
-        entry.observe = original
+    monkeypatch.setattr(entry, "observe", look)
+    assert trajectory(d, output, times, np.array([[0, 2], [2, 1]]), rows) == 3
     assert rows.tolist() == [[time, k, 7.0] for k, time in enumerate(times)]
     assert seen == times.tolist()
 
@@ -145,22 +142,14 @@ def test_a_call_returns_awhile_before_its_time(monkeypatch):
     assert d.step.time == STOP
 
 
-def advanced_ball():
-    """The energy of the ball after 0.1 ms, with what the scene says."""
-    d = Runs().d
-    initialize(d, 0.0)
-    advance(d, 1e-4, UNLIMITED, UNLIMITED)
-    observe(d)
-    return float(d.output.total)
-
-
 def test_what_is_set_is_tried_until_a_step_takes_it():
     """The status says what is refused, with the outputs before, and the run can go on with another value."""
     runs = Runs()
     d = runs.d
     initialize(d, 0.0)
     advance(d, 1e-4, UNLIMITED, UNLIMITED)
-    before = advanced_ball()
+    observe(d)
+    before = float(d.output.total)
     for value, status in ((-1.0, PARAMETER_OUT_OF_RANGE), (2e4, OK)):
         d.given.stiffness, d.given.changed = value, 1
         tried = Plain(runs.block.copy()[0])

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from chain_impact.scene.scene import Scene
 from tests.kept_answers import kept
 from tests.problems import FAR, GRAVITY, build
-from tests.reference import clearance_gradient, generalized_force, mass_matrix
+from tests.textbook import Textbook
 
 STOP = 0.1  # s
 SPEED = 0.05  # m/s, v₀ of contacts that begin at rest
@@ -78,33 +78,18 @@ def exact(name: str) -> np.ndarray:
 
 def integrated(scene: Scene, stop: float) -> np.ndarray:
     """The same by Radau's method of order 5 on the assembled equations."""
-    n, pinned = len(scene.chain.links), scene.chain.base == "pinned"
-    free = slice(2, None) if pinned else slice(None)
-    across = (np.eye(n) - np.eye(n, k=-1))[0 if pinned else 1 :]
-    joints = scene.chain.links[0 if pinned else 1 :]
-    damping = across.T @ np.diag([link.joint_damping for link in joints]) @ across
-    springs = across.T @ np.diag([link.joint_stiffness for link in joints]) @ across
+    model, contact = Textbook(scene), scene.contact
 
     def rate(_: float, y: np.ndarray) -> np.ndarray:
-        q, v = np.split(y, 2)
-        forces = np.zeros((n + 1, 2))
-        for point in scene.contact.points or ():
-            height = q[1] + sum(
-                joint.length * np.sin(angle)
-                for joint, angle in zip(scene.chain.links[:point], q[2:], strict=False)
-            )
-            speed = clearance_gradient(scene, q[2:], point, "y_min") @ v
-            if height < 0.0:
-                force = scene.contact.stiffness * (-height) ** 1.5 * (1.0 - LAMBDA / SPEED * speed)
-                forces[point, 1] = max(0.0, force)
-        force = generalized_force(scene, q[2:], v[2:], forces, -damping @ v[2:] - springs @ q[2:])
-        acceleration = np.zeros(n + 2)
-        acceleration[free] = np.linalg.solve(mass_matrix(scene, q[2:])[free, free], force[free])
-        return np.concatenate([v, acceleration])
+        place, speed = model.points(y)
+        loads = []
+        for point in contact.points or ():
+            depth = max(0.0, -place[point, 1])
+            force = contact.stiffness * depth**1.5 * (1.0 - LAMBDA / SPEED * speed[point, 1])
+            loads.append((point, 1, max(0.0, force)))
+        return model.rate(y, loads)
 
-    start = scene.initial
-    y = np.concatenate([start.position, start.angles, start.velocity, start.angular_velocities])
-    return solve_ivp(rate, (0.0, stop), y, method="Radau", rtol=3e-9, atol=1e-12).y[:, -1]
+    return solve_ivp(rate, (0.0, stop), model.start, method="Radau", rtol=3e-9, atol=1e-12).y[:, -1]
 
 
 PROBLEMS = {"swinging": swinging, "tipping": tipping, "hanging": hanging}

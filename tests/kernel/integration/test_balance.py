@@ -40,19 +40,6 @@ def error_after_check(d, theta):
     return float(d.trial.error)
 
 
-def test_the_ledger_is_that_of_the_outputs():
-    instance = Instance(load_scene("four_link_box"))
-    instance.advance(0.4995)  # in the first impact
-    instance.observe()
-    d, output = Plain(instance.record), instance.record["output"]
-    assert output["elastic"] > 0.0
-    y = d["work"]["y"]
-    locate_points(d, y)
-    expected = output["total"] + output["dissipated"] - output["supplied"]
-    assert energy_balance(d, y) == pytest.approx(float(expected), rel=1e-14)
-    assert float(expected) == pytest.approx(61.6630096858, rel=1e-8)
-
-
 def test_a_step_of_the_solver_keeps_the_ledger():
     d = after_a_step()
     before = float(d["balance"]["at_end"])

@@ -14,7 +14,6 @@ from chain_impact.kernel.integration import control, dop853, last_step, methods,
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.explicit import BEYOND, LEFT, estimate, toward_end
 from chain_impact.kernel.model import equations, geometry
-from chain_impact.simulation.instance import Instance
 from tests.friction import pendulum
 from tests.kernel.chains import chain, located, struck
 from tests.plain import begun
@@ -253,19 +252,6 @@ def test_a_step_that_is_not_finite_or_far_too_long_is_not_accepted(entry):
     d = begun(FLYER)
     d["step"]["state_end"][5] = 1e3
     assert not control.accepted(tried(d, (1.0, 1e2, 1e4, 1e6, 1e8, 1e10)[entry]))
-
-
-def test_only_a_step_with_an_event_or_an_output_gets_a_dense_output():
-    """11 evaluations for a step that is tried and one at its end; none that only outputs need is counted."""
-    spent = []
-    for outputs in (1, 50):
-        instance = Instance(PENDULUM)
-        for time in np.linspace(0.0, 1.0, outputs + 1)[1:]:
-            instance.advance(time)
-        spent.append(instance.statistics)
-    tried = spent[0]["steps"] + spent[0]["rejected_steps"]
-    assert spent[0]["rhs_evaluations"] == 1 + spent[0]["steps"] + 11 * tried
-    assert spent[0] == spent[1]
 
 
 def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
