@@ -31,10 +31,7 @@ def test_a_table_is_what_it_was_written_from(tmp_path, scene):
     np.testing.assert_array_equal(read.time, written.time)
     np.testing.assert_array_equal(read.points, written.points)
     assert read.name == "box"
-    # without columns impact.*, the impacts are estimated from the forces
-    for name, error in {"point": 0.0, "wall": 0.0, "onset": 1e-4, "end": 1e-4}.items():
-        np.testing.assert_allclose(read.impacts[name], written.impacts[name], atol=error)
-    np.testing.assert_allclose(read.impacts["impact_speed"], written.impacts["impact_speed"], rtol=0.15)
+    assert not len(read.impacts)  # without columns impact.*
 
 
 @pytest.mark.full("more cases", but=1)

@@ -10,11 +10,10 @@ from chain_impact.cli.options import UsageError, Verbs, add_scene, add_set, chec
 from chain_impact.cli.progress import progress, say
 from chain_impact.fmu.run import record_fmu
 from chain_impact.results.animate import FORMATS, SIZE, animate
-from chain_impact.results.csv_file import read_csv
+from chain_impact.results.csv_file import NeedsSceneError, read_csv
 from chain_impact.results.pacing import IMPACT_TIME
 from chain_impact.results.recording import Recording
 from chain_impact.results.text import plural
-from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError, with_settings
@@ -134,9 +133,7 @@ def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recor
             )
         try:
             return read_csv(path)
-        except SceneError as error:
-            if not str(error).endswith("its scene is needed"):
-                raise
+        except NeedsSceneError as error:
             raise UsageError(f"{error}: --scene SCENE") from None
     known = with_settings(load_scene(scene), settings)
     found = read_csv(path, known)

@@ -79,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
     if options.plot:
         from chain_impact.studies.sweep.plot import check_picture
 
-        check_picture(len(vary), scene.name)
+        check_picture(len(vary), options.samples, scene.name)
     try:
         with progress("sweeping") as advance:
             found = sweep(

@@ -7,16 +7,20 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.results.impacts import impacts_shown
+from chain_impact.results.impacts import NO_IMPACTS, impacts_shown
 from chain_impact.results.joint_stops import ranges_of
 from chain_impact.results.recording import Recording
-from chain_impact.results.touches import impacts_from, phases_from
+from chain_impact.results.touches import phases_from
 from chain_impact.scene.names import SENSITIVITY
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.text_file import check_separator, text_of
 
 NEEDED = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
+
+
+class NeedsSceneError(SceneError):
+    """A table has walls, and does not say where they are."""
 
 
 def read_csv(path: Path, scene: Scene | None = None) -> Recording:
@@ -27,11 +31,11 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
         scene: of its walls and stops, which a table does not hold.
 
     Returns:
-        The recording, named as the file is. Its impacts come from the columns ``impact.*`` if they are there;
-        else they are estimated from the forces.
+        The recording, named as the file is, with impacts if it has the columns ``impact.*``.
 
     Raises:
         SceneError: when the file is no such table, or has a wall that is not in the scene.
+        NeedsSceneError: when it has walls, and no scene is given.
         OSError: when the file cannot be read.
     """
     columns = _columns(path)
@@ -46,7 +50,7 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
     bare = Recording(path.stem, time, columns, walls=walls, wall_names=names, parameters=known, stops=stops)
     for one in bare.touches:
         if one.at_wall and scene is None:
-            raise SceneError(
+            raise NeedsSceneError(
                 f"{path}: it has contact[{one.point}].{one.wall}.force, but a table does not hold where "
                 "walls are: its scene is needed"
             )
@@ -56,7 +60,7 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
                 f"{', '.join(walls) or 'none'}"
             )
     listed = "impact.count" in columns and scene is not None
-    impacts = impacts_shown({"time": time, **columns}) if listed else impacts_from(time, bare.touches, names)
+    impacts = impacts_shown({"time": time, **columns}) if listed else NO_IMPACTS
     return replace(bare, impacts=impacts, stick_slip=phases_from(time, bare.touches, names))
 
 

@@ -1,4 +1,4 @@
-"""What a point and a wall do to each other over time, and the tables that follow where outputs have none."""
+"""What a point and a wall do to each other over time, and the phases of dry friction that follow."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.kernel.model.friction import NO_FRICTION, STICKS
-from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.stick_slip import CHANGE_DTYPE, JOINT, phases_of
 from chain_impact.scene.names import STOPS
 
@@ -61,34 +60,3 @@ def phases_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]
         starts = np.flatnonzero(np.append([True], np.diff(mode) != 0)[: len(mode)])
         changes.extend((float(time[row]), one.point, wall, int(mode[row])) for row in starts)
     return phases_of(np.array(changes, CHANGE_DTYPE))
-
-
-def impacts_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]) -> np.ndarray:
-    """The impacts at walls that forces in rows show, where they are not listed, see ``IMPACT_DTYPE``.
-
-    The onset is where the force began between two rows, by the penetration and its rate in the first row that
-    has one; without these it is that row. An impact that began and ended between two rows is missing.
-    """
-    found = []
-    for one in touches:
-        if one.force is None or not one.at_wall:
-            continue
-        unknown = np.zeros_like(one.force)
-        depths = unknown if one.penetration is None else one.penetration
-        rates = unknown if one.rate is None else one.rate
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], one.force > 0.0, [False]])))
-        for first, after in edges.reshape(-1, 2):
-            if first == 0:
-                continue  # it touched from the start
-            row = np.zeros(1, IMPACT_DTYPE)
-            for name in ("separation_speed", "effective_mass", "impulse"):
-                row[name] = np.nan
-            depth, speed, onset = depths[first], abs(rates[first]), time[first]
-            row["onset"] = max(onset - depth / speed, time[first - 1]) if speed > 0.0 else onset
-            row["end"] = time[after] if after < len(time) else np.nan
-            row["point"], row["wall"], row["impact_speed"] = one.point, walls.index(one.wall), speed
-            row["peak_force"] = one.force[first:after].max()
-            row["max_penetration"] = depths[first:after].max()
-            found.append(row)
-    together = np.concatenate([np.zeros(0, IMPACT_DTYPE), *found])
-    return np.sort(together, order=["onset", "point", "wall"])

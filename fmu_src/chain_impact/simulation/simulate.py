@@ -119,10 +119,8 @@ def simulate(
         _check_rows(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
     differentiated = DifferentiatedInstance(model, varied, driven) if varied else None
     instance = differentiated or Instance(model, driven, ())
-    wanted = model.all_words if output is None else np.concatenate([words, others])
-    if differentiated:
-        wanted = np.concatenate([wanted, differentiated.slope_words(words)])
-    rows = WordRows(len(driven.times), wanted)
+    slopes = differentiated.slope_words(words) if differentiated else np.zeros(0, int)
+    rows = WordRows(len(driven.times), np.concatenate([words, others, slopes]))
     done, impacts = instance.run(driven, rows, progress or silent)
     order, found = in_order([*impacts, instance.open_contacts()])
     asked = slice(done) if driven.asked.all() else np.flatnonzero(driven.asked[:done])

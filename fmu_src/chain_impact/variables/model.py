@@ -25,7 +25,7 @@ from chain_impact.variables.variable import Variable, variable_row
 
 SAME = (
     *("candidates", "sizes", "layout", "row", "parameters", "inputs", "outputs", "_own_outputs", "motion"),
-    *("columns", "output_words", "all_words", "output_places", "parameter_paths", "differentiable"),
+    *("columns", "output_words", "output_places", "parameter_paths", "differentiable"),
 )
 """The attributes of a model that do not depend on numbers."""
 
@@ -164,11 +164,6 @@ class Model:
         """Which numbers of the record are those of a row, shape (W,)."""
         first = first_word(self.layout, "output")
         return np.arange(first, first + self.row.itemsize // WORD)
-
-    @cached_property
-    def all_words(self) -> np.ndarray:
-        """The same of a row, and those of the outputs that change at events and steps only."""
-        return np.concatenate([self.output_words, self.output_places.words])
 
     def varied_by(self, names: str | Iterable[str]) -> list[Variable]:
         """The parameters and inputs of some names, in which ``*`` stands for any text, each of them once.

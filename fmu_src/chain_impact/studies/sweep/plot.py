@@ -1,8 +1,8 @@
 """The picture of a sweep: its main results over what was varied.
 
-One number varied gives lines, two a map, samples points over each parameter. A choice, such as the contact
-law, gives a line for each of up to ten; more become the rows of a map. Runs that failed are crosses, or grey
-in a map.
+One number varied gives lines, two a map, one choice dots. A choice beside a number, such as the contact law,
+gives a line for each of up to ten; more become the rows of a map. Runs that failed are crosses, or grey in a
+map.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ COLOURS = (
 )  # fmt: skip
 MAP_COLOURS, FAILED_COLOUR = "cividis", "0.8"
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
-MOST_VARIED, MOST_ASKED = 6, 4  # parameters that vary, outputs that were asked for
+MOST_VARIED, MOST_ASKED = 2, 4  # parameters that vary, outputs that were asked for
 MOST_DRAWN = 2**18  # runs
 WIDE_RANGE, MOST = 1e3, 0.95  # of most values, from which on an axis is logarithmic
 NEVER = "no run has a finite value"
@@ -77,12 +77,14 @@ QUANTITIES = (
 )
 
 
-def check_picture(varied: int, source: str) -> None:
+def check_picture(varied: int, samples: int | None, source: str) -> None:
     """Refuse what has no picture, before any run.
 
     Raises:
-        SceneError: when too many parameters vary.
+        SceneError: when too many parameters vary, or there are samples in place of all combinations.
     """
+    if samples is not None:
+        raise SceneError(f"{source}: a picture needs all combinations of the values, not samples of them")
     if varied > MOST_VARIED:
         raise SceneError(f"{source}: {varied} parameters vary, must be <= {MOST_VARIED} for a picture")
 
@@ -94,7 +96,7 @@ def plot_sweep(found: Sweep, path: str | Path) -> None:
         SceneError: when too many parameters vary, or there are too many runs.
         OSError: when the file cannot be written.
     """
-    check_picture(len(found.varied), found.scene.name)
+    check_picture(len(found.varied), found.design.samples, found.scene.name)
     if len(found) > MOST_DRAWN:
         runs = f"{found.scene.name}: {len(found)} runs"
         raise SceneError(f"{runs} must be <= {MOST_DRAWN} for a picture: draw parts of the table")
@@ -108,22 +110,17 @@ def fill(page: Figure, found: Sweep) -> None:
     varying = _varying(found.design) or list(found.design.variations[:1])
     numbers = [one for one in varying if not one.choices]
     choices = [one for one in varying if one.choices]
-    grid = found.design.samples is None
-    if grid and not numbers and len(varying) == 1:
+    mark = " (×)"
+    if not numbers and len(varying) == 1:
         _dots(page, found, quantities, varying[0])
-    elif grid and len(varying) == 1:
-        _curves(page, found, quantities, varying, None)
-    elif grid and len(numbers) == 1 and len(choices) == 1 and len(choices[0].values) <= len(COLOURS):
-        _curves(page, found, quantities, numbers, choices[0])
-    elif grid and len(varying) == 2:  # noqa: PLR2004
+    elif len(varying) == 1:
+        _curves(page, found, quantities, varying[0], None)
+    elif len(numbers) == 1 and len(choices[0].values) <= len(COLOURS):
+        _curves(page, found, quantities, numbers[0], choices[0])
+    else:
         _maps(page, found, quantities, *(numbers + choices))
-        headline(page, title(found, ""), conditions(varying))
-        return
-    else:  # the first choice gives the colours
-        coloured = next((one for one in choices if len(one.values) <= len(COLOURS)), None)
-        across = [one for one in varying if one is not coloured] or varying
-        _curves(page, found, quantities, across, coloured, joined=False)
-    headline(page, title(found, " (×)"), conditions(varying))
+        mark = ""
+    headline(page, title(found, mark), conditions(varying))
 
 
 def title(found: Sweep, mark: str) -> str:
@@ -179,40 +176,29 @@ def _panels(page: Figure, count: int, width: float = 5.0) -> list[Axes]:
 
 
 def _curves(
-    page: Figure,
-    found: Sweep,
-    quantities: list[Quantity],
-    across: list[Variation],
-    choice: Variation | None,
-    *,
-    joined: bool = True,
+    page: Figure, found: Sweep, quantities: list[Quantity], across: Variation, choice: Variation | None
 ) -> None:
-    """A panel for each quantity over each parameter: lines, or points; one colour for each choice."""
-    if joined:
-        grid = [[axes] for axes in _panels(page, len(quantities))]
-    else:
-        page.set_size_inches(1.2 + 2.6 * max(2, len(across)), 0.8 + 1.9 * len(quantities))
-        grid = page.subplots(len(quantities), len(across), sharex="col", sharey="row", squeeze=False).tolist()
-    line = {"linewidth": 1.4} if joined else {"linestyle": "", "alpha": 0.7, "markeredgewidth": 0.0}
-    for row, quantity in zip(grid, quantities, strict=True):
+    """A panel for each quantity over a parameter: one line for each choice."""
+    panels = _panels(page, len(quantities))
+    values = found[across.name]
+    for axes, quantity in zip(panels, quantities, strict=True):
         shown = quantity.of(found)
-        for axes, one in zip(row, across, strict=True):
-            values = found[one.name]
-            for name, colour in zip(choice.shown(choice.values) if choice else [None], COLOURS, strict=False):
-                own = np.flatnonzero(found[choice.name] == name) if choice else np.arange(len(found))
-                own = own[np.argsort(values[own], kind="stable")]
-                label = f"{name} (failed)" if choice and found.failed[own].all() else name
-                style: dict[str, Any] = {"color": colour, "label": label, **line}
-                if len(own) <= 40 or not joined:  # noqa: PLR2004 - so that single values are seen
-                    style |= {"marker": "o", "markersize": 3.0}
-                axes.plot(values[own], shown[own], **style)
-            _mark_failed(axes, values[found.failed])
-            _across(axes, one)
-            if joined or row is grid[-1]:
-                axes.set_xlabel(_label(one))
-        _dress(row[0], quantity, shown)
+        for name, colour in zip(choice.shown(choice.values) if choice else [None], COLOURS, strict=False):
+            own = np.flatnonzero(found[choice.name] == name) if choice else np.arange(len(found))
+            own = own[np.argsort(values[own], kind="stable")]
+            label = f"{name} (failed)" if choice and found.failed[own].all() else name
+            marks: dict[str, Any] = {}
+            if len(own) <= 40:  # noqa: PLR2004 - so that single values are seen
+                marks = {"marker": "o", "markersize": 3.0}
+            axes.plot(values[own], shown[own], color=colour, label=label, linewidth=1.4, **marks)
+        failed = values[found.failed]
+        if len(failed):
+            axes.plot(failed, np.full(len(failed), 0.02), transform=axes.get_xaxis_transform(), **CROSS)
+        axes.set_xscale("log" if _is_logarithmic(across) else "linear")
+        axes.set_xlabel(_label(across))
+        _dress(axes, quantity, shown)
     if choice:
-        handles, labels = grid[0][0].get_legend_handles_labels()
+        handles, labels = panels[0].get_legend_handles_labels()
         page.legend(handles, labels, loc="outside right center", title=choice.name)
 
 
@@ -296,14 +282,6 @@ def _is_logarithmic(variation: Variation) -> bool:
     return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_RANGE))
 
 
-def _across(axes: Axes, variation: Variation) -> None:
-    """The horizontal axis of a panel."""
-    if _is_logarithmic(variation):
-        axes.set_xscale("log")
-    if variation.choices:
-        axes.tick_params(axis="x", rotation=90)
-
-
 def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
     """The vertical axis of a panel."""
     axes.set_ylabel(quantity.label)
@@ -314,12 +292,6 @@ def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     elif finite.min() > 0.0 and np.divide(*np.quantile(finite, [MOST, 1.0 - MOST])) >= WIDE_RANGE:
         axes.set_yscale("log")
-
-
-def _mark_failed(axes: Axes, values: np.ndarray) -> None:
-    """Crosses at the bottom for the runs that failed."""
-    if values.size:
-        axes.plot(values, np.full(len(values), 0.02), transform=axes.get_xaxis_transform(), **CROSS)
 
 
 def _label(variation: Variation) -> str:
