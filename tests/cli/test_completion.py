@@ -27,15 +27,9 @@ def asked(line, folder):
     [
         ("chain-impact s", ["simulate", "sweep"]),
         ("chain-impact info rod_d", ["rod_drop"]),
-        ("chain-impact simulate rod_drop --set contact.re", ["contact.restitution="]),
-        ("chain-impact sweep rod_drop --vary box.y", ["box.y_min="]),
-        ("chain-impact sweep rod_drop --output energy.t", ["energy.total"]),
-        ("chain-impact fit rod_drop data.csv --free initial.x,contact.sti", ["initial.x,contact.stiffness"]),
-        ("chain-impact fit rod_drop data.csv --sigma energy.t", ["energy.total="]),
-        ("chain-impact fit rod_drop data.csv --columns energy.t", ["energy.total"]),
-        ("chain-impact compare --laws hertz,flo", ["hertz,flores"]),
-        ("chain-impact simulate no_such_scene --set contact.re", []),
         ("chain-impact info mine", ["mine.toml"]),
+        ("chain-impact animate mine.csv --scene rod_d", ["rod_drop"]),
+        ("chain-impact sweep --sampl", ["--samples", "--sampling"]),
     ],
 )
 def test_the_shell_is_told_what_can_stand_there(line, words, tmp_path):

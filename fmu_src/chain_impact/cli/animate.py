@@ -5,8 +5,16 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from chain_impact.cli.completers import completed, scenes
-from chain_impact.cli.options import UsageError, Verbs, add_scene, add_set, check_outputs, is_fmu, settings_of
+from chain_impact.cli.options import (
+    UsageError,
+    Verbs,
+    add_scene,
+    add_set,
+    check_outputs,
+    complete_scenes,
+    is_fmu,
+    settings_of,
+)
 from chain_impact.cli.progress import progress, say
 from chain_impact.fmu.run import record_fmu
 from chain_impact.results.animate import FORMATS, SIZE, animate
@@ -34,7 +42,7 @@ def add(verbs: Verbs) -> None:
         help="what to write: a page for the browser (html), or a film (gif, mp4); default: NAME.html",
     )
     walls = verb.add_argument("--scene", metavar="SCENE", help="of a CSV file: the scene that has its walls")
-    completed(walls, scenes)
+    complete_scenes(walls)
     verb.add_argument(
         "--speed", type=float, default=1.0, help="simulated seconds in a second on the screen; default: 1"
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 
-from chain_impact.cli.completers import laws, names
 from chain_impact.cli.options import (
     Verbs,
     add_csv,
@@ -30,8 +29,8 @@ def add(verbs: Verbs) -> None:
     add_scene(compare, "scene")
     add_set(compare)
     what = "compare these laws only, as hertz,flores; default: all"
-    add_repeated(compare, "--laws", "NAMES", what, names(laws, separator=","))
-    add_plot(compare, "restitution, first impact and energy")
+    add_repeated(compare, "--laws", "NAMES", what)
+    add_plot(compare, "first impact and energy")
     add_csv(compare, "the table")
     compare.set_defaults(run=run)
 

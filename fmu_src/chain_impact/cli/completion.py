@@ -1,7 +1,6 @@
-"""`chain-impact completion`: what a shell needs to complete verbs, models and names of variables.
+"""`chain-impact completion`: what a shell needs to complete verbs, options and models.
 
-The shell asks this program at each press of the key: argcomplete finds which argument is meant, and the
-argument's completer what it can be.
+The shell asks this program at each press of the key, and argcomplete answers.
 """
 
 from __future__ import annotations

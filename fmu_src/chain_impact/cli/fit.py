@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
 
-from chain_impact.cli.completers import completed, names, outputs, parameters, scenes
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
@@ -15,6 +14,7 @@ from chain_impact.cli.options import (
     add_repeated,
     add_set,
     check_outputs,
+    complete_scenes,
     name_and_value,
     names_in,
     settings_of,
@@ -25,26 +25,19 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import with_settings
 
 STOP_TIME = "simulation.stop_time"  # given here, and not in the file alone, later data are not used
-PARAMETERS = names(parameters, separator=",")
 REPEATED = (
-    ("--free", "NAMES", "fit these parameters: contact.stiffness,contact.restitution", PARAMETERS),
-    ("--free-each", "NAMES", "fit these for each data set on its own, as initial.vx", PARAMETERS),
-    (
-        "--set-each",
-        "NAME=VALUES",
-        "a value that is known for each data set, as initial.y=0.8,0.6",
-        names(parameters, "="),
-    ),
+    ("--free", "NAMES", "fit these parameters: contact.stiffness,contact.restitution"),
+    ("--free-each", "NAMES", "fit these for each data set on its own, as initial.vx"),
+    ("--set-each", "NAME=VALUES", "a value that is known for each data set, as initial.y=0.8,0.6"),
     (
         "--sigma",
         "COLUMN=SIGMA",
         "standard deviation of a column, in its unit or in percent of each value: peak_force=2%%; "
         "default: estimated from the residuals",
-        names(outputs, "="),
     ),
-    ("--bounds", "NAME=LOW:HIGH", "search between these values only", names(parameters, "=")),
+    ("--bounds", "NAME=LOW:HIGH", "search between these values only"),
 )
-"""The options that can be given several times, what they take, what they do, and their completers."""
+"""The options that can be given several times, what they take, and what they do."""
 
 
 def add(verbs: Verbs) -> None:
@@ -53,7 +46,7 @@ def add(verbs: Verbs) -> None:
     source = fit.add_argument(
         "source", metavar="SCENE", help="scene: a file, a folder with scene.toml, or a model's name"
     )
-    completed(source, scenes)
+    complete_scenes(source)
     fit.add_argument(
         "data",
         nargs="+",
@@ -62,10 +55,9 @@ def add(verbs: Verbs) -> None:
     )
     for option in REPEATED:
         add_repeated(fit, *option)
-    columns = fit.add_argument(
+    fit.add_argument(
         "--columns", metavar="NAMES", help="use these columns only, * for any text: point[4].*; default: all"
     )
-    completed(columns, names(outputs, separator=","))
     fit.add_argument("--laws", action="store_true", help="fit every contact law, and rank them")
     add_set(fit)
     add_plot(fit, "data, model and residuals")

@@ -8,8 +8,7 @@ from errno import ENOENT
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from chain_impact.cli.completers import Completer, completed, names, scenes, settings
-from chain_impact.scene.models import scene_path
+from chain_impact.scene.models import model_names, scene_path
 
 if TYPE_CHECKING:
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
@@ -33,13 +32,25 @@ def add_scene(command: argparse.ArgumentParser, what: str) -> None:
         metavar=what.upper().replace(" OR ", "|"),
         help=f"{what}: a file, a folder with scene.toml, or a model's name; default: {DEFAULT_SCENE}",
     )
-    completed(source, scenes)
+    complete_scenes(source)
+
+
+def complete_scenes(argument: argparse.Action) -> None:
+    """Let a shell complete models, and files and folders that can be scenes (cli/completion.py)."""
+
+    def complete(prefix: str, **_: object) -> list[str]:
+        from argcomplete.completers import FilesCompleter
+
+        files = FilesCompleter(("toml", "fmu", "csv"))(prefix)
+        return [*(name for name in model_names() if name.startswith(prefix)), *files]
+
+    vars(argument)["completer"] = complete  # where argcomplete looks for it
 
 
 def add_set(command: argparse.ArgumentParser) -> None:
     """Add ``--set``, and a short form of one."""
     what = "set a value by a name that `info` lists"
-    add_repeated(command, "--set", "NAME=VALUE", what, names(settings, "="))
+    add_repeated(command, "--set", "NAME=VALUE", what)
     command.add_argument(
         "--stop-time",
         action="append",
@@ -50,14 +61,11 @@ def add_set(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_repeated(
-    command: argparse.ArgumentParser, option: str, metavar: str, what: str, completer: Completer
-) -> None:
+def add_repeated(command: argparse.ArgumentParser, option: str, metavar: str, what: str) -> None:
     """Add an option that can be given several times."""
-    added = command.add_argument(
+    command.add_argument(
         option, action="append", default=[], metavar=metavar, help=f"{what}; can be repeated"
     )
-    completed(added, completer)
 
 
 class Once(argparse.Action):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from chain_impact.cli.completers import names, parameters
 from chain_impact.cli.options import Verbs, add_csv, add_plot, add_repeated, add_scene, add_set, names_in
 from chain_impact.cli.report import report
 from chain_impact.simulation.record_scene import RunError
@@ -25,7 +24,6 @@ def add(verbs: Verbs) -> None:
         "NAMES",
         "also find the derivatives with respect to these parameters, and draw them in place of the motion: "
         "contact.stiffness,link[*].mass",
-        names(parameters, separator=","),
     )
     simulate.add_argument("--show", action="store_true", help="open a window with the picture")
     add_plot(simulate, "motion, energy and impacts")

@@ -6,7 +6,6 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from chain_impact.cli.completers import completed, names, outputs, parameters
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
@@ -27,7 +26,7 @@ def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
     sweep = verbs.add_parser("sweep", help="simulate a scene many times with varied parameters, into a table")
     add_scene(sweep, "scene")
-    vary = sweep.add_argument(
+    sweep.add_argument(
         "--vary",
         action="append",
         default=[],
@@ -35,7 +34,6 @@ def add(verbs: Verbs) -> None:
         help="vary a parameter: 0.1,0.5 or 0.1:0.9:9 (nine values) or 1e6:1e9:4:log, with --samples also "
         "0.1:0.9 or 1e6:1e9:log; can be repeated, then all combinations are run",
     )
-    completed(vary, names(parameters, "="))
     sweep.add_argument("--samples", type=int, metavar="N", help="run N samples in place of all combinations")
     sweep.add_argument(
         "--sampling",
@@ -46,7 +44,7 @@ def add(verbs: Verbs) -> None:
     sweep.add_argument("--seed", type=int, default=0, metavar="N", help="of the samples; default: 0")
     add_set(sweep)
     what = "add an output to the table, as it is at the end of a run"
-    add_repeated(sweep, "--output", "NAME", what, names(outputs))
+    add_repeated(sweep, "--output", "NAME", what)
     sweep.add_argument(
         "--scheduler",
         metavar="ADDRESS",
