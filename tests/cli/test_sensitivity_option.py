@@ -92,4 +92,4 @@ def test_the_window_shows_them(run, monkeypatch):
     monkeypatch.setattr(pyplot, "show", lambda: shown.append(window.get_suptitle()))
     run("simulate", "rod_drop", "--stop-time", "0.5", "--sensitivity", "gravity.y", "--show")
     assert shown == [window.get_suptitle()]
-    assert "1 % of gravity.y changes" in shown[0]
+    assert "changes with 1 parameter" in shown[0]
