@@ -65,16 +65,10 @@ def test_a_call_pauses_after_its_work_and_goes_on():
     np.testing.assert_array_equal(parts["step"]["state_end"], whole["step"]["state_end"])
 
 
-def pendulum_of_dry_joints():
-    """A double pendulum with two elements, whose modes both change at the start."""
-    d = begun(pendulum())
-    assert (d.elements, d.changes.count, len(d.changes.time)) == (2, 2, 8)
-    return d
-
-
 @pytest.mark.parametrize(("logged", "full"), [(0, False), (6, False), (7, True), (8, True), (100, True)])
 def test_the_log_of_changes_is_full_where_one_more_of_each_element_has_no_room(logged, full):
-    d = pendulum_of_dry_joints()
+    d = begun(pendulum())  # of two elements, whose modes both change at the start
+    assert (d.elements, d.changes.count, len(d.changes.time)) == (2, 2, 8)
     d.changes.count = logged
     assert loop.log_is_full(d, 10) == full
     steps = int(d.statistics.steps)
@@ -84,9 +78,7 @@ def test_the_log_of_changes_is_full_where_one_more_of_each_element_has_no_room(l
     assert loop.advance(d, 2e-3, UNLIMITED, UNLIMITED) == OK
     d.changes.count = 0
     assert loop.advance(d, 3e-3, 5, UNLIMITED) == OK
-
-
-def test_a_record_without_dry_friction_has_no_log_that_could_be_full():
+    # a record without dry friction has none that could be full
     d = started()
     assert (d.elements, len(d.changes.time)) == (0, 0)
     assert not loop.log_is_full(d, 10)
@@ -290,10 +282,7 @@ def test_the_status_after_the_onsets_at_a_communication_point_is_told(monkeypatc
     monkeypatch.setattr(loop, "advance_one_step", lambda _: status)
     assert loop.event_update(d) == status
     assert len(due) == (0 if status == OK else 2)
-
-
-def test_a_change_that_is_refused_ends_an_update(monkeypatch):
-    d = at_end_of_a_step([ONSET])
+    # a change that is refused ends it
     monkeypatch.setattr(loop, "reinit_if_changed", lambda _: STEP_TOO_SMALL)
     assert loop.event_update(d) == STEP_TOO_SMALL
 

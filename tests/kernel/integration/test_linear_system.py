@@ -8,6 +8,7 @@ from chain_impact.kernel.integration import extended, linear_system
 from chain_impact.kernel.integration.radau import COMPLEX_EIGENVALUES
 from chain_impact.kernel.model.compliance import holding_impedance
 from chain_impact.scene.scene import load_scene
+from tests.kernel.chain.test_elimination import relative_motion
 from tests.kernel.chains import chain, free_coordinates, gradients, struck
 from tests.kernel.integration.touching import touching
 from tests.plain import Plain
@@ -45,8 +46,7 @@ def jacobian(d, turn):
     names, chosen = list(scene.half_planes), d.touch.active_index[:count]
     places = [(int(candidate.point[c]), names[candidate.wall[c] % 4]) for c in chosen]
     normals = np.array([clearance_gradient(scene, angles, *place) for place in places])
-    across = np.hstack([np.zeros((N, 2)), np.eye(N) - np.eye(N, k=-1)])
-    forces = np.zeros((N + 2, size))
+    across, forces = relative_motion(N), np.zeros((N + 2, size))
     v, gap = slice(N + 2, 2 * N + 4), slice(extended.gap_at(d, 0), extended.rate_at(d, 0))
     rate, impulse = slice(extended.rate_at(d, 0), size - count), slice(size - count, size)
     forces[:, gap] = -normals.T * d.implicit.stiffness[:count]
@@ -117,8 +117,7 @@ def held(base, stiffness, damping):
     inverse = np.linalg.inv(mass_matrix(scene, angles)[free, free])
     response = inverse @ normals.T
     inverse -= response @ np.linalg.solve(normals @ response, response.T)
-    across = np.hstack([np.zeros((N, 2)), np.eye(N) - np.eye(N, k=-1)])
-    matrix = np.zeros((state.sundman_u_at(N), state.sundman_u_at(N)))
+    across, matrix = relative_motion(N), np.zeros((state.sundman_u_at(N), state.sundman_u_at(N)))
     v, q = np.arange(N + 2, 2 * N + 4)[free], np.arange(N + 2)
     matrix[np.ix_(v, v)] = -inverse @ (across.T @ np.diag(d.model.joint_damping) @ across)[free, free]
     matrix[np.ix_(v, q[free])] = -inverse @ (across.T @ np.diag(d.model.joint_stiffness) @ across)[free, free]
