@@ -39,7 +39,7 @@ KERNEL, DERIVATIVES = "kernel", "derivatives"
 """What is lowered and compiled by itself: the kernel, and the hooks that carry derivatives. Also the kinds of
 libraries: the kernel, and the kernel with these hooks."""
 # ARM's instruction that multiplies and adds is not used: it rounds once where the two of x86 round twice.
-# Without LLVM's loop strength reduction, linking takes a seventh less, and kernels are no slower.
+# Without LLVM's loop strength reduction, linking takes less time, and kernels are no slower.
 FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything", "-mllvm", "-disable-lsr")
 # Twice as much as usual is inlined, which makes steps of four links up to 4 % faster. Derivatives do without:
 # they would be no faster, and take longer to compile.

@@ -16,7 +16,6 @@ import operator
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
 from llvmlite import ir
 from numba import boolean, float64, types
 from numba.core import cgutils
@@ -25,7 +24,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import lower_builtin, lower_cast, models, register_model
 
 from chain_impact.kernel.tangent import directions
-from chain_impact.kernel.tangent.directions import DIRECTIONS, dual_dtype
+from chain_impact.kernel.tangent.directions import DIRECTIONS
 
 VECTOR = ir.VectorType(ir.DoubleType(), DIRECTIONS)
 
@@ -54,9 +53,6 @@ class _Model(models.PrimitiveModel):
 
     def __init__(self, manager: Any, kind: Dual) -> None:
         super().__init__(manager, kind, ir.LiteralStructType([ir.DoubleType(), VECTOR], packed=True))
-
-
-BYTES = dual_dtype(np.dtype(np.float64)).itemsize
 
 
 # ---- in LLVM's language -----------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 
 # as in compilation/c_interface/common/instance.h
-HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s14q"), 24
+HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s13q"), 24
 ROW, PLACE = struct.Struct("<ddqqqiiii"), struct.Struct("<q")
 MAGIC = b"chaintab"
 TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
@@ -82,7 +82,7 @@ def packed(model: dict[str, Any], record: bytes, further: Sequence[tuple[list[An
     places_at = statuses_at + len(statuses)
     record_at = places_at + len(reasons)
     texts_at = record_at + len(record)
-    numbers = [len(variables), model["first_output"], len(codes), len(model["places"])]
+    numbers = [len(variables), len(codes), len(model["places"])]
     numbers += [model["words"][name] for name in ("time", "changed", "tolerance", "place")]
     numbers += [variables_at, statuses_at, places_at, texts_at, record_at, len(record)]
     parts = rows + statuses + reasons + record + bytes(texts)

@@ -21,10 +21,10 @@ ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
 FAR_OFF = 1e6
 LEAST = 1e-16  # a smaller error, which may be 0, counts as this one
 # Rotation of the links [rad] in the first step of a flight at a tolerance of 1: the largest for which few of
-# them are rejected (tests/kernel/integration/test_control.py). `onset_size` of the methods: likewise.
+# them are rejected (tests/kernel/integration/test_control.py). ONSET_SIZE of the methods is chosen likewise.
 TURN = 2.8
-# `onset_size` and `onset_order` of an explicit step in time: there the force begins as a power of the time
-# since the onset, so errors are of a lower order than those of the method.
+# In the place of ONSET_SIZE and ONSET_ORDER for an explicit step in time: there the force begins as a power
+# of the time since the onset, so errors are of a lower order than those of the method.
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
 
 

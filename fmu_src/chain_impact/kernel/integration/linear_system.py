@@ -27,13 +27,13 @@ from chain_impact.kernel.chain.joints import joint_resistance, spring_stiffness
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, omega_at, velocity_at
 from chain_impact.kernel.integration.extended import compliant, gap_at, quadrature_at, rate_at
 from chain_impact.kernel.model.compliance import holding_impedance, joints_loaded, solve_space
-from chain_impact.kernel.model.constraints import constraint_rows
 from chain_impact.kernel.model.geometry import (
     add_along,
     add_impedance,
     along,
     clear_loads_of,
     constraint,
+    constraint_rows,
     join,
 )
 

@@ -18,6 +18,7 @@ from chain_impact.kernel.model.geometry import (
     along,
     clear_loads_of,
     constraint,
+    constraint_rows,
     join,
     normal,
     to_joints,
@@ -61,7 +62,7 @@ def held_mobility(d, mobility):
 def factorize_contacts(d, row, impedance):
     """Eliminate M + Jᵀ D J in a row of ``work.factors``, with D_k [kg] of the constraints, packed."""
     no_impedance(d, d.work.impedance)
-    for k in range(d.touch.active_count + d.friction.stuck_count):
+    for k in range(constraint_rows(d)):
         add_impedance(constraint(d, k), d.work.impedance, impedance[k])
     join(d, d.work.impedance, 0.0)
     factorize(d, d.work.link, d.work, row, joints_loaded(d))
@@ -90,7 +91,7 @@ def solve_space(d, links, space, row, change):
 def solve_contacts(d, row, impulse, change):
     """As ``solve_space``, for ``impulse`` p_k [N·s] of the constraints, packed."""
     clear_loads_of(d, d.work.load)
-    for k in range(d.touch.active_count + d.friction.stuck_count):
+    for k in range(constraint_rows(d)):
         add_along(constraint(d, k), d.work.load, impulse[k])
     solve_space(d, d.work.link, d.work, row, change)
 

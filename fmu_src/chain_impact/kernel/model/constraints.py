@@ -37,7 +37,7 @@ from chain_impact.kernel.model.compliance import (
     solve_contacts,
 )
 from chain_impact.kernel.model.friction import any_sticking
-from chain_impact.kernel.model.geometry import along, constraint
+from chain_impact.kernel.model.geometry import along, constraint, constraint_rows
 from chain_impact.kernel.work_limit import count_other_work, work_exceeded
 
 # Near a toggle position 1/W is far more than the mass of a link. If an iteration leaves more than SLOW of the
@@ -286,11 +286,6 @@ def any_point_held(d):
 def any_constraint(d):
     """Whether rigid walls hold a point, or anything sticks by dry friction."""
     return any_point_held(d) or any_sticking(d)
-
-
-def constraint_rows(d):
-    """The number of the active contacts and of what sticks."""
-    return d.touch.active_count + d.friction.stuck_count
 
 
 def activate_all(d):

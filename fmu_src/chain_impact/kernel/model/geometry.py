@@ -84,6 +84,11 @@ def tangent(d, e):
     return d.links + 1 + e - d.candidates, 1.0, 0.0
 
 
+def constraint_rows(d):
+    """The number of the active contacts and of what sticks."""
+    return d.touch.active_count + d.friction.stuck_count
+
+
 def constraint(d, k):
     """The row of constraint k: the active contacts, packed, and after them what sticks."""
     if k < d.touch.active_count:

@@ -12,7 +12,6 @@ from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated
 from chain_impact.kernel.model.compliance import held_mobility, joints_loaded, mean_mass, solve_space
 from chain_impact.kernel.model.constraints import (
     activate_all,
-    constraint_rows,
     factorize_free,
     note_moving,
     set_impulse,
@@ -27,6 +26,7 @@ from chain_impact.kernel.model.geometry import (
     clear_loads_of,
     clearance,
     constraint_acceleration,
+    constraint_rows,
     tangent,
     tangential_acceleration,
     tangential_position,

@@ -109,7 +109,7 @@ def initial_dtype(links: int) -> np.dtype:
 def solver_dtype() -> np.dtype:
     """The settings of the solver. variables/model.py sets them."""
     return record(
-        ("method", INTEGER),  # index into SOLVER_METHODS of kernel/integration/methods.py, from 1
+        ("method", INTEGER),  # index into SOLVER_METHODS of kernel/integration/method.py, from 1
         ("tolerance", REAL),
         ("work_limit", REAL),  # 1/s, evaluations per second of simulated time
     )

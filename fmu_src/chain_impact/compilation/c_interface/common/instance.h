@@ -27,7 +27,7 @@ typedef struct {
     char magic[8];
     uint64_t size, checksum; /* of the whole file, and of what follows this number */
     char guid[40];
-    int64_t variable_count, first_output, status_count, place_count;
+    int64_t variable_count, status_count, place_count;
     int64_t time_word, changed_word, tolerance_word, place_word;
     int64_t variables_at, statuses_at, places_at, texts_at, record_at, record_size;
 } Table;

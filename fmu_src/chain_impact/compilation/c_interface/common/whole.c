@@ -56,7 +56,7 @@ int is_whole(const Table *table) {
         !lies_in(table, table->record_at, table->record_size, 1))
         return 0;
     if (!is_word(table, table->time_word) || !is_word(table, table->changed_word) ||
-        !is_word(table, table->tolerance_word) || !is_word(table, table->place_word) || table->first_output < 0)
+        !is_word(table, table->tolerance_word) || !is_word(table, table->place_word))
         return 0;
     const Variable *variables = in_table(table, table->variables_at);
     for (int64_t i = 0; i < table->variable_count; i++)
