@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.integration.radau import STAGES, Q
-from chain_impact.kernel.tangent import directions, implicit_step
+from chain_impact.kernel.tangent import directions, implicit_step, trust
 from chain_impact.kernel.tangent.implicit_step import ENOUGH, FALLS, FAR_OFF, MOST, ROUND_OFF, STALLED
 from tests.derivative_scenes import Case, table
 from tests.kernel.tangent.dual import Dual, followed, started
@@ -184,3 +184,24 @@ def test_the_linear_system_is_that_of_the_run():
     implicit_step.take_slopes(d, t)
     assert (t.implicit.link.x, t.implicit.link.y) == ([1, 2], [3, 4])
     assert (t.implicit.stiffness, t.implicit.damping) == ([5, 600], [7, 800])
+
+
+@pytest.mark.parametrize("reason", [trust.TRUSTED, trust.GRAZING])
+@pytest.mark.parametrize("converges", [True, False])
+@pytest.mark.parametrize("contacts", [0, 1, 2])
+def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges, contacts):
+    d, called = SimpleNamespace(step=SimpleNamespace(start=1.5)), []
+    t = SimpleNamespace(trust=SimpleNamespace(reason=reason), implicit=SimpleNamespace(z="z"))
+    t.trial = SimpleNamespace(state="y")
+    right = ["extend_start", "extrapolate_stages", "take_stages", "take_slopes", "factorize_real"]
+    for name in [*right, "set_result", "project_clearances"]:
+        monkeypatch.setattr(implicit_step, name, lambda *_, name=name: called.append(name))
+    monkeypatch.setattr(implicit_step, "extended_size", lambda _: 12)
+    monkeypatch.setattr(implicit_step, "compliant", lambda _: contacts)
+    monkeypatch.setattr(implicit_step, "iterate_slopes", lambda *_: called.append("iterate") or converges)
+    monkeypatch.setattr(implicit_step, "mark_untrusted", lambda _t, *what: called.append(what))
+    implicit_step.make_implicit(d, t, 0.1)
+    if reason == trust.TRUSTED:
+        right += ["iterate"] if converges else ["iterate", (trust.NOT_SOLVED, trust.NO_IMPACT, 1.5)]
+    right += ["set_result", "project_clearances"] if contacts else ["set_result"]
+    assert called == right
