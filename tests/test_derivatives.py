@@ -480,6 +480,17 @@ def sloping(friction: float) -> Case:
     return replace(case, scene=scene)
 
 
+def dry_link(friction: float) -> Case:
+    """A level pendulum at rest with dry friction [N·m] in its joint."""
+    scene = table(
+        [{"length": 0.4, "mass": 0.5, "joint_friction": friction}],
+        base="pinned",
+        initial={"angles": [0.0]},
+        simulation={"stop_time": 0.1, "step_size": 0.01},
+    )
+    return Case(scene, (), (0.1,))
+
+
 def limits(case: Case, parameters=("contact.stiffness",)):
     result = simulate(case.scene, inputs=case.inputs, sensitivities=list(parameters))
     return result.sensitivity_limits, result
@@ -506,19 +517,12 @@ def test_a_puck_that_stops_where_it_is_at_the_limit(share, given):
 def test_a_joint_at_its_limit_at_the_start():
     """A pendulum at rest whose weight has just the moment of its friction."""
     moment = 0.5 * 9.81 * 0.2
-    scene = table(
-        [{"length": 0.4, "mass": 0.5, "joint_friction": moment}],
-        base="pinned",
-        initial={"angles": [0.0]},
-        simulation={"stop_time": 0.1, "step_size": 0.01},
-    )
-    case = Case(scene, ("link[1].joint_friction",), (0.1,))
-    told, result = limits(case, case.parameters)
+    names = ("link[1].joint_friction",)
+    told, result = limits(dry_link(moment), names)
     assert "from t = 0 s on, the dry friction of joint 1: " in told[0]
     assert np.isnan(result.sensitivity("link[1].angle", "link[1].joint_friction")).all()
     for change in (0.99, 1.01):
-        scene = case.scene.with_values({"link[1].joint_friction": change * moment})
-        assert limits(Case(scene, case.parameters, case.times), case.parameters)[0] == ()
+        assert limits(dry_link(change * moment), names)[0] == ()
 
 
 def test_a_friction_that_is_zero():
@@ -564,16 +568,11 @@ def test_a_contact_that_begins_without_sliding(friction, given):
 @pytest.mark.parametrize(("moment", "given"), [(0.5, False), (1.5, True)])
 def test_a_joint_that_is_released_at_rest(moment, given):
     """Its weight has a moment of 0.98 N·m: a friction above that stops a small speed, one below does not."""
-    scene = table(
-        [{"length": 0.4, "mass": 0.5, "joint_friction": moment}],
-        base="pinned",
-        initial={"angles": [0.0]},
-        simulation={"stop_time": 0.1, "step_size": 0.01},
-    )
-    told, _ = limits(Case(scene, (), (0.1,)), ["initial.angular_velocity[1]"])
+    case = dry_link(moment)
+    told, _ = limits(case, ["initial.angular_velocity[1]"])
     assert (told == ()) == given
     assert given or "from t = 0 s on, the dry friction of joint 1: " + REASONS_OF_FRICTION[10] in told[0]
-    assert limits(Case(scene, (), (0.1,)), ["link[1].joint_friction", "link[1].mass"])[0] == ()
+    assert limits(case, ["link[1].joint_friction", "link[1].mass"])[0] == ()
 
 
 @pytest.mark.parametrize("links", [1, 2])
@@ -653,15 +652,11 @@ def test_two_joints_that_stop_at_one_moment():
 def test_a_joint_that_stops_slowly(less, given):
     """A torque almost as large as the friction of the joint: ω falls by its share that is ``less``."""
     friction, inertia = 0.5, 0.5 * 0.4**2 / 3.0
-    scene = table(
-        [{"length": 0.4, "mass": 0.5, "joint_friction": friction}],
-        base="pinned",
-        gravity=[0.0, 0.0],
-        inputs={"joint_torques": True},
-        initial={"angles": [0.0], "angular_velocities": [0.1 * less * friction / inertia]},
-        simulation={"stop_time": 0.2, "step_size": 0.01},
+    values = {"gravity": (0.0, 0.0), "inputs.joint_torques": True, "simulation.stop_time": 0.2}
+    values["initial.angular_velocities"] = (0.1 * less * friction / inertia,)
+    case = Case(
+        dry_link(friction).scene.with_values(values), (), (0.2,), {"joint[1].torque": (1.0 - less) * friction}
     )
-    case = Case(scene, (), (0.2,), {"joint[1].torque": (1.0 - less) * friction})
     told, result = limits(case, ["link[1].joint_friction"])
     assert result.stick_slip["start"][-1] == pytest.approx(0.1, rel=1e-6)
     assert (told == ()) == given

@@ -10,7 +10,7 @@ from chain_impact.kernel.status import OK, TOO_MUCH_WORK
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance, SimulationError
 from tests.kernel_calls import advance, advance_awhile, initialize
-from tests.random_scenes import drive, scene as random_scene
+from tests.random_scenes import scene as random_scene
 from tests.reference import balance
 from tests.turned import turned
 
@@ -162,24 +162,6 @@ def test_a_long_call_returns_in_between():
     assert instance.record["step"].tobytes() == whole.record["step"].tobytes()
 
 
-# --- beginnings --------------------------------------------------------------------------------------------
-
-
-def test_an_instance_that_has_run_starts_as_a_new_one():
-    scene = chain(3, {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]})
-    used, new = Instance(scene), Instance(scene)
-    assert used.advance(0.75) == OK
-    used.initialize()
-    for instance in (used, new):
-        assert instance.advance(0.7) == OK
-    for name in ("step", "impact", "statistics", "finished"):
-        if name == "finished":
-            assert used.record[name]["count"] == new.record[name]["count"]
-        else:
-            assert used.record[name].tobytes() == new.record[name].tobytes(), name
-    assert used.collect().tolist() == new.collect().tolist()
-
-
 # --- forces that jump --------------------------------------------------------------------------------------
 
 
@@ -202,23 +184,6 @@ def test_the_first_stage_after_an_onset_has_the_force_that_jumps_there(method):
 
 
 # --- looks, restarts and late starts -----------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("seed", [15, 111, 213, 235])
-def test_outputs_do_not_depend_on_how_often_they_are_looked_at(seed):
-    """Implicit steps of random scenes with damped joints, some with an input that is set at the start."""
-    one, ends = random_scene(seed), []
-    for looks in (1, 400):
-        instance = Instance(one)
-        torque, force = drive(one, seed)
-        if one.inputs.joint_torques or one.inputs.tip_force:
-            inputs = instance.record["given"]
-            inputs["joint_torque"], inputs["tip_force"], inputs["changed"] = torque, force, 1
-        for k in range(1, looks + 1):
-            assert instance.advance(one.simulation.stop_time * k / looks) == OK
-            instance.observe()
-        ends.append((instance.record["output"].tobytes(), work(instance)))
-    assert ends[0] == ends[1]
 
 
 @pytest.mark.parametrize("seed", [54, 106, 1000026, 1000162])

@@ -187,14 +187,6 @@ def test_a_fall_with_impacts_costs_a_bounded_number_of_evaluations(damping, most
     assert result.statistics["rhs_evaluations"] < most
 
 
-@pytest.mark.parametrize("tolerance", [1e-5, 1e-8])
-@pytest.mark.parametrize("damping", [1.0, 100.0, 1e4, 1e6])
-def test_the_ledger_closes_to_the_tolerance(damping, tolerance):
-    result = simulate(stiff_joint(damping), tolerance=tolerance)
-    assert balance(result) < 100.0 * tolerance
-    assert (np.diff(result.energy["dissipated"]) > -tolerance).all()
-
-
 @pytest.mark.parametrize(
     ("scene", "stop_time", "impacts", "method"),
     [

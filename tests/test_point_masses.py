@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from chain_impact import simulate
 from chain_impact.kernel.status import MASS_MATRIX_SINGULAR
-from chain_impact.scene.scene import SceneError, scene_from_dict, with_values
+from chain_impact.scene.scene import SceneError, scene_from_dict
 from chain_impact.simulation.instance import Instance
 from tests.kernel.chain.test_recursion import lagrange_accelerations
 from tests.kernel_calls import initialize
@@ -79,17 +79,6 @@ def test_accelerations_are_lagranges(base):
     expected = lagrange_accelerations(one, angles, velocities, np.zeros(3), np.zeros((4, 2)))
     found = instance.record["output"]["angular_acceleration"]
     np.testing.assert_allclose(found, expected[2:], rtol=0, atol=1e-11 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
-@pytest.mark.parametrize("damping", [0.0, 0.05, 50.0])
-def test_impacts_of_point_masses_keep_the_ledger(model, damping):
-    box = {"x_min": -0.5, "x_max": 1.3}
-    one = double([0.9, 1.2], box=box, points=[1, 2], stop_time=2.0, tolerance=1e-8)
-    changes = {("chain", "links", 1, "joint_damping"): damping, ("contact", "model"): model}
-    result = simulate(with_values(one, changes))
-    assert len(result.impacts) > 2
-    assert balance(result) < 1e-6
 
 
 def test_a_bob_on_a_stiff_damped_spring_takes_implicit_steps():

@@ -2,7 +2,6 @@
 
 import csv
 import math
-from importlib import import_module
 
 import numpy as np
 import pytest
@@ -14,7 +13,6 @@ from tests.problems import ball, default_scene, flat_rod, of_law, own_law, struc
 from tests.reference import exact_damping_factor, realised_restitution as exact_restitution
 from tests.tiers import needs_compilers
 
-compare_module = import_module("chain_impact.studies.compare")
 OTHER_EXPONENT = [law for law in CONTACT_LAWS.values() if not law.allows_exponent(1.5)]
 
 
