@@ -158,13 +158,6 @@ def test_random_scenes(seed):
         check(scene, row, ["link[1].mass"])
 
 
-def test_the_stop_time_alone():
-    found = sweep(short(), {"simulation.stop_time": [0.1, 0.5]})
-    for row in found.table:
-        assert check(short(), row, found.varied) == "ok"
-    assert found["time"].tolist() == [0.1, 0.5]
-
-
 def test_contacts_at_stops_have_columns_of_their_own():
     """Also one that lasts at the end."""
     scene = knee()
