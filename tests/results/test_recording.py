@@ -8,7 +8,6 @@ import pytest
 
 from chain_impact import Recording, simulate
 from chain_impact.results.impacts import impacts_shown
-from chain_impact.results.touches import Touch, impacts_from
 from chain_impact.system import written_whole
 
 # each digit, the ends of the range, a negative zero and what is no number at all
@@ -165,20 +164,3 @@ def test_arrays_of_a_part_of_the_outputs():
     assert result.points.shape[1:] == (5, 2)
     assert {one.point for one in result.touches} == {2}
     assert result.energies == {}
-
-
-def test_impacts_that_forces_show():
-    time = np.arange(8.0)
-    force, depth, rate = np.zeros((3, 8))
-    force[[0, 3, 4, 6, 7]] = 1.0, 5.0, 9.0, 2.0, 3.0  # it touches at the start, and at the end
-    depth[[3, 4, 6, 7]] = 0.1, 0.3, 4.0, 5.0
-    rate[[3, 6]] = 0.5, 1.0
-    touch = Touch(2, "y_min", force, depth, rate)
-    joint = Touch(1, "joint_min", force, depth, rate)
-    found = impacts_from(time, [touch, joint, Touch(0, "", None)], ("x_min", "y_min"))
-    wanted = ["point", "wall", "onset", "end", "impact_speed", "peak_force", "max_penetration"]
-    assert found[wanted][0].item() == (2, 1, pytest.approx(2.8), 5.0, 0.5, 9.0, 0.3)
-    last = found[wanted][1].item()
-    assert last[:3] == (2, 1, 5.0)  # not before the row without force
-    assert np.isnan(last[3])
-    assert len(found) == 2
