@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from chain_impact import load_scene, simulate
+from chain_impact import load_scene, simulate, sweep
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.simulation.instance import SimulationError
 from tests.random_scenes import RUBBED, SLANTED, STOPPED, scene as random_scene
@@ -196,6 +196,16 @@ def test_a_wall_bears_what_its_points_press_on_it(name):
         assert off(chain.vector(f"wall.{wall}.load."), force) < 1e-12
         assert off(chain.result[f"wall.{wall}.load_moment"], moment) < 1e-12
     assert bearing
+
+
+def test_a_sweep_has_those_of_the_end():
+    names = ["joint[3].impulse.x", "joint[3].peak_force", "wall.y_min.load.y"]
+    scene = loaded("driven, stops", **{"simulation.stop_time": 0.6})
+    found, right = (
+        sweep(scene, {"link[4].mass": [scene.values["link[4].mass"]]}, outputs=names),
+        simulate(scene),
+    )
+    assert [float(found[name][0]) for name in names] == [right[name][-1] for name in names]
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -118,7 +118,7 @@ class Runner:
         looked_at = {part for column in self._columns.values() for part in column.place}
         if "latest" not in looked_at:
             self._instance["latest"]["kept"] = 0
-            self._instance["quadrature"]["wanted"] = bool(looked_at & {"impulse", "friction"})
+            self._instance["quadrature"]["wanted"] = bool(looked_at & {"impulse", "friction", "load"})
         in_record = [k for k, place in enumerate(job.varied) if place]
         self._in_record, self._whole = in_record, [job.kinds[k] == "enumeration" for k in in_record]
         self._places = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)
