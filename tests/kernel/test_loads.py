@@ -199,7 +199,7 @@ def test_a_wall_bears_what_its_points_press_on_it(name):
 
 
 def test_a_sweep_has_those_of_the_end():
-    names = ["joint[3].impulse.x", "joint[3].peak_force", "wall.y_min.load.y"]
+    names = ["joint[3].impulse.y", "joint[3].peak_force", "wall.y_min.load.y"]
     scene = loaded("driven, stops", **{"simulation.stop_time": 0.6})
     found, right = (
         sweep(scene, {"link[4].mass": [scene.values["link[4].mass"]]}, outputs=names),
