@@ -21,9 +21,9 @@ import math
 from chain_impact.kernel.chain.joints import joint_damping, spring_stiffness, stretch
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import omega_at
-from chain_impact.kernel.events.peaks import maximum_near
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.last_step import OUTPUTS, ensure_dense, ensure_points
+from chain_impact.kernel.integration.peaks import maximum_near
 from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.geometry import WALLS, lever, normal, tangent
 from chain_impact.kernel.work_limit import counted_work, uncount_work

@@ -10,8 +10,8 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET
-from chain_impact.kernel.events.peaks import maximum_near
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
+from chain_impact.kernel.integration.peaks import maximum_near
 from chain_impact.kernel.integration.quadratures import reset_quadratures
 from chain_impact.kernel.model.contact import begin_contact, clear_contacts, contact_force, list_touching
 from chain_impact.kernel.model.contact_force import set_damping

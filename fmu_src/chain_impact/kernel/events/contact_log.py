@@ -5,7 +5,6 @@ import math
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET, drop_changes, mark
-from chain_impact.kernel.events.peaks import maximum_near
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.last_step import (
     OUTPUTS,
@@ -15,6 +14,7 @@ from chain_impact.kernel.integration.last_step import (
     ensure_rate,
     truncate_to_output_time,
 )
+from chain_impact.kernel.integration.peaks import maximum_near
 from chain_impact.kernel.integration.quadratures import commit_quadratures
 from chain_impact.kernel.loads import update_load_peaks
 from chain_impact.kernel.model.constraints import any_point_held
