@@ -1,25 +1,24 @@
-"""Labels that do not overlap: each gets the first of several places that is free, or is left out.
+"""Labels that do not overlap: one that would meet another, which is more important, is left out.
 
 They are placed on a page whose layout is settled, by the boxes that the renderer measures.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.text import Annotation
+from matplotlib.transforms import Bbox
 
-CLOSE, STEP = 6.0, 8.0  # points from the place to its label, and along it between trials
+CLOSE = 5.0  # points from the place to its label
 PAD = 2.5  # points that stay free around a label
+SLANTED = 0.4  # of a direction along an axis, from which a label stands on that side of its place
 
 
-@dataclass(frozen=True)
-class Label:
+class Label(NamedTuple):
     """A label at a place.
 
     Attributes:
@@ -34,13 +33,6 @@ class Label:
     away: tuple[float, float] = (0.0, 1.0)
     short: str = ""
 
-    def offsets(self, width: float, height: float) -> Iterator[tuple[float, float]]:
-        """Where the middle of a text of this size can be, in points from its place, the best first."""
-        ax, ay = self.away
-        out = CLOSE + 0.5 * (abs(ax) * width + abs(ay) * height)
-        for side in (0.0, STEP, -STEP):
-            yield out * ax - side * ay, out * ay + side * ax
-
 
 def settle(page: Figure) -> None:
     """Arrange the page once and keep it so: what is placed by pixels from here on stays where it is."""
@@ -48,43 +40,22 @@ def settle(page: Figure) -> None:
     page.set_layout_engine("none")
 
 
-def place_labels(axes: Axes, labels: Sequence[Label], obstacles: np.ndarray, **look: Any) -> None:
-    """Write the labels, the most important first, where they meet no other label and no obstacle.
+def place_labels(axes: Axes, labels: Sequence[Label], **look: Any) -> None:
+    """Write the labels, the most important first, where they meet no other label and have room in the axes.
 
-    A label without room inside the axes is left out. ``obstacles`` are boxes as `marker_boxes` gives them,
     ``look`` is how text is drawn.
     """
-    style: dict[str, Any] = {"ha": "center", "va": "center", "textcoords": "offset points", **look}
-    taken = obstacles
+    inside, taken = axes.get_window_extent(), list[Bbox]()
     for label in labels:
+        ax, ay = label.away
+        style: dict[str, Any] = {"textcoords": "offset points", "in_layout": False}
+        style["ha"] = "center" if abs(ax) < SLANTED else "left" if ax > 0.0 else "right"
+        style["va"] = "center" if abs(ay) < SLANTED else "bottom" if ay > 0.0 else "top"
         for words in filter(None, (label.text, label.short)):
-            text = axes.annotate(words, label.place, (0.0, 0.0), in_layout=False, **style)
-            if find_room(axes, text, label, taken):
-                taken = np.vstack([taken, text.get_window_extent().extents])
+            text = axes.annotate(words, label.place, (CLOSE * ax, CLOSE * ay), **style, **look)
+            box = text.get_window_extent().padded(PAD * axes.figure.dpi / 72.0)
+            whole = np.array_equal(Bbox.union([box, inside]).get_points(), inside.get_points())
+            if whole and not box.count_overlaps(taken):
+                taken.append(box)
                 break
             text.remove()
-
-
-def find_room(axes: Axes, text: Annotation, label: Label, taken: np.ndarray) -> bool:
-    """Move a text to the first of its label's places that is free and inside the axes, if there is one."""
-    inside, size, pixel = axes.get_window_extent().extents, text.get_window_extent(), 72.0 / axes.figure.dpi
-    for offset in label.offsets(size.width * pixel, size.height * pixel):
-        text.xyann = offset
-        x0, y0, x1, y1 = text.get_window_extent().padded(PAD / pixel).extents
-        within = inside[0] <= x0 and inside[1] <= y0 and x1 <= inside[2] and y1 <= inside[3]
-        meets = (taken[:, 0] < x1) & (taken[:, 1] < y1) & (taken[:, 2] > x0) & (taken[:, 3] > y0)
-        if within and not meets.any():
-            return True
-    return False
-
-
-def marker_boxes(axes: Axes, places: Sequence[tuple[float, float]], size: float) -> np.ndarray:
-    """The boxes of round markers of a size in points: x and y of two corners in pixels, shape (n, 4)."""
-    half, middles = 0.5 * size * axes.figure.dpi / 72.0, axes.transData.transform(np.reshape(places, (-1, 2)))
-    return np.hstack([middles - half, middles + half])
-
-
-def stem_boxes(axes: Axes, tops: Sequence[tuple[float, float]]) -> np.ndarray:
-    """The boxes of upright lines from zero to their tops, as those of markers."""
-    places = np.reshape(tops, (-1, 2))
-    return np.hstack([axes.transData.transform(ends) for ends in (places * [1.0, 0.0], places)])

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from chain_impact.kernel.model.friction import STICKS
 from chain_impact.results.joint_stops import range_lines, touching_place
-from chain_impact.results.plots.labels import Label, marker_boxes, place_labels
+from chain_impact.results.plots.labels import Label, place_labels
 from chain_impact.results.plots.room import draw_walls
 from chain_impact.results.plots.style import INK, TIME_COLOURS, VERMILLION
 from chain_impact.results.recording import Recording
@@ -143,8 +143,8 @@ def number_rings(axes: Axes, recording: Recording) -> None:
         text = ", ".join(str(hit + 1) for hit in sorted(shown))
         more = f" +{len(hits) - len(shown)}" if len(hits) > len(shown) else ""
         outward = _outward(recording, recording.impacts[hits[0]])
-        labels.append(Label(text + more, spot, outward, short=str(hits[0] + 1)))
-    place_labels(axes, labels, marker_boxes(axes, list(found), RING), fontsize=7, color=INK)
+        labels.append(Label(text + more, spot, outward, str(hits[0] + 1)))
+    place_labels(axes, labels, fontsize=7, color=INK)
 
 
 def _outward(recording: Recording, impact: np.void) -> tuple[float, float]:

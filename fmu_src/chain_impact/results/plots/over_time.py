@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from chain_impact.kernel.model.friction import STICKS
-from chain_impact.results.plots.labels import Label, marker_boxes, place_labels, stem_boxes
+from chain_impact.results.plots.labels import Label, place_labels
 from chain_impact.results.plots.motion import ABOVE, by_speed
 from chain_impact.results.plots.style import (
     BLACK,
@@ -154,6 +154,5 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
 def number_impacts(axes: Axes, recording: Recording) -> None:
     """Write the numbers of the impacts at their speeds, the highest first."""
     tops = list(zip(recording.impacts["onset"].tolist(), heights(recording).tolist(), strict=True))
-    marks = np.vstack([marker_boxes(axes, tops, DOT), stem_boxes(axes, tops)])
     labels = [Label(str(row + 1), tops[row]) for row in by_speed(recording)[:NUMBERED]]
-    place_labels(axes, labels, marks, fontsize=7)
+    place_labels(axes, labels, fontsize=7)
