@@ -61,8 +61,12 @@ def test_the_enumeration_of_the_fmu_keeps_its_numbers():
 @pytest.mark.parametrize("e", [0.02, 0.3, 0.5, 0.77, 0.999, 1.0])
 def test_damping_factor_is_that_of_the_literature(law, e):
     # the complex one needs a derivative, which is not there for small e
-    own = law.id == "zhang_sharf"
-    expected = exact_damping_factor(e) if own else FACTORS[law.id](complex(e)).real
+    if law.id == "zhang_sharf":
+        expected = exact_damping_factor(e)
+    elif (law.id, e) == ("kuwabara_kono", 1.0):
+        expected = 0.0  # the end of the bracket in which its root is searched
+    else:
+        expected = FACTORS[law.id](complex(e)).real
     # the root of an equation, or a formula
     accuracy = {"zhang_sharf": 1e-9, "kuwabara_kono": 1e-8}.get(law.id, 1e-14)
     assert factor_of(law, e) == pytest.approx(expected, rel=accuracy, abs=1e-15)
