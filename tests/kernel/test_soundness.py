@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import hooks, soundness
+from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.marks import NEIGHBOUR
 from chain_impact.kernel.integration.last_step import SOLVER
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, SOLVER_METHODS
@@ -63,6 +64,7 @@ BOUNDS = {
     ("step", "method"): (EXPLICIT, IMPLICIT),
     ("step", "last_method"): (EXPLICIT, IMPLICIT),
     ("step", "dense_for"): (0, SOLVER),
+    ("search", "known"): (0, FAR),
     ("law", "number"): (1, LAW_COUNT),
     ("candidate", "stop"): (-1, 1),
     ("solver", "method"): (1, len(SOLVER_METHODS)),

@@ -14,7 +14,7 @@ from chain_impact.kernel.chain.state import (
     velocity_at,
 )
 from chain_impact.kernel.events.contact_log import clear_log, clear_peaks
-from chain_impact.kernel.events.exclusion import forget_clearances
+from chain_impact.kernel.events.exclusion import NOTHING, remember_clearances
 from chain_impact.kernel.events.friction_modes import clear_changes, reinit_modes
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.integration.balance import start_balance
@@ -110,7 +110,7 @@ def clear_run(d, time):
     clear_breaks(d)
     reset_times(d, time)
     conclude(d, 0.0, 1.0)
-    forget_clearances(d)
+    remember_clearances(d, NOTHING)
     clear_log(d)
     clear_peaks(d)
     clear_changes(d)

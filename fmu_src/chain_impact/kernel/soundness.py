@@ -5,6 +5,7 @@ number may be wrong: it leads to a fault status, never to an access outside the 
 """
 
 from chain_impact.kernel import hooks
+from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.marks import NEIGHBOUR
 from chain_impact.kernel.integration.last_step import SOLVER
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, SOLVER_METHODS
@@ -33,7 +34,7 @@ def within_bounds(d):
     fits = fits and within(d.solver.method, 1, len(SOLVER_METHODS)) and d.finished.count >= 0
     fits = fits and within(d.step.method, EXPLICIT, IMPLICIT)
     fits = fits and within(d.step.last_method, EXPLICIT, IMPLICIT)
-    fits = fits and within(d.step.dense_for, 0, SOLVER)
+    fits = fits and within(d.search.known, 0, FAR) and within(d.step.dense_for, 0, SOLVER)
     fits = fits and within(d.statistics.status, OK, LAST_STATUS)
     fits = fits and within(d.latest.kept, 0, len(d.latest.time))
     fits = fits and within(d.given.course.order, 0, DEGREE) and within(d.inputs.course.order, 0, DEGREE)

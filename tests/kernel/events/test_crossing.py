@@ -7,15 +7,15 @@ import pytest
 from scipy.optimize import brentq
 
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, time_at, velocity_at
-from chain_impact.kernel.events import search
-from chain_impact.kernel.events.exclusion import keep_start
+from chain_impact.kernel.events import crossing
+from chain_impact.kernel.events.crossing import CROSSES, QUIET, SPLIT
+from chain_impact.kernel.events.exclusion import keep_start, suspect_all
 from chain_impact.kernel.events.marks import END, NONE, ONSET
-from chain_impact.kernel.events.search import CROSSES, QUIET, SPLIT
-from chain_impact.kernel.integration.dense import SLOPE_BOUND, rate_bounds
+from chain_impact.kernel.integration.dense import rate_bounds
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.geometry import clearance
-from tests.kernel.chains import chain, stopped_chain, touch
+from tests.kernel.chains import chain, stopped_chain, stops_of, touch
 from tests.kernel.steps import Motion, free_motion, gaps_of, set_step, translation, wall_at, walls_away
 
 SAMPLES = np.linspace(0.0, 1.0, 2001)
@@ -38,16 +38,11 @@ def moving(seed, *, count=2, size=0.4, near=3, touching=0, base="free"):
     return d, motion
 
 
-def suspect_all(d):
-    d.search.suspect_count = d.candidates
-    d.search.suspect[:] = range(d.candidates)
-
-
 def prepare(d):
     suspect_all(d)
-    search.measure(d, 0.0)
+    crossing.measure(d, 0.0)
     keep_start(d)
-    search.bound_curvature(d)
+    crossing.bound_curvature(d)
 
 
 def phi(d, motion, theta):
@@ -79,12 +74,12 @@ def test_the_first_crossing_is_where_the_first_clearance_or_depth_falls_through_
     d, motion = moving([seed, near, touching], near=near, touching=touching, base=base)
     d.touch.event[:] = 7
     theta, whose = first_fall(d, motion)
-    found = search.find_crossing(d)
+    found = crossing.find_crossing(d)
     if theta < 0.0:
         assert found == -1.0
         return
     assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-13)
-    assert d.touch.event[whose] == (END if d.touch.active[whose] else ONSET)
+    assert d.touch.event[whose] == (END if d.touch.active[whose] else ONSET) == crossing.kind_of(d, whose)
     assert not np.delete(d.touch.event, whose).any()
     # measured there
     np.testing.assert_allclose(d.search.clear_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
@@ -105,7 +100,7 @@ def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
     set_step(d, motion, 1.0)
     wall_at(d, c, motion.at(0.5), -falling * depth)
     prepare(d)
-    found = search.find_crossing(d)
+    found = crossing.find_crossing(d)
     if falling < 0.0:
         assert found == -1.0
     else:
@@ -118,20 +113,20 @@ def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
 def test_only_suspects_are_followed(seed):
     d, motion = moving(seed, size=1.0)
     crossing_ones = np.flatnonzero((phi(d, motion, SAMPLES) < 0.0).any(axis=0))
-    found = search.find_crossing(d)
+    found = crossing.find_crossing(d)
     assert found >= 0.0
     (first,) = np.flatnonzero(d.touch.event)
     for suspects in (crossing_ones, np.setdiff1d(crossing_ones, [first])):
         d.touch.event[:] = NONE
         suspect_all(d)
-        search.measure(d, 0.0)
+        crossing.measure(d, 0.0)
         keep_start(d)
         d.search.suspect_count = len(suspects)
         d.search.suspect[: len(suspects)] = suspects
         others = np.setdiff1d(np.arange(d.candidates), suspects)
         for field in ("clear_start", "clear_start_rate", "clear_end", "clear_end_rate", "curvature"):
             d.search[field][others] = math.nan
-        again = search.find_crossing(d)
+        again = crossing.find_crossing(d)
         if first in suspects:
             assert again == pytest.approx(found, abs=1e-14)
         else:
@@ -150,7 +145,7 @@ def test_points_that_arrive_at_one_moment_are_one_event(clock, counted):
     for c, late in zip(floor, (0.0, 1e-9, 1e-13, 0.3, 3e-12), strict=True):
         wall_at(d, c, motion.at(0.0), 2.0 * (0.4 + late))
     prepare(d)
-    assert search.find_crossing(d) == pytest.approx(0.4, abs=1e-11)
+    assert crossing.find_crossing(d) == pytest.approx(0.4, abs=1e-11)
     assert d.touch.event[floor].tolist() == [ONSET, NONE, ONSET, NONE, ONSET if counted else NONE]
 
 
@@ -158,7 +153,7 @@ def test_a_search_ends_when_there_is_no_work_left():
     d, _ = moving(0, near=1)
     d.solver.work_limit, d.statistics.rhs_evaluations = 10.0, 1000
     work = d.limits.other_work
-    assert search.find_crossing(d) == -1.0
+    assert crossing.find_crossing(d) == -1.0
     assert d.limits.other_work == work
 
 
@@ -185,11 +180,11 @@ def test_the_points_of_an_implicit_step_that_are_in_contact_have_their_own_bound
     held = d.touch.active_index[:2]
     before = d.search.curvature.copy()
     touch(d, [])
-    search.bound_curvature(d)
+    crossing.bound_curvature(d)
     np.testing.assert_array_equal(d.search.curvature, before)
     touch(d, held)
     d.step.last_method = IMPLICIT
-    search.bound_curvature(d)
+    crossing.bound_curvature(d)
     assert (d.search.curvature[held] != before[held]).all()
     np.testing.assert_array_equal(np.delete(d.search.curvature, held), np.delete(before, held))
 
@@ -197,12 +192,13 @@ def test_the_points_of_an_implicit_step_that_are_in_contact_have_their_own_bound
 @pytest.mark.parametrize(("rate", "curvature"), [(-1.0, 0.0), (-1.0, 1e9), (1.0, 0.0)])
 def test_an_overdue_event_is_where_the_clearance_falls(rate, curvature):
     """At the start of a bracket in which it only falls, or at its end if it rises but for round-off."""
-    d, _ = moving(0, near=1)
+    d, motion = moving(0, near=1)
     c = 0
-    search.measure(d, 0.75)
+    crossing.measure(d, 0.75)
     d.search.clear_start[c], d.search.clear_start_rate[c], d.search.curvature[c] = -1e-3, rate, curvature
     expected = 0.25 if rate < 0.0 else 0.75
-    assert search.locate_fall(d, c, 0.25, 0.75) == expected
+    assert crossing.find_root(d, c, 0.25, 0.75) == expected
+    np.testing.assert_allclose(d.search.clear_end, phi(d, motion, expected)[0], rtol=0, atol=1e-12)
 
 
 def test_a_regularized_contact_ends_at_the_root_of_u():
@@ -220,7 +216,7 @@ def test_a_regularized_contact_ends_at_the_root_of_u():
     # so that u′ is about that of the motion: where u falls to zero, the point leaves
     d.touch.depth_scale[c], d.touch.impact_speed[c] = 0.5 * rates[c] / 0.7, 1.0
     prepare(d)
-    assert search.find_crossing(d) == pytest.approx((1.0 - math.sqrt(1.0 - 0.8 * 0.6)) / 0.4, abs=1e-12)
+    assert crossing.find_crossing(d) == pytest.approx((1.0 - math.sqrt(1.0 - 0.8 * 0.6)) / 0.4, abs=1e-12)
     assert d.touch.event[c] == END
 
 
@@ -241,7 +237,7 @@ def test_clearances_bend_in_a_regularized_step_by_no_more_than_its_bound(seed):
     set_step(d, Motion(parts), 0.5, regularized=0)
     d.touch.depth_scale[:] = d.touch.impact_speed[:] = 1.0
     suspect_all(d)
-    search.bound_curvature(d)
+    crossing.bound_curvature(d)
     gaps = gaps_of(d, states[::20])
     second = np.abs(gaps[2:] - 2.0 * gaps[1:-1] + gaps[:-2]) / (20 * h) ** 2
     assert (second <= d.search.curvature + 1e-4).all()
@@ -253,12 +249,12 @@ def interval(start, end, rates, curvature, *, active=0, size=2.0):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.size, d.step.regularized, d.model.size = size, -1, 1.0
     d.touch.active[0] = active
-    own = d.search
-    own.clear_start[:], own.clear_end[:] = 9.0, 9.0
-    own.clear_start_rate[:] = own.clear_end_rate[:] = own.curvature[:] = 0.0
-    own.clear_start[0], own.clear_end[0] = start, end
-    own.clear_start_rate[0], own.clear_end_rate[0] = rates
-    own.curvature[0] = curvature
+    search = d.search
+    search.clear_start[:], search.clear_end[:] = 9.0, 9.0
+    search.clear_start_rate[:] = search.clear_end_rate[:] = search.curvature[:] = 0.0
+    search.clear_start[0], search.clear_end[0] = start, end
+    search.clear_start_rate[0], search.clear_end_rate[0] = rates
+    search.curvature[0] = curvature
     suspect_all(d)
     return d
 
@@ -288,19 +284,19 @@ def interval(start, end, rates, curvature, *, active=0, size=2.0):
 )
 def test_an_interval_is_settled_by_the_chord_or_by_the_rates(start, end, rates, curvature, verdict):
     d = interval(start, end, rates, curvature)
-    assert search.check_candidate(d, 0, 0.0, 1.0) == verdict
-    assert search.check_interval(d, 0.0, 1.0) == verdict
+    assert crossing.check_candidate(d, 0, 0.0, 1.0) == verdict
+    assert crossing.check_interval(d, 0.0, 1.0) == verdict
     # of a part of the step, with the bends of a part: the rates are over s
     d.step.size = 8.0
-    assert search.check_candidate(d, 0, 0.25, 0.5) == verdict
+    assert crossing.check_candidate(d, 0, 0.25, 0.5) == verdict
 
 
 def test_of_several_candidates_the_one_that_is_unsettled_decides():
     d = interval(1.0, -0.5, (-1.0, -1.0), 0.0)
-    assert search.check_interval(d, 0.0, 1.0) == CROSSES
+    assert crossing.check_interval(d, 0.0, 1.0) == CROSSES
     d.search.curvature[1], d.search.clear_end_rate[1] = 100.0, 1.0
-    assert search.check_interval(d, 0.0, 1.0) == SPLIT
-    assert search.check_interval(interval(1.0, 1.0, (0.0, 0.0), 0.0), 0.0, 1.0) == QUIET
+    assert crossing.check_interval(d, 0.0, 1.0) == SPLIT
+    assert crossing.check_interval(interval(1.0, 1.0, (0.0, 0.0), 0.0), 0.0, 1.0) == QUIET
 
 
 @pytest.mark.parametrize("active", [0, 1])
@@ -312,22 +308,33 @@ def test_who_comes_a_harmless_way_by_the_end_of_the_step_may_never_get_further(w
         part = (0.0, 1.0) if whole else (0.0, 0.5)
         d.step.size = 1.0 if whole else 2.0
         expected = QUIET if harmless and (whole or active) else CROSSES
-        assert search.check_candidate(d, 0, *part) == expected
+        assert crossing.check_candidate(d, 0, *part) == expected
 
 
 @pytest.mark.parametrize("active", [0, 1])
 def test_a_point_that_is_deep_without_having_moved_there_is_an_onset_but_no_end(active):
     d = interval(1e-13, -1e-9, (0.0, 1.0), 0.0, active=active)
-    assert search.check_candidate(d, 0, 0.0, 1.0) == (QUIET if active else CROSSES)
+    assert crossing.check_candidate(d, 0, 0.0, 1.0) == (QUIET if active else CROSSES)
     d.search.clear_start[0] = -1e-11  # it has been there before
-    assert search.check_candidate(d, 0, 0.0, 1.0) == QUIET
+    assert crossing.check_candidate(d, 0, 0.0, 1.0) == QUIET
 
 
 @pytest.mark.parametrize(("end", "verdict"), [(-1e-3, CROSSES), (0.0, QUIET), (0.3, QUIET)])
 def test_the_regularized_contact_ends_where_its_root_is_negative(end, verdict):
     d = interval(1.0, end, (1.0, 1.0), 1e9)
     d.step.regularized = 0
-    assert search.check_candidate(d, 0, 0.0, 1.0) == verdict
+    assert crossing.check_candidate(d, 0, 0.0, 1.0) == verdict
+
+
+@pytest.mark.parametrize("part", [1.0, 0.25])
+def test_what_bends_by_round_off_barely_bends(part):
+    """A w²/8 below 1e-15 of a link length."""
+    d = interval(0.0, 0.0, (0.0, 0.0), 1.0, size=2.0)
+    d.model.size = 3.0
+    limit = 8.0 * 3e-15 / (2.0 * part) ** 2
+    for curvature, expected in ((0.9 * limit, True), (1.1 * limit, False), (math.nan, True)):
+        d.search.curvature[0] = curvature
+        assert crossing.nearly_linear(d, 0, part) == expected
 
 
 LINKS = 3
@@ -346,6 +353,25 @@ def bounded():
     return d, rate_bounds(d.step, first), rate_bounds(d.step, first + 1)
 
 
+def test_a_joint_is_bounded_by_the_turn_of_its_link_relative_to_the_one_before(bounded):
+    d, along_x, along_y = bounded
+    at, joints = omega_at(LINKS), set()
+    for c in stops_of(d):
+        joint = int(d.candidate.point[c])
+        joints.add(joint)
+        found = crossing.motion_bounds(d, c, along_x, along_y)
+        values, dense = d.step.state[at + joint - 1], d.step.dense[:, at + joint - 1].copy()
+        if joint > 1:
+            values, dense = values - d.step.state[at + joint - 2], dense - d.step.dense[:, at + joint - 2]
+        before, kept = d.step.state[0], d.step.dense[:, 0].copy()
+        d.step.state[0], d.step.dense[:, 0] = values, dense
+        turn, change = rate_bounds(d.step, 0)
+        d.step.state[0], d.step.dense[:, 0] = before, kept
+        # at the lever arm of a stop, the longest link
+        assert found == pytest.approx((d.model.size * turn, d.model.size * change), rel=1e-12)
+    assert joints == {1, 2, 3}
+
+
 @pytest.mark.parametrize(
     ("near", "ends"),
     [
@@ -358,32 +384,24 @@ def test_intervals_are_halved_where_they_must_and_as_wide_as_they_can_be_after_t
     """Those of the bisection: [k/2ⁿ, (k+1)/2ⁿ], here down to 1/8 where they hold some moment."""
     _, d = stopped_chain(1, "pinned")
     seen = []
-    monkeypatch.setattr(search, "measure", lambda _, b: seen.append(b))
-    monkeypatch.setattr(search, "keep_start", lambda _: None)
+    monkeypatch.setattr(crossing, "measure", lambda _, b: seen.append(b))
+    monkeypatch.setattr(crossing, "keep_start", lambda _: None)
     monkeypatch.setattr(
-        search, "check_interval", lambda _, a, b: SPLIT if a <= near < b and b - a > 0.125 else QUIET
+        crossing, "check_interval", lambda _, a, b: SPLIT if a <= near < b and b - a > 0.125 else QUIET
     )
-    assert search.find_crossing(d) == -1.0
+    assert crossing.find_crossing(d) == -1.0
     assert seen == ends
 
 
 def test_the_curvature_of_a_stop_is_that_of_its_joint_and_of_a_point_that_of_the_links_before_it(bounded):
-    """A joint turns as its link relative to the one before, at the lever arm of a stop: the longest link."""
     d, along_x, along_y = bounded
     d.step.regularized = NO_CONTACT
-    search.bound_curvature(d)
-    reach, at, joints = [0.0], omega_at(LINKS), set()
+    crossing.bound_curvature(d)
+    reach = [0.0]
     for i in range(LINKS):
-        omega, alpha = rate_bounds(d.step, at + i)
+        omega, alpha = rate_bounds(d.step, omega_at(LINKS) + i)
         reach.append(reach[-1] + d.model.length[i] * (alpha + omega**2))
     for c in range(d.candidates):
-        point = int(d.candidate.point[c])
-        if d.candidate.stop[c]:
-            joints.add(point)
-            turn = d.step.dense[:, at + point - 1] - (d.step.dense[:, at + point - 2] if point > 1 else 0.0)
-            expected = d.model.size * np.dot(SLOPE_BOUND, abs(turn)) / d.step.size
-        else:
-            expected = along_x[1] * abs(d.candidate.normal_x[c]) + along_y[1] * abs(d.candidate.normal_y[c])
-            expected += reach[point]
-        assert d.search.curvature[c] == pytest.approx(expected, rel=1e-12)
-    assert joints == {1, 2, 3}
+        _, bend = crossing.motion_bounds(d, c, along_x, along_y)
+        links = 0.0 if d.candidate.stop[c] else reach[d.candidate.point[c]]
+        assert d.search.curvature[c] == pytest.approx(bend + links, rel=1e-12)

@@ -11,7 +11,7 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import exclusion
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.sundman import root_rate
-from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.model.geometry import clearance, speed_bound
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.model import Model
@@ -57,7 +57,7 @@ def test_no_event_is_excluded_that_happens_and_none_is_looked_for_far_from_walls
     if values.min() > 0.3 * near and near >= 0.2:
         assert excluded
     # φ and φ′ of all at either end, and φ″
-    assert (d.search.known_for == d.step.breaks) == excluded
+    assert exclusion.known_clearances(d) == exclusion.WITH_CURVES
     np.testing.assert_allclose(d.search.clear_start, values[0], rtol=0, atol=1e-11)
     np.testing.assert_allclose(d.search.clear_end, values[-1], rtol=0, atol=1e-11)
     h = d.step.size / 1000
@@ -161,6 +161,72 @@ def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
     assert exclusion.stays_in_contact(d, 2, 1e9) == expected
 
 
+@pytest.mark.parametrize("what", [exclusion.VALUES, exclusion.WITH_CURVES, exclusion.FAR])
+def test_what_is_learned_is_known_until_the_steps_break(what):
+    _, d = chain(np.random.default_rng(0), 1)
+    d.step.breaks = 3
+    exclusion.remember_clearances(d, what)
+    assert exclusion.known_clearances(d) == what
+    d.step.breaks = 4
+    assert exclusion.known_clearances(d) == exclusion.NOTHING
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
+    """The room that is remembered is never more than there is, and lasts for some steps."""
+    d, motion = stepped(seed, size=0.01, near=1.0)
+    assert exclusion.excludes_events(d)
+    least = phi_all(d, motion)[-1].min()
+    assert d.search.safe_distance == pytest.approx(least, rel=1e-9)
+    d.search.speed = speed_bound(d, d.work.velocity)
+    d.search.acceleration = speed_bound(d, d.work.acceleration)
+    lasted = 0
+    for k in range(1, 40):
+        y = motion.at(0.01 * (k + 1))
+        d.step.state[:], d.step.state_end[:] = motion.at(0.01 * k), y
+        d.step.start, d.step.end = 0.01 * k, 0.01 * (k + 1)
+        locate_points(d, y)
+        accelerate_points(d, y, motion.at(0.01 * (k + 1), 1))
+        far = exclusion.remains_far(d)
+        room = gaps_of(d, y).min()
+        assert d.search.safe_distance <= room
+        assert far == (d.search.safe_distance > exclusion.leeway(d))
+        if not far:
+            break
+        assert exclusion.known_clearances(d) == exclusion.FAR
+        lasted += 1
+    assert lasted >= 2
+    # nobody goes further than its speed and acceleration say: no point nor wall has been looked at
+    assert d.search.speed == speed_bound(d, d.work.velocity)
+    assert d.search.acceleration == speed_bound(d, d.work.acceleration)
+
+
+def quiet_start(regularized=-1):
+    d, _ = stepped(0, size=0.01, near=1.0)
+    d.search.safe_distance, d.search.speed, d.search.acceleration = 5.0, 0.0, 0.0
+    d.step.regularized = regularized
+    exclusion.remember_clearances(d, exclusion.WITH_CURVES)
+    return d
+
+
+def test_walls_are_not_far_for_who_touches_unless_its_contact_is_regularized_and_goes_on():
+    d = quiet_start()
+    assert exclusion.remains_far(d)
+    for what in (exclusion.NOTHING, exclusion.VALUES):
+        d = quiet_start()
+        exclusion.remember_clearances(d, what)
+        assert not exclusion.remains_far(d)
+    d = quiet_start()
+    touch(d, [2])
+    assert not exclusion.remains_far(d)
+    for u, crossed, expected in ((0.5, 0, True), (0.0, 0, False), (-0.1, 0, False), (0.5, 1, False)):
+        d = quiet_start(regularized=2)
+        touch(d, [2])
+        d.step.state_end[sundman_u_at(d.links)], d.touch.kink_crossed[2] = u, crossed
+        assert exclusion.remains_far(d) == expected
+        assert exclusion.known_clearances(d) == (exclusion.FAR if expected else exclusion.WITH_CURVES)
+
+
 @pytest.mark.parametrize("speed", [0.0, 1.4, 1.6])
 @pytest.mark.parametrize("end", [0.0, 1.4, 1.6])
 def test_a_contact_is_nearly_fast_at_three_quarters_of_the_speed_that_latches_anew(speed, end):
@@ -195,7 +261,7 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
     found = exclusion.sundman_u_now(d, y)
     slope = 0.0 if regularized < 0 else -0.5 * clearance(d, 2)[1] / (0.3 * (1.0 + u * u))
     assert found == pytest.approx((1.0, 0.0) if regularized < 0 else (u, slope), rel=1e-12)
-    exclusion.measure_all(d, y)
+    assert exclusion.set_clearances(d, y) == found[1]
     for c in range(d.candidates):
         gap, rate = clearance(d, c)
         sign = -1.0 if c in (2, 4) else 1.0
@@ -231,7 +297,7 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
         moved = motion.at(side * pace)
         moved[sundman_u_at(2)] = u + side * change
         locate_points(d, moved)
-        exclusion.measure_all(d, moved)
+        exclusion.set_clearances(d, moved)
         rates.append(d.search.clear_end_rate.copy())
     locate_points(d, y)
     accelerate_points(d, y, rate)
@@ -239,6 +305,8 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
     np.testing.assert_allclose(
         d.search.clear_end_curve, (rates[0] - rates[1]) / (2 * h), rtol=1e-6, atol=1e-6
     )
+    apart = [c for c in range(d.candidates) if c not in (2, 4)]
+    assert d.search.safe_distance == d.search.clear_end[apart].min()
     assert time_at(2) == len(y) - 1
 
 
@@ -248,7 +316,7 @@ def test_near_a_stop_it_counts_that_both_links_of_the_joint_may_have_an_error(le
     tolerance, last = 1e-3, len(lengths)
     links = [{"length": length, "mass": 1.0} for length in lengths]
     links[-1]["joint_max"] = 0.5
-    allowed = tolerance * (2.0 * max(lengths))
+    allowed = tolerance * (2.0 * max(lengths) if last > 1 else max(lengths))
     for share, excluded in ((0.9, False), (1.1, sum(lengths) <= 1.1 * allowed / tolerance)):
         angles = [0.0] * (last - 1) + [0.5 - share * allowed / max(lengths)]
         scene = scene_from_dict(

@@ -8,14 +8,16 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.events import search
+from chain_impact.kernel.events.crossing import measure
+from chain_impact.kernel.events.exclusion import FAR, NOTHING, VALUES, known_clearances, remember_clearances
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELEASE
 from chain_impact.kernel.events.search import (
     DEEP,
     EARLY,
     LANDED,
     credible,
+    drop_separating,
     find_event,
-    measure,
     onset_fraction,
     starts_clear,
 )
@@ -155,6 +157,7 @@ def test_the_earliest_event_is_that_of_the_motion(seed, near, touching, implicit
     known_rates(d)
     if implicit:
         d.step.last_method = IMPLICIT
+        remember_clearances(d, VALUES)  # which a search has left at the end of its interval
         d.search.clear_start[:] = d.search.clear_start_rate[:] = -7.0
     theta, whose = first_fall(d, motion)
     found = find_event(d)
@@ -163,12 +166,25 @@ def test_the_earliest_event_is_that_of_the_motion(seed, near, touching, implicit
     else:
         assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-12)
         assert d.touch.event[whose] == (END if d.touch.active[whose] else ONSET)
+        assert known_clearances(d) == VALUES
 
 
 def test_without_candidates_there_is_no_event():
     _, d = chain(np.random.default_rng(0), 1)
     d._record["candidates"] = 0
     assert find_event(d) == -1.0
+
+
+@pytest.mark.parametrize("what", [NOTHING, VALUES, FAR])
+def test_an_implicit_step_begins_where_the_last_search_ended(what, monkeypatch):
+    """Its start is measured if nothing is known of clearances there."""
+    measured = []
+    monkeypatch.setattr(search, "measure", lambda d, theta: (measured.append(theta), measure(d, theta)))
+    d, _ = moving(0, near=1)
+    d.step.last_method = IMPLICIT
+    remember_clearances(d, what)
+    find_event(d)
+    assert measured.count(0.0) == (what != VALUES)
 
 
 def test_later_events_are_those_of_contacts_up_to_the_touch():
@@ -271,6 +287,23 @@ def test_a_candidate_starts_clear_by_its_taylor_polynomial(gap, rate, bend, clea
     assert starts_clear(d, 0.1)
 
 
+def test_onsets_of_points_that_move_away_are_dropped():
+    for rates, kinds, left in (
+        ((1.0, -1.0), [NONE, ONSET], 0.4),
+        ((1.0, 1.0), [NONE, NONE], -1.0),
+        ((0.0, 0.0), [ONSET, ONSET], 0.4),
+    ):
+        d = touched(0.3, -1.0)
+        d.touch.event[:] = NONE
+        d.touch.event[[1, 5]] = ONSET
+        d.search.clear_end_rate[[1, 5]] = rates
+        assert drop_separating(d, 0.4) == left
+        assert d.touch.event[[1, 5]].tolist() == kinds
+    d = touched(0.3, 1.0, active=1, kind=END)
+    d.search.clear_end_rate[1] = 1.0
+    assert drop_separating(d, 0.4) == 0.4
+
+
 def landed(gaps, rate=-2.0, size=0.5, kind=ONSET, bend=0.0):
     """A step that ends with two points this far off their walls, where events were located, at a rate."""
     _, d = chain(np.random.default_rng(0), 2)
@@ -344,7 +377,6 @@ def test_an_incredible_touch_refuses_a_step_that_can_be_shorter_and_is_dropped_o
         (1e-11, 1e4, True),
     ):
         d = touched(0.3 * size, -1.0, size=size)
-        d.inputs.course.change_rate = 1e20  # the ends of the step do not tell
         d.step.start, d.step.end = clock, clock + size
         d.touch.event[:] = NONE
         monkeypatch.setattr(search, "credible", lambda *_: False)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain import kinematics, state
+from chain_impact.kernel.events import exclusion
 from chain_impact.kernel.integration import explicit, last_step, methods
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
@@ -98,10 +99,13 @@ def test_a_step_can_be_cut_also_at_the_communication_point_and_taken_back(method
 @pytest.mark.parametrize("how", ["mark_jump", "roll_back", "truncate_step", "reset_step"])
 def test_what_is_known_of_clearances_does_not_outlive_the_step(how):
     d = with_a_step(started())
-    d.search.known_for = d.step.breaks
+    exclusion.remember_clearances(d, exclusion.WITH_CURVES)
+    assert exclusion.known_clearances(d) == exclusion.WITH_CURVES
     more = {"truncate_step": (0.5,), "reset_step": (0.0, d.work.y)}
     getattr(last_step, how)(d, *more.get(how, ()))
-    assert d.search.known_for != d.step.breaks
+    assert exclusion.known_clearances(d) == exclusion.NOTHING
+    exclusion.remember_clearances(d, exclusion.FAR)
+    assert exclusion.known_clearances(d) == exclusion.FAR
 
 
 def test_the_dense_output_is_made_once_and_counts_if_the_solver_needs_it():

@@ -23,6 +23,7 @@ from chain_impact.kernel.model.geometry import (
     place_side,
     place_slope,
     place_walls,
+    speed_bound,
     tangent,
     tangential_rate,
     to_joints,
@@ -182,10 +183,11 @@ def any_change(d):
 
 def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
     d, y = stopped
-    change = any_change(d)
+    change, bound = any_change(d), speed_bound(d, d.work.motion)
     rows = [normal(d, c) for c in range(d.candidates)]
     assert_adjoint(d, rows, change)
     speeds = [along(row, d.work.motion) for row in rows]
+    assert np.abs(speeds).max() <= bound
     np.testing.assert_allclose(speeds, differenced(d, y, change), rtol=0, atol=1e-6)
 
 
@@ -200,6 +202,18 @@ def test_the_acceleration_of_a_joint_is_that_of_its_angle(stopped):
         turn = rate[7 + joint] - (rate[6 + joint] if joint else 0.0)
         expected = d.candidate.stop[c] * d.model.size * turn
         assert gap_acceleration(d, c) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("place", range(1, 7))
+def test_any_place_may_be_the_fastest(place):
+    """Points 0 to 3, and the joints of three links."""
+    d = stopped_chain(3)[1]
+    for axis in "xy":
+        d.work.motion[axis][:] = 0.25
+    d.work.motion.x[place] = -4.0
+    assert speed_bound(d, d.work.motion) == (4.25 if place <= 3 else 4.0)
+    d.model.stopped = 0
+    assert speed_bound(d, d.work.motion) == (4.25 if place <= 3 else 0.5)
 
 
 def test_round_off_is_that_of_both_coordinates_of_a_point_or_of_both_angles_of_a_joint():

@@ -10,7 +10,6 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.integration.last_step import ensure_points, largest_turn
-from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.sundman import (
     NO_CONTACT,
     root_curve,
@@ -18,7 +17,11 @@ from chain_impact.kernel.integration.sundman import (
     time_rate_change,
     time_rate_of,
 )
-from chain_impact.kernel.model.geometry import clearance, gap_acceleration
+from chain_impact.kernel.model.geometry import (
+    clearance,
+    gap_acceleration,
+    speed_bound,
+)
 
 # rad. If a link turns more in a step, the estimated remainder of the interpolant is no bound any more.
 SMALL_TURN = 1.0
@@ -30,33 +33,46 @@ RELATCH_RATIO = 2.0
 NEARLY = 0.75  # fraction of that speed: if exceeded at an end of a step, its inside is sampled too
 
 
-def forget_clearances(d):
-    """Note that φ, φ′ and φ″ at the end of the last step are not known."""
-    d.search.known_for = -1
+# What is known of the clearances at the end of the last step: nothing; φ and φ′; also φ″; or only that those
+# of candidates that are apart are at least `search.safe_distance`.
+NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
+
+
+def known_clearances(d):
+    """What is known of the clearances at the start of the step that is searched."""
+    return d.search.known if d.search.known_for == d.step.breaks else NOTHING
+
+
+def remember_clearances(d, what):
+    """Note what is known of the clearances at the end of the last step; it is void if a jump follows."""
+    d.search.known, d.search.known_for = what, d.step.breaks
 
 
 def excludes_events(d):
-    """Whether φ, φ′ and φ″ at the ends of the last step show that there is no event in it.
+    """Whether the state and rate at the ends of the last step prove that there is no event in it.
 
-    If the result is false, the suspects are listed: all candidates if the method does not provide the rate at
-    the end of the step, or a link turns too far.
+    Its method must provide the rate at the end; the points are located and accelerated there. If the result
+    is false, φ and φ′ of all candidates are known at both ends, and the suspects are chosen.
     """
-    search, step = d.search, d.step
-    if step.last_method == IMPLICIT:
-        forget_clearances(d)
-        list_suspects(d, math.inf, math.inf)
-        return False
-    if search.known_for != step.breaks:
-        locate_points(d, step.state)
-        accelerate_points(d, step.state, d.work.rate_start)
-        measure_all(d, step.state)
-    ensure_points(d)
-    for c in range(d.candidates):
-        search.clear_start_curve[c] = search.clear_end_curve[c]
+    # an input may change the acceleration between the ends as much as rotation does
+    turn = max(largest_turn(d), (d.step.end - d.step.start) * d.inputs.course.change_rate)
+    if turn < SMALL_TURN and remains_far(d):
+        return True
+    if known_clearances(d) != WITH_CURVES:
+        locate_points(d, d.step.state)
+        accelerate_points(d, d.step.state, d.work.rate_start)
+        measure_all(d, d.step.state)
+        ensure_points(d)
     keep_start(d)
-    measure_all(d, step.state_end)
-    error, leeway = errors(d)
-    clear, apart = error < math.inf, error + leeway
+    for c in range(d.candidates):
+        d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
+    measure_all(d, d.step.state_end)
+    remember_clearances(d, WITH_CURVES)
+    # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain in uniform rotation, and
+    # that of a motion which decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
+    fade = fading(d)
+    error = way_per_radian(d) * turn**2 * max(turn, fade) ** 4 / 4608.0
+    clear, apart = turn < SMALL_TURN, error + leeway(d)
     for c in range(d.candidates):
         # Without branches the compiler can use vectors. Of a point that a rigid wall holds φ is ∞, and the
         # second term decides.
@@ -65,30 +81,29 @@ def excludes_events(d):
         # the scale of errors in a penetration is far below that of a position
         c = d.touch.active_index[k]
         clear = clear and stays_in_contact(d, c, error) and is_quiet(d, c)
-    search.known_for = step.breaks if clear else -1  # the search changes them
     if not clear:
-        list_suspects(d, apart, error)
+        if turn < SMALL_TURN:
+            suspect_some(d, apart, error)
+        else:
+            suspect_all(d)
     return clear
 
 
-def errors(d):
-    """By how much [m] φ may differ from its Hermite interpolant over the last step, and positions from φ.
+def suspect_all(d):
+    """Let the search follow all candidates."""
+    d.search.suspect_count = d.candidates
+    for c in range(d.candidates):
+        d.search.suspect[c] = c
 
-    The remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain in uniform rotation, and
-    that of a motion which decays or oscillates with the rate ρ, |φ⁽⁶⁾| = ρ⁴ |φ̈|; ∞ if a link turns too far.
-    The dense output, by which outputs and the search locate a point, may err by the tolerance.
+
+def suspect_some(d, apart, error):
+    """Let the search follow the candidates that the test on the ends of the step does not exclude.
+
+    Args:
+        d: the instance, with φ, φ′ and φ″ at both ends.
+        apart: the error [m] of φ where candidates are apart.
+        error: the same where they touch.
     """
-    lasted = d.step.end - d.step.start
-    # an input may change the acceleration between the ends as much as rotation does
-    turn = max(largest_turn(d), lasted * d.inputs.course.change_rate)
-    # the way of a place [m] per radian of every link; a stop has a lever arm, and a joint two links
-    way = max(d.model.reach, 2.0 * d.model.size) if d.model.stopped else d.model.reach
-    error = way * turn**2 * max(turn, lasted * d.model.joint_bound) ** 4 / 4608.0
-    return error if turn < SMALL_TURN else math.inf, d.solver.tolerance * way
-
-
-def list_suspects(d, apart, error):
-    """List the candidates whose φ may fall to zero, with these errors [m] where they are apart and touch."""
     search, count = d.search, 0
     for c in range(d.candidates):
         if d.touch.active[c]:
@@ -99,6 +114,51 @@ def list_suspects(d, apart, error):
             search.suspect[count] = c
             count += 1
     search.suspect_count = count
+
+
+def leeway(d):
+    """The error [m] that the tolerance allows in the position of a place: the largest one of all places.
+
+    The dense output, by which outputs and the search locate a point, may differ that much from the Hermite
+    interpolant between the ends of the step.
+    """
+    return d.solver.tolerance * way_per_radian(d)
+
+
+def way_per_radian(d):
+    """How far a place moves at most [m] when the angle of every link changes by at most 1 rad.
+
+    That is the length of the stretched chain. The angle of a joint changes by 2 rad, at the lever arm of a
+    stop: if a link is longer than all others together, this is more.
+    """
+    if d.model.stopped and d.links > 1:
+        return max(d.model.reach, 2.0 * d.model.size)
+    return d.model.reach
+
+
+def fading(d):
+    """ρ h of the last step, with a bound ρ on the rate of decay or oscillation by resisting joints."""
+    return (d.step.end - d.step.start) * d.model.joint_bound
+
+
+def remains_far(d):
+    """Whether no candidate can have touched, and no force law is active but the regularized one."""
+    step, search, lasted = d.step, d.search, d.step.end - d.step.start
+    speed, acceleration = search.speed, search.acceleration
+    search.speed = speed_bound(d, d.work.velocity)
+    search.acceleration = speed_bound(d, d.work.acceleration)
+    # a bound on the way of any point in the step, with twice the contribution of its acceleration
+    way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
+    search.safe_distance -= way
+    if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > leeway(d)):
+        return False
+    if step.regularized == NO_CONTACT:
+        far = d.touch.compliant_count == 0
+    else:
+        far = step.state_end[sundman_u_at(d.links)] > 0.0 and is_quiet(d, step.regularized)
+    if far:
+        remember_clearances(d, FAR)
+    return far
 
 
 def is_quiet(d, c):
@@ -138,20 +198,35 @@ def stays_in_contact(d, c, error):
 
 def measure_all(d, y):
     """Set φ, φ′ and φ″ of every candidate for a state and its located and accelerated points."""
-    u, slope = sundman_u_now(d, y)
+    slope = set_clearances(d, y)
+    u = y[sundman_u_at(d.links)]
     p, change = time_rate_of(d, u), time_rate_change(u, slope)
+    least = math.inf
+    for c in range(d.candidates):
+        # φ′ = p φ̇,  φ″ = p² φ̈ + p′ φ̇
+        _, gap_rate = clearance(d, c)
+        d.search.clear_end_curve[c] = p * p * gap_acceleration(d, c) + change * gap_rate
+        least = min(least, math.inf if d.touch.active[c] else d.search.clear_end[c])
+    d.search.safe_distance = least
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        if c == d.step.regularized:
+            d.search.clear_end_curve[c] = root_curve(d, d.search.clear_end[c], d.search.clear_end_rate[c])
+        else:
+            d.search.clear_end_curve[c] = -d.search.clear_end_curve[c]
+
+
+def set_clearances(d, y):
+    """Set φ and φ′ of every candidate for the state y and its located points; returns u′."""
+    u, slope = sundman_u_now(d, y)
+    p = time_rate_of(d, u)
     for c in range(d.candidates):
         # as if all were apart: a branch in this loop would take longer than to set a few of them again
         gap, gap_rate = clearance(d, c)
         d.search.clear_end[c], d.search.clear_end_rate[c] = gap, p * gap_rate
-        # φ′ = p φ̇,  φ″ = p² φ̈ + p′ φ̇
-        d.search.clear_end_curve[c] = p * p * gap_acceleration(d, c) + change * gap_rate
     for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        set_clearance(d, c, u, slope)
-        d.search.clear_end_curve[c] *= -1.0
-        if c == d.step.regularized:
-            d.search.clear_end_curve[c] = root_curve(d, u, slope)
+        set_clearance(d, d.touch.active_index[k], u, slope)
+    return slope
 
 
 def sundman_u_now(d, y):

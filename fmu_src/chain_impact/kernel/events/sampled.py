@@ -21,6 +21,7 @@ RELATCH: a second impact, or an onset so slow that gravity soon makes δ̇ much 
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import omega_at
+from chain_impact.kernel.events.crossing import SIMULTANEOUS
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO, nearly_fast
 from chain_impact.kernel.events.marks import (
     KINK,
@@ -33,7 +34,7 @@ from chain_impact.kernel.events.marks import (
     mark,
     mark_change,
 )
-from chain_impact.kernel.events.sampling import SIMULTANEOUS, first_passage, locate_at
+from chain_impact.kernel.events.sampling import first_passage, locate_at
 from chain_impact.kernel.integration.control import FAR_OFF, refuse
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.model.compliance import mean_mass

@@ -1,4 +1,4 @@
-"""The locator of events: where a function of the motion falls below zero within a step."""
+"""Events found by sampling a step: where a function of the motion first falls below zero."""
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.dense import TRIES, interpolate, next_guess
@@ -6,44 +6,6 @@ from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.work_limit import count_other_work
 
 RESOLUTION = 1e-15  # fraction of a step: nothing is located better
-# s. Events closer in time than this are one event: symmetric chains touch at several points at once.
-SIMULTANEOUS = 1e-12
-
-
-def locator(function):
-    """Make the locator of a root of a function of (d, c, θ), for candidate or element c.
-
-    Returns:
-        A function of (d, c, low, high, at_low, at_high, resolution): the bounds of θ, the values there, the
-        second one negative, and the resolution [s of the step's variable]. It returns θ; ``low`` if the
-        function is negative there, too.
-    """
-
-    def locate(d, c, low, high, at_low, at_high, resolution):
-        # The rule of false position as modified by Anderson & Björck (1973, BIT 13:253), with a factor of at
-        # least that of the Illinois form. Guesses keep half the resolution from both bounds: so the last ones
-        # close the bracket.
-        last, width = 0, max(RESOLUTION, resolution / d.step.size)
-        if at_low < 0.0:
-            return low
-        for tries in range(TRIES):
-            if high - low <= width:
-                break
-            guess = high - at_high * (high - low) / (at_high - at_low)
-            guess = min(max(guess, low + 0.5 * width), high - 0.5 * width)
-            theta = next_guess(low, high, guess, tries)
-            value = function(d, c, theta)
-            if value == 0.0:
-                return theta
-            if value < 0.0:
-                at_low *= max(0.5, 1.0 - value / at_high) if last > 0 else 1.0
-                high, at_high, last = theta, value, 1
-            else:
-                at_high *= max(0.5, 1.0 - value / at_low) if last < 0 else 1.0
-                low, at_low, last = theta, value, -1
-        return high
-
-    return locate
 
 
 def first_passage(function, samples, resolution):
@@ -57,7 +19,6 @@ def first_passage(function, samples, resolution):
     Returns:
         A function of (d, c, end) that returns the θ ≤ ``end``, or −1 if no sample is below zero.
     """
-    locate = locator(function)
 
     def passage(d, c, end):
         low = 0.0
@@ -65,9 +26,31 @@ def first_passage(function, samples, resolution):
             high = end * sample / samples
             value = function(d, c, high)
             if value < 0.0:
-                return locate(d, c, low, high, function(d, c, low), value, resolution)
+                return root(d, c, low, high, value)
             low = high
         return -1.0
+
+    def root(d, c, low, high, at_high):
+        # The rule of false position in its Illinois form (Dowell & Jarratt 1971, BIT 11:168).
+        at_low, last, width = function(d, c, low), 0, max(RESOLUTION, resolution / d.step.size)
+        if at_low < 0.0:
+            return low
+        for tries in range(TRIES):
+            if high - low <= width:
+                break
+            theta = next_guess(low, high, high - at_high * (high - low) / (at_high - at_low), tries)
+            value = function(d, c, theta)
+            if value == 0.0:
+                return theta
+            if value < 0.0:
+                high, at_high = theta, value
+                at_low *= 0.5 if last > 0 else 1.0
+                last = 1
+            else:
+                low, at_low = theta, value
+                at_high *= 0.5 if last < 0 else 1.0
+                last = -1
+        return high
 
     return passage
 
@@ -75,10 +58,10 @@ def first_passage(function, samples, resolution):
 def locate_at(d, theta):
     """Set ``work.y`` to the state at the fraction θ of the step, and locate its points."""
     count_other_work(d, 1)
-    if theta in (0.0, 1.0):
-        for j in range(len(d.work.y)):
-            d.work.y[j] = d.step.state[j] if theta == 0.0 else d.step.state_end[j]
-    else:
+    if 0.0 < theta < 1.0:
         ensure_dense(d, SOLVER)
         interpolate(d.step, theta, d.work.y)
+    else:
+        for j in range(len(d.work.y)):
+            d.work.y[j] = d.step.state[j] if theta == 0.0 else d.step.state_end[j]
     locate_points(d, d.work.y)

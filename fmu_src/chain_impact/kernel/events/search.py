@@ -1,35 +1,35 @@
 """The search of a step for its earliest event.
 
-For most steps a test on their ends excludes an onset or end of a contact (exclusion.py); then no dense output
-is needed. In the other steps the first crossing, where φ of a candidate falls through zero, is located. Then
-the other kinds of event are searched for up to it. table.py lists all kinds of event.
-
-A check for a sign change between the ends of a step alone misses a point that dips into a wall and returns.
-So a bound excludes that: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus A w²/8,
-and φ̇ keeps its sign if it has the same sign at both ends and |φ̇_a| + |φ̇_b| > A w. An interval for which
-neither condition decides is halved.
+For most steps a test on their ends excludes any event (exclusion.py); then no dense output is needed. In the
+other steps the first crossing is located, and then the other kinds of event are searched for up to it.
+table.py lists all kinds of event.
 """
 
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import omega_at, sundman_u_at, time_at, velocity_at
-from chain_impact.kernel.events.exclusion import excludes_events, keep_start, set_clearance, sundman_u_now
-from chain_impact.kernel.events.marks import END, NONE, ONSET, drop_events, ends_in_onset, mark
+from chain_impact.kernel.chain.state import time_at
+from chain_impact.kernel.events.crossing import SIMULTANEOUS, bound_curvature, find_crossing, measure
+from chain_impact.kernel.events.exclusion import (
+    FAR,
+    NOTHING,
+    VALUES,
+    excludes_events,
+    keep_start,
+    known_clearances,
+    remember_clearances,
+    suspect_all,
+)
+from chain_impact.kernel.events.marks import END, NONE, ONSET, mark
 from chain_impact.kernel.events.sampled import find_force_event, find_mode_change, find_release
-from chain_impact.kernel.events.sampling import SIMULTANEOUS, locate_at, locator
+from chain_impact.kernel.events.sampling import locate_at
 from chain_impact.kernel.integration.control import FAR_OFF, accepted, refuse
-from chain_impact.kernel.integration.dense import interpolate_component, rate_bounds, rate_bounds_along
+from chain_impact.kernel.integration.dense import interpolate, interpolate_component
 from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.integration.method import IMPLICIT
-from chain_impact.kernel.integration.methods import bound_curvatures
-from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.constraints import any_point_held
-from chain_impact.kernel.model.geometry import clearance, gap_acceleration, normal
-from chain_impact.kernel.work_limit import work_exceeded
+from chain_impact.kernel.model.geometry import clearance, gap_acceleration
 
-RESOLUTION = 1e-15  # of a link length: if φ bends less, the bend is round-off, and no interval is halved
-ROUND_OFF = 4e-16  # of the time: an onset is located no better
 # Of a link length: an onset is located to round-off, some 1e-15. One found deeper than this is an error of
 # the step; at K = 1e12 N/m^1.5 it would add 1e-11 J.
 DEEP = 1e-9
@@ -40,7 +40,6 @@ EARLY = 1e-3
 LANDED = 1e-2
 # Of the time: ten times the shortest step that time resolves, as a try may be a tenth of the last one.
 RESOLVED = 4e-15
-QUIET, SPLIT, CROSSES = 0, 1, 2
 
 
 def find_event(d):
@@ -50,191 +49,54 @@ def find_event(d):
         The fraction θ ∈ [0, 1] of the step at which it happens, or −1. ``touch.event`` then holds the kind of
         event of each candidate. A step that is too inaccurate to locate it is refused.
     """
-    theta, held = -1.0, any_point_held(d)
-    excluded = d.candidates == 0 or excludes_events(d)
-    if d.step.last_method != IMPLICIT and (held or not excluded):
-        ensure_dense(d, SOLVER)  # `update_held_extremes` needs it, too
-    if not excluded:
-        theta = find_crossing(d)
-        if theta >= 0.0 and not credible(d, theta):
-            if not is_short(d):
-                refuse(d, FAR_OFF)
-                return -1.0
-            # the next step begins with it if it is none of round-off
-            drop_events(d)
-            theta = -1.0
+    if d.candidates == 0:
+        return find_event_without_crossing(d)
+    if d.step.last_method == IMPLICIT:
+        suspect_all(d)
+        if known_clearances(d) in (NOTHING, FAR):
+            measure(d, 0.0)
+        keep_start(d)
+    elif excludes_events(d):
+        return find_event_without_crossing(d)
+    if d.step.last_method != IMPLICIT:
+        ensure_dense(d, SOLVER)
+    bound_curvature(d)
+    theta = find_crossing(d)
+    if theta >= 0.0 and not credible(d, theta):
+        if d.step.end - d.step.start > SIMULTANEOUS + RESOLVED * abs(d.step.end):
+            refuse(d, FAR_OFF)
+            return -1.0
+        theta = drop_separating(d, theta)
+        if theta < 0.0:
             measure(d, 1.0)
-    if held:
-        theta = find_release(d, theta)
-        locate_at(d, theta if theta >= 0.0 else 1.0)
-    if d.touch.compliant_count > 0 and not excluded and accepted(d):
-        theta = find_force_event(d, theta)
-    if d.friction.count > 0 and accepted(d):
-        theta = find_mode_change(d, theta)
+    theta = find_sampled_event(d, theta)
+    # without an event they are those at the end of the step; an event breaks the step, so they are void
+    remember_clearances(d, VALUES)
     # the time in a regularized step is not under error control
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
         refuse(d, FAR_OFF)
     return theta
 
 
-def is_short(d):
-    """Whether time hardly resolves the last step: events in it count as simultaneous."""
-    return d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end)
+def find_event_without_crossing(d):
+    """θ of the earliest event in a step without crossings, or −1."""
+    if any_point_held(d):
+        ensure_dense(d, SOLVER)  # `update_held_extremes` needs it, too
+        return find_sampled_event(d, -1.0)
+    return find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
 
 
-# ---- crossings --------------------------------------------------------------------------------------------
-
-
-def find_crossing(d):
-    """θ of the first onset or end of a suspect's contact in the last step, or −1; marks these candidates.
-
-    φ and φ′ of the suspects are set there, or at the end of the step.
-    """
-    bound_curvature(d)
-    if d.step.last_method == IMPLICIT:
-        measure(d, 0.0)
-        keep_start(d)
-    a, b = 0.0, 1.0
-    while not work_exceeded(d):
-        measure(d, b)
-        verdict = check_interval(d, a, b)
-        if verdict == SPLIT:
-            b = 0.5 * (a + b)
-        elif verdict == CROSSES:
-            return locate_first(d, a, b)
-        elif b == 1.0:
-            return -1.0
-        else:
-            keep_start(d)
-            # the next interval is the widest that begins at b in the tree of the bisection
-            a, width = b, b - a
-            while a + width < 1.0 and a % (2.0 * width) == 0.0:
-                width *= 2.0
-            b = min(1.0, a + width)
-    return -1.0  # too much work: the caller will end the run
-
-
-def check_interval(d, a, b):
-    """QUIET if no suspect can have an event in (a, b], CROSSES if one has, SPLIT if undecided; marks them."""
-    verdict = QUIET
-    for k in range(d.search.suspect_count):
-        c = d.search.suspect[k]
-        outcome = check_candidate(d, c, a, b)
-        if outcome == SPLIT:
-            return SPLIT
-        crosses = END if d.touch.active[c] else ONSET
-        mark(d, c, crosses if outcome == CROSSES else NONE)
-        verdict = max(verdict, outcome)
-    return verdict
-
-
-def check_candidate(d, c, a, b):
-    """The verdict on one candidate over an interval of the step."""
-    width = (b - a) * d.step.size
-    start, end = d.search.clear_start[c], d.search.clear_end[c]
-    if c == d.step.regularized:
-        # δ̇ would have to change its sign twice for u to fall to zero and rise again
-        return CROSSES if end < 0.0 else QUIET
-    rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
-    curvature = d.search.curvature[c]
-    sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
-    # a point so shallow at the end of the step, or one that leaves, may never penetrate further
-    near = b == 1.0 or d.touch.active[c]
-    falls = end < (-harmless if near else 0.0) and rate_end < 0.0
-    if start > sag - harmless and end > sag - harmless and not falls:
-        return QUIET
-    settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
-    # `sag < …` would halve without end for a curvature that is not finite
-    if settled or not sag >= RESOLUTION * d.model.size:
-        # at a loose tolerance the interpolant can put a point deep inside although its rate is not inward; a
-        # point in contact that moves inward has not left, wherever the interpolant of a stiff step puts it
-        return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
-    return SPLIT
-
-
-def locate_first(d, a, b):
-    """The earliest crossing in (a, b], with φ known at both; drops the marks of later ones."""
-    search, first, found = d.search, b, -1
-    for k in range(search.suspect_count):
-        c = search.suspect[k]
-        # φ is that at `first`: a candidate with φ ≥ 0 there has its event later
-        if d.touch.event[c] and search.clear_end[c] < 0.0:
-            first, found = locate_fall(d, c, a, first), c
-            measure(d, first)
-    within = SIMULTANEOUS + ROUND_OFF * abs(d.step.end)
-    for k in range(search.suspect_count):
-        c = search.suspect[k]
-        # `found` is always kept, as round-off may exceed this limit for a slow point
-        if c != found and search.clear_end[c] > within * abs(search.clear_end_rate[c]):
-            mark(d, c, NONE)
-    return first
-
-
-def locate_fall(d, c, a, b):
-    """θ in [a, b] at which φ of candidate c, negative at b, falls through zero.
-
-    If φ is not positive at a either, the event is overdue: it is at the first end at which φ falls.
-    """
-    start, rate = d.search.clear_start[c], d.search.clear_start_rate[c]
-    if start <= 0.0:
-        return a if rate <= 0.0 else b
-    return _locate_crossing(d, c, a, b, start, d.search.clear_end[c], ROUND_OFF * abs(d.step.end))
-
-
-def clearance_at(d, c, theta):
-    """Φ of candidate c at the fraction θ of the last step; sets φ and φ′ as those at the interval's end."""
-    locate_at(d, theta)
-    u, slope = sundman_u_now(d, d.work.y)
-    set_clearance(d, c, u, slope)
-    return d.search.clear_end[c]
-
-
-_locate_crossing = locator(clearance_at)
-
-
-def measure(d, theta):
-    """Set φ and φ′ of every suspect at the fraction θ of the step, as the end of the interval."""
-    locate_at(d, theta)
-    u, slope = sundman_u_now(d, d.work.y)
-    for k in range(d.search.suspect_count):
-        set_clearance(d, d.search.suspect[k], u, slope)
-
-
-def bound_curvature(d):
-    """Bound |g̈| of every suspect over the last step.
-
-    |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²) holds for any point k. This bound is far from sharp for a
-    point that rests on a stiff wall; but there the implicit step integrates the clearance itself.
-    """
-    n = d.links
-    # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
-    p, change = 1.0, 0.0
-    if d.step.regularized != NO_CONTACT:
-        p, change = rate_bounds(d.step, sundman_u_at(n))
-    vx, ax = rate_bounds(d.step, velocity_at(n))
-    vy, ay = rate_bounds(d.step, velocity_at(n) + 1)
-    links = d.work.reach
-    links[0] = 0.0
-    for i in range(n):
-        omega, alpha = rate_bounds(d.step, omega_at(n) + i)
-        # the contribution of link i, in any direction
-        links[i + 1] = links[i] + d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
-    for k in range(d.search.suspect_count):
-        c = d.search.suspect[k]
-        point = d.candidate.point[c]
-        if d.candidate.stop[c] != 0:
-            # the link after the joint turns relative to the one before it
-            before = -1.0 if point > 1 else 0.0
-            v, a = rate_bounds_along(d.step, omega_at(n) + point - 2, before, 1.0)
-            d.search.curvature[c] = d.model.size * (p * a + change * v)
-        else:
-            _, nx, ny = normal(d, c)
-            v, a = abs(nx) * vx + abs(ny) * vy, abs(nx) * ax + abs(ny) * ay
-            d.search.curvature[c] = p * a + change * v + links[point]
-    bound_curvatures(d)
-
-
-# ---- whether they are of the motion -----------------------------------------------------------------------
+def find_sampled_event(d, theta):
+    """θ of the crossing at ``theta`` (−1: none) or of an earlier event of another kind."""
+    if any_point_held(d):
+        theta = find_release(d, theta)
+        if d.touch.compliant_count > 0:
+            locate_at(d, theta if theta >= 0.0 else 1.0)
+    if d.touch.compliant_count > 0 and accepted(d):
+        theta = find_force_event(d, theta)
+    if d.friction.count > 0 and accepted(d):
+        theta = find_mode_change(d, theta)
+    return theta
 
 
 def credible(d, theta):
@@ -275,9 +137,6 @@ def starts_clear(d, lasted):
     return clear
 
 
-# ---- steps repeated to end at an onset --------------------------------------------------------------------
-
-
 def onset_fraction(d):
     """The fraction θ at which the onsets are, in the last step, repeated to end at its events; or −1.
 
@@ -285,27 +144,34 @@ def onset_fraction(d):
     it; it may come to lie a little beyond the end. The step is refused if points are then deep inside a wall
     or far from an onset. θ is −1, the end, without an onset or in a step that time hardly resolves.
     """
-    if is_short(d) or not ends_in_onset(d):
+    if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
         return -1.0
-    theta = 1.0
-    late, deepest = onset_lateness(d, theta)
-    for _ in range(2):
-        if abs(late) <= LANDED:
-            theta -= late
-            late, deepest = onset_lateness(d, theta)
+    late, _ = onset_lateness(d, d.step.state_end)
+    if late == -math.inf:
+        return -1.0
+    theta = 1.0 - late
+    if not abs(late) <= LANDED:
+        refuse(d, FAR_OFF)
+        return -1.0
+    ensure_dense(d, SOLVER)
+    interpolate(d.step, theta, d.work.y)
+    late, _ = onset_lateness(d, d.work.y)
+    theta -= late
+    interpolate(d.step, theta, d.work.y)
+    late, deepest = onset_lateness(d, d.work.y)
     if not (abs(late) <= LANDED and deepest <= DEEP * d.model.size):
         refuse(d, FAR_OFF)
     return theta
 
 
-def onset_lateness(d, theta):
-    """The time from the onsets to θ in the last step, over the step size; locates the points.
+def onset_lateness(d, y):
+    """The time from the onsets to a state y of the last step, over the step size; locates the points.
 
     Returns:
-        The time since the earliest onset; ∞ if a point does not arrive, or is far from its onset. And the
-        largest depth [m] of the arriving points inside their walls.
+        The time since the earliest onset; ∞ if a point does not arrive, or is far from its onset; −∞ without
+        onsets. And the largest depth [m] of the arriving points inside their walls.
     """
-    locate_at(d, theta)
+    locate_points(d, y)
     latest, deepest = -math.inf, 0.0
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
@@ -314,3 +180,13 @@ def onset_lateness(d, theta):
             latest = max(latest, late if gap_rate < 0.0 and abs(late) <= LANDED else math.inf)
             deepest = max(deepest, -gap)
     return latest, deepest
+
+
+def drop_separating(d, theta):
+    """Drop the onsets of points that move away; return θ if any event is left, or −1."""
+    left = False
+    for c in range(d.candidates):
+        if not d.touch.active[c] and d.search.clear_end_rate[c] > 0.0:
+            mark(d, c, NONE)
+        left = left or d.touch.event[c] != NONE
+    return theta if left else -1.0

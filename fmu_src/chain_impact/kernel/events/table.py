@@ -1,6 +1,6 @@
 """The table of events: which function handles what can happen to a contact within a step.
 
-Crossings of clearances, ONSET and END, are found with bounds, so that none is missed (search.py); the other
+Crossings of clearances, ONSET and END, are found with bounds, so that none is missed (crossing.py); the other
 events by sampling a step, because to find one of them late does no harm (sampled.py, which lists them). A
 handler takes (d, c), with the points located, and returns whether a force has jumped. For rigid walls,
 handle_impact handles all simultaneous events together (impulses.py). If a point arrives at one, the

@@ -172,6 +172,17 @@ def clear_loads_of(d, load):
         clear_joints(load)
 
 
+def speed_bound(d, vectors):
+    """A bound on the length of the vectors of all places."""
+    most = 0.0
+    for k in range(d.links + 1):
+        most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
+    if d.model.stopped:
+        for k in range(d.links + 1, 2 * d.links + 1):
+            most = max(most, abs(vectors.x[k]))
+    return most
+
+
 def coordinates_size(d, c, y):
     """The sum of the sizes [m] of the coordinates whose round-off g of candidate c has, at located points."""
     point = d.candidate.point[c]

@@ -142,7 +142,7 @@ def elimination_dtype(links: int) -> np.dtype:
     factors="chain/elimination.py",
     moment="model/equations.py",
     elimination="chain/recursion.py",
-    reach="events/search.py",
+    reach="events/crossing.py",
     **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),
 )
 def work_dtype(links: int) -> np.dtype:
@@ -172,11 +172,15 @@ def work_dtype(links: int) -> np.dtype:
     )
 
 
-@written_by("events/exclusion.py", curvature=("events/search.py", "integration/collocation.py"))
+@written_by("events/exclusion.py", curvature=("events/crossing.py", "integration/collocation.py"))
 def search_dtype(candidates: int) -> np.dtype:
     """The data of the search for events, at the ends of the searched interval."""
     return record(
-        ("known_for", INTEGER),  # the value of `step.breaks` for which those at the end of the step are known
+        ("known", INTEGER),  # what is known at the end of a step, see kernel/events/exclusion.py, …
+        ("known_for", INTEGER),  # … and the value of `step.breaks` for which it is valid
+        ("safe_distance", REAL),  # m, lower bound on the clearances there, if they were not evaluated again …
+        ("speed", REAL),  # m/s, of the fastest point there …
+        ("acceleration", REAL),  # m/s², … and the largest acceleration of a point
         ("suspect_count", INTEGER),  # candidates that the search follows: others have no event in the step
         ("suspect", INTEGER, (candidates,)),  # these, packed
         ("curvature", REAL, (candidates,)),  # m/s², bound on |g̈| of each candidate over the step

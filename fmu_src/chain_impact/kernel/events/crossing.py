@@ -1,0 +1,200 @@
+"""Crossings: where a clearance or a penetration φ falls through zero, located on the dense output.
+
+A check for a sign change between the ends of a step alone misses a point that dips into a wall and returns.
+So a bound excludes that: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus A w²/8,
+and φ̇ keeps its sign if it has the same sign at both ends and |φ̇_a| + |φ̇_b| > A w. An interval for which
+neither condition decides is halved.
+"""
+
+from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
+from chain_impact.kernel.events.exclusion import keep_start, set_clearance, sundman_u_now
+from chain_impact.kernel.events.marks import END, NONE, ONSET, mark
+from chain_impact.kernel.events.sampling import locate_at
+from chain_impact.kernel.integration.dense import TRIES, next_guess, rate_bounds, rate_bounds_along
+from chain_impact.kernel.integration.methods import bound_curvatures
+from chain_impact.kernel.integration.sundman import NO_CONTACT
+from chain_impact.kernel.model.geometry import normal
+from chain_impact.kernel.work_limit import work_exceeded
+
+RESOLUTION = 1e-15  # of a link length: if φ bends less, the bend is round-off, and no interval is halved
+# s. Events closer in time than this are one event: symmetric chains touch at several points at once.
+SIMULTANEOUS = 1e-12
+QUIET, SPLIT, CROSSES = 0, 1, 2
+
+
+def find_crossing(d):
+    """θ of the first onset or end of a suspect's contact in the last step, or −1; marks these candidates.
+
+    φ and φ′ at the start of the step must be set, and no candidate be marked.
+    """
+    a, b = 0.0, 1.0
+    while not work_exceeded(d):
+        measure(d, b)
+        verdict = check_interval(d, a, b)
+        if verdict == SPLIT:
+            b = 0.5 * (a + b)
+        elif verdict == CROSSES:
+            return locate(d, a, b)
+        elif b == 1.0:
+            return -1.0
+        else:
+            keep_start(d)
+            # the next interval is the widest that begins at b in the tree of the bisection
+            a, width = b, b - a
+            while a + width < 1.0 and a % (2.0 * width) == 0.0:
+                width *= 2.0
+            b = min(1.0, a + width)
+    return -1.0  # too much work: the caller will end the run
+
+
+def check_interval(d, a, b):
+    """QUIET if no suspect can have an event in (a, b], CROSSES if one has, SPLIT if undecided."""
+    verdict = QUIET
+    for k in range(d.search.suspect_count):
+        outcome = check_candidate(d, d.search.suspect[k], a, b)
+        if outcome == SPLIT:
+            return SPLIT
+        verdict = max(verdict, outcome)
+    return verdict
+
+
+def check_candidate(d, c, a, b):
+    """The verdict on one candidate over an interval of the step."""
+    width = (b - a) * d.step.size
+    start, end = d.search.clear_start[c], d.search.clear_end[c]
+    if c == d.step.regularized:
+        # δ̇ would have to change its sign twice for u to fall to zero and rise again
+        return CROSSES if end < 0.0 else QUIET
+    rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
+    curvature = d.search.curvature[c]
+    sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
+    # a point so shallow at the end of the step, or one that leaves, may never penetrate further
+    near = b == 1.0 or d.touch.active[c]
+    falls = end < (-harmless if near else 0.0) and rate_end < 0.0
+    if start > sag - harmless and end > sag - harmless and not falls:
+        return QUIET
+    settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
+    # `sag < …` would halve without end for a curvature that is not finite
+    if settled or not sag >= RESOLUTION * d.model.size:
+        # at a loose tolerance the interpolant can put a point deep inside although its rate is not inward; a
+        # point in contact that moves inward has not left, wherever the interpolant of a stiff step puts it
+        return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
+    return SPLIT
+
+
+def nearly_linear(d, c, part):
+    """Whether φ of candidate c is linear to round-off over a part of the step."""
+    width = part * d.step.size
+    return not d.search.curvature[c] * width * width / 8.0 >= RESOLUTION * d.model.size
+
+
+def locate(d, a, b):
+    """Find the earliest event in (a, b], in which no suspect is undecided, and mark its candidates."""
+    first, found = b, -1
+    for k in range(d.search.suspect_count):
+        c = d.search.suspect[k]
+        mark(d, c, kind_of(d, c) if check_candidate(d, c, a, b) == CROSSES else NONE)
+    for k in range(d.search.suspect_count):
+        c = d.search.suspect[k]
+        # φ is that at `first`: a candidate with φ ≥ 0 there has its event later
+        if d.touch.event[c] and d.search.clear_end[c] < 0.0:
+            first = find_root(d, c, a, first)
+            found = c
+    within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
+    for k in range(d.search.suspect_count):
+        c = d.search.suspect[k]
+        # `found` is always kept, as round-off may exceed this limit for a slow point
+        if c != found and d.search.clear_end[c] > within * abs(d.search.clear_end_rate[c]):
+            mark(d, c, NONE)
+    return first
+
+
+def find_root(d, c, a, b):
+    """θ in [a, b] at which φ of candidate c, negative at b, falls through zero; sets φ of all there.
+
+    Newton's method safeguarded by a shrinking bracket. If φ is not positive at a either, the event is
+    overdue: it is at the first end of the bracket where φ falls.
+    """
+    if d.search.clear_start[c] <= 0.0 and (d.search.clear_start_rate[c] <= 0.0 or nearly_linear(d, c, b - a)):
+        theta = a if d.search.clear_start_rate[c] <= 0.0 else b
+        measure(d, theta)
+        return theta
+    resolution = max(4e-16 * abs(d.step.end), 1e-16) / d.step.size
+    low, high, theta = a, b, b
+    for tries in range(TRIES):
+        value, slope = d.search.clear_end[c], d.search.clear_end_rate[c] * d.step.size
+        if value > 0.0:
+            low = theta
+        else:
+            high = theta
+        if value == 0.0 or high - low <= resolution:
+            break
+        guess = next_guess(low, high, theta - value / slope, tries)
+        if abs(guess - theta) <= 0.25 * resolution:
+            break
+        theta = guess
+        locate_at(d, theta)
+        u, slope = sundman_u_now(d, d.work.y)
+        set_clearance(d, c, u, slope)
+    measure(d, theta)
+    return theta
+
+
+def bound_curvature(d):
+    """Bound |g̈| of every suspect over the last step.
+
+    |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²) holds for any point k. This bound is far from sharp for a
+    point that rests on a stiff wall; but there the implicit step integrates the clearance itself.
+    """
+    n = d.links
+    # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
+    p, change = 1.0, 0.0
+    if d.step.regularized != NO_CONTACT:
+        p, change = rate_bounds(d.step, sundman_u_at(n))
+    along_x = rate_bounds(d.step, velocity_at(n))
+    along_y = rate_bounds(d.step, velocity_at(n) + 1)
+    links = d.work.reach
+    links[0] = 0.0
+    for i in range(n):
+        omega, alpha = rate_bounds(d.step, omega_at(n) + i)
+        # the contribution of link i, in any direction
+        links[i + 1] = links[i] + d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
+    for k in range(d.search.suspect_count):
+        c = d.search.suspect[k]
+        v, a = motion_bounds(d, c, along_x, along_y)
+        of_links = links[d.candidate.point[c]] if d.candidate.stop[c] == 0 else 0.0
+        d.search.curvature[c] = p * a + change * v + of_links
+    bound_curvatures(d)
+
+
+def motion_bounds(d, c, along_x, along_y):
+    """Bounds on |ġ| of candidate c without the links' part, and on its derivative, over the last step.
+
+    ``along_x`` and ``along_y`` are those of the components of the base's velocity.
+    """
+    own, link = d.candidate, d.candidate.point[c] - 1
+    if own.stop[c] != 0:
+        first, arm = omega_at(d.links) + link, d.model.size
+        if link == 0:
+            v, a = rate_bounds(d.step, first)
+        else:
+            v, a = rate_bounds_along(d.step, first - 1, -1.0, 1.0)
+        return arm * v, arm * a
+    _, nx, ny = normal(d, c)
+    if nx * ny == 0.0:
+        # along an axis the same bounds serve all points and walls
+        return abs(nx) * along_x[0] + abs(ny) * along_y[0], abs(nx) * along_x[1] + abs(ny) * along_y[1]
+    return rate_bounds_along(d.step, velocity_at(d.links), nx, ny)
+
+
+def measure(d, theta):
+    """Set φ and φ′ of every suspect at the fraction θ of the step, as the end of the interval."""
+    locate_at(d, theta)
+    u, slope = sundman_u_now(d, d.work.y)
+    for k in range(d.search.suspect_count):
+        set_clearance(d, d.search.suspect[k], u, slope)
+
+
+def kind_of(d, c):
+    """The kind of event that a crossing of candidate c is."""
+    return END if d.touch.active[c] else ONSET
