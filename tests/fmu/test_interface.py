@@ -220,6 +220,21 @@ def test_the_experiment_is_set_up_before_initialization(fmu):
 # --- 2.1.7: variables ------------------------------------------------------------------------------------
 
 
+@calling("rod_drop")
+def test_a_value_reference_behind_the_last_variable_is_refused(fmu):
+    """The table says one variable less than it has: what lies behind the last one looks like a variable."""
+    library, value = Library(fmu), c_double(0.5)
+    file = library.folder / "resources" / "model.bin"
+    content = file.read_bytes()
+    last = struct.unpack_from("<q", content, 64)[0] - 1
+    content = content[:64] + struct.pack("<q", last) + content[72:]
+    file.write_bytes(content[:16] + zlib.crc32(content[24:]).to_bytes(8, "little") + content[24:])
+    one = Component(library).start()
+    for element in ("Real", "Integer"):
+        assert one.call(f"fmi2Get{element}", byref(c_uint(last)), c_size_t(1), byref(value)) == ERROR
+        assert f"the value reference {last} is no " in library.said()[-1]
+
+
 @calling("pinned_arm", kinds="fmus")
 def test_what_can_be_set_when(fmu, target):
     """pythonfmu's FMU has only fatal errors, and so no phase after a step that failed."""

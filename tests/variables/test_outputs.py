@@ -14,6 +14,19 @@ from chain_impact.variables.table import inputs
 from chain_impact.variables.variable import Variable
 
 BOX, ARM = load_scene("four_link_box"), load_scene("pinned_arm")
+# unit → the last parts of the names of the outputs that have it
+OF_UNIT = {
+    "m": "x y penetration max_penetration",
+    "m/s": "vx vy penetration_rate last_speed speed separation_speed",
+    "m/s2": "ax ay",
+    "rad": "angle",
+    "rad/s": "angular_velocity",
+    "rad/s2": "angular_acceleration",
+    "N": "force peak_force",
+    "N.s": "impulse",
+    "J": "kinetic potential elastic dissipated total",
+    "s": "time last_time end",
+}
 # key of [outputs] → a name that is only there with it
 GROUPS = {
     "points": "point[0].x",
@@ -33,6 +46,11 @@ def test_a_group_that_is_not_asked_for_is_not_there(left_out):
     assert {key for key, name in GROUPS.items() if name not in found} == {left_out}
     parts = {name.split("[")[0].split(".")[0] for name in every - found}
     assert parts <= {left_out.removesuffix("s"), "energy", "solver"}
+
+
+def test_an_output_has_the_unit_of_its_quantity():
+    found = {(name.split(".")[-1], one.unit) for name, one in all_outputs(BOX).items() if one.type == "real"}
+    assert found == {(key, unit) for unit, keys in OF_UNIT.items() for key in keys.split()}
 
 
 def test_a_joint_that_exists_has_its_angle_and_rate():

@@ -193,6 +193,7 @@ def test_arrow_keys_step_in_time_on_the_screen(show):
 def test_what_is_shown_of_time_force_energies_and_trace(show, recording):
     page = show()
     before = pixels(page)
+    assert [page.locator(kind).count() for kind in (".joint", ".tip")] == [4, 1]
     assert page.locator(".arrow").count() == page.locator(".pin").count() == 0
     press(page, "ArrowRight")
     assert page.inner_text("#rate") == "real time"

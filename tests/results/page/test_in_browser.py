@@ -313,6 +313,8 @@ def draw_map(page):
 def test_a_map_is_drawn_read_and_opens_a_run(show):
     page = show("rod_drop", MAP)
     page.get_by_role("button", name="Map…").click()
+    outputs = page.locator("#map-output option").evaluate_all("options => options.map(({ value }) => value)")
+    assert outputs == ["impact.count", "impact.last_time", "energy.total", "point[1].x", "point[1].y"]
     for low, high in (("", "1"), ("2", "3")):
         page.locator("#map-x-from").fill(low)
         page.locator("#map-x-to").fill(high)
