@@ -114,6 +114,8 @@ def test_initial_angles_of_joints_take_the_place_of_those_of_links():
     assert not any("angles" in place for place in scene.derived_places)
     changed = load_scene("four_link_box").with_values({"initial.joint_angles": joints["joint_angles"]})
     assert changed.initial == scene.initial
+    part = {"initial.joint_angles": joints["joint_angles"], "initial.angle[1]": 0.2}
+    assert "both angles and joint_angles" in refusal(load_scene("four_link_box").with_values, part)
     both = data | {"initial": data["initial"] | {"joint_angles": [0.0, 0.0, 0.0, 0.0]}}
     assert "both angles and joint_angles" in refusal(scene_from_dict, both, "here")
 

@@ -22,7 +22,9 @@ ASKED = "_ARGCOMPLETE"  # set by a shell that asks
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    completion = verbs.add_parser("completion", help="print what makes a shell complete commands and names")
+    completion = verbs.add_parser(
+        "completion", help="print what makes a shell complete commands, options, models and files"
+    )
     completion.add_argument(
         "shell",
         choices=list(SHELLS),

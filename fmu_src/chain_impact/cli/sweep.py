@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -69,6 +70,8 @@ def run(options: argparse.Namespace) -> int:
     """Run the sweep, write what was asked for, and say how many runs failed, and why."""
     from chain_impact.studies.sweep.sweep import sweep
     from chain_impact.studies.sweep.table import is_folder
+    from chain_impact.studies.sweep.variation import variations_of
+    from chain_impact.variables.model import Model
 
     table = Path(options.table)
     check_outputs(table, options.plot, inputs=[options.source])
@@ -77,7 +80,8 @@ def run(options: argparse.Namespace) -> int:
     if options.plot:
         from chain_impact.studies.sweep.plot import check_picture
 
-        check_picture(len(vary), options.samples, scene.name)
+        runs = math.prod(len(one.values) for one in variations_of(Model(scene), vary))
+        check_picture(len(vary), options.samples, runs, scene.name)
     try:
         with progress("sweeping") as advance:
             found = sweep(

@@ -109,6 +109,10 @@ def test_of_very_many_rows_those_stay_that_are_shown_and_those_beside_impacts(mo
     for moment in (*whole.impacts["onset"], *whole.impacts["end"]):
         after = int(np.searchsorted(whole.time, moment))
         assert np.isin(whole.time[after - 1 : after + 1], found.time).all()
+    # as motion and forces between the rows that stay are shown
+    hit = "contact[2].y_min.force"
+    assert np.diff(found.time).max() < 2.1 * np.ptp(whole.time) / 1000
+    assert found.columns[hit].max() > 0.9 * whole[hit].max()
     rows = np.searchsorted(whole.time, found.time)
     np.testing.assert_array_equal(found.points, whole.points[rows])
     assert len(html(whole)) < 0.4 * len(html_of_all(whole, monkeypatch))

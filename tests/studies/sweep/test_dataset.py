@@ -156,18 +156,18 @@ def test_bytes_that_have_changed_are_said_when_they_are_read(tmp_path, whole):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"outputs": OUTPUTS}, "another outputs"),
-        ({"vary": {**VARY, "contact.restitution": "0:0.71:400"}}, "another varied values"),
-        ({"vary": dict(reversed(VARY.items()))}, "another varied values"),
-        ({"vary": {"contact.restitution": "0:0.7"}, "samples": 800}, "another varied values"),
-        ({"scene": SCENE.with_values({"link[1].mass": 1.5})}, "another scene"),
+        ({"outputs": OUTPUTS}, "differs in its outputs"),
+        ({"vary": {**VARY, "contact.restitution": "0:0.71:400"}}, "differs in its varied values"),
+        ({"vary": dict(reversed(VARY.items()))}, "differs in its varied values"),
+        ({"vary": {"contact.restitution": "0:0.7"}, "samples": 800}, "differs in its varied values"),
+        ({"scene": SCENE.with_values({"link[1].mass": 1.5})}, "differs in its scene"),
     ],
 )
 def test_another_sweep_is_refused(tmp_path, changes, words):
     folder = tmp_path / "runs"
     stopped(folder)
     before = {file: file.read_bytes() for file in folder.iterdir()}
-    with pytest.raises(SceneError, match=f"runs was left by a sweep with {words}: remove the folder"):
+    with pytest.raises(SceneError, match=f"runs was left by a sweep that {words}: remove the folder"):
         sweep(**{"scene": SCENE, "vary": VARY, "path": folder, **changes})
     assert {file: file.read_bytes() for file in folder.iterdir()} == before
 
@@ -177,7 +177,7 @@ def test_samples_of_another_seed_are_refused(tmp_path):
         {"vary": {"contact.restitution": "0.3:0.7"}, "samples": 8, "seed": seed} for seed in (0, 1)
     )
     sweep(SCENE, **first, path=tmp_path / "runs")
-    with pytest.raises(SceneError, match="another varied values"):
+    with pytest.raises(SceneError, match="differs in its varied values"):
         sweep(SCENE, **second, path=tmp_path / "runs")
 
 
@@ -345,3 +345,32 @@ def test_a_picture_of_a_folder_is_that_of_the_memory(tmp_path, whole):
     found.plot(tmp_path / "folder.png")
     whole.plot(tmp_path / "memory.png")
     assert (tmp_path / "folder.png").read_bytes() == (tmp_path / "memory.png").read_bytes()
+
+
+def test_what_is_not_of_the_sweep_stays_and_what_a_kill_has_left_goes(tmp_path):
+    """A kill within the first manifest leaves a folder; a user's file has a name like those of runs."""
+    folder, vary = tmp_path / "runs", {"contact.restitution": [0.2, 0.4]}
+    (folder / f".{MANIFEST}-killed").mkdir(parents=True)
+    first = sweep(SCENE, vary, path=folder)
+    (folder / "runs-mean.parquet").write_bytes(b"mine")
+    again = sweep(SCENE, vary, path=folder)
+    names = {one.name for one in folder.iterdir()}
+    assert "runs-mean.parquet" in names
+    assert not any("killed" in name for name in names)
+    assert again["peak_force"].tolist() == first["peak_force"].tolist()
+
+
+def test_a_folder_has_one_lock_whatever_it_is_called(tmp_path):
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "runs")
+    with FileLock(tmp_path / "runs.lock"), pytest.raises(SceneError, match="written by another sweep"):
+        sweep(SCENE, {"contact.restitution": [0.2]}, path=tmp_path / "link")
+
+
+@pytest.mark.parametrize("path", ["", "keep", "folder/"])
+def test_a_table_is_saved_to_a_file_with_a_name(tmp_path, monkeypatch, path):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "keep").write_text("mine")
+    with pytest.raises(SceneError):
+        sweep(SCENE, {"contact.restitution": [0.2]}).save(path)
+    assert (tmp_path / "keep").read_text() == "mine"

@@ -119,3 +119,16 @@ def test_a_folder_that_can_only_be_read_is_said_before_any_run(tmp_path, monkeyp
     with pytest.raises(PermissionError, match="Permission denied") as caught:
         sweep(SCENE, VARY, path=tmp_path / "x.csv", progress=lambda _: pytest.fail("it ran"))
     assert caught.value.filename == str(tmp_path / "x.csv")
+
+
+@pytest.mark.parametrize(
+    ("changes", "path", "words"),
+    [
+        ({}, "", "the path of the table is empty"),
+        ({"outputs.solver": False}, None, "outputs.solver = false must be true"),
+    ],
+)
+def test_what_has_no_table_is_refused_before_any_run(changes, path, words):
+    scene = load_scene("four_link_box").with_values(changes)
+    with pytest.raises(SceneError, match=words):
+        sweep(scene, {"contact.restitution": [0.2]}, path=path, outputs="point[4].x")

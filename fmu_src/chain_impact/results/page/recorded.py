@@ -81,9 +81,9 @@ def program(names: Iterable[str]) -> str:
 
 
 def thinned(recording: Recording, impact_time: float) -> Recording:
-    """A recording without the rows that the page does not show, if it has very many of them.
+    """A recording without most of its rows, if it has very many of them.
 
-    Those beside its frames stay, and those beside the onset and the end of each impact.
+    Every so many rows one stays, and those beside frames at real time, onsets and ends of impacts.
     """
     time, impacts = recording.time, recording.impacts
     if len(time) <= MOST_ROWS:
@@ -91,7 +91,8 @@ def thinned(recording: Recording, impact_time: float) -> Recording:
     frames, _ = frame_times(float(time[0]), float(time[-1]), slow_spans(recording), impact_time)
     shown = np.concatenate([frames, impacts["onset"], impacts["end"]])
     after = np.searchsorted(time, shown[np.isfinite(shown)])
-    return recording.at(np.unique(np.concatenate([after - 1, after]).clip(0, len(time) - 1)))
+    even = np.linspace(0, len(time) - 1, MOST_ROWS).astype(int)
+    return recording.at(np.unique(np.concatenate([even, after - 1, after]).clip(0, len(time) - 1)))
 
 
 def script_data(content: Any) -> str:

@@ -1,19 +1,21 @@
 """The folder that the rows of a sweep go to as they come, in files of some runs each.
 
-Its manifest, a JSON file, says what sweep it is, which columns it has, and which runs are in which file. A
-file is written under another name by whoever makes the runs, is renamed when it is complete, and then listed;
-what the manifest does not list is no part of the sweep. So a sweep that has died goes on after the last
-complete file.
+Its manifest, a JSON file, says what sweep it is, which columns it has, and which runs are in which file.
+Whoever makes the runs writes their file under another name. When it is complete it is renamed, and then
+listed. What the manifest does not list is no part of the sweep. So a sweep that has died goes on after the
+last complete file.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from shutil import rmtree
 from typing import Any
 
 import numpy as np
@@ -30,6 +32,9 @@ from chain_impact.system import remove_lock, written_whole
 
 MANIFEST = "_manifest.json"  # readers of Parquet take names with _ and . for no data
 LOCK = ".lock"
+OWN = re.compile(
+    rf"runs-\d{{15}}{re.escape(PARQUET)}|\.runs-.*"
+)  # what file_name gives, or is not complete yet
 FORMAT = 2  # of the folder; raised when it changes
 
 
@@ -81,11 +86,17 @@ class Dataset:
 
     def remove(self) -> None:
         """Remove what the sweep has written here, and the folder if nothing else is in it."""
-        for pattern in (MANIFEST, f"runs-*{PARQUET}", ".runs-*"):
-            for path in self.path.glob(pattern):
-                path.unlink()
+        (self.path / MANIFEST).unlink(missing_ok=True)
+        for path in self._own_files():
+            path.unlink()
         with suppress(OSError):
             self.path.rmdir()
+
+    def _own_files(self) -> list[Path]:
+        """The files with runs, complete or not; what an incomplete manifest has left is removed."""
+        for left in self.path.glob(f".{MANIFEST}-*"):
+            rmtree(left, ignore_errors=True)
+        return [path for path in self.path.iterdir() if OWN.fullmatch(path.name)]
 
     def read(self) -> None:
         """Take over what an earlier call has left here; begin, where there is nothing.
@@ -97,12 +108,12 @@ class Dataset:
         if self.path.exists() and not self.path.is_dir():
             raise SceneError(f"{self.path} must be a folder: remove the file, or choose another name")
         self.path.mkdir(exist_ok=True)
-        manifest = self.path / MANIFEST
+        manifest, own = self.path / MANIFEST, self._own_files()
         if manifest.exists():
             self.files = self._listed(manifest)
         elif any(self.path.iterdir()):
             raise SceneError(f"{self.path} has files, but no manifest of a sweep: choose another name")
-        for path in [*self.path.glob(f"runs-*{PARQUET}"), *self.path.glob(".runs-*")]:
+        for path in own:
             if path.name not in self.files:
                 path.unlink()
         for name, piece in list(self.files.items()):
@@ -143,7 +154,7 @@ class Dataset:
         except (ValueError, KeyError, TypeError, AttributeError):
             raise SceneError(f"{manifest} is not the manifest of a sweep: {wrong}") from None
         if differs:
-            raise SceneError(f"{self.path} was left by a sweep with another {differs[0]}: {wrong}")
+            raise SceneError(f"{self.path} was left by a sweep that differs in its {differs[0]}: {wrong}")
         for name, piece in files.items():
             if name != file_name(piece) or not 0 <= piece[0] < piece[1] <= self.runs:
                 raise SceneError(f"{manifest} lists {name}, which is no file of the sweep: {wrong}")
@@ -178,7 +189,8 @@ def _locked(path: Path) -> Iterator[None]:
     """
     from filelock import FileLock, Timeout
 
-    lock = FileLock(path.with_name(path.name + LOCK))
+    folder = path.resolve()  # one lock, by whatever name the folder is called
+    lock = FileLock(folder.with_name(folder.name + LOCK))
     try:
         lock.acquire(timeout=0)
     except Timeout:

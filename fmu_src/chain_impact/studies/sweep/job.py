@@ -81,7 +81,7 @@ def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequ
     """What the runs of a sweep share.
 
     Raises:
-        SceneError: when there is no such output.
+        SceneError: when there is no such output, or the scene asks for no status.
     """
     model = model_of(source)
     known = model.outputs_by_name
@@ -90,6 +90,8 @@ def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequ
             near = nearest(name, known)
             hint = f"the nearest is {near}" if near else "`chain-impact info` lists them"
             raise SceneError(f"{model.scene.name}: {name} is no output; {hint}")
+    if STATUS not in known:
+        raise SceneError(f"{model.scene.name}: outputs.solver = false must be true: each run has its status")
     variables = [variation.variable for variation in variations]
     return Job(
         model,

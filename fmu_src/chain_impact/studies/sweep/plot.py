@@ -77,16 +77,21 @@ QUANTITIES = (
 )
 
 
-def check_picture(varied: int, samples: int | None, source: str) -> None:
+def check_picture(varied: int, samples: int | None, runs: int, source: str) -> None:
     """Refuse what has no picture, before any run.
 
     Raises:
-        SceneError: when too many parameters vary, or there are samples in place of all combinations.
+        SceneError: when too many parameters vary, there are samples in place of all combinations, or too many
+            runs.
     """
     if samples is not None:
         raise SceneError(f"{source}: a picture needs all combinations of the values, not samples of them")
     if varied > MOST_VARIED:
         raise SceneError(f"{source}: {varied} parameters vary, must be <= {MOST_VARIED} for a picture")
+    if runs > MOST_DRAWN:
+        raise SceneError(
+            f"{source}: {runs} runs must be <= {MOST_DRAWN} for a picture: draw parts of the table"
+        )
 
 
 def plot_sweep(found: Sweep, path: str | Path) -> None:
@@ -96,10 +101,7 @@ def plot_sweep(found: Sweep, path: str | Path) -> None:
         SceneError: when too many parameters vary, or there are too many runs.
         OSError: when the file cannot be written.
     """
-    check_picture(len(found.varied), found.design.samples, found.scene.name)
-    if len(found) > MOST_DRAWN:
-        runs = f"{found.scene.name}: {len(found)} runs"
-        raise SceneError(f"{runs} must be <= {MOST_DRAWN} for a picture: draw parts of the table")
+    check_picture(len(found.varied), found.design.samples, len(found), found.scene.name)
     save(path, lambda page: fill(page, found))
 
 

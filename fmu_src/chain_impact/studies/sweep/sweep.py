@@ -75,14 +75,14 @@ def sweep(
         raise SceneError(f"{scene.name}: threads = {threads} must be a whole number >= 1")
     model = Model(scene)
     variations = variations_of(model, vary)
-    job = job_of(model, variations, outputs)
+    job = job_of(model, variations, (outputs,) if isinstance(outputs, str) else outputs)
     if samples is None:
         design = grid(variations, scene.name)
     else:
         design = sampled(variations, scene.name, count=samples, sampling=sampling, seed=seed)
+    target = None if path is None else table_path(path)
     streamed = path is not None and is_folder(path)
     check_size(design, len(variations) + len(job.dtype.names or ()), scene.name, streamed=streamed)
-    target = table_path(path) if path else None
     rows = np.zeros(0 if streamed else design.runs, job.dtype)
     with ExitStack() as stack:
         dataset = stack.enter_context(kept(target, job, design)) if target and streamed else None

@@ -119,6 +119,8 @@ class Sweep:
             MissingExtraError: when pyarrow is not installed, for Parquet.
             OSError: when the file cannot be written.
         """
+        if is_folder(path):
+            raise SceneError(f"{path} must be a file whose name ends in {' or '.join(TABLES)}")
         path = table_path(path)
         with written_whole(path) as fresh:
             if path.suffix.lower() == ".csv":
@@ -168,10 +170,12 @@ def table_path(path: str | Path) -> Path:
     """The path of a table.
 
     Raises:
-        SceneError: when it is no folder, and its suffix is none of ``TABLES``.
+        SceneError: when it is empty, or is no folder and its suffix is none of ``TABLES``.
         MissingExtraError: when pyarrow is not installed, for Parquet.
         OSError: when nothing can be written there.
     """
+    if not str(path):
+        raise SceneError("the path of the table is empty: it must name a file or a folder")
     folder, path = is_folder(path), Path(path)
     if not path.parent.is_dir():
         raise FileNotFoundError(errno.ENOENT, f"there is no folder {path.parent}", str(path))
