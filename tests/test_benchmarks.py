@@ -15,7 +15,6 @@ from matplotlib.figure import Figure
 
 import chain_impact
 from chain_impact.results.plots.style import STYLE
-from tests.tiers import needs_compilers
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 FILES = sorted([*BENCHMARKS.glob("*.py"), *BENCHMARKS.glob("peers/*.py")])
@@ -83,9 +82,7 @@ def message(module, record):
 
 
 @pytest.mark.full("more cases", but=2)
-@pytest.mark.parametrize(
-    "name", ["stability", pytest.param("rest", marks=needs_compilers), "scaling", "fidelity"]
-)
+@pytest.mark.parametrize("name", ["stability", "scaling", "fidelity", "rest"])  # the last needs compilers
 def test_a_chart_is_drawn_with_a_message(charts, name):
     module = charts(name if name != "stability" else "stability_chart")
     assert re.search(r"\d", message(module, stored(name))[0])
