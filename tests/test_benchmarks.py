@@ -81,8 +81,8 @@ def message(module, record):
     return page.get_suptitle() or page.texts[0].get_text(), page
 
 
-@pytest.mark.full("more cases", but=2)
-@pytest.mark.parametrize("name", ["stability", "scaling", "fidelity", "rest"])  # the last needs compilers
+@pytest.mark.full("more cases, which need compilers", but=1)
+@pytest.mark.parametrize("name", ["stability", "scaling", "fidelity", "rest"])
 def test_a_chart_is_drawn_with_a_message(charts, name):
     module = charts(name if name != "stability" else "stability_chart")
     assert re.search(r"\d", message(module, stored(name))[0])
