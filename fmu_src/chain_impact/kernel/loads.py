@@ -23,7 +23,7 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, locate_point
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.last_step import OUTPUTS, ensure_dense, ensure_points
-from chain_impact.kernel.integration.peaks import maximum_near
+from chain_impact.kernel.integration.peaks import maximum_of
 from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.geometry import WALLS, lever, normal, tangent
 from chain_impact.kernel.work_limit import counted_work, uncount_work
@@ -192,7 +192,7 @@ def search_peaks(d, time):
             own.before[i], own.middle[i] = top, right
             own.top[i] = max(own.top[i], right)
             if m >= 2 and rises_between(left, top, right, own.top[i]):
-                found = maximum_near(d, square_at, i, end * (m - 1) / INTERVALS, end / INTERVALS, end)
+                found = largest_square(d, i, end * (m - 1) / INTERVALS, end / INTERVALS, end)
                 own.top[i] = max(own.top[i], found)
 
 
@@ -224,3 +224,6 @@ def square_at(d, i, theta):
     """|f|² [N²] of the joint in row i at the fraction θ of the last step."""
     load_joints_at(d, theta)
     return square_of_force(d, i)
+
+
+largest_square = maximum_of(square_at)

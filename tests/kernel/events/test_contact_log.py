@@ -11,7 +11,6 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, locate_point
 from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
-from chain_impact.kernel.integration.peaks import maximum_near
 from chain_impact.kernel.integration.quadratures import reset_quadratures
 from chain_impact.kernel.model.contact import begin_contact, clear_contacts, contact_force, list_touching
 from chain_impact.kernel.model.contact_force import set_damping
@@ -158,7 +157,7 @@ def test_a_step_that_lands_on_the_turn_is_deepest_there(approach_only, event, la
 @pytest.mark.parametrize("until", [1.0, 0.5])
 def test_a_maximum_is_found_by_parabolas_wherever_it_is(height, until):
     d, _ = pressed(height)
-    found = maximum_near(d, contact_log.penetration_at, 1, 0.5 * until, 0.5 * until, until)
+    found = contact_log.largest_penetration(d, 1, 0.5 * until, 0.5 * until, until)
     tops = np.polynomial.polynomial.polyroots(np.polynomial.polynomial.polyder(height))
     places = [0.0, until, *(t.real for t in tops if abs(t.imag) < 1e-12 and 0.0 < t.real < until)]
     most, place = max((depth(t, height), t) for t in places)

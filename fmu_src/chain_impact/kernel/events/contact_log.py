@@ -14,7 +14,7 @@ from chain_impact.kernel.integration.last_step import (
     ensure_rate,
     truncate_to_output_time,
 )
-from chain_impact.kernel.integration.peaks import maximum_near
+from chain_impact.kernel.integration.peaks import maximum_of
 from chain_impact.kernel.integration.quadratures import commit_quadratures
 from chain_impact.kernel.loads import update_load_peaks
 from chain_impact.kernel.model.constraints import any_point_held
@@ -69,9 +69,9 @@ def peaks(d, c, force_rate, time, reader):
         ensure_dense(d, reader)
     middle = 0.5 * fraction(d, time) if force_peaked or depth_peaked else 0.0
     if force_peaked:
-        peak = max(peak, maximum_near(d, force_at, c, middle, middle, 2.0 * middle))
+        peak = max(peak, largest_force(d, c, middle, middle, 2.0 * middle))
     if depth_peaked:
-        depth = max(depth, maximum_near(d, penetration_at, c, middle, middle, 2.0 * middle))
+        depth = max(depth, largest_penetration(d, c, middle, middle, 2.0 * middle))
     return peak, depth, force_peaked or depth_peaked
 
 
@@ -190,6 +190,9 @@ def clearance_at(d, c, theta):
     interpolate(d.step, theta, d.work.y)
     locate_points(d, d.work.y)
     return clearance(d, c)
+
+
+largest_force, largest_penetration = maximum_of(force_at), maximum_of(penetration_at)
 
 
 def clear_log(d):
