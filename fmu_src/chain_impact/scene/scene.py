@@ -290,9 +290,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     """As with_values: all is read anew."""
     data, paths = _plain(scene), [path for path, _ in values]
-    if JOINT_ANGLES in paths and any(path[:-1] == checks.ANGLES for path in paths if isinstance(path, tuple)):
-        raise SceneError(f"{scene.name}: initial has both angles and joint_angles: give one of them")
-    if JOINT_ANGLES in paths and checks.ANGLES not in paths:
+    if JOINT_ANGLES in paths and checks.ANGLES not in above(paths):
         del data["initial"]["angles"]
     # of a derived list of which one value is given, all are given
     without_derived(data, scene.derived_places, kept=above(paths))
