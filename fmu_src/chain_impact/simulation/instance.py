@@ -328,7 +328,6 @@ def kernel_for(scene: Scene, *, derivatives: bool) -> ctypes.CDLL:
     return kernel
 
 
-@functools.cache
 def load_kernel(library: Path) -> ctypes.CDLL:
     """Load a compiled kernel and declare its entry points (see kernel/entry.py)."""
     kernel = ctypes.CDLL(str(library))

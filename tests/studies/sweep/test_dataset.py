@@ -17,7 +17,7 @@ from chain_impact import cli
 from chain_impact.extras import MissingExtraError
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep import sweep as module
+from chain_impact.studies.sweep import pieces, sweep as module
 from chain_impact.studies.sweep.dataset import MANIFEST
 from chain_impact.studies.sweep.design import grid, sampled
 from chain_impact.studies.sweep.sweep import sweep
@@ -117,7 +117,8 @@ def test_what_is_done_is_not_done_again(tmp_path, whole, monkeypatch):
     monkeypatch.setattr(module, "run_in_threads", spy)
     assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
     assert {path: path.stat().st_mtime_ns for path in files} == files
-    again = sweep(SCENE, VARY, path=folder, scheduler="tcp://127.0.0.1:9")  # which is not needed
+    monkeypatch.setattr(pieces, "Runner", None)  # nor is a kernel, nor a scheduler
+    again = sweep(SCENE, VARY, path=folder, scheduler="tcp://127.0.0.1:9")
     assert again.to_dataframe().equals(whole.to_dataframe())
     assert spans == [[(done, 800)], []]
 
@@ -219,6 +220,23 @@ def test_nothing_is_left_where_no_run_was_done(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_file_that_was_made_and_not_listed_goes_when_the_sweep_fails(tmp_path, monkeypatch):
+    real = module.run_in_threads
+
+    def full(work, *arguments):
+        yield next(real(work, *arguments))
+        (work.folder / ".runs-000000000000009.parquet-1").write_bytes(b"of another thread")
+        raise OSError("disk full")
+
+    monkeypatch.setattr(module, "run_in_threads", full)
+    with pytest.raises(OSError, match="disk full"):
+        sweep(SCENE, VARY, path=tmp_path / "runs", threads=1)
+    assert [path.name for path in sorted((tmp_path / "runs").iterdir())] == [
+        MANIFEST,
+        "runs-000000000000000.parquet",
+    ]
+
+
 def test_a_folder_that_can_only_be_read_is_said_with_the_path_of_the_table(tmp_path, monkeypatch):
     def refused(lock, **_):
         raise PermissionError(errno.EACCES, "Permission denied", lock.lock_file)
@@ -232,6 +250,7 @@ def test_a_folder_that_can_only_be_read_is_said_with_the_path_of_the_table(tmp_p
 
 def test_two_sweeps_do_not_write_one_folder(tmp_path):
     def second(_):
+        assert [path.name for path in tmp_path.iterdir()] == ["runs"]  # whose parent may be read-only
         with pytest.raises(SceneError, match="runs is being written by another sweep: wait until"):
             sweep(SCENE, VARY, path=tmp_path / "runs")
         raise StopError
@@ -363,7 +382,7 @@ def test_what_is_not_of_the_sweep_stays_and_what_a_kill_has_left_goes(tmp_path):
 def test_a_folder_has_one_lock_whatever_it_is_called(tmp_path):
     (tmp_path / "runs").mkdir()
     (tmp_path / "link").symlink_to(tmp_path / "runs")
-    with FileLock(tmp_path / "runs.lock"), pytest.raises(SceneError, match="written by another sweep"):
+    with FileLock(tmp_path / "runs" / ".lock"), pytest.raises(SceneError, match="written by another sweep"):
         sweep(SCENE, {"contact.restitution": [0.2]}, path=tmp_path / "link")
 
 

@@ -118,10 +118,19 @@ def test_an_error_in_a_thread_is_raised_here(monkeypatch):
         list(run_in_threads(work, [(0, 100)], 2))
 
 
-@pytest.mark.parametrize("threads", [0, 1.5])
+@pytest.mark.parametrize("threads", [0, 1.5, True])
 def test_threads_are_checked(threads):
     with pytest.raises(SceneError, match=f"threads = {threads} must be a whole number >= 1"):
         sweep(SCENE, {"contact.restitution": [0.5]}, threads=threads)
+
+
+def test_whole_numbers_of_numpy_are_those_of_python(tmp_path):
+    vary = {"contact.restitution": "0.3:0.7"}
+    one = sweep(SCENE, vary, samples=4, seed=1, threads=2, path=tmp_path / "runs")
+    other = sweep(
+        SCENE, vary, samples=np.int64(4), seed=np.int8(1), threads=np.int64(2), path=tmp_path / "runs"
+    )
+    assert other.to_dataframe().equals(one.to_dataframe())
 
 
 def test_progress_ends_at_one():

@@ -27,14 +27,14 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, scene_to_dict
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job
+from chain_impact.studies.sweep.pieces import missing
 from chain_impact.studies.sweep.work import CHUNK, PARQUET, Columns, Span, columns_of, file_name
 from chain_impact.system import remove_lock, written_whole
 
 MANIFEST = "_manifest.json"  # readers of Parquet take names with _ and . for no data
 LOCK = ".lock"
-OWN = re.compile(
-    rf"runs-\d{{15}}{re.escape(PARQUET)}|\.runs-.*"
-)  # what file_name gives, or is not complete yet
+# what file_name gives, or is not complete yet
+OWN = re.compile(rf"runs-\d{{15}}{re.escape(PARQUET)}|\.runs-.*")
 FORMAT = 2  # of the folder; raised when it changes
 
 
@@ -84,19 +84,25 @@ class Dataset:
                     f"({error})"
                 ) from None
 
-    def remove(self) -> None:
-        """Remove what the sweep has written here, and the folder if nothing else is in it."""
-        (self.path / MANIFEST).unlink(missing_ok=True)
-        for path in self._own_files():
-            path.unlink()
-        with suppress(OSError):
-            self.path.rmdir()
+    def tidy(self) -> None:
+        """Remove what is no complete file of the sweep, and the manifest of a sweep without any."""
+        if not self.files:
+            (self.path / MANIFEST).unlink(missing_ok=True)
+        for path in self.path.iterdir():
+            if OWN.fullmatch(path.name) and path.name not in self.files:
+                path.unlink()
 
-    def _own_files(self) -> list[Path]:
-        """The files with runs, complete or not; what an incomplete manifest has left is removed."""
-        for left in self.path.glob(f".{MANIFEST}-*"):
-            rmtree(left, ignore_errors=True)
-        return [path for path in self.path.iterdir() if OWN.fullmatch(path.name)]
+    def is_complete(self) -> bool:
+        """Whether the folder has all runs of the sweep, whose files are then taken over. Nothing is written.
+
+        Raises:
+            SceneError: when it is of another sweep.
+            OSError: when the manifest cannot be read.
+        """
+        if not (self.path / MANIFEST).is_file():
+            return False
+        self.files = self._listed()
+        return not missing(list(self.files.values()), self.runs) and not any(map(self._fault, self.files))
 
     def read(self) -> None:
         """Take over what an earlier call has left here; begin, where there is nothing.
@@ -105,47 +111,38 @@ class Dataset:
             SceneError: when it is not of this sweep.
             OSError: when the folder cannot be read or written.
         """
-        if self.path.exists() and not self.path.is_dir():
-            raise SceneError(f"{self.path} must be a folder: remove the file, or choose another name")
-        self.path.mkdir(exist_ok=True)
-        manifest, own = self.path / MANIFEST, self._own_files()
-        if manifest.exists():
-            self.files = self._listed(manifest)
-        elif any(self.path.iterdir()):
+        for left in self.path.glob(f".{MANIFEST}-*"):  # of a manifest that a kill has left incomplete
+            rmtree(left, ignore_errors=True)
+        if (self.path / MANIFEST).exists():
+            self.files = self._listed()
+        elif any(path.name != LOCK for path in self.path.iterdir()):
             raise SceneError(f"{self.path} has files, but no manifest of a sweep: choose another name")
-        for path in own:
-            if path.name not in self.files:
-                path.unlink()
-        for name, piece in list(self.files.items()):
-            if not (self.path / name).exists():
+        for name in list(self.files):
+            if fault := self._fault(name):
+                if (self.path / name).exists():
+                    log.warning("%s is damaged, its runs are made anew (%s)", self.path / name, fault)
                 del self.files[name]
-            elif fault := self._fault(name, piece):
-                log.warning("%s is damaged, its runs are made anew (%s)", self.path / name, fault)
-                (self.path / name).unlink()
-                del self.files[name]
-        try:
-            self._list()
-        except OSError:
-            with suppress(OSError):  # what is not empty stays
-                self.path.rmdir()
-            raise
+        self.tidy()
+        self._list()
 
-    def _fault(self, name: str, piece: Span) -> str:
+    def _fault(self, name: str) -> str:
         """What is wrong with a file, as far as it can be told at once; nothing if it is complete."""
         try:
             with require("pyarrow.parquet", "sweep").ParquetFile(self.path / name) as file:
                 found = file.metadata.num_rows
         except (OSError, ValueError) as error:
             return str(error)
-        return "" if found == piece[1] - piece[0] else f"{found} runs"
+        first, end = self.files[name]
+        return "" if found == end - first else f"{found} runs"
 
     def _list(self) -> None:
         """Write the manifest."""
         with written_whole(self.path / MANIFEST) as fresh:
             fresh.write_text(json.dumps(self._head | {"files": self.files}), encoding="utf-8")
 
-    def _listed(self, manifest: Path) -> dict[str, Span]:
-        """The files of a manifest of this sweep."""
+    def _listed(self) -> dict[str, Span]:
+        """The files that the manifest lists, if it is of this sweep."""
+        manifest = self.path / MANIFEST
         wrong = "remove the folder, or choose another name"
         try:
             found = json.loads(manifest.read_text(encoding="utf-8"))
@@ -163,34 +160,38 @@ class Dataset:
 
 @contextmanager
 def kept(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
-    """The folder of a sweep, which no other one writes meanwhile.
+    """The folder of a sweep, which no other one writes meanwhile; a complete one is only read.
 
     Raises:
         SceneError: when another sweep has left it, or writes it now.
         OSError: when it cannot be read or written.
     """
+    if path.exists() and not path.is_dir():
+        raise SceneError(f"{path} must be a folder: remove the file, or choose another name")
+    dataset = Dataset(path, design.runs, job.dtype, _head(job, design))
+    if dataset.is_complete():
+        yield dataset
+        return
     with _locked(path):
-        dataset = Dataset(path, design.runs, job.dtype, _head(job, design))
         dataset.read()
         try:
             yield dataset
         finally:
-            if not dataset.files:
-                dataset.remove()
+            dataset.tidy()
 
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Keep other sweeps from writing the same folder meanwhile.
+    """Keep other sweeps from writing the same folder meanwhile, and remove it if nothing is in it at the end.
 
     Raises:
         SceneError: when one does.
-        OSError: when nothing can be written beside the folder.
+        OSError: when the folder cannot be made or written.
     """
     from filelock import FileLock, Timeout
 
-    folder = path.resolve()  # one lock, by whatever name the folder is called
-    lock = FileLock(folder.with_name(folder.name + LOCK))
+    path.mkdir(exist_ok=True)
+    lock = FileLock(path / LOCK)
     try:
         lock.acquire(timeout=0)
     except Timeout:
@@ -203,6 +204,8 @@ def _locked(path: Path) -> Iterator[None]:
         yield
     finally:
         remove_lock(lock)
+        with suppress(OSError):  # what is not empty stays
+            path.rmdir()
 
 
 def _array(column: Any) -> np.ndarray:

@@ -10,6 +10,7 @@ import math
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Integral
 from typing import Any, Literal
 
 import numpy as np
@@ -140,10 +141,21 @@ def sampled(variations: Sequence[Variation], source: str, *, count: int, samplin
     if sampling not in SAMPLINGS:
         raise SceneError(f"{source}: sampling = {sampling!r} must be lhs or sobol")
     most = MOST_RUNS if sampling == "lhs" else MOST_SOBOL
-    for name, number, least, end in (("samples", count, 1, most + 1), ("seed", seed, 0, MOST_SEEDS)):
-        if not isinstance(number, int) or isinstance(number, bool) or not least <= number < end:
-            raise SceneError(f"{source}: {name} = {number} must be a whole number >= {least} and < {end}")
-    return Design(tuple(variations), count, sampling, seed)
+    count = whole(source, "samples", count, end=most + 1)
+    return Design(tuple(variations), count, sampling, whole(source, "seed", seed, least=0, end=MOST_SEEDS))
+
+
+def whole(source: str, name: str, number: int, *, least: int = 1, end: int | None = None) -> int:
+    """An argument of a sweep that is a whole number, of Python's or NumPy's, least ≤ number < end.
+
+    Raises:
+        SceneError: when it is not.
+    """
+    bound = "" if end is None else f" and < {end}"
+    integral = isinstance(number, Integral) and not isinstance(number, bool)
+    if not integral or number < least or (end is not None and number >= end):
+        raise SceneError(f"{source}: {name} = {number} must be a whole number >= {least}{bound}")
+    return int(number)
 
 
 def check_size(design: Design, columns: int, source: str, *, streamed: bool) -> None:

@@ -104,7 +104,8 @@ def run_in_threads(work: Work, spans: Sequence[Span], threads: int) -> Generator
         BuildError: when the kernel cannot be compiled.
         OSError: when a file cannot be written.
     """
-    Runner(work.job)  # compiles the kernel, here
+    if spans:
+        Runner(work.job)  # compiles the kernel, here
     enough = Event()
     with ThreadPoolExecutor(threads) as pool:
         try:

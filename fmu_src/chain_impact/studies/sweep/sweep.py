@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from chain_impact.progress import Progress, log, silent
-from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.cluster import run_on_cluster
 from chain_impact.studies.sweep.dataset import kept
-from chain_impact.studies.sweep.design import Sampling, check_size, grid, sampled
+from chain_impact.studies.sweep.design import Sampling, check_size, grid, sampled, whole
 from chain_impact.studies.sweep.job import job_of
 from chain_impact.studies.sweep.pieces import missing, run_in_threads
 from chain_impact.studies.sweep.table import Sweep, is_folder, table_path
@@ -70,9 +69,7 @@ def sweep(
         BuildError: when the kernel cannot be compiled.
     """
     scene, progress = scene_of(scene), progress or silent
-    threads = cores() if threads is None else threads
-    if not isinstance(threads, int) or threads < 1:
-        raise SceneError(f"{scene.name}: threads = {threads} must be a whole number >= 1")
+    threads = cores() if threads is None else whole(scene.name, "threads", threads)
     model = Model(scene)
     variations = variations_of(model, vary)
     job = job_of(model, variations, (outputs,) if isinstance(outputs, str) else outputs)
