@@ -22,7 +22,7 @@ from peers.ours import Kernel
 from problems import PROBLEMS, STEEL
 from race import judge
 
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.scene import Scene, SceneError, load_scene, with_values
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.compare import law_values

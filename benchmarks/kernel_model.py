@@ -41,14 +41,13 @@ from chain_impact.compilation.functions import compiled
 from chain_impact.compilation.lower import lowered
 from chain_impact.compilation.record_type import INSTANCE, vector
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.equations import mechanical_energy, state_rate, stored_energy
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.handlers import apply_events
 from chain_impact.kernel.events.marks import END, NONE, ONSET, RELATCH
-from chain_impact.kernel.events.table import apply_events
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration.last_step import reset_step
-from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
-from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.ode.last_step import reset_step
+from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.system import HOST
 
 REALS, COUNTS = types.CPointer(float64), types.CPointer(int32)

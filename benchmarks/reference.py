@@ -18,7 +18,7 @@ import time
 import numpy as np
 from problems import PROBLEMS, Problem
 
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from tests.textbook import Textbook

@@ -13,8 +13,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.laws.registry import ContactLaw
+from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw
 from chain_impact.results.plots.style import BLACK, DPI, GREY, PALETTE, STYLE, headline
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from chain_impact.scene.tables import Contact

@@ -19,8 +19,7 @@ from command_help import command_line
 from scene_schema import schema
 
 from chain_impact import sphere_plane_stiffness
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.laws.registry import ContactLaw
+from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.angles import or_degrees
 from chain_impact.scene.limits import Derived, allowed, without_none

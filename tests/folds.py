@@ -16,7 +16,7 @@ from itertools import combinations
 
 import numpy as np
 
-from chain_impact.kernel.events.impulses import STICK
+from chain_impact.kernel.events.impacts import STICK
 from chain_impact.kernel.status import ONSET_DUE
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance

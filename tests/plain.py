@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration.quadratures import reset_quadratures
+from chain_impact.kernel.ode.dense import reset_quadratures
 from chain_impact.kernel.record.fields import is_table
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene
@@ -44,7 +44,7 @@ class Plain:
         self._record[name] = value
 
     def copy_values(self, source: Plain) -> None:
-        """As ``copy_values`` in kernel/tangent/blocks.py, without derivatives."""
+        """As ``copy_values`` in kernel/tangent/duals.py, without derivatives."""
         for name in self._record.dtype.names:
             self._record[name] = source._record[name]
 

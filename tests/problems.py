@@ -17,7 +17,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_values
 from tests.reference import PointImpact, point_impact
 

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.chain.regular import loose_links
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.chain.inertia import loose_links
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.scene import SOLVER_METHODS, Scene, scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance
 from tests.problems import GRAVITY, build

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, simulate
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.simulation.derivatives import DifferentiatedRun
 from chain_impact.simulation.reasons import REASONS, REASONS_OF_FRICTION
 from tests.derivative_scenes import (

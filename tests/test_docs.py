@@ -14,7 +14,7 @@ import pytest
 import try_it
 
 from chain_impact import cli
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import scene_keys

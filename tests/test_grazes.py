@@ -10,7 +10,7 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel.model.contact_law import HARMLESS
+from chain_impact.kernel.forces.contact_law import HARMLESS
 from chain_impact.kernel.status import OK
 from chain_impact.simulation.instance import Instance
 from tests.problems import build, contact_table

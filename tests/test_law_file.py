@@ -22,8 +22,8 @@ from chain_impact import (
 )
 from chain_impact.compilation.law_file import source_of
 from chain_impact.compilation.places import base_folder
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS, LAW_COUNT
-from chain_impact.kernel.laws.user_law import ARGUMENTS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS, LAW_COUNT
+from chain_impact.kernel.forces.user_law import ARGUMENTS
 from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.reading import SceneWarning

@@ -20,7 +20,7 @@ PARTS = {name for name in LAYOUT.names if LAYOUT[name].base.names}
 MODULES = sorted(
     file.relative_to(KERNEL).as_posix() for file in KERNEL.rglob("*.py") if "record" not in file.parts
 )
-# work space and what the functions of a method return (integration/method.py): more than one module writes it
+# work space and what the functions of a method return (ode/control.py): more than one module writes it
 SHARED = {
     "step.dense",
     "search.curvature",

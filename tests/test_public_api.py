@@ -12,7 +12,7 @@ from pathlib import Path
 
 import chain_impact
 from chain_impact import cli
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.scene import load_scene, model_names, scene_keys
 from chain_impact.variables.model import Model
 

@@ -1,6 +1,6 @@
 """heyoka: Taylor series, with its own event detection, compiled by LLVM for a tolerance.
 
-It needs the model as expressions: the recursion of kernel/chain/recursion.py once more. There is one
+It needs the model as expressions: the recursion of kernel/chain/tree.py once more. There is one
 integrator for each set of contacts that are active at once. A Taylor series cannot begin at an onset, where
 δ^{3/2} has no derivatives: the first nanosecond, in which the force is nil, goes by the integrator without
 it, and the steps grow from there.
@@ -15,7 +15,7 @@ import numpy as np
 from problems import Problem
 
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.scene import Scene
 from peers import Contender, MissingError, Outcome
 from peers.on_kernel import OnKernel

@@ -11,8 +11,7 @@ if TYPE_CHECKING:
     from chain_impact.extras import MissingExtraError as MissingExtraError
     from chain_impact.fmu.build import build_fmu as build_fmu, validate_fmu as validate_fmu
     from chain_impact.fmu.run import record_fmu as record_fmu
-    from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS as CONTACT_LAWS
-    from chain_impact.kernel.laws.registry import ContactLaw as ContactLaw
+    from chain_impact.kernel.forces.laws import CONTACT_LAWS as CONTACT_LAWS, ContactLaw as ContactLaw
     from chain_impact.results.animate import AnimationError as AnimationError
     from chain_impact.results.impacts import IMPACT_DTYPE as IMPACT_DTYPE, impacts_of as impacts_of
     from chain_impact.results.page.explore import explore as explore

@@ -10,7 +10,7 @@ import sympy
 from numba import cfunc, float64, njit, types
 
 from chain_impact.compilation.dual_numbers import DUAL
-from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, dual_dtype, value, varies
+from chain_impact.kernel.tangent.duals import DIRECTIONS, carried, dual_dtype, value, varies
 from tests.tiers import needs_compilers
 
 pytestmark = needs_compilers

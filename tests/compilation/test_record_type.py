@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from chain_impact.compilation.record_type import TABLES, Affine, _affine
-from chain_impact.kernel.chain import elimination
+from chain_impact.kernel.chain import tree
 from chain_impact.kernel.entry import observe_now, trajectory
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.record.fields import is_table
 from chain_impact.kernel.record.instance import instance_dtype
-from chain_impact.kernel.tangent.directions import tangent_dtype
+from chain_impact.kernel.tangent.duals import tangent_dtype
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance, spans_of
 from chain_impact.variables.model import Model
@@ -112,8 +112,8 @@ def by_type(function, of_complex):
 )
 def test_compiled_code_gives_the_bits_of_plain_python(changes, monkeypatch):
     """The whole kernel through impacts: lowering and linking change no rounding."""
-    for function, of_complex in elimination.COMPLEX.items():
-        monkeypatch.setattr(elimination, function.__name__, by_type(function, of_complex))
+    for function, of_complex in tree.COMPLEX.items():
+        monkeypatch.setattr(tree, function.__name__, by_type(function, of_complex))
     scene = with_values(chain(), changes)
     times = np.array([0.2, 0.28, 0.2801, 0.33, 0.37, 0.4])
     instance = Instance(scene)

@@ -19,7 +19,7 @@ from chain_impact.fmu import build
 from chain_impact.fmu.build import build_fmu, validate_fmu
 from chain_impact.fmu.model_description import model_description
 from chain_impact.fmu.references import FILE
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import model_names
 from chain_impact.variables.model import Model

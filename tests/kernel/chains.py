@@ -9,8 +9,8 @@ import numpy as np
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.model.energy import mechanical_energy
-from chain_impact.kernel.model.geometry import along, normal
+from chain_impact.kernel.equations import mechanical_energy
+from chain_impact.kernel.rows.geometry import along, normal
 from chain_impact.scene.scene import Scene, scene_from_dict
 from tests.plain import Plain, begun, pack
 from tests.reference import point_jacobian

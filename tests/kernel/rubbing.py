@@ -8,9 +8,15 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.model.equations import located_rate
-from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, joint_of, list_friction, set_friction_used
-from chain_impact.kernel.model.geometry import tangent, tangential_acceleration, tangential_position
+from chain_impact.kernel.equations import located_rate
+from chain_impact.kernel.forces.friction import (
+    NO_FRICTION,
+    STICKS,
+    joint_of,
+    list_friction,
+    set_friction_used,
+)
+from chain_impact.kernel.rows.geometry import tangent, tangential_acceleration, tangential_position
 from chain_impact.scene.scene import Scene
 from tests.kernel.chains import chain, press_in, random_state, touch
 from tests.plain import Plain, begun

@@ -8,9 +8,9 @@ import numpy as np
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
-from chain_impact.kernel.integration.last_step import SOLVER
-from chain_impact.kernel.integration.method import EXPLICIT
+from chain_impact.kernel.ode.control import EXPLICIT
+from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
+from chain_impact.kernel.ode.last_step import SOLVER
 from tests.kernel.chains import ANGLES, FAR, chain, touch
 from tests.plain import Plain
 

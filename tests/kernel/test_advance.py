@@ -8,10 +8,9 @@ import pytest
 from chain_impact.kernel import advance as loop
 from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET
-from chain_impact.kernel.integration.control import FAR_OFF, conclude, refuse
-from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, SAFETY
-from chain_impact.kernel.model import constraints
-from chain_impact.kernel.model.constraints import MOVING, SOLVED
+from chain_impact.kernel.ode.control import EXPLICIT, FAR_OFF, IMPLICIT, SAFETY, conclude, refuse
+from chain_impact.kernel.rows import constraints
+from chain_impact.kernel.rows.constraints import MOVING, SOLVED
 from chain_impact.kernel.status import (
     ENERGY_NOT_KEPT,
     LOG_FULL,

@@ -8,7 +8,7 @@ import pytest
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.tangent import entry
-from chain_impact.kernel.tangent.directions import DIRECTIONS
+from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.entry import HOOKS
 from chain_impact.scene.scene import load_scene
 from tests.plain import record_of

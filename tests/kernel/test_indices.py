@@ -11,11 +11,10 @@ import pytest
 from chain_impact import load_scene
 from chain_impact.kernel.advance import advance, advance_to_onset
 from chain_impact.kernel.entry import trajectory
+from chain_impact.kernel.forces.inputs import AT_ONCE
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.model.inputs import AT_ONCE
 from chain_impact.kernel.observe import observe
-from chain_impact.kernel.status import OK
-from chain_impact.kernel.work_limit import UNLIMITED
+from chain_impact.kernel.status import OK, UNLIMITED
 from chain_impact.scene.scene import Scene, scene_from_dict
 from tests.derivative_scenes import AT_STOPS, pressed_tip
 from tests.plain import Plain, record_of

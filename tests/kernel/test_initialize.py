@@ -18,11 +18,10 @@ from chain_impact.kernel.initialize import (
     initialize,
     set_initial_state,
 )
-from chain_impact.kernel.integration.control import in_flight
-from chain_impact.kernel.integration.method import EXPLICIT, SOLVER_METHODS
-from chain_impact.kernel.integration.switching import stable
-from chain_impact.kernel.model.constraints import UNSOLVED
+from chain_impact.kernel.ode.control import EXPLICIT, SOLVER_METHODS, in_flight
+from chain_impact.kernel.ode.methods import stable
 from chain_impact.kernel.record.contacts import LATEST
+from chain_impact.kernel.rows.constraints import UNSOLVED
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
     MASS_MATRIX_SINGULAR,

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.record.instance import instance_dtype
-from chain_impact.kernel.record.outputs import output_dtype
+from chain_impact.kernel.record.instance import instance_dtype, output_dtype
 from chain_impact.variables.table import WORD
 
 # links N, candidates C, elements F

@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel import hooks, soundness
+from chain_impact.kernel import entry, hooks
+from chain_impact.kernel.entry import sound, within_bounds
 from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.marks import NEIGHBOUR
-from chain_impact.kernel.integration.last_step import SOLVER
-from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT, SOLVER_METHODS
-from chain_impact.kernel.integration.sundman import NO_CONTACT
-from chain_impact.kernel.laws.contact_laws import LAW_COUNT
-from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, list_sticking
-from chain_impact.kernel.model.inputs import DEGREE
+from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
+from chain_impact.kernel.forces.inputs import DEGREE
+from chain_impact.kernel.forces.laws import LAW_COUNT
+from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, SOLVER_METHODS
+from chain_impact.kernel.ode.last_step import SOLVER
+from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.contacts import LATEST
-from chain_impact.kernel.soundness import sound, within_bounds
 from chain_impact.kernel.status import LAST_STATUS, OK, STATUS_TEXT, UNKNOWN_LAW
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.derivatives import DifferentiatedInstance
@@ -192,7 +192,7 @@ def test_a_users_law_is_one_more(monkeypatch):
     _, d = chain(np.random.default_rng(0), 1)
     d.law.number[0] = LAW_COUNT + 1
     assert not within_bounds(d)
-    monkeypatch.setattr(soundness, "present", lambda: 1)
+    monkeypatch.setattr(entry, "present", lambda: 1)
     assert within_bounds(d)
 
 

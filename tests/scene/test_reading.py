@@ -10,8 +10,8 @@ from dataclasses import fields
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from chain_impact.kernel.integration.method import SOLVER_METHODS
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import (
     Scene,

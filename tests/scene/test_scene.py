@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import (
     SOLVER_METHODS,

@@ -7,7 +7,7 @@ from functools import partial
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.checks import hints
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict, with_values
 from tests.refusal import refusal

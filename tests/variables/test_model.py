@@ -11,8 +11,8 @@ import pytest
 from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.native_target import native_fmi3_files
-from chain_impact.kernel.integration.sundman import NO_CONTACT
-from chain_impact.kernel.model.derived import DERIVED
+from chain_impact.kernel.chain.inertia import DERIVED
+from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, model_names, scene_to_dict, with_values
 from chain_impact.variables import model as model_module

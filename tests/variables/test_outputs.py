@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.kernel.tangent.directions import DIRECTIONS
+from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.simulate import simulate
 from chain_impact.variables import outputs

@@ -23,8 +23,8 @@ from numba.core.typeconv import Conversion
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import lower_builtin, lower_cast, models, register_model
 
-from chain_impact.kernel.tangent import directions
-from chain_impact.kernel.tangent.directions import DIRECTIONS
+from chain_impact.kernel.tangent import duals
+from chain_impact.kernel.tangent.duals import DIRECTIONS
 
 VECTOR = ir.VectorType(ir.DoubleType(), DIRECTIONS)
 
@@ -354,7 +354,7 @@ _declare(bool, boolean)
 _lower(bool, _truth, Dual)
 
 
-# ---- what the kernel asks of a dual number (kernel/tangent/directions.py) ---------------------------------
+# ---- what the kernel asks of a dual number (kernel/tangent/duals.py) ---------------------------------
 
 
 def _carried(
@@ -376,17 +376,17 @@ def _varies(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
     return some
 
 
-_declare(directions.value, float64)
-_lower(directions.value, lambda _context, builder, x: builder.extract_value(x, 0), Dual)
-_declare(directions.carried, DUAL)
-_lower(directions.carried, _carried, types.Float, types.Float, Dual)
-_declare(directions.slope, float64, types.int64)
-_lower(directions.slope, _slope, Dual, types.Integer)
-_declare(directions.sloped, DUAL, None)
+_declare(duals.value, float64)
+_lower(duals.value, lambda _context, builder, x: builder.extract_value(x, 0), Dual)
+_declare(duals.carried, DUAL)
+_lower(duals.carried, _carried, types.Float, types.Float, Dual)
+_declare(duals.slope, float64, types.int64)
+_lower(duals.slope, _slope, Dual, types.Integer)
+_declare(duals.sloped, DUAL, None)
 _lower(
-    directions.sloped,
+    duals.sloped,
     lambda _c, b, x, k, one: _made(b, _parts(b, x)[0], b.insert_element(_parts(b, x)[1], one, k)),
     *(Dual, types.Integer, types.Float),
 )
-_declare(directions.varies, boolean)
-_lower(directions.varies, _varies, Dual)
+_declare(duals.varies, boolean)
+_lower(duals.varies, _varies, Dual)

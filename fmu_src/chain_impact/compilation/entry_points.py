@@ -31,10 +31,10 @@ from chain_impact.compilation.functions import HOOK_SIGNATURES
 from chain_impact.compilation.record_type import INSTANCE, matrix, vector
 from chain_impact.kernel import entry, hooks
 from chain_impact.kernel.advance import advance_to_onset, event_update
+from chain_impact.kernel.entry import sound
 from chain_impact.kernel.events.contact_log import update_to_output_time
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.soundness import sound
-from chain_impact.kernel.tangent.blocks import words
+from chain_impact.kernel.tangent.duals import words
 from chain_impact.kernel.tangent.entry import HOOKS
 
 _HOOKS: dict[Any, Any] = HOOKS

@@ -15,9 +15,9 @@ from chain_impact.compilation.compilers import HOOKS
 from chain_impact.compilation.dual_numbers import DUAL, Dual
 from chain_impact.compilation.record_type import INSTANCE, TANGENT
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.elimination import COMPLEX
-from chain_impact.kernel.laws import user_law
-from chain_impact.kernel.tangent import blocks, directions
+from chain_impact.kernel.chain.tree import COMPLEX
+from chain_impact.kernel.forces import user_law
+from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.rules import RULES
 
 # error_model="numpy": a division by zero gives inf, which the step control rejects, instead of raising. So
@@ -44,8 +44,8 @@ _RULES: dict[Any, Any] = RULES
 _COMPLEX: dict[Any, Any] = COMPLEX
 # what dual_numbers.py and record_type.py have made numba know
 BUILT_IN: set[Any] = {
-    *(directions.value, directions.slope, directions.sloped, directions.carried, directions.varies),
-    *(blocks.block, blocks.words, blocks.copy_values, blocks.copy_given),
+    *(duals.value, duals.slope, duals.sloped, duals.carried, duals.varies),
+    *(duals.block, duals.words, duals.copy_values, duals.copy_given),
 }
 
 

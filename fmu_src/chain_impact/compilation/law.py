@@ -13,7 +13,7 @@ from numba.core.errors import NumbaError
 from chain_impact.compilation.functions import LAW_FORCE, MODULES, compiled
 from chain_impact.compilation.law_file import LawError, UserLaw
 from chain_impact.compilation.law_syntax import FUNCTIONS
-from chain_impact.kernel.laws.user_law import ARGUMENTS
+from chain_impact.kernel.forces.user_law import ARGUMENTS
 
 MEMORY = "NRT required"  # numba says so where a function needs memory of its own
 

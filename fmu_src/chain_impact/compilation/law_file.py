@@ -14,8 +14,8 @@ from inspect import getsource
 from pathlib import Path
 
 from chain_impact.compilation.law_syntax import LawError, check_syntax
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.laws.user_law import ARGUMENTS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.forces.user_law import ARGUMENTS
 
 __all__ = ["LawError", "UserLaw", "parse_law", "read_law", "source_of"]
 

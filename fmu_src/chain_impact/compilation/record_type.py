@@ -34,8 +34,8 @@ from numba.extending import (
 from chain_impact.compilation.dual_numbers import DUAL
 from chain_impact.kernel.record.fields import GIVEN, REAL, is_table
 from chain_impact.kernel.record.instance import instance_dtype
-from chain_impact.kernel.tangent import blocks
-from chain_impact.kernel.tangent.directions import dual_dtype, tangent_dtype
+from chain_impact.kernel.tangent import duals
+from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
 # field of the instance → the function that tells its number for an instance: N, C, F and L
 COUNTERS = {name: f"chain_{name}" for name in ("links", "candidates", "elements", "loads")}
@@ -247,7 +247,7 @@ def _set_field(context: Any, builder: ir.IRBuilder, signature: Any, arguments: A
     context.pack_value(builder, field.kind, value, _place(context, builder, instance, field))
 
 
-@type_callable(blocks.block)
+@type_callable(duals.block)
 def _type_of_block(_context: Any) -> Any:
     def typer(instance: types.Type, _number: types.Type) -> types.Type | None:
         return TANGENT if instance == INSTANCE else None
@@ -255,7 +255,7 @@ def _type_of_block(_context: Any) -> Any:
     return typer
 
 
-@lower_builtin(blocks.block, Record, types.Integer)
+@lower_builtin(duals.block, Record, types.Integer)
 def _block(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     instance, number = arguments
     own, size = (record.field().size.built(builder, instance) for record in (INSTANCE, TANGENT))
@@ -263,7 +263,7 @@ def _block(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
     return cgutils.pointer_add(builder, instance, builder.add(own, builder.mul(size, number)), instance.type)
 
 
-@type_callable(blocks.words)
+@type_callable(duals.words)
 def _type_of_words(_context: Any) -> Any:
     def typer(record: types.Type) -> types.Type | None:
         return types.Array(types.float64, 1, "C") if isinstance(record, Record) else None
@@ -271,7 +271,7 @@ def _type_of_words(_context: Any) -> Any:
     return typer
 
 
-@lower_builtin(blocks.words, Record)
+@lower_builtin(duals.words, Record)
 def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     (instance,) = arguments
     whole = signature.args[0].field()
@@ -279,7 +279,7 @@ def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
     return _array(context, builder, types.float64, _place(context, builder, instance, whole), [size])
 
 
-@type_callable(blocks.copy_values)
+@type_callable(duals.copy_values)
 def _type_of_copy_values(_context: Any) -> Any:
     def typer(source: types.Type, target: types.Type) -> types.Type | None:
         return types.none if _has_dual(source, target) else None
@@ -287,7 +287,7 @@ def _type_of_copy_values(_context: Any) -> Any:
     return typer
 
 
-@type_callable(blocks.copy_given)
+@type_callable(duals.copy_given)
 def _type_of_copy_given(_context: Any) -> Any:
     def typer(source: types.Type, target: types.Type, when: types.Type) -> types.Type | None:
         # numba asks once more with the constant itself
@@ -303,14 +303,14 @@ def _has_dual(source: types.Type, target: types.Type) -> bool:
     return (source.what, target.what) == ("instance", "tangent")
 
 
-@lower_builtin(blocks.copy_values, Record, Record)
+@lower_builtin(duals.copy_values, Record, Record)
 def _copy_values(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     part = signature.args[0].path
     _copy_fields(context, builder, arguments, lambda path: path[: len(part)] == part)
     return context.get_dummy_value()
 
 
-@lower_builtin(blocks.copy_given, Record, Record, types.Integer)
+@lower_builtin(duals.copy_given, Record, Record, types.Integer)
 def _copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     when = signature.args[2].literal_value
     _copy_fields(context, builder, arguments[:2], lambda path: GIVEN.get(path[0]) == when)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.fmu.importer import read_fmu, simulated
-from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.progress import Progress, silent
 from chain_impact.results.impacts import impacts_shown
 from chain_impact.results.joint_stops import ranges_from

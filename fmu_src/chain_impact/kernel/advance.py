@@ -9,22 +9,42 @@ the communication point has passed it. ``d`` is the record of the instance (reco
 import math
 
 from chain_impact.kernel import hooks
+from chain_impact.kernel.equations import clear_stage_notes, state_rate
 from chain_impact.kernel.events.contact_log import update_extremes, update_to_output_time
 from chain_impact.kernel.events.friction_modes import reinit_modes
-from chain_impact.kernel.events.impulses import end_changed_contacts, update_active_set
+from chain_impact.kernel.events.handlers import apply_events, bends_force
+from chain_impact.kernel.events.impacts import end_changed_contacts, update_active_set
 from chain_impact.kernel.events.marks import KINK, NONE, drop_events, ends_in_onset, pending_changes
 from chain_impact.kernel.events.search import find_event, onset_fraction
-from chain_impact.kernel.events.table import apply_events, bends_force
+from chain_impact.kernel.forces.contact import clear_loads, latch, set_kink_sides
+from chain_impact.kernel.forces.contact_law import laws_in_use, update_laws
+from chain_impact.kernel.forces.inputs import (
+    AT_ONCE,
+    apply_inputs,
+    inputs_continue,
+    inputs_in_use,
+    limit_to_piece,
+    withdraw_request,
+)
 from chain_impact.kernel.initialize import first_size
-from chain_impact.kernel.integration import control
-from chain_impact.kernel.integration.balance import (
+from chain_impact.kernel.loads import update_load_peaks
+from chain_impact.kernel.ode import control
+from chain_impact.kernel.ode.balance import (
     check_balance,
     check_energy,
     keep_energy,
     rebase_energy,
     reinit_balance,
 )
-from chain_impact.kernel.integration.last_step import (
+from chain_impact.kernel.ode.control import IMPLICIT
+from chain_impact.kernel.ode.dense import (
+    commit_quadratures,
+    keep_end_rates,
+    reset_quadratures,
+    set_quadrature_stage_at_end,
+    settle_impulses,
+)
+from chain_impact.kernel.ode.last_step import (
     accept,
     choose_variable,
     ensure_rate,
@@ -33,30 +53,9 @@ from chain_impact.kernel.integration.last_step import (
     set_own_output_time,
     truncate_step,
 )
-from chain_impact.kernel.integration.method import IMPLICIT
-from chain_impact.kernel.integration.methods import attempt, prepare
-from chain_impact.kernel.integration.quadratures import (
-    commit_quadratures,
-    keep_end_rates,
-    reset_quadratures,
-    set_quadrature_stage_at_end,
-    settle_impulses,
-)
-from chain_impact.kernel.integration.sundman import regularize, time_rate_now
-from chain_impact.kernel.integration.switching import choose_method
-from chain_impact.kernel.loads import update_load_peaks
-from chain_impact.kernel.model.constraints import SOLVED, UNSOLVED, any_point_held, clear_unsolved
-from chain_impact.kernel.model.contact import clear_loads, latch, set_kink_sides
-from chain_impact.kernel.model.contact_law import laws_in_use, update_laws
-from chain_impact.kernel.model.equations import clear_stage_notes, state_rate
-from chain_impact.kernel.model.inputs import (
-    AT_ONCE,
-    apply_inputs,
-    inputs_continue,
-    inputs_in_use,
-    limit_to_piece,
-    withdraw_request,
-)
+from chain_impact.kernel.ode.methods import attempt, choose_method, prepare
+from chain_impact.kernel.ode.sundman import regularize, time_rate_now
+from chain_impact.kernel.rows.constraints import SOLVED, UNSOLVED, any_point_held, clear_unsolved
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
     LOG_FULL,
@@ -66,9 +65,6 @@ from chain_impact.kernel.status import (
     PAUSED,
     STEP_TOO_SMALL,
     TOO_MUCH_WORK,
-    set_status,
-)
-from chain_impact.kernel.work_limit import (
     UNLIMITED,
     begin_call,
     check_events,
@@ -76,6 +72,7 @@ from chain_impact.kernel.work_limit import (
     count_evaluations,
     count_rejected_step,
     count_step,
+    set_status,
     work_done,
     work_exceeded,
 )

@@ -3,36 +3,35 @@
 import math
 
 from chain_impact.kernel import hooks
+from chain_impact.kernel.chain.inertia import in_use, inertia_of_rod, loose_links, middle
 from chain_impact.kernel.chain.joints import joint_bound, joint_damping, resists, spring_stiffness
 from chain_impact.kernel.chain.kinematics import clear_joints, locate_points
-from chain_impact.kernel.chain.regular import loose_links
-from chain_impact.kernel.chain.state import (
-    ANGLES,
-    dissipated_at,
-    omega_at,
-    supplied_at,
-    velocity_at,
-)
+from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, velocity_at
+from chain_impact.kernel.equations import clear_moments, mechanical_energy, state_rate, stored_energy
 from chain_impact.kernel.events.contact_log import clear_log, clear_peaks
 from chain_impact.kernel.events.exclusion import NOTHING, remember_clearances
 from chain_impact.kernel.events.friction_modes import clear_changes, reinit_modes
 from chain_impact.kernel.events.marks import drop_events
-from chain_impact.kernel.integration.balance import start_balance
-from chain_impact.kernel.integration.control import conclude, in_flight, keep_for_flight, propose
-from chain_impact.kernel.integration.last_step import clear_breaks, reset_step, reset_times
-from chain_impact.kernel.integration.method import IMPLICIT, SOLVER_METHODS, first_method
-from chain_impact.kernel.integration.quadratures import clear_quadratures
-from chain_impact.kernel.integration.switching import begin_explicit, stable
+from chain_impact.kernel.forces.contact import clear_contacts, clear_loads
+from chain_impact.kernel.forces.contact_law import start_laws
+from chain_impact.kernel.forces.friction import clear_friction
+from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.loads import start_loads
-from chain_impact.kernel.model.constraints import UNSOLVED, clear_unsolved
-from chain_impact.kernel.model.contact import clear_contacts, clear_loads
-from chain_impact.kernel.model.contact_law import start_laws
-from chain_impact.kernel.model.derived import in_use, inertia_of_rod, middle
-from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
-from chain_impact.kernel.model.equations import clear_moments, state_rate
-from chain_impact.kernel.model.friction import clear_friction
-from chain_impact.kernel.model.geometry import clearance, place_walls
-from chain_impact.kernel.model.inputs import apply_inputs
+from chain_impact.kernel.ode.balance import start_balance
+from chain_impact.kernel.ode.control import (
+    IMPLICIT,
+    SOLVER_METHODS,
+    conclude,
+    first_method,
+    in_flight,
+    keep_for_flight,
+    propose,
+)
+from chain_impact.kernel.ode.dense import clear_quadratures
+from chain_impact.kernel.ode.last_step import clear_breaks, reset_step, reset_times
+from chain_impact.kernel.ode.methods import begin_explicit, stable
+from chain_impact.kernel.rows.constraints import UNSOLVED, clear_unsolved
+from chain_impact.kernel.rows.geometry import clearance, place_walls
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
     MASS_MATRIX_SINGULAR,
@@ -42,12 +41,12 @@ from chain_impact.kernel.status import (
     STARTS_INSIDE_WALL,
     STOPS_REVERSED,
     UNKNOWN_METHOD,
+    clear_counts,
     clear_fault,
     refuse_candidate,
     refuse_link,
     set_status,
 )
-from chain_impact.kernel.work_limit import clear_counts
 
 OVERLAP = 1e-12  # m. A start no deeper in a wall counts as touching: it is round-off of positions and sines
 

@@ -21,12 +21,11 @@ import math
 from chain_impact.kernel.chain.joints import joint_damping, spring_stiffness, stretch
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import omega_at
-from chain_impact.kernel.integration.dense import fraction, interpolate
-from chain_impact.kernel.integration.last_step import OUTPUTS, ensure_dense, ensure_points
-from chain_impact.kernel.integration.peaks import maximum_of
-from chain_impact.kernel.model.equations import located_rate
-from chain_impact.kernel.model.geometry import WALLS, lever, normal, tangent
-from chain_impact.kernel.work_limit import counted_work, uncount_work
+from chain_impact.kernel.equations import located_rate
+from chain_impact.kernel.ode.dense import fraction, interpolate, maximum_of
+from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
+from chain_impact.kernel.rows.geometry import WALLS, lever, normal, tangent
+from chain_impact.kernel.status import counted_work, uncount_work
 
 INTERVALS = 8  # of a step, between the samples of the forces in its joints
 NEARLY = 0.95  # a parabola through three samples estimates the square of a peak to this fraction

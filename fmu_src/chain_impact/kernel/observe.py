@@ -7,16 +7,14 @@ what has been summed up until now, such as impulses: these outputs stay as they 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
+from chain_impact.kernel.equations import located_rate, mechanical_energy, stored_energy
 from chain_impact.kernel.events.contact_log import list_latest
-from chain_impact.kernel.integration.dense import fraction, interpolate
-from chain_impact.kernel.integration.quadratures import quadrature_within
+from chain_impact.kernel.forces.contact import contact_force
+from chain_impact.kernel.forces.friction import STICKS, joint_of
 from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, keep_tip_impulse
-from chain_impact.kernel.model.contact import contact_force
-from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
-from chain_impact.kernel.model.equations import located_rate
-from chain_impact.kernel.model.friction import STICKS, joint_of
-from chain_impact.kernel.model.geometry import clearance, lever
-from chain_impact.kernel.work_limit import counted_work, uncount_work
+from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_within
+from chain_impact.kernel.rows.geometry import clearance, lever
+from chain_impact.kernel.status import counted_work, uncount_work
 
 
 def observe(d):

@@ -42,7 +42,7 @@ class Result(Recording):
         model: the scene as it was simulated, and what follows from it.
         time: communication points, shape (T,) [s].
         outputs: the outputs at these times, a structured array of shape (T,): all of them, see
-            ``output_dtype`` in kernel/record/outputs.py, or those that ``simulate(output=…)`` asked for, by
+            ``output_dtype`` in kernel/record/instance.py, or those that ``simulate(output=…)`` asked for, by
             their names.
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``.
         statistics: steps, rejected_steps, rhs_evaluations, implicit_steps, status.
@@ -358,7 +358,7 @@ class Result(Recording):
         return [*summary.energy_lines(self.energies), *found, *summary.solver_lines(self.statistics)]
 
     def _all(self, field: str) -> np.ndarray:
-        """A field of ``output_dtype`` in kernel/record/outputs.py, also if the outputs have other fields."""
+        """A field of ``output_dtype`` in kernel/record/instance.py, also if the outputs have other fields."""
         if field in (self.outputs.dtype.names or ()):
             return self.outputs[field]
         parts = [v for v in self.model.motion if v.field == field]

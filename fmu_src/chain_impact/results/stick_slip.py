@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from chain_impact.kernel.model.friction import NO_FRICTION
+from chain_impact.kernel.forces.friction import NO_FRICTION
 
 CHANGE_DTYPE = np.dtype([("time", np.float64), ("point", np.int64), ("wall", np.int64), ("mode", np.int64)])
 """One change of mode, as the kernel logs it: from this time [s] on the mode is 0, sticks; ±1, slides along

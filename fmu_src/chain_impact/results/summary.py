@@ -8,7 +8,7 @@ from itertools import chain
 
 import numpy as np
 
-from chain_impact.kernel.model.friction import STICKS
+from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.recording import Recording

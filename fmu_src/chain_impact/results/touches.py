@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.kernel.model.friction import NO_FRICTION, STICKS
+from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS
 from chain_impact.results.stick_slip import CHANGE_DTYPE, JOINT, phases_of
 from chain_impact.scene.names import STOPS
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import product
 
-from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.scene import Scene
 
 

@@ -12,9 +12,9 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from chain_impact.compilation.law_file import LawError, read_law
-from chain_impact.kernel.chain.regular import loose_links
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.chain.inertia import loose_links
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.angles import radians_hint
 from chain_impact.scene.half_planes import direction
 from chain_impact.scene.reading import SceneError, SceneWarning, shown
@@ -79,7 +79,7 @@ def with_materials(scene: Scene) -> Scene:
 
 
 def check_masses(chain: Chain) -> None:
-    """Refuse links without inertia that could turn without moving any mass; see kernel/chain/regular.py."""
+    """Refuse links without inertia that could turn without moving any mass; see kernel/chain/inertia.py."""
     columns = {name: [getattr(link, name) for link in chain.links] for name in _MASSES}
     first, last = loose_links(SimpleNamespace(pinned=chain.base == "pinned", **columns))
     if first < 0:

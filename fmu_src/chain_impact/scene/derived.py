@@ -2,7 +2,7 @@
 
 They stay derived until they are given: a scene is changed, written and compared by what is given, and
 ``Scene.derived_places`` has the paths of the rest. The kernel does the same with the parameters of a record:
-kernel/model/derived.py.
+kernel/chain/inertia.py.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.status import WITHOUT_FRICTION
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.tables import Contact, Material

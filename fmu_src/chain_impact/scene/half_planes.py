@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from chain_impact.kernel.model.geometry import NORMALS, WALLS
+from chain_impact.kernel.rows.geometry import NORMALS, WALLS
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,9 +15,9 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from chain_impact.kernel.integration.method import SOLVER_METHODS
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.ode.control import SOLVER_METHODS
+from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene import checks, friction, scene_text, stops
 from chain_impact.scene.derived import above, of_every_link, rule_of, without_derived
 from chain_impact.scene.half_planes import HalfPlane, half_planes

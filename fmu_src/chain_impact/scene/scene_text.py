@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.rows.geometry import WALLS
 
 if TYPE_CHECKING:
     from chain_impact.scene.scene import Scene

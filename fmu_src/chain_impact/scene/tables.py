@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, replace
 from itertools import accumulate
 
-from chain_impact.kernel.integration.method import SOLVER_METHODS
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.scene.limits import Derived, quantity
 from chain_impact.scene.names import STOPS

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.model.inputs import AT_ONCE
+from chain_impact.kernel.forces.inputs import AT_ONCE
 from chain_impact.kernel.status import OK
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.status import OK
-from chain_impact.kernel.tangent.directions import DIRECTIONS
+from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
 from chain_impact.results.equality import same
 from chain_impact.results.impacts import IMPACT_DTYPE

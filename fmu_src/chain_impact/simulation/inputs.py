@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chain_impact.kernel.model.inputs import AT_ONCE, CONTINUES
+from chain_impact.kernel.forces.inputs import AT_ONCE, CONTINUES
 from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene

@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from chain_impact.kernel.model.inputs import DEGREE
+from chain_impact.kernel.forces.inputs import DEGREE
 
 Sampled = Callable[[np.ndarray], np.ndarray]
 """Times, shape (T,) → values of M functions there, shape (T, M)."""

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, silent
 from chain_impact.results.equality import same
 from chain_impact.results.joint_stops import at_stop

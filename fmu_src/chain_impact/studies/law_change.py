@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.scene import Scene

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.integration.method import SOLVER_METHODS
-from chain_impact.kernel.integration.sundman import NO_CONTACT
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.model.contact_law import USER_LAW
-from chain_impact.kernel.model.derived import DERIVED
-from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
+from chain_impact.kernel.chain.inertia import DERIVED
+from chain_impact.kernel.forces.contact_law import USER_LAW
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.ode.control import SOLVER_METHODS
+from chain_impact.kernel.ode.sundman import NO_CONTACT
+from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.names import Place
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.places import layout_of
@@ -201,7 +201,7 @@ def _fill_stops(d: Any, scene: Scene) -> None:
 
 
 def _fill_given_stops(d: Any, scene: Scene) -> None:
-    """Put what is given of the stops that may be derived in its place; see kernel/model/derived.py."""
+    """Put what is given of the stops that may be derived in its place; see kernel/chain/inertia.py."""
     derived = scene.derived_places
     places = {"exponent": ("stops", "given_exponent"), "restitution": ("given", "stop_restitution")}
     for name, (part, field) in places.items():

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
-from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING, STATUS_TEXT
 from chain_impact.scene.candidates import point_wall_pairs, stop_pairs
 from chain_impact.scene.names import AXES

@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.law_file import read_law
-from chain_impact.kernel.integration.method import SOLVER_METHODS
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.kernel.tangent.directions import DIRECTIONS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.ode.control import SOLVER_METHODS
+from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import AXES, STOPS, Place, name_of, sensitivity_name

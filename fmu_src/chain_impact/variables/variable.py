@@ -36,7 +36,7 @@ class Variable:
         description: one line.
         place: path into the instance record, ``("model", "length", 2)`` for one.
         given_place: likewise, of what is given of a parameter that may be derived, where ``place`` has the
-            value in use (kernel/model/derived.py); None for all others.
+            value in use (kernel/chain/inertia.py); None for all others.
         rule: how the scene derives it, None if it is given.
         scene_path: path of a parameter into the scene file, for ``scene.with_values``; None for all others.
         minimum: value >= minimum, if any.

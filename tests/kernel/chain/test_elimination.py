@@ -4,9 +4,17 @@ import mpmath
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.elimination import FREE, HELD, factorize, no_impedance, solve, take_factors
 from chain_impact.kernel.chain.kinematics import link_vectors
-from chain_impact.kernel.chain.recursion import accelerations, arms
+from chain_impact.kernel.chain.tree import (
+    FREE,
+    HELD,
+    accelerations,
+    arms,
+    factorize,
+    no_impedance,
+    solve,
+    take_factors,
+)
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict
 from tests.kernel.chains import chain, random_links, random_state, stopped_chain

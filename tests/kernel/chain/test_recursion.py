@@ -11,8 +11,8 @@ import pytest
 import sympy
 
 from chain_impact.kernel.chain.kinematics import link_vectors
-from chain_impact.kernel.chain.recursion import accelerations
-from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.chain.tree import accelerations
+from chain_impact.kernel.equations import state_rate
 from tests.kernel.chains import chain, random_state
 from tests.reference import generalized_force, mass_matrix, set_vectors
 

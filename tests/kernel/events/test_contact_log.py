@@ -10,12 +10,12 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET
-from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
-from chain_impact.kernel.integration.quadratures import reset_quadratures
-from chain_impact.kernel.model.contact import begin_contact, clear_contacts, contact_force, list_touching
-from chain_impact.kernel.model.contact_force import set_damping
-from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.forces.contact import begin_contact, clear_contacts, contact_force, list_touching
+from chain_impact.kernel.forces.contact_force import set_damping
+from chain_impact.kernel.ode.dense import reset_quadratures
+from chain_impact.kernel.ode.last_step import OUTPUTS, SOLVER
 from chain_impact.kernel.record.contacts import LATEST
+from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
 from tests.kernel.chains import chain, located, random_state, stopped_chain, stops_of

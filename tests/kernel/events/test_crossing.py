@@ -11,10 +11,10 @@ from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.crossing import CROSSES, QUIET, SPLIT
 from chain_impact.kernel.events.exclusion import keep_start, suspect_all
 from chain_impact.kernel.events.marks import END, NONE, ONSET
-from chain_impact.kernel.integration.dense import rate_bounds
-from chain_impact.kernel.integration.method import IMPLICIT
-from chain_impact.kernel.integration.sundman import NO_CONTACT
-from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.ode.control import IMPLICIT
+from chain_impact.kernel.ode.dense import rate_bounds
+from chain_impact.kernel.ode.sundman import NO_CONTACT
+from chain_impact.kernel.rows.geometry import clearance
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch
 from tests.kernel.steps import Motion, free_motion, gaps_of, set_step, translation, wall_at, walls_away
 

@@ -10,8 +10,8 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, locate_point
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import exclusion
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration.sundman import root_rate
-from chain_impact.kernel.model.geometry import clearance, speed_bound
+from chain_impact.kernel.ode.sundman import root_rate
+from chain_impact.kernel.rows.geometry import clearance, speed_bound
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.model import Model

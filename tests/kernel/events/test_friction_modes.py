@@ -20,10 +20,10 @@ from chain_impact.kernel.events.friction_modes import (
 )
 from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS, pending_changes
 from chain_impact.kernel.events.sampled import excess, rest_speed
-from chain_impact.kernel.model.constraints import ROUNDS, UNSOLVED
-from chain_impact.kernel.model.contact import list_touching
-from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, list_sticking
-from chain_impact.kernel.model.geometry import tangential_position, tangential_rate
+from chain_impact.kernel.forces.contact import list_touching
+from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
+from chain_impact.kernel.rows.constraints import ROUNDS, UNSOLVED
+from chain_impact.kernel.rows.geometry import tangential_position, tangential_rate
 from tests.kernel.rubbing import AtRest, rubbing_chain
 
 CASES = [("free", 2, True), ("free", 3, False), ("pinned", 1, True), ("pinned", 0, True), ("free", 0, True)]

@@ -5,11 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tests.kernel.model.test_contact_force import MASS, SPEED, STIFFNESS, scaled_impact
 
 from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.kernel.advance import advance, advance_one_step
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.events import sampled, sampling
+from chain_impact.kernel.events import crossing, sampled
+from chain_impact.kernel.events.crossing import first_passage, locate_at
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.marks import (
     END,
@@ -22,19 +24,17 @@ from chain_impact.kernel.events.marks import (
     STICKING_ENDS,
     pending_changes,
 )
-from chain_impact.kernel.events.sampling import first_passage, locate_at
+from chain_impact.kernel.forces.contact import begin_contact, kink_height, set_kink_sides
+from chain_impact.kernel.forces.contact_force import elastic_force
+from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration.control import accepted
-from chain_impact.kernel.model.contact import begin_contact, kink_height, set_kink_sides
-from chain_impact.kernel.model.contact_force import elastic_force
-from chain_impact.kernel.model.friction import STICKS
-from chain_impact.kernel.model.geometry import tangential_rate
+from chain_impact.kernel.ode.control import accepted
+from chain_impact.kernel.rows.geometry import tangential_rate
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.model import Model
 from tests.coulomb_problems import braked_link, oblique_ball
 from tests.kernel.chains import chain, touch
-from tests.kernel.model.test_contact_force import MASS, SPEED, STIFFNESS, scaled_impact
 from tests.kernel.rubbing import rubbing_chain
 from tests.kernel.steps import held_tip, set_step, translation, wall_at, walls_away
 from tests.plain import Plain
@@ -80,7 +80,7 @@ def test_the_first_passage_is_where_a_function_falls_below_zero(place, end, shap
         return place - theta if shape == "linear" else place**3 - theta**3
 
     found = first_passage(function, 4, resolution)(STEP, 7, end)
-    assert found == pytest.approx(place, abs=max(2.0 * sampling.RESOLUTION, resolution / 10.0))
+    assert found == pytest.approx(place, abs=max(2.0 * crossing.FINEST, resolution / 10.0))
     assert max(asked) <= end
     # four samples, and the start of a bracket; then the fast method, or halving where it is of no use
     assert len(asked) <= (18 if shape != "step" else 5 + 20 + halvings)

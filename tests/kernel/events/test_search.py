@@ -21,9 +21,8 @@ from chain_impact.kernel.events.search import (
     onset_fraction,
     starts_clear,
 )
-from chain_impact.kernel.integration.control import FAR_OFF, accepted, conclude
-from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
-from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.ode.control import FAR_OFF, IMPLICIT, accepted, conclude
+from chain_impact.kernel.ode.last_step import OUTPUTS, SOLVER
 from tests.kernel.chains import chain, located, touch
 from tests.kernel.events.test_crossing import first_fall, moving
 from tests.kernel.events.test_sampled import falling

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.tangent.directions import DIRECTIONS
+from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.inputs import drive
 from chain_impact.variables.model import Model

@@ -8,7 +8,7 @@ import pytest
 from chain_impact import load_scene, model_names
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START, GIVEN
 from chain_impact.kernel.record.instance import instance_dtype
-from chain_impact.kernel.tangent import blocks, directions
+from chain_impact.kernel.tangent import duals
 from chain_impact.variables.model import Model
 
 REAL = np.dtype(np.float64)
@@ -28,19 +28,16 @@ def leaves(dtype, path=(), rows=()):
 @pytest.mark.parametrize(("links", "candidates"), [(1, 0), (4, 20), (10, 44)])
 def test_each_real_has_its_derivatives_behind_it_and_nothing_else_changes(links, candidates):
     layout = instance_dtype(links, candidates)
-    plain, dual = list(leaves(layout)), list(leaves(directions.tangent_dtype(layout)))
+    plain, dual = list(leaves(layout)), list(leaves(duals.tangent_dtype(layout)))
     assert [path for path, *_ in dual[: len(plain)]] == [path for path, *_ in plain]
     own = {path[0] for path, *_ in dual[len(plain) :]}
     assert own.isdisjoint(layout.names)
     for (path, kind, shape), (_, found, other) in zip(plain, dual, strict=False):
         assert shape == other, path
-        assert found == (directions.dual_dtype(REAL) if kind == REAL else kind), path
+        assert found == (duals.dual_dtype(REAL) if kind == REAL else kind), path
     reals = sum(int(np.prod(shape)) for _, kind, shape in plain if kind == REAL)
-    more = sum(directions.tangent_dtype(layout)[name].itemsize for name in own)
-    assert (
-        directions.tangent_dtype(layout).itemsize
-        == layout.itemsize + 8 * directions.DIRECTIONS * reals + more
-    )
+    more = sum(duals.tangent_dtype(layout)[name].itemsize for name in own)
+    assert duals.tangent_dtype(layout).itemsize == layout.itemsize + 8 * duals.DIRECTIONS * reals + more
 
 
 PARTS = [name for name in instance_dtype(2, 2, 4).names if instance_dtype(2, 2, 4)[name].base.names]
@@ -65,7 +62,7 @@ def test_the_parts_that_apply_then_are_copied_and_no_other():
     for when in (AT_START, AT_ANY_TIME):
         copied = []
         t = SimpleNamespace(**{part: SimpleNamespace(copy_values=copied.append) for part in PARTS})
-        blocks.copy_given(SimpleNamespace(**d), t, when)
+        duals.copy_given(SimpleNamespace(**d), t, when)
         assert sorted(copied) == sorted(declared(when))
 
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.kernel.tangent import directions
+from chain_impact.kernel.tangent import duals
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.simulate import simulate
 from tests.derivative_scenes import Case, struck_twice
 from tests.kernel.tangent.dual import followed, started
 
 CASE = struck_twice("flores")
-NAMES = CASE.parameters[: 2 * directions.DIRECTIONS + 1]
+NAMES = CASE.parameters[: 2 * duals.DIRECTIONS + 1]
 TIMES = np.linspace(0.0, 0.3, 31)
 
 
@@ -29,7 +29,7 @@ def together():
 def test_the_number_of_parameters_beside_one_does_not_matter(together):
     """They are carried in several instances of dual numbers, one after the other."""
     values, slopes = together
-    for k in (0, directions.DIRECTIONS - 1, directions.DIRECTIONS, 2 * directions.DIRECTIONS):
+    for k in (0, duals.DIRECTIONS - 1, duals.DIRECTIONS, 2 * duals.DIRECTIONS):
         alone, slope = followed(started(of(NAMES[k])), TIMES)
         np.testing.assert_array_equal(alone, values)
         np.testing.assert_array_equal(slope[..., 0], slopes[..., k])

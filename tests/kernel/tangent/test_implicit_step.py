@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from chain_impact.kernel.integration.radau import STAGES, Q
-from chain_impact.kernel.tangent import directions, implicit_step, trust
-from chain_impact.kernel.tangent.implicit_step import ENOUGH, FALLS, FAR_OFF, MOST, ROUND_OFF, STALLED
+from chain_impact.kernel.ode.radau import RADAU_STAGES, Q
+from chain_impact.kernel.tangent import duals, replay, trust
+from chain_impact.kernel.tangent.replay import ENOUGH, FALLS, FAR_OFF, MOST, ROUND_OFF, STALLED
 from tests.derivative_scenes import Case, table
 from tests.kernel.tangent.dual import Dual, followed, started
 
@@ -48,8 +48,8 @@ def collocated(length, damping):
     """
     inertia = length * length / 3.0
     rate = np.array([[0.0, 1.0], [-0.5 * GRAVITY * length / inertia, -damping / inertia]])
-    system = np.eye(2 * STAGES) - H * np.kron(np.array(Q), rate)
-    return np.linalg.solve(system, np.kron(np.ones((STAGES, 1)), np.eye(2)))[-2:]
+    system = np.eye(2 * RADAU_STAGES) - H * np.kron(np.array(Q), rate)
+    return np.linalg.solve(system, np.kron(np.ones((RADAU_STAGES, 1)), np.eye(2)))[-2:]
 
 
 @pytest.mark.parametrize("damping", [0.0, 1e4])
@@ -87,12 +87,12 @@ def iterated(monkeypatch, corrections):
     """Whether an iteration with these corrections converges, and after how many of them."""
     left, done = list(corrections), []
     for name in ("find_residuals", "solve_slopes"):
-        monkeypatch.setattr(implicit_step, name, lambda *_: None)
-    monkeypatch.setattr(implicit_step, "correct_stages", lambda *_: done.append("iterate"))
-    monkeypatch.setattr(implicit_step, "take_stages", lambda *_: done.append("values"))
-    monkeypatch.setattr(implicit_step, "last_correction", lambda *_: left.pop(0))
+        monkeypatch.setattr(replay, name, lambda *_: None)
+    monkeypatch.setattr(replay, "correct_stages", lambda *_: done.append("iterate"))
+    monkeypatch.setattr(replay, "take_stages", lambda *_: done.append("values"))
+    monkeypatch.setattr(replay, "last_correction", lambda *_: left.pop(0))
     d = SimpleNamespace(solver=SimpleNamespace(tolerance=TOLERANCE))
-    converged = implicit_step.iterate_slopes(d, None, 0.1, 3)
+    converged = replay.iterate_slopes(d, None, 0.1, 3)
     assert done == ["iterate", "values"] * (len(done) // 2)
     return converged, len(done) // 2
 
@@ -121,19 +121,19 @@ def test_an_iteration_ends_when_it_has_converged_or_its_corrections_fall_no_more
 
 @pytest.mark.parametrize("part", [0.9, 1.1])
 def test_round_off_is_no_failure(monkeypatch, part):
-    monkeypatch.setattr(implicit_step, "ENOUGH", 0.0)
+    monkeypatch.setattr(replay, "ENOUGH", 0.0)
     assert iterated(monkeypatch, [part * ROUND_OFF] * MOST) == (part < 1.0, END)
 
 
 def dual(*slopes):
-    return Dual(7.0, (*slopes, *[0.0] * (directions.DIRECTIONS - len(slopes))))
+    return Dual(7.0, (*slopes, *[0.0] * (duals.DIRECTIONS - len(slopes))))
 
 
 def slopes(start, end, parts):
     """A step with two components, with these slopes of its start, its last stage and its corrections."""
-    none = np.array([[dual(), dual()] for _ in range(STAGES)], object)
+    none = np.array([[dual(), dual()] for _ in range(RADAU_STAGES)], object)
     own = SimpleNamespace(start=[dual(*one) for one in start], stages=none.copy(), parts=none)
-    own.stages[STAGES - 1] = [dual(*one) for one in end]
+    own.stages[RADAU_STAGES - 1] = [dual(*one) for one in end]
     for (i, j), one in parts.items():
         own.parts[i, j] = dual(*one)
     d = SimpleNamespace(friction=SimpleNamespace(stuck_count=0), step=SimpleNamespace(size=0.1))
@@ -146,10 +146,10 @@ def test_a_correction_is_relative_to_the_derivatives_at_the_end_in_its_worst_dir
     d, t = slopes(
         [(3.0, 1.0), (1.0, 2.0)], [(1.0, 0.0), (-0.5, 0.0)], {(0, 0): (-0.04,), (2, 1): (0.004, 0.06)}
     )
-    assert implicit_step.last_correction(d, t, 2) == pytest.approx(max(0.08 / 8.0, 0.6 / 20.0))
+    assert replay.last_correction(d, t, 2) == pytest.approx(max(0.08 / 8.0, 0.6 / 20.0))
     t.implicit.parts[4, 0] = dual(1.0)
-    assert implicit_step.last_correction(d, t, 2) == pytest.approx(2.0 / 8.0)
-    assert implicit_step.last_correction(d, t, 0) == 0.0
+    assert replay.last_correction(d, t, 2) == pytest.approx(2.0 / 8.0)
+    assert replay.last_correction(d, t, 0) == 0.0
 
 
 @pytest.mark.parametrize(
@@ -163,13 +163,13 @@ def test_a_correction_is_relative_to_the_derivatives_at_the_end_in_its_worst_dir
 )
 def test_what_is_not_finite_is_far_off(start, parts):
     d, t = slopes(start, [(0.0,)] * 2, parts)
-    assert implicit_step.last_correction(d, t, 2) == FAR_OFF
+    assert replay.last_correction(d, t, 2) == FAR_OFF
 
 
 def test_stages_have_the_values_of_the_run_and_their_own_slopes():
     d, t = slopes([(0.0,)] * 2, [(1.0, 2.0), (3.0, 4.0)], {})
-    d.implicit.last = np.arange(2.0 * STAGES).reshape(STAGES, 2)
-    implicit_step.take_stages(d, t, 2)
+    d.implicit.last = np.arange(2.0 * RADAU_STAGES).reshape(RADAU_STAGES, 2)
+    replay.take_stages(d, t, 2)
     assert [[one.value for one in row] for row in t.implicit.stages] == d.implicit.last.tolist()
     assert [one.slope[:2].tolist() for one in t.implicit.stages[-1]] == [[1.0, 2.0], [3.0, 4.0]]
 
@@ -181,7 +181,7 @@ def test_the_linear_system_is_that_of_the_run():
         return SimpleNamespace(links=2, touch=SimpleNamespace(active_count=1), implicit=own)
 
     d, t = data(1), data(100)
-    implicit_step.take_slopes(d, t)
+    replay.take_slopes(d, t)
     assert (t.implicit.link.x, t.implicit.link.y) == ([1, 2], [3, 4])
     assert (t.implicit.stiffness, t.implicit.damping) == ([5, 600], [7, 800])
 
@@ -195,12 +195,12 @@ def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges,
     t.trial = SimpleNamespace(state="y")
     right = ["extend_start", "extrapolate_stages", "take_stages", "take_slopes", "factorize_real"]
     for name in [*right, "set_result", "project_clearances"]:
-        monkeypatch.setattr(implicit_step, name, lambda *_, name=name: called.append(name))
-    monkeypatch.setattr(implicit_step, "extended_size", lambda _: 12)
-    monkeypatch.setattr(implicit_step, "compliant", lambda _: contacts)
-    monkeypatch.setattr(implicit_step, "iterate_slopes", lambda *_: called.append("iterate") or converges)
-    monkeypatch.setattr(implicit_step, "mark_untrusted", lambda _t, *what: called.append(what))
-    implicit_step.make_implicit(d, t, 0.1)
+        monkeypatch.setattr(replay, name, lambda *_, name=name: called.append(name))
+    monkeypatch.setattr(replay, "extended_size", lambda _: 12)
+    monkeypatch.setattr(replay, "compliant", lambda _: contacts)
+    monkeypatch.setattr(replay, "iterate_slopes", lambda *_: called.append("iterate") or converges)
+    monkeypatch.setattr(replay, "mark_untrusted", lambda _t, *what: called.append(what))
+    replay.make_implicit(d, t, 0.1)
     if reason == trust.TRUSTED:
         right += ["iterate"] if converges else ["iterate", (trust.NOT_SOLVED, trust.NO_IMPACT, 1.5)]
     right += ["set_result", "project_clearances"] if contacts else ["set_result"]

@@ -9,7 +9,7 @@ import pytest
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, SLIDING_ENDS
-from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
+from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.tangent import replay
 from tests.derivative_scenes import AT_STOPS, pinned_chain, pressed_tip, sprung_chain, struck_twice
 from tests.kernel.tangent.dual import dual, followed, started

@@ -8,11 +8,10 @@ import mpmath
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain import sincos
+from chain_impact.kernel.chain import kinematics
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.integration import dense
-from chain_impact.kernel.laws import user_law
-from chain_impact.kernel.model import contact_force
+from chain_impact.kernel.forces import contact_force, user_law
+from chain_impact.kernel.ode import dense
 from chain_impact.kernel.tangent import rules
 from tests.kernel.tangent.dual import Dual
 
@@ -46,7 +45,7 @@ def test_at_no_depth_a_power_is_finite(exponent, slope):
     assert found.slope.tolist() == (slope * np.array(DEPTH)).tolist()
 
 
-@pytest.mark.parametrize("size", [3.0, 10.0 * sincos.LARGEST])
+@pytest.mark.parametrize("size", [3.0, 10.0 * kinematics.LARGEST])
 def test_points_of_a_circle(size):
     random = np.random.default_rng(2)
     angles, slopes = random.uniform(-size, size, 5), random.normal(size=(2, 5))
@@ -55,7 +54,7 @@ def test_points_of_a_circle(size):
     duals = [Dual(v, [0.0, s]) for v, s in zip([9.9, *angles], [0.0, *slopes[0]], strict=True)]
     rules.polar([Dual(r, [s, 0.0]) for r, s in zip(radii, slopes[1], strict=True)], duals, 1, x, y)
     horizontal, vertical = np.empty(5), np.empty(5)
-    sincos.polar(radii, angles, 0, horizontal, vertical)
+    kinematics.polar(radii, angles, 0, horizontal, vertical)
     np.testing.assert_array_equal([number.value for number in x], horizontal)
     np.testing.assert_array_equal([number.value for number in y], vertical)
     cosine, sine = np.cos(angles), np.sin(angles)

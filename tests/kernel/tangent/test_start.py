@@ -2,19 +2,19 @@
 
 import numpy as np
 import pytest
+from tests.kernel.laws.test_contact_laws import FACTORS
 
 from chain_impact import CONTACT_LAWS
 from chain_impact.kernel import advance
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.forces import contact, contact_force, contact_law
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.model import contact, contact_force, contact_law
 from chain_impact.kernel.record.fields import AT_START
 from chain_impact.kernel.status import OK
-from chain_impact.kernel.tangent import blocks, directions, start as starts, trust
+from chain_impact.kernel.tangent import duals, replay as starts, trust
 from tests.complex_laws import TINY
 from tests.derivative_scenes import Case
 from tests.kernel.chains import chain, press_in, random_state, touch, vectors
-from tests.kernel.laws.test_contact_laws import FACTORS
 from tests.kernel.tangent.dual import Dual, random_duals, started
 from tests.plain import Plain, make_rigid, record_of
 from tests.problems import ball, of_law
@@ -77,7 +77,7 @@ def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
     }
     d.given.law = CONTACT_LAWS["hunt_crossley"].number
     assert contact_law.update_laws(d) == OK
-    blocks.copy_given(d, t, AT_START)
+    duals.copy_given(d, t, AT_START)
     starts.apply_given_of(d, t)  # which takes the walls, whose material may change in a run
     for (record, name), own in before.items():
         found = getattr(getattr(t, record), name)
@@ -157,7 +157,7 @@ def twins(monkeypatch):
     rng = np.random.default_rng(9)
     scene, d = chain(rng, 2, springs=True, dampers=True, inputs=True)
     dtype = d._record.dtype
-    fields = [*((name, dtype[name]) for name in dtype.names), ("trust", directions.TRUST)]
+    fields = [*((name, dtype[name]) for name in dtype.names), ("trust", duals.TRUST)]
     t = Plain(np.zeros(1, np.dtype(fields))[0])
     blank = record_of(scene)
     for name in ("links", "candidates", "candidate"):

@@ -5,7 +5,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.plot import COLOURS, FAILED_COLOUR, QUANTITIES, fill

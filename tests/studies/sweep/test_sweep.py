@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.contacts import LOG_SIZE
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
 from chain_impact.results.joint_stops import at_stop

@@ -20,9 +20,9 @@ without inertia makes it infinite.
 
 import math
 
-from chain_impact.kernel.chain.elimination import FREE, factorize, no_impedance, solve
 from chain_impact.kernel.chain.kinematics import clear_joints, link_vectors, zero
 from chain_impact.kernel.chain.state import ANGLES
+from chain_impact.kernel.chain.tree import FREE, factorize, no_impedance, solve
 
 
 def joint_damping(d, i):

@@ -4,7 +4,7 @@
 
 The N + 2 coordinates, the position of the base [m] and the absolute link angles [rad], come first, and then
 their rates [m/s, rad/s]. The energies [J] count from the start of the run. The last two belong to the
-integration variable of a step: u = √(δ/δ*) of the regularized contact (integration/sundman.py), and t, the
+integration variable of a step: u = √(δ/δ*) of the regularized contact (ode/sundman.py), and t, the
 time since the start of the step [s].
 """
 

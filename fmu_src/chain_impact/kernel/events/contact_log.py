@@ -4,9 +4,18 @@ import math
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET, drop_changes, mark
-from chain_impact.kernel.integration.dense import fraction, interpolate
-from chain_impact.kernel.integration.last_step import (
+from chain_impact.kernel.forces.contact import (
+    contact_force,
+    contact_slopes,
+    deactivate,
+    set_extremes,
+    set_rates,
+)
+from chain_impact.kernel.loads import update_load_peaks
+from chain_impact.kernel.ode.dense import commit_quadratures, fraction, interpolate, maximum_of
+from chain_impact.kernel.ode.last_step import (
     OUTPUTS,
     SOLVER,
     ensure_dense,
@@ -14,20 +23,9 @@ from chain_impact.kernel.integration.last_step import (
     ensure_rate,
     truncate_to_output_time,
 )
-from chain_impact.kernel.integration.peaks import maximum_of
-from chain_impact.kernel.integration.quadratures import commit_quadratures
-from chain_impact.kernel.loads import update_load_peaks
-from chain_impact.kernel.model.constraints import any_point_held
-from chain_impact.kernel.model.contact import (
-    contact_force,
-    contact_slopes,
-    deactivate,
-    set_extremes,
-    set_rates,
-)
-from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.geometry import clearance, gap_acceleration, lever
-from chain_impact.kernel.work_limit import count_evaluations, counted_work, uncount_work
+from chain_impact.kernel.rows.constraints import any_point_held
+from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, lever
+from chain_impact.kernel.status import count_evaluations, counted_work, uncount_work
 
 HELD_SAMPLES = 5  # samples of a constraint force over a step, its ends included
 

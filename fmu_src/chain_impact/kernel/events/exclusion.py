@@ -1,7 +1,7 @@
 """Clearances over a step, and a test on its ends that excludes events in it without a search.
 
 φ is the clearance of a candidate that is apart and the penetration of one in contact, or u of the Sundman
-regularization (integration/sundman.py) for the regularized one, each as a function of the integration
+regularization (ode/sundman.py) for the regularized one, each as a function of the integration
 variable of the step; φ′ and φ″ are its derivatives.
 """
 
@@ -9,19 +9,9 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import sundman_u_at
-from chain_impact.kernel.integration.last_step import ensure_points, largest_turn
-from chain_impact.kernel.integration.sundman import (
-    NO_CONTACT,
-    root_curve,
-    root_rate,
-    time_rate_change,
-    time_rate_of,
-)
-from chain_impact.kernel.model.geometry import (
-    clearance,
-    gap_acceleration,
-    speed_bound,
-)
+from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
+from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_change, time_rate_of
+from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, speed_bound
 
 # rad. If a link turns more in a step, the estimated remainder of the interpolant is no bound any more.
 SMALL_TURN = 1.0

@@ -11,12 +11,10 @@ as fewer and fewer do, else only the last. An element keeps its mode if that is 
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
+from chain_impact.kernel.equations import located_rate
 from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, drop_changes
 from chain_impact.kernel.events.sampled import excess, rest_speed
-from chain_impact.kernel.integration.last_step import reset_step
-from chain_impact.kernel.model.constraints import MAX_STALLED_PIVOTS, ROUNDS, count_stalls, note_unsolved
-from chain_impact.kernel.model.equations import located_rate
-from chain_impact.kernel.model.friction import (
+from chain_impact.kernel.forces.friction import (
     NO_FRICTION,
     STICKS,
     any_sticking,
@@ -27,9 +25,11 @@ from chain_impact.kernel.model.friction import (
     set_friction_used,
     set_mode,
 )
-from chain_impact.kernel.model.geometry import tangential_acceleration, tangential_rate
-from chain_impact.kernel.model.holding import project_state
-from chain_impact.kernel.work_limit import count_evaluations
+from chain_impact.kernel.forces.holding import project_state
+from chain_impact.kernel.ode.last_step import reset_step
+from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, ROUNDS, count_stalls, note_unsolved
+from chain_impact.kernel.rows.geometry import tangential_acceleration, tangential_rate
+from chain_impact.kernel.status import count_evaluations
 
 # Of the largest acceleration, gravity and a link length per second squared: a sliding element at rest that
 # accelerates by no more against its direction, or by no more than twice what sticks does, keeps sliding. If

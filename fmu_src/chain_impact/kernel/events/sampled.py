@@ -21,7 +21,8 @@ RELATCH: a second impact, or an onset so slow that gravity soon makes δ̇ much 
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import omega_at
-from chain_impact.kernel.events.crossing import SIMULTANEOUS
+from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.events.crossing import SIMULTANEOUS, first_passage, locate_at
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO, nearly_fast
 from chain_impact.kernel.events.marks import (
     KINK,
@@ -34,17 +35,15 @@ from chain_impact.kernel.events.marks import (
     mark,
     mark_change,
 )
-from chain_impact.kernel.events.sampling import first_passage, locate_at
-from chain_impact.kernel.integration.control import FAR_OFF, refuse
-from chain_impact.kernel.integration.dense import interpolate
-from chain_impact.kernel.model.compliance import mean_mass
-from chain_impact.kernel.model.contact import kink_height
-from chain_impact.kernel.model.contact_force import note_crossing
-from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.friction import STICKS
-from chain_impact.kernel.model.geometry import clearance, tangential_rate
-from chain_impact.kernel.model.holding import least_impulse, project_state
-from chain_impact.kernel.work_limit import count_evaluations
+from chain_impact.kernel.forces.contact import kink_height
+from chain_impact.kernel.forces.contact_force import note_crossing
+from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.kernel.forces.holding import least_impulse, project_state
+from chain_impact.kernel.ode.control import FAR_OFF, refuse
+from chain_impact.kernel.ode.dense import interpolate
+from chain_impact.kernel.rows.compliance import mean_mass
+from chain_impact.kernel.rows.geometry import clearance, tangential_rate
+from chain_impact.kernel.status import count_evaluations
 
 # Samples of a step in which a stage has shown an event, its end included. Of a new latch there are fewer: if
 # a short excess is missed, v₀ stays as it was.
@@ -194,7 +193,7 @@ _first_pull = first_passage(least_force, SAMPLES, SIMULTANEOUS)
 def find_mode_change(d, found):
     """θ of the event ``found`` (−1: none) or of an earlier change of a mode; marks its elements.
 
-    The stages have recorded the least value of each function (model/friction.py).
+    The stages have recorded the least value of each function (forces/friction.py).
     """
     first, which = found if found >= 0.0 else 1.0, -1
     for i in range(d.friction.count):

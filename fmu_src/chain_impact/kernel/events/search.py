@@ -9,7 +9,13 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import time_at
-from chain_impact.kernel.events.crossing import SIMULTANEOUS, bound_curvature, find_crossing, measure
+from chain_impact.kernel.events.crossing import (
+    SIMULTANEOUS,
+    bound_curvature,
+    find_crossing,
+    locate_at,
+    measure,
+)
 from chain_impact.kernel.events.exclusion import (
     FAR,
     NOTHING,
@@ -22,13 +28,11 @@ from chain_impact.kernel.events.exclusion import (
 )
 from chain_impact.kernel.events.marks import END, NONE, ONSET, mark
 from chain_impact.kernel.events.sampled import find_force_event, find_mode_change, find_release
-from chain_impact.kernel.events.sampling import locate_at
-from chain_impact.kernel.integration.control import FAR_OFF, accepted, refuse
-from chain_impact.kernel.integration.dense import interpolate, interpolate_component
-from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
-from chain_impact.kernel.integration.method import IMPLICIT
-from chain_impact.kernel.model.constraints import any_point_held
-from chain_impact.kernel.model.geometry import clearance, gap_acceleration
+from chain_impact.kernel.ode.control import FAR_OFF, IMPLICIT, accepted, refuse
+from chain_impact.kernel.ode.dense import interpolate, interpolate_component
+from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
+from chain_impact.kernel.rows.constraints import any_point_held
+from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
 # Of a link length: an onset is located to round-off, some 1e-15. One found deeper than this is an error of
 # the step; at K = 1e12 N/m^1.5 it would add 1e-11 J.

@@ -3,8 +3,8 @@
 import numpy as np
 
 from chain_impact.kernel.chain.state import coordinate_count
-from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
-from chain_impact.kernel.integration.explicit import STAGES
+from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
+from chain_impact.kernel.ode.explicit import STAGES
 from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
 
 CHANGES_OF_EACH = 4  # changes of a mode stored until they are collected, for each element
@@ -18,10 +18,10 @@ def constraint_count(candidates: int, elements: int) -> int:
 
 
 @written_by(
-    "model/contact.py",
+    "forces/contact.py",
     event="events/marks.py",
-    gap_error="integration/errors.py",
-    **dict.fromkeys(("damping", "depth_scale", "kink_crossed", "kink_margin"), "model/contact_force.py"),
+    gap_error="ode/control.py",
+    **dict.fromkeys(("damping", "depth_scale", "kink_crossed", "kink_margin"), "forces/contact_force.py"),
 )
 def touch_dtype(candidates: int) -> np.dtype:
     """The data of each candidate; values that are latched, fixed at onset, hold until a new latch of v₀."""
@@ -53,7 +53,7 @@ def touch_dtype(candidates: int) -> np.dtype:
     )
 
 
-@written_by("model/contact.py")
+@written_by("forces/contact.py")
 def impact_dtype() -> np.dtype:
     """The impacts so far."""
     return record(
@@ -83,10 +83,10 @@ def latest_dtype() -> np.dtype:
 
 
 @written_by(
-    "model/constraints.py",
-    start="model/holding.py",
-    resistance="model/holding.py",
-    least_force="model/holding.py",
+    "rows/constraints.py",
+    start="forces/holding.py",
+    resistance="forces/holding.py",
+    least_force="forces/holding.py",
     sample="events/contact_log.py",
 )
 def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
@@ -98,7 +98,7 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     return record(
         # m, m/s or m/s², rad …: the change of the coordinates by the impulses
         ("change", REAL, (coordinate_count(links),)),
-        ("unsolved", INTEGER),  # since a step or a try of it began, see kernel/model/constraints.py
+        ("unsolved", INTEGER),  # since a step or a try of it began, see kernel/rows/constraints.py
         ("in_active_set", INTEGER, (rows,)),  # 1: its impulse may differ from 0
         ("violated", INTEGER, (rows,)),  # 1: its impulse or residual has the wrong sign
         ("start", REAL, (rows,)),  # normal or tangential motion without impulses, m, m/s or m/s², …
@@ -149,9 +149,9 @@ def peaks_dtype() -> np.dtype:
     )
 
 
-@written_by("integration/quadratures.py", onset="model/contact.py")
+@written_by("ode/dense.py", onset="forces/contact.py")
 def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
-    """Integrals along the motion, each at its place, as integration/quadratures.py lists them.
+    """Integrals along the motion, each at its place, as ode/dense.py lists them.
 
     Those that are integrated are packed.
     """
@@ -172,7 +172,7 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     )
 
 
-@written_by("model/friction.py")
+@written_by("forces/friction.py")
 def friction_dtype() -> np.dtype:
     """Which elements, candidates and joints, have dry friction now."""
     return record(
@@ -186,7 +186,7 @@ def friction_dtype() -> np.dtype:
 
 
 @written_by(
-    "model/friction.py",
+    "forces/friction.py",
     event="events/marks.py",
     **dict.fromkeys(("before", "slack", "undecided"), "events/friction_modes.py"),
 )

@@ -32,7 +32,7 @@ GIVEN: dict[str, int] = {}
 def given(when: int):
     """Declare that the scene or an importer gives a part of the record, and when it applies.
 
-    Each of these parts is copied for derivatives (``copy_given`` in kernel/tangent/blocks.py).
+    Each of these parts is copied for derivatives (``copy_given`` in kernel/tangent/duals.py).
     """
 
     def declare(layout):

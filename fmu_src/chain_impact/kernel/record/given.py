@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.kernel.model.inputs import DEGREE
+from chain_impact.kernel.forces.inputs import DEGREE
 from chain_impact.kernel.record.fields import (
     AT_ANY_TIME,
     AT_START,
@@ -14,6 +13,7 @@ from chain_impact.kernel.record.fields import (
     table,
     written_by,
 )
+from chain_impact.kernel.rows.geometry import WALLS
 
 
 @given(AT_START)
@@ -58,7 +58,7 @@ def model_dtype(links: int) -> np.dtype:
 
 
 @given(AT_START)
-@written_by("model/contact_law.py")
+@written_by("forces/contact_law.py")
 def contact_dtype() -> np.dtype:
     """What all contacts with walls have in common; the rest of their law is in `given`.
 
@@ -76,7 +76,7 @@ def contact_dtype() -> np.dtype:
 
 
 @given(AT_START)
-@written_by("initialize.py", restitution="model/contact_law.py")
+@written_by("initialize.py", restitution="forces/contact_law.py")
 def stops_dtype() -> np.dtype:
     """The contact law of the stops in joints; the given stiffness and restitution are in `given`.
 
@@ -109,14 +109,14 @@ def initial_dtype(links: int) -> np.dtype:
 def solver_dtype() -> np.dtype:
     """The settings of the solver. variables/model.py sets them."""
     return record(
-        ("method", INTEGER),  # index into SOLVER_METHODS of kernel/integration/method.py, from 1
+        ("method", INTEGER),  # index into SOLVER_METHODS of kernel/ode/control.py, from 1
         ("tolerance", REAL),
         ("work_limit", REAL),  # 1/s, evaluations per second of simulated time
     )
 
 
 def course_dtype(links: int) -> np.dtype:
-    """The inputs as polynomials of time, piece by piece, see kernel/model/inputs.py."""
+    """The inputs as polynomials of time, piece by piece, see kernel/forces/inputs.py."""
     return record(
         ("order", INTEGER),  # 0: the inputs are constant
         ("middle", REAL),  # s, the time at which the argument x is 0 …
@@ -129,7 +129,7 @@ def course_dtype(links: int) -> np.dtype:
 
 
 @given(AT_ANY_TIME)
-@written_by(changed="model/inputs.py")
+@written_by(changed="forces/inputs.py")
 def given_dtype(links: int) -> np.dtype:
     """The values that an importer can set at any time.
 
@@ -150,7 +150,7 @@ def given_dtype(links: int) -> np.dtype:
     )
 
 
-@written_by("model/inputs.py")
+@written_by("forces/inputs.py")
 def inputs_dtype(links: int) -> np.dtype:
     """The inputs in use."""
     return record(
@@ -160,7 +160,7 @@ def inputs_dtype(links: int) -> np.dtype:
     )
 
 
-@written_by("model/geometry.py")
+@written_by("rows/geometry.py")
 def candidate_dtype(candidates: int) -> np.dtype:
     """What may touch: the pairs of a point and a wall first, and then the stops in joints.
 
@@ -179,7 +179,7 @@ def candidate_dtype(candidates: int) -> np.dtype:
     )
 
 
-@written_by("model/contact_law.py")
+@written_by("forces/contact_law.py")
 def law_dtype(candidates: int) -> np.dtype:
     """The contact law of each candidate."""
     return table(

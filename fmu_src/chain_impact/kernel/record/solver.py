@@ -1,12 +1,17 @@
-"""The parts of the record with the solver's memory and work space."""
+"""The parts of the record with the solver's memory and work space.
+
+The part of the record with the data of implicit steps.
+"""
 
 import numpy as np
 
-from chain_impact.kernel.chain.elimination import ROWS
 from chain_impact.kernel.chain.state import coordinate_count, state_size
-from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
-from chain_impact.kernel.integration.explicit import STAGES
+from chain_impact.kernel.chain.tree import ROWS
+from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
+from chain_impact.kernel.ode.explicit import STAGES
+from chain_impact.kernel.ode.radau import PAIRS, RADAU_STAGES
 from chain_impact.kernel.record.fields import (
+    COMPLEX,
     INTEGER,
     REAL,
     impedance_dtype,
@@ -18,12 +23,10 @@ from chain_impact.kernel.record.fields import (
 
 
 @written_by(
-    "integration/last_step.py",
-    dense=("integration/last_step.py", "integration/explicit.py", "integration/collocation.py"),
-    **dict.fromkeys(("next_size", "flight_size"), "integration/control.py"),
-    **dict.fromkeys(
-        ("method", "stiff_count", "switch_hysteresis", "explicit_size"), "integration/switching.py"
-    ),
+    "ode/last_step.py",
+    dense=("ode/last_step.py", "ode/explicit.py", "ode/collocation.py"),
+    **dict.fromkeys(("next_size", "flight_size"), "ode/control.py"),
+    **dict.fromkeys(("method", "stiff_count", "switch_hysteresis", "explicit_size"), "ode/methods.py"),
 )
 def step_dtype(links: int) -> np.dtype:
     """The last accepted step and its dense output, valid from `start` to `end`."""
@@ -33,7 +36,7 @@ def step_dtype(links: int) -> np.dtype:
         ("start", REAL),  # s
         ("clock", REAL),  # s, at which the time in the state is 0: the start of the last or the tried step
         ("end", REAL),  # s, the end of the whole step, or the event at which it was truncated
-        ("size", REAL),  # s, in the step's integration variable, see kernel/integration/sundman.py
+        ("size", REAL),  # s, in the step's integration variable, see kernel/ode/sundman.py
         ("kept", REAL),  # the fraction of `size` at which the step ends
         ("next_size", REAL),  # s, the proposed size of the next step, likewise
         ("flight_size", REAL),  # s, proposed at the onset of the first of the present contacts
@@ -41,18 +44,18 @@ def step_dtype(links: int) -> np.dtype:
         ("state_end", REAL, (state,)),  # y at `end`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
-        ("dense_for", INTEGER),  # what has requested the dense output, see kernel/integration/last_step.py
-        ("last_method", INTEGER),  # the method of the last step, see kernel/integration/method.py
+        ("dense_for", INTEGER),  # what has requested the dense output, see kernel/ode/last_step.py
+        ("last_method", INTEGER),  # the method of the last step, see kernel/ode/control.py
         ("breaks", INTEGER),  # how often a step did not continue from the end of the last one
         ("regularized", INTEGER),  # the candidate in whose fictitious time the step runs, −1: in time
-        ("method", INTEGER),  # the current method, see kernel/integration/method.py
+        ("method", INTEGER),  # the current method, see kernel/ode/control.py
         ("explicit_size", REAL),  # s, of the last explicit step before implicit ones; 0: not known
         ("stiff_count", INTEGER),  # steps in a row that favoured the other method …
         ("switch_hysteresis", INTEGER),  # … and the number of them that causes a change
     )
 
 
-@written_by("integration/control.py", state="integration/collocation.py")
+@written_by("ode/control.py", state="ode/collocation.py")
 def trial_dtype(links: int) -> np.dtype:
     """The outcome of the tried step, of which there is one until the next try."""
     return record(
@@ -69,7 +72,7 @@ def fault_dtype() -> np.dtype:
     return record(("place", INTEGER))  # from 1: the candidates, then the links; 0: not at one of them
 
 
-@written_by("work_limit.py", status="status.py")
+@written_by("status.py", status="status.py")
 def statistics_dtype() -> np.dtype:
     """Counts since the start, and the status."""
     return record(
@@ -81,7 +84,7 @@ def statistics_dtype() -> np.dtype:
     )
 
 
-@written_by("work_limit.py")
+@written_by("status.py")
 def limits_dtype() -> np.dtype:
     """The counts of events and work, which are limited in windows of time."""
     return record(
@@ -94,7 +97,7 @@ def limits_dtype() -> np.dtype:
     )
 
 
-@written_by("integration/balance.py")
+@written_by("ode/balance.py")
 def balance_dtype() -> np.dtype:
     """The energy balance, and the changes of it that are allowed."""
     return record(
@@ -135,13 +138,13 @@ def elimination_dtype(links: int) -> np.dtype:
 
 
 @written_by(
-    y="events/sampling.py",
+    y="events/crossing.py",
     rate_start="advance.py",
-    error="integration/collocation.py",
-    load=("model/contact.py", "chain/joints.py"),
-    factors="chain/elimination.py",
-    moment="model/equations.py",
-    elimination="chain/recursion.py",
+    error="ode/collocation.py",
+    load=("forces/contact.py", "chain/joints.py"),
+    factors="chain/tree.py",
+    moment="equations.py",
+    elimination="chain/tree.py",
     reach="events/crossing.py",
     **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),
 )
@@ -160,7 +163,7 @@ def work_dtype(links: int) -> np.dtype:
         ("load", loads),  # N or N·s at each place, N·m or N·m·s in each joint
         ("moment", REAL, (links,)),  # N·m on each link, from its joints
         ("impedance", impedance),  # kg, D of each place; kg·m², of each joint
-        ("factors", factors_dtype(links, REAL, ROWS)),  # see kernel/chain/elimination.py
+        ("factors", factors_dtype(links, REAL, ROWS)),  # see kernel/chain/tree.py
         ("elimination", elimination_dtype(links)),  # of the accelerations
         ("position", places),  # m, of the places: points and, with stops, joints
         ("velocity", places),  # m/s
@@ -172,7 +175,7 @@ def work_dtype(links: int) -> np.dtype:
     )
 
 
-@written_by("events/exclusion.py", curvature=("events/crossing.py", "integration/collocation.py"))
+@written_by("events/exclusion.py", curvature=("events/crossing.py", "ode/collocation.py"))
 def search_dtype(candidates: int) -> np.dtype:
     """The data of the search for events, at the ends of the searched interval."""
     return record(
@@ -190,4 +193,55 @@ def search_dtype(candidates: int) -> np.dtype:
         ("clear_end_rate", REAL, (candidates,)),
         ("clear_start_curve", REAL, (candidates,)),  # m/s², second derivative
         ("clear_end_curve", REAL, (candidates,)),
+    )
+
+
+@written_by(
+    **dict.fromkeys(("start", "start_rate", "link", "stiffness", "damping"), "ode/extended.py"),
+    **dict.fromkeys(("shift", "pairs"), "ode/extended.py"),
+    **dict.fromkeys(("iterations", "correction", "contraction"), "ode/radau.py"),
+    **dict.fromkeys(("last", "began", "span", "listing", "thirds"), "ode/collocation.py"),
+    **dict.fromkeys(("z", "stages", "parts", "slowness"), ("ode/collocation.py", "ode/radau.py")),
+    normal=("ode/collocation.py", "ode/extended.py"),
+    weight="ode/collocation.py",
+)
+def implicit_dtype(links: int, candidates: int, elements: int) -> np.dtype:
+    """The work space of an implicit step, and the data that it uses of the last one.
+
+    z = (y, then the clearances of active contacts, their rates, impulses): kernel/ode/extended.py.
+    """
+    state = state_size(links)
+    extended = state + 3 * candidates + elements
+    # for each pair of complex shifts, and what ``work`` holds for a real one
+    pairs = record(
+        ("factors", factors_dtype(links, COMPLEX, PAIRS)),
+        ("impedance", impedance_dtype(links, COMPLEX)),
+        ("load", loads_dtype(links, COMPLEX)),
+        ("motion", vectors_dtype(2 * links + 1, COMPLEX)),
+        ("change", COMPLEX, (coordinate_count(links),)),
+        ("x", COMPLEX, (extended,)),  # a right-hand side, later the solution
+    )
+    return record(
+        ("start", REAL, (extended,)),  # z at the start of a step …
+        ("start_rate", REAL, (extended,)),  # … and ż
+        ("z", REAL, (extended,)),
+        ("weight", REAL, (extended,)),  # of errors, over the tolerance
+        ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z to the nodes …
+        ("rates", REAL, (RADAU_STAGES, extended)),  # … and ż there
+        ("parts", REAL, (RADAU_STAGES, extended)),  # residuals in the eigenvectors of Q, then corrections
+        ("last", REAL, (RADAU_STAGES, extended)),  # the increments of the last step, …
+        ("began", REAL),  # s, … its start, …
+        ("span", REAL),  # s, … its size, …
+        ("listing", INTEGER),  # … and the value of `touch.listings` for which they can be extrapolated
+        ("iterations", INTEGER),  # in the tried step, …
+        ("correction", REAL),  # … the largest component of the last correction, over the tolerance, …
+        ("contraction", REAL),  # … and the last convergence rate θ
+        ("slowness", REAL),  # θ/(1 − θ) of the last step
+        ("thirds", REAL, (2, state)),  # corrections of the dense output at thirds of the step
+        ("link", vectors_dtype(links + 1)),  # m, L_i where A was evaluated
+        ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …
+        ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇, likewise
+        ("normal", REAL, (candidates,)),  # m or m/s, clearances or rates to which coordinates are moved
+        ("shift", REAL),  # s, the real shift of the factors in `work`
+        ("pairs", pairs),
     )

@@ -7,19 +7,13 @@ the tangent instances.
 import math
 
 from chain_impact.kernel import hooks
+from chain_impact.kernel.entry import within_bounds
 from chain_impact.kernel.events.contact_log import update_own_to_output_time
-from chain_impact.kernel.integration.last_step import (
-    keep_state,
-    return_to_kept_state,
-    set_own_output_time,
-)
 from chain_impact.kernel.observe import fill_outputs, refill_motion
-from chain_impact.kernel.soundness import within_bounds
+from chain_impact.kernel.ode.last_step import keep_state, return_to_kept_state, set_own_output_time
 from chain_impact.kernel.status import OK
-from chain_impact.kernel.tangent.blocks import block, words
-from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.kernel.tangent.replay import move_end, replay
-from chain_impact.kernel.tangent.start import reinit_tangent, start_tangent
+from chain_impact.kernel.tangent.duals import DIRECTIONS, block, words
+from chain_impact.kernel.tangent.replay import move_end, reinit_tangent, replay, start_tangent
 from chain_impact.kernel.tangent.trust import share_reason, trusted
 
 

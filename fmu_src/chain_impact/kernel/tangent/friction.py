@@ -11,16 +11,16 @@ they occur.
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
+from chain_impact.kernel.equations import located_rate
 from chain_impact.kernel.events.friction_modes import begins
 from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, pending_changes
 from chain_impact.kernel.events.sampled import excess, rest_speed
-from chain_impact.kernel.integration.last_step import ensure_points
-from chain_impact.kernel.model.compliance import mean_mass
-from chain_impact.kernel.model.equations import located_rate
-from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, list_sticking
-from chain_impact.kernel.model.geometry import tangential_acceleration, tangential_rate
-from chain_impact.kernel.model.holding import RESISTANCE
-from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, slope, value
+from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
+from chain_impact.kernel.forces.holding import RESISTANCE
+from chain_impact.kernel.ode.last_step import ensure_points
+from chain_impact.kernel.rows.compliance import mean_mass
+from chain_impact.kernel.rows.geometry import tangential_acceleration, tangential_rate
+from chain_impact.kernel.tangent.duals import DIRECTIONS, carried, slope, value
 from chain_impact.kernel.tangent.trust import (
     AT_LIMIT,
     FROM_REST,

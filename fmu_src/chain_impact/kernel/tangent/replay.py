@@ -1,4 +1,14 @@
-"""Derivatives of a run: each step of the primal instance d is repeated by the tangent instance t.
+"""The start of a tangent instance: the derivatives of all that follows from the parameters.
+
+An implicit step in dual numbers: the same iteration, started from the stages that d has found.
+
+The result of the iteration does not depend on A, so each direction of the derivatives is solved for with the
+linear systems of d, in its work space. The derivatives of the stages are
+first extrapolated from the last step, and converge by a factor θ of their own: where d is at rest its
+iteration converges at once, however long the step is, but that of the derivatives does not. So they are
+iterated until they have converged themselves, relative to the state's derivatives in the same direction.
+
+Derivatives of a run: each step of the primal instance d is repeated by the tangent instance t.
 
 t has the same layout as d, and its reals are dual numbers: they carry the derivatives in some directions of
 the parameters. Its values are those of d. After each step that d has accepted, t makes the same step with the
@@ -15,30 +25,250 @@ so the derivative of its time has no effect.
 Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Appl Numer Math 31:17.
 """
 
-from chain_impact.kernel.advance import apply_pending_events, set_first_stage
+import math
+
+from chain_impact.kernel.advance import apply_laws, apply_pending_events, set_first_stage
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import sundman_u_at, time_at
+from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, time_at, velocity_at
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.marks import END, ONSET, RELATCH, copy_marks, pending_changes
-from chain_impact.kernel.integration import explicit
-from chain_impact.kernel.integration.control import begin_trial
-from chain_impact.kernel.integration.last_step import (
+from chain_impact.kernel.forces.contact import clear_loads
+from chain_impact.kernel.forces.contact_law import copy_law, set_parameters
+from chain_impact.kernel.forces.friction import any_sticking
+from chain_impact.kernel.forces.inputs import apply_inputs
+from chain_impact.kernel.forces.laws import ANY, LAW_COUNT, RATE_EXPONENTS, damping_factor
+from chain_impact.kernel.initialize import clear_run, derive_chain, set_start
+from chain_impact.kernel.ode import explicit
+from chain_impact.kernel.ode.collocation import (
+    LAST,
+    correct_stages,
+    extrapolate_stages,
+    find_residuals,
+    set_residual,
+    set_result,
+    solve,
+)
+from chain_impact.kernel.ode.control import IMPLICIT, begin_trial
+from chain_impact.kernel.ode.dense import settle_impulses
+from chain_impact.kernel.ode.extended import (
+    compliant,
+    extend_start,
+    extended_size,
+    factorize_real,
+    project_clearances,
+)
+from chain_impact.kernel.ode.last_step import (
     accept,
     choose_variable,
     ensure_points,
     ensure_rate,
     mark_jump,
+    reset_step,
     truncate_step,
 )
-from chain_impact.kernel.integration.method import IMPLICIT
-from chain_impact.kernel.integration.quadratures import settle_impulses
-from chain_impact.kernel.model.friction import any_sticking
-from chain_impact.kernel.model.geometry import clearance, gap_acceleration
-from chain_impact.kernel.tangent.directions import carried, value
-from chain_impact.kernel.tangent.friction import check_changes, delay_of_change
-from chain_impact.kernel.tangent.implicit_step import make_implicit
-from chain_impact.kernel.tangent.start import copy_inputs, copy_modes
-from chain_impact.kernel.tangent.trust import check_onsets, check_turns
+from chain_impact.kernel.ode.methods import begin_explicit
+from chain_impact.kernel.ode.radau import RADAU_STAGES, REAL_EIGENVALUE
+from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START
+from chain_impact.kernel.rows.compliance import mean_mass
+from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
+from chain_impact.kernel.tangent.duals import (
+    DIRECTIONS,
+    carried,
+    copy_given,
+    copy_values,
+    slope,
+    sloped,
+    value,
+)
+from chain_impact.kernel.tangent.friction import check_changes, check_coefficients, delay_of_change
+from chain_impact.kernel.tangent.trust import (
+    NO_IMPACT,
+    NOT_SOLVED,
+    TRUSTED,
+    check_onsets,
+    check_turns,
+    mark_untrusted,
+    trust,
+)
+
+
+def start_tangent(d, t):
+    """Initialize t from d, which is initialized; t already has the derivatives of the parameters."""
+    copy_given(d, t, AT_START)
+    derive_chain(t)
+    clear_run(t, d.step.time)
+    apply_given_of(d, t)
+    trust(t)
+    copy_modes(d, t)
+    set_start(t, d.step.time)
+    check_coefficients(t)
+    begin_explicit(t)
+
+
+def reinit_tangent(d, t):
+    """Re-initialize t at the communication point, as d has been; the contacts of t are updated to it."""
+    reset_step(t, t.step.end, t.step.state_end)
+    # derivatives that ended in the part of the run that is dropped may go on: the new part decides
+    if t.trust.time > value(t.step.end):
+        trust(t)
+    apply_given_of(d, t)
+    copy_modes(d, t)
+    apply_laws(t)
+    check_coefficients(t)
+    clear_loads(t)
+
+
+def apply_given_of(d, t):
+    """Apply the values that were given to d to t, which keeps the derivatives that it has of them."""
+    copy_given(d, t, AT_ANY_TIME)
+    apply_inputs(t)
+    derive_laws_of(d, t)
+
+
+def copy_modes(d, t):
+    """Copy the modes of dry friction of d to t, which takes them where it would choose (rules.py)."""
+    for e in range(d.elements):
+        t.element.chosen[e] = d.element.mode[e]
+
+
+def copy_inputs(d, t):
+    """Copy the present inputs of d to t: a derivative is that for a constant added to an input."""
+    own = t.inputs
+    copy_values(d.inputs.course, own.course)
+    for i in range(t.links):
+        own.joint_torque[i] = own.course.joint_torque[0, i]
+    for j in range(2):
+        own.tip_force[j] = own.course.tip_force[0, j]
+
+
+def derive_laws_of(d, t):
+    """Derive the constants of the laws of d from the parameters of t."""
+    own, law = t.law, d.law
+    t.contact.any_force, t.contact.any_rigid = d.contact.any_force, d.contact.any_rigid
+    t.contact.any_friction = d.contact.any_friction
+    for c in range(t.candidates):
+        own.same_as[c] = law.same_as[c]
+        if law.same_as[c] == c:
+            set_parameters(t, c)
+            derive_law_of(d, t, c)
+        else:
+            copy_law(own, law.same_as[c], c)
+
+
+def derive_law_of(d, t, c):
+    """Derive the constants of the law of candidate c of d from the parameters of t."""
+    own, law, number = t.law, d.law, d.law.number[c]
+    own.impulsive[c], own.approach_only[c] = law.impulsive[c], law.approach_only[c]
+    own.rate_exponent[c], own.damping_factor[c] = law.rate_exponent[c], law.damping_factor[c]
+    if number <= LAW_COUNT:
+        if RATE_EXPONENTS[number - 1] == ANY:
+            own.rate_exponent[c] = own.exponent[c]
+        factor = damping_factor(number, own.restitution[c])
+        own.damping_factor[c] = carried(law.damping_factor[c], 1.0, factor)
+
+
+ENOUGH = 0.01  # of the tolerance: the largest last correction of the derivatives, relative to them
+# The least correction has to fall by this factor within so many iterations. It may rise in between, as its
+# direction changes. A correction that does not fall is round-off up to this relative value, else a failure.
+FALLS, STALLED, ROUND_OFF = 0.7, 10, 1e-6
+MOST = 100  # iterations: a θ of .8 reduces the error to some 1e-10
+# Of the speed that the limits of static friction could give in the step: derivatives of the state that are
+# less, with respect to what changes these limits only, are round-off.
+LEAST = 1e-3
+FAR_OFF = 1e300  # the relative correction if the derivatives are zero
+
+
+def make_implicit(d, t, h):
+    """Make the last step of d, of size h, in dual numbers; its end is the state of ``trial`` of t."""
+    extend_start(t)
+    size = extended_size(t)
+    extrapolate_stages(t, h, size)
+    take_stages(d, t, size)
+    take_slopes(d, t)
+    factorize_real(t, h * REAL_EIGENVALUE)
+    # derivatives that have ended are not needed
+    if t.trust.reason == TRUSTED and not iterate_slopes(d, t, h, size):
+        mark_untrusted(t, NOT_SOLVED, NO_IMPACT, d.step.start)
+    set_result(t, h)
+    if compliant(t) > 0:
+        project_clearances(t, t.implicit.z, t.trial.state)
+
+
+def take_stages(d, t, size):
+    """Set the values of the stages of t to those of d, and keep their derivatives."""
+    for i in range(RADAU_STAGES):
+        for j in range(size):
+            t.implicit.stages[i, j] = carried(d.implicit.last[i, j], 1.0, t.implicit.stages[i, j])
+
+
+def take_slopes(d, t):
+    """Set the data of A in t to those of d."""
+    one, own = d.implicit, t.implicit
+    for i in range(d.links):
+        own.link.x[i], own.link.y[i] = one.link.x[i], one.link.y[i]
+    for k in range(d.touch.active_count):
+        own.stiffness[k], own.damping[k] = one.stiffness[k], one.damping[k]
+
+
+def iterate_slopes(d, t, h, size):
+    """Iterate the derivatives of the stages; returns whether they have converged."""
+    least, stalled = math.inf, 0
+    for _ in range(MOST):
+        find_residuals(t, h, size)
+        solve_slopes(d, t, h, size)
+        correct_stages(t, h, size)
+        take_stages(d, t, size)
+        correction = last_correction(d, t, size)
+        if correction <= ENOUGH * d.solver.tolerance:
+            return True
+        stalled += 1
+        if correction < FALLS * least:
+            least, stalled = correction, 0
+        if stalled == STALLED:
+            return correction <= ROUND_OFF
+    return False
+
+
+def solve_slopes(d, t, h, size):
+    """Solve the linear systems of the step for the derivatives of its residuals, in place."""
+    for k in range(DIRECTIONS):
+        for i in range(RADAU_STAGES):
+            for j in range(size):
+                set_residual(d, i, j, slope(t.implicit.parts[i, j], k))
+        solve(d, h, size)
+        for i in range(RADAU_STAGES):
+            for j in range(size):
+                t.implicit.parts[i, j] = sloped(t.implicit.parts[i, j], k, d.implicit.parts[i, j])
+
+
+def last_correction(d, t, size):
+    """The last correction of the derivatives over those at the end of the step, in the worst direction."""
+    own, weight, worst = t.implicit, d.implicit.weight, 0.0
+    for k in range(DIRECTIONS):
+        largest, whole, total = 0.0, LEAST * speed_by_friction(d, t, k), 0.0
+        for j in range(size):
+            whole = max(whole, weight[j] * abs(slope(own.start[j] + own.stages[LAST, j], k)))
+            for i in range(RADAU_STAGES):
+                part = weight[j] * abs(slope(own.parts[i, j], k))
+                largest = max(largest, part)
+                total += part  # a NaN would be lost in the maximum
+        if not math.isfinite(total + whole):
+            return FAR_OFF
+        if largest > worst * whole:
+            worst = largest / whole if whole > 0.0 else FAR_OFF
+    return worst
+
+
+def speed_by_friction(d, t, direction):
+    """The weighted derivative of a speed in a direction if the limits of what sticks acted in the step."""
+    force, weight = 0.0, 0.0
+    if d.friction.stuck_count == 0:
+        return 0.0
+    for i in range(d.friction.stuck_count):
+        force = max(force, abs(slope(t.element.limit[d.element.stuck[i]], direction)))
+    for j in range(velocity_at(d.links), dissipated_at(d.links)):
+        weight = max(weight, d.implicit.weight[j])
+    return force * d.step.size * weight / mean_mass(d)
 
 
 def replay(d, t):

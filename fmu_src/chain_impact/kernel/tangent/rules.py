@@ -6,13 +6,13 @@ derivatives. It returns the same value, or one that changes the values of the ru
 
 import math
 
-from chain_impact.kernel.chain import joints, sincos
+from chain_impact.kernel.chain import joints, kinematics
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import friction_modes
-from chain_impact.kernel.integration import dense
-from chain_impact.kernel.laws import user_law
-from chain_impact.kernel.model import constraints, contact_force, holding
-from chain_impact.kernel.tangent.directions import carried, value, varies
+from chain_impact.kernel.forces import contact_force, holding, user_law
+from chain_impact.kernel.ode import dense
+from chain_impact.kernel.rows import constraints
+from chain_impact.kernel.tangent.duals import carried, value, varies
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 
 DIFFERENCE = 1e-3  # relative step in an argument of a user's law, for its slopes by differences
@@ -33,11 +33,11 @@ def power(depth, exponent):
 
 def polar(radius, y, first, horizontal, vertical):
     """Horizontal r cos φ, vertical r sin φ: the reduction of the angle has no correct derivatives."""
-    near = sincos.in_reach(y, first, len(radius))
+    near = kinematics.in_reach(y, first, len(radius))
     for i in range(len(radius)):
         phi = y[first + i]
         if near:
-            cosine, sine = sincos.cosine_and_sine(value(phi))
+            cosine, sine = kinematics.cosine_and_sine(value(phi))
         else:
             cosine, sine = math.cos(value(phi)), math.sin(value(phi))
         horizontal[i] = radius[i] * carried(cosine, -sine, phi)
@@ -125,7 +125,7 @@ RULES = {
     friction_modes.choose_modes: choose_modes,
     contact_force.user_force: user_force,
     dense.fraction: fraction,
-    sincos.polar: polar,
+    kinematics.polar: polar,
     joints.resists: resists,
 }
 """Function of the kernel → what gives its value and derivatives."""

@@ -8,12 +8,12 @@ import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.marks import ONSET
-from chain_impact.kernel.laws import user_law
-from chain_impact.kernel.model.contact_force import uncut_force
-from chain_impact.kernel.model.contact_law import USER_LAW
-from chain_impact.kernel.model.friction import joint_of
-from chain_impact.kernel.model.geometry import clearance
-from chain_impact.kernel.tangent.directions import value, varies
+from chain_impact.kernel.forces import user_law
+from chain_impact.kernel.forces.contact_force import uncut_force
+from chain_impact.kernel.forces.contact_law import USER_LAW
+from chain_impact.kernel.forces.friction import joint_of
+from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.tangent.duals import value, varies
 
 TRUSTED, GRAZING, AT_FLOOR, SIMULTANEOUS, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 SLOW_CHANGE, AT_LIMIT, TOGETHER, NO_LESS, FROM_REST = 6, 7, 8, 9, 10

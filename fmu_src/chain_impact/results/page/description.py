@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.results.impacts import IMPACT_DTYPE, NO_IMPACTS
 from chain_impact.results.joint_stops import OPEN

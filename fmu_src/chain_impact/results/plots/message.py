@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.results.plots.style import SEPARATOR, number
 from chain_impact.results.recording import Recording
 from chain_impact.results.text import plural

@@ -10,7 +10,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 
-from chain_impact.kernel.model.friction import STICKS
+from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.plots.labels import Label, place_labels
 from chain_impact.results.plots.room import draw_walls

@@ -1,0 +1,68 @@
+"""Values that follow from others unless they are given, such as the inertia of a link.
+
+A scene derives them as it is read, and they stay derived: whoever changes a length changes the centre of mass
+and the inertia with it. So the record has a place for what is given, which holds DERIVED where nothing is,
+and a place for the value in use. The kernel fills the latter: at initialization, or, of a value that can be
+set at any time, when such values are applied. ``Chain.set`` and FMUs write a value that is set into both
+places, for example into ``given_inertia`` and ``inertia``: it is given from then on, and can be read at once.
+Sweeps and the page write only the place for what is given, as they read nothing before the run. So a changed
+parameter gives what the edited scene file gives, and a tangent instance has the derivatives through what is
+derived.
+
+A check that the mass matrix is regular in every position, so that the recursion never divides by zero.
+
+It is singular where the chain can move without kinetic energy: no centre of mass moves, and no link turns
+that has an inertia. A link without inertia can turn about its centre of mass. That moves its proximal joint,
+unless the centre of mass lies there, and its distal one, unless it lies there. A joint that moves turns the
+next link, which must be without inertia, too, and about its own centre of mass, which is possible while both
+links are on one line. So the motion continues along a sequence of links without inertia. It begins at a link
+whose proximal joint is the free base or its centre of mass, and it ends at a link whose distal joint is the
+tip or its centre of mass. If no sequence has such a beginning and such an end, every pivot of the recursion
+is positive: they are those of the elimination of a positive definite matrix.
+"""
+
+DERIVED = -1.0
+"""In the place of a given value, which is not negative: there is none."""
+
+
+def in_use(given, derived):
+    """The given value, or the derived one if none is given.
+
+    The difference is 0 then. In a tangent instance it has the derivatives with respect to the value itself.
+    """
+    return derived + (given - DERIVED) if given == DERIVED else given
+
+
+def middle(length):
+    """The centre of mass of a uniform rod of some length [m], from its end [m]."""
+    return length / 2
+
+
+def inertia_of_rod(mass, length):
+    """The inertia [kg·m²] of a uniform thin rod of some mass [kg] and length [m] about its centre of mass."""
+    return mass * length * length / 12
+
+
+# Of a link's length: a centre of mass nearer to a joint than this counts as lying there. The inertia of the
+# link about the joint, proportional to the square of this distance, is then no more than round-off.
+NEAR = 1e-8
+
+
+def loose_links(chain):
+    """The first and the last link that can move without kinetic energy in some position; −1, −1 for none.
+
+    Args:
+        chain: record with ``length`` [m], ``center_of_mass`` [m] and ``inertia`` [kg·m²] of each link, and
+            ``pinned``.
+    """
+    begin, count = -1, len(chain.length)
+    for i in range(count):
+        near = NEAR * chain.length[i]
+        if chain.inertia[i] > 0.0:
+            begin = -1
+            continue
+        if chain.center_of_mass[i] <= near or (i == 0 and not chain.pinned):
+            begin = i
+        if begin >= 0 and (i == count - 1 or abs(chain.length[i] - chain.center_of_mass[i]) <= near):
+            return begin, i
+    return -1, -1

@@ -1,0 +1,169 @@
+"""The energy of the chain, its springs and its contacts, and their balance, constant in the exact motion.
+
+The equations of motion ẏ = f(y), which combine all parts of the model; chain/state.py describes y.
+"""
+
+from chain_impact.kernel.chain.joints import spring_energy, spring_stiffness, stretch
+from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
+from chain_impact.kernel.chain.state import (
+    coordinate_count,
+    dissipated_at,
+    omega_at,
+    sundman_u_at,
+    supplied_at,
+    time_at,
+    velocity_at,
+)
+from chain_impact.kernel.chain.tree import accelerations
+from chain_impact.kernel.forces.contact import apply_contacts
+from chain_impact.kernel.forces.contact_force import clear_crossings, elastic_energy
+from chain_impact.kernel.forces.friction import clear_margins
+from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces
+from chain_impact.kernel.forces.inputs import ensure_inputs
+from chain_impact.kernel.rows.constraints import any_constraint, clear_unsolved
+from chain_impact.kernel.rows.geometry import clearance
+
+
+def energy_balance(d, y):
+    """The energy balance [J], constant in the exact motion, for the located points.
+
+    Kinetic, potential and elastic energy, plus the dissipated, minus the energy supplied by the inputs.
+    """
+    kinetic, potential = mechanical_energy(d, y)
+    return kinetic + potential + other_energy(d, y)
+
+
+def other_energy(d, y):
+    """The energy balance without kinetic and potential energy [J], for the located points."""
+    return stored_energy(d, y) + y[dissipated_at(d.links)] - y[supplied_at(d.links)]
+
+
+def stored_energy(d, y):
+    """Elastic energy [J] of the active contacts, for the located points, and of the joints' springs."""
+    energy = spring_energy(d, y) if d.model.sprung else 0.0
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        gap, _ = clearance(d, c)
+        if gap < 0.0:
+            energy += elastic_energy(d, c, -gap)
+    return energy
+
+
+def mechanical_energy(d, y):
+    """Kinetic and potential energy [J] of the chain, for the located points."""
+    n = d.links
+    kinetic, potential = 0.0, 0.0
+    for i in range(n):
+        m, ratio, omega = d.model.mass[i], d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
+        # centre of mass: p_C = p_i + c, v_C = v_i + ω c⊥
+        vx = d.work.velocity.x[i] - omega * ratio * d.work.link.y[i]
+        vy = d.work.velocity.y[i] + omega * ratio * d.work.link.x[i]
+        kinetic += 0.5 * m * (vx * vx + vy * vy) + 0.5 * d.model.inertia[i] * omega * omega
+        x = d.work.position.x[i] + ratio * d.work.link.x[i]
+        y_ = d.work.position.y[i] + ratio * d.work.link.y[i]
+        potential -= m * (d.model.gravity[0] * x + d.model.gravity[1] * y_)
+    return kinetic, potential
+
+
+def state_rate(d, y, rate):
+    """Set rate = f(y), for the active contacts and the present inputs."""
+    # in free flight no point is located and no force evaluated
+    if d.touch.active_count > 0 or d.model.driven or d.friction.count > 0:
+        locate_points(d, y)
+        located_rate(d, y, rate)
+    else:
+        link_vectors(d, y)
+        loaded_rate(d, y, 0.0, rate)
+
+
+def located_rate(d, y, rate):
+    """As ``state_rate``, for the located points."""
+    ensure_inputs(d, y)
+    free_rate(d, y, rate)
+    if any_constraint(d):
+        add_constraint_forces(d, y, rate)
+
+
+def free_rate(d, y, rate):
+    """As ``located_rate``, without the forces of constraints."""
+    loaded_rate(d, y, apply_contacts(d), rate)
+
+
+def loaded_rate(d, y, dissipated, rate):
+    """As ``state_rate``, for given loads; ``dissipated`` is the power [W] that the contacts dissipate."""
+    n = d.links
+    supplied = 0.0
+    if d.model.resisting or d.model.driven or d.model.jointed:
+        damped, supplied = joint_moments(d, y)
+        dissipated += damped
+
+    for j in range(coordinate_count(n)):
+        rate[j] = y[velocity_at(n) + j]
+    accelerations(d, y, rate)
+    rate[dissipated_at(n)] = dissipated
+    rate[supplied_at(n)] = supplied
+    rate[sundman_u_at(n)] = 0.0
+    rate[time_at(n)] = 1.0
+
+
+def clear_stage_notes(d):
+    """Reset what the stages of a step record: crossings of kinks, forces not found or least, margins."""
+    clear_unsolved(d)
+    clear_crossings(d)
+    clear_least_forces(d)
+    clear_margins(d)
+
+
+def clear_moments(d):
+    """Set the moments on the links to zero: they are computed only if there is a cause of them."""
+    for i in range(d.links):
+        d.work.moment[i] = 0.0
+
+
+def joint_moments(d, y):
+    """Set the net joint moment on each link; return the power [W] dissipated and supplied.
+
+    The proximal joint of link i carries τ_i = u_i − c_i (ω_i − ω_{i−1}) − k_i φ_i: +τ_i on link i, −τ_i on
+    link i − 1. A free base has no joint to carry τ_1.
+    """
+    dissipated = 0.0
+    # force on the tip
+    tip = d.links
+    supplied = d.inputs.tip_force[0] * d.work.velocity.x[tip] + d.inputs.tip_force[1] * d.work.velocity.y[tip]
+    before = 0.0
+    for i in range(d.links):
+        torque, omega = 0.0, y[omega_at(d.links) + i]
+        if i > 0 or d.model.pinned:
+            relative = omega - before
+            damping = d.model.joint_damping[i] * relative
+            torque = d.inputs.joint_torque[i] - damping
+            dissipated += damping * relative
+            supplied += d.inputs.joint_torque[i] * relative
+        d.work.moment[i] = torque
+        if i > 0:
+            d.work.moment[i - 1] -= torque
+        before = omega
+    if d.model.sprung:
+        add_spring_moments(d, y)
+    if d.model.jointed:
+        add_place_moments(d)
+    return dissipated, supplied
+
+
+def add_place_moments(d):
+    """Add the moments of stops and dry friction, loads at the joints' places, to both links of each joint."""
+    for i in range(d.links):
+        torque = d.model.size * d.work.load.x[d.links + 1 + i]
+        d.work.moment[i] += torque
+        if i > 0:
+            d.work.moment[i - 1] -= torque
+
+
+def add_spring_moments(d, y):
+    """Add the moments of the joint springs: −k_i φ_i on link i, and +k_i φ_i on link i − 1."""
+    for i in range(d.links):
+        # −k (θ_i − θ_{i−1} − φ₀)
+        torque = -spring_stiffness(d, i) * stretch(d, y, i)
+        d.work.moment[i] += torque
+        if i > 0:
+            d.work.moment[i - 1] -= torque

@@ -1,0 +1,151 @@
+"""The table of events: which function handles what can happen to a contact within a step.
+
+Crossings of clearances, ONSET and END, are found with bounds, so that none is missed (crossing.py); the other
+events by sampling a step, because to find one of them late does no harm (sampled.py, which lists them). A
+handler takes (d, c), with the points located, and returns whether a force has jumped. For rigid walls,
+handle_impact handles all simultaneous events together (impulses.py). If a point arrives at one, the
+simultaneous onsets of contacts with a force wait for the impulses.
+"""
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.equations import located_rate
+from chain_impact.kernel.events.contact_log import end_contact
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.friction_modes import update_modes
+from chain_impact.kernel.events.impacts import handle_impact, rigid_onset
+from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE, mark, pending_changes
+from chain_impact.kernel.forces.contact import clear_loads, cross_kink, list_touching, relatch, start_contact
+from chain_impact.kernel.forces.contact_force import may_jump
+from chain_impact.kernel.functions import dispatch
+from chain_impact.kernel.ode import control
+from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
+from chain_impact.kernel.ode.methods import begin_flight, begin_impact
+from chain_impact.kernel.rows.constraints import any_point_held
+from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.status import count_evaluations
+
+# Fraction of the time scale of a contact: a point that will be out of the wall within it has left. To wait
+# until it is out would cost one more step, a tenth of the work of an impact at a tolerance of 1e-4.
+LEFT = 0.01
+
+
+def handle_onset(d, c):
+    """Begin the contact of a point that has arrived at a wall."""
+    start_contact(d, c)
+    return may_jump(d, c)
+
+
+def handle_end(d, c):
+    """End the contact of a point that has left its wall.
+
+    A point that still moves inward, or needs long to get out, has not left: the located end of a contact may
+    have an error of that size within the tolerance.
+    """
+    touch = d.touch
+    gap, gap_rate = clearance(d, c)
+    # −g/ġ ≤ LEFT δ*/v₀
+    if gap_rate >= 0.0 and -gap * touch.impact_speed[c] <= LEFT * touch.depth_scale[c] * gap_rate:
+        end_contact(d, c, False)
+    return may_jump(d, c)
+
+
+def handle_relatch(d, c):
+    """Double the latched v₀ of a point that moves inward much faster than it arrived."""
+    relatch(d, c, RELATCH_RATIO)
+    return True
+
+
+def handle_kink(d, c):
+    """Switch candidate c to the force of the other side of its kink."""
+    cross_kink(d, c)
+    return True
+
+
+def handle_none(_d, _c):
+    """Leave the contact as it is."""
+    return False
+
+
+_HANDLERS = {
+    NONE: handle_none,
+    ONSET: handle_onset,
+    END: handle_end,
+    RELATCH: handle_relatch,
+    RELEASE: handle_none,
+    KINK: handle_kink,
+}
+_handle = dispatch([_HANDLERS[kind] for kind in range(len(_HANDLERS))])
+
+
+def apply_events(d):
+    """Apply the events at the end of the last step, and choose the size and the method of the next one.
+
+    Returns:
+        Whether a force may have jumped: a contact begins or ends, a v₀ was latched again, a mode changes.
+    """
+    touch, onset, jumped, goes_on = d.touch, -1, False, pending_changes(d) > 0
+    rigid, rigid_impact = any_point_held(d), rigid_onset(d)
+    locate_points(d, d.step.state_end)
+    if d.friction.count > 0:
+        # the forces that decide what sticks may be those of another time, at which the motion was observed
+        located_rate(d, d.step.state_end, d.work.rate)
+        count_evaluations(d, 1)
+    forces = touch.compliant_count > 0
+    if not forces:
+        control.keep_for_flight(d)
+    for c in range(d.candidates):
+        kind = touch.event[c]
+        if d.law.impulsive[c]:
+            rigid = rigid or kind != NONE
+            continue
+        if rigid_impact and kind == ONSET:
+            continue
+        jumped = _handle(kind, d, c) or jumped
+        goes_on = goes_on or kind in (RELATCH, KINK)
+        onset = c if kind == ONSET else onset
+        mark(d, c, NONE)
+    if rigid:
+        late = handle_impact(d)
+        onset = late if late >= 0 else onset
+    list_touching(d)
+    if d.friction.used:
+        update_modes(d, False)
+    if rigid and touch.compliant_count == 0:
+        if forces:
+            control.resume_flight(d)  # the last size was that of an impact with a force
+        begin_flight(d)
+    else:
+        choose_size(d, onset, goes_on)
+    return jumped or rigid or d.friction.used != 0
+
+
+def choose_size(d, onset, goes_on):
+    """Choose the size and the method of the step after events.
+
+    Args:
+        d: the instance.
+        onset: the candidate of the last onset among the events, or −1.
+        goes_on: whether the size may stay as it is if there is no onset.
+    """
+    if d.touch.active_count == 0:
+        clear_loads(d)
+        control.resume_flight(d)
+        control.limit(d, control.in_flight(d, d.step.state_end, d.work.rate_start))
+        begin_flight(d)
+    elif onset >= 0 or not (goes_on or d.step.method == IMPLICIT):
+        c = onset if onset >= 0 else d.touch.active_index[0]
+        control.propose(d, control.at_onset(d, c, EXPLICIT))
+    if onset >= 0:
+        begin_impact(d, onset)
+        if d.step.method == EXPLICIT and d.touch.active_count > 1:
+            control.limit(d, control.at_onset_beside(d, onset))
+
+
+def bends_force(d):
+    """Whether the force of a contact, in the variable of the step, is not smooth at the events found."""
+    if d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END:
+        return False
+    for c in range(d.candidates):
+        if d.touch.event[c] in (END, KINK):
+            return True
+    return False

@@ -1,0 +1,271 @@
+"""Impact at a rigid wall: instantaneous impulses, and the set of contacts that stay active after them.
+
+Newton's law of impact for any number of contacts at once, in the form of Moreau (1988, *Unilateral contact
+and dry friction in finite freedom dynamics*), for all touching candidates, those that arrive and those that
+are held with ġ = 0:
+
+    u⁺ = u⁻ + W p,   0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0,
+
+with e = 0 for a held contact and for one that arrives slower than ``contact.minimum_impact_speed``, so
+that a bouncing point comes to rest after finitely many impacts. Every p does the work ½ p (u⁺ + u⁻) =
+½ p (1 − e) u⁻ ≤ 0: no impact adds energy, whichever candidates touch. (An impact could add energy if a point
+within NEAR of a wall moves away from it, u⁻ > 0: then the impact is computed with e = 0, which cannot.)
+
+A contact that separates with a speed ends. The others, at rest, are held by forces F as long as these push:
+
+    0 ≤ F ⟂ g̈ ≥ 0.
+
+A contact with a force law whose onset is at the moment of an impact begins after it, with the speed that the
+impulses leave. If these turn the point back, there is no such contact.
+"""
+
+import math
+
+from chain_impact.kernel.chain.kinematics import largest, locate_points
+from chain_impact.kernel.chain.state import velocity_at
+from chain_impact.kernel.chain.tree import take_factors
+from chain_impact.kernel.equations import free_rate
+from chain_impact.kernel.events.contact_log import end_contact
+from chain_impact.kernel.events.friction_modes import update_modes
+from chain_impact.kernel.events.marks import NEIGHBOUR, ONSET, RELEASE, drop_contact_events, mark
+from chain_impact.kernel.forces.contact import (
+    begin_contact,
+    clear_loads,
+    deactivate,
+    include,
+    list_touching,
+    set_kink_side,
+    set_rates,
+    start_contact,
+)
+from chain_impact.kernel.forces.friction import suspend_sticking
+from chain_impact.kernel.forces.holding import (
+    RISE,
+    add_change,
+    project_state,
+    solve_positions,
+    start_from_accelerations,
+    start_from_clearances,
+)
+from chain_impact.kernel.ode.dense import give_impulses
+from chain_impact.kernel.ode.last_step import dissipate
+from chain_impact.kernel.rows.compliance import joints_loaded
+from chain_impact.kernel.rows.constraints import (
+    SIGN_TOLERANCE,
+    activate_all,
+    any_point_held,
+    factorize_free,
+    release,
+    require,
+    solve_lcp,
+)
+from chain_impact.kernel.rows.geometry import clearance
+
+# Fraction of the smallest speed that rebounds: slower points do not separate, because bounces that each have
+# a fraction of the speed of the last would accumulate in a finite time (Zeno behaviour).
+STICK = 1e-3
+NEAR = 1e-12  # of a link length: a point so near to a wall takes part in an impact
+GAIN = 1e-9  # relative to all that an impact moves: a larger error of energy or speed is not round-off
+# Of a link length: the clearance given to a point that is released, so that round-off does not make it touch
+# again. It is a hundred times round-off.
+RELEASE_GAP = 1e-13
+
+
+def handle_impact(d):
+    """Apply the events of rigid contacts: impulses, then the update of the active set; points are located.
+
+    The onsets of contacts with a force law that are still in ``touch.event`` are applied in between.
+
+    Returns:
+        The last candidate with a force law whose contact began, or −1.
+    """
+    touch, onset = d.touch, -1
+    # an interpolated state satisfies the constraints only up to the error of the interpolant
+    project_state(d, d.step.state_end)
+    hit = False
+    for c in range(d.candidates):
+        if touch.event[c] == ONSET and d.law.impulsive[c]:
+            begin_contact(d, c)
+            hit = True
+    if hit:
+        include_near_contacts(d)
+    list_touching(d)
+    if hit:
+        suspend_sticking(d)
+        apply_impulses(d)
+        end_rebounding_contacts(d)
+        follow_jump(d)
+        onset = begin_late_contacts(d)
+        if d.friction.used:
+            update_modes(d, True)
+    update_active_set(d)
+    clear_loads(d)
+    return onset
+
+
+def rigid_onset(d):
+    """Whether a point arrives at a rigid wall."""
+    for c in range(d.candidates):
+        if d.touch.event[c] == ONSET and d.law.impulsive[c]:
+            return True
+    return False
+
+
+def begin_late_contacts(d):
+    """Begin the contacts with a force law, due now, whose points still move inward after the impulses.
+
+    Returns:
+        The last of them, or −1.
+    """
+    onset, round_off = -1, SIGN_TOLERANCE * largest(d, d.work.velocity)
+    for c in range(d.candidates):
+        _, gap_rate = clearance(d, c)
+        if d.touch.event[c] == ONSET and not d.law.impulsive[c] and gap_rate < -round_off:
+            start_contact(d, c)
+            onset = c
+    list_touching(d)
+    return onset
+
+
+def follow_jump(d):
+    """Take the rates of contacts with a force law, and their kink's side, from the motion after impulses."""
+    locate_points(d, d.step.state_end)
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        _, gap_rate = clearance(d, c)
+        # the force has jumped: a smaller rate of it would hide that it is at its peak
+        set_rates(d, c, -gap_rate, 1.0)
+        set_kink_side(d, c)
+
+
+def include_near_contacts(d):
+    """Add the points within NEAR of a rigid wall to the contacts of an impact.
+
+    Otherwise a link wedged between two walls would hit them in turn, infinitely often in a finite time.
+    """
+    touch = d.touch
+    for c in range(d.candidates):
+        gap, _ = clearance(d, c)
+        if d.law.impulsive[c] and not touch.active[c] and gap < NEAR * d.model.size:
+            include(d, c)
+            mark(d, c, NEIGHBOUR)
+
+
+def apply_impulses(d):
+    """Apply the impulses of an impact to the velocities, and add the energy lost to the dissipated energy."""
+    lost, moved = find_impulses(d, 1.0)
+    if lost < -GAIN * moved or lacks_rebound(d):
+        # the cause can only be a NEIGHBOUR that moves away from its wall, or a wedged point
+        lost, _ = find_impulses(d, 0.0)
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] > 0.0:
+            begin_contact(d, c)
+    add_change(d, d.step.state_end, velocity_at(d.links))
+    dissipate(d, max(0.0, lost))
+    give_impulses(d)
+    locate_points(d, d.step.state_end)
+
+
+def find_impulses(d, share):
+    """Find the impulses of an impact with a ``share`` of the restitution.
+
+    Returns:
+        The energy [J] they dissipate and Σ p (|u⁻| + |u⁺|) [J].
+    """
+    own, lost, moved = d.rigid, 0.0, 0.0
+    activate_all(d)
+    start_from_clearances(d, 1)
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        c = d.touch.active_index[k]
+        least = d.law.minimum_impact_speed[c]
+        arrives = -own.start[k] >= least and d.touch.event[c] in (ONSET, NEIGHBOUR)
+        # u⁺ ≥ −e u⁻
+        rebound = -share * d.law.restitution[c] * own.start[k] if arrives else 0.0
+        require(d, k, rebound if rebound > STICK * least else 0.0)
+    factorize_free(d)
+    solve_lcp(d, largest(d, d.work.velocity))
+    for k in range(d.touch.active_count):
+        # −½ p (u⁻ + u⁺)
+        lost -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
+        moved += own.impulse[k] * (abs(own.start[k]) + abs(own.reached[k]))
+    return lost, moved
+
+
+def lacks_rebound(d):
+    """Whether impulses cannot give all points the rebound speeds that the restitution demands."""
+    short, scale = False, largest(d, d.work.velocity)
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        short = short or d.rigid.reached[k] < d.rigid.target[k] - GAIN * scale
+    return short
+
+
+def end_rebounding_contacts(d):
+    """End the contacts that separate with a speed that is distinguishable from rest."""
+    free_rate(d, d.step.state_end, d.work.rate)
+    fall = start_from_accelerations(d, d.step.state_end, d.work.rate)
+    # u²/(2 a), the height to which a point thrown with u rises
+    slow = math.sqrt(2.0 * fall * RISE * d.model.size)
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        c = d.touch.active_index[k]
+        if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] <= 0.0:
+            deactivate(d, c)  # it takes no part in the impact
+        elif d.rigid.reached[k] > max(slow, STICK * d.law.minimum_impact_speed[c]):
+            end_contact(d, c, True)
+    list_touching(d)
+
+
+def end_changed_contacts(d):
+    """End the held contacts whose law has changed to one with a force, from which it continues."""
+    locate_points(d, d.step.state_end)
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        c = d.touch.active_index[k]
+        if not d.law.impulsive[c]:
+            end_contact(d, c, True)
+    list_touching(d)
+
+
+def update_active_set(d):
+    """Keep the contacts that a pushing force must hold, and end the others: 0 ≤ F ⟂ g̈ ≥ 0."""
+    touch, state = d.touch, d.step.state_end
+    if any_point_held(d):
+        locate_points(d, state)
+        project_state(d, state)
+        end_unstopped_contacts(d)
+        rate = d.work.rate
+        free_rate(d, state, rate)
+        take_factors(d, joints_loaded(d))
+        scale = start_from_accelerations(d, state, rate)
+        activate_all(d)
+        for k in range(touch.compliant_count, touch.active_count):
+            if touch.event[touch.active_index[k]] == RELEASE:
+                release(d, k)
+        solve_lcp(d, scale)
+        release_contacts(d)
+        list_touching(d)
+    # the modes of dry friction are chosen after this, by their own events
+    drop_contact_events(d)
+
+
+def end_unstopped_contacts(d):
+    """End the contacts that pushing impulses could not bring to rest."""
+    scale = largest(d, d.work.velocity)
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        if not d.rigid.in_active_set[k] and d.rigid.reached[k] > SIGN_TOLERANCE * scale:
+            end_contact(d, d.touch.active_index[k], True)
+    list_touching(d)
+
+
+def release_contacts(d):
+    """End the contacts that no force holds, and move their points off the wall by RELEASE_GAP."""
+    parting = False
+    start_from_clearances(d, 0)
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        released = not d.rigid.in_active_set[k]
+        require(d, k, RELEASE_GAP * d.model.size if released else 0.0)
+        if released:
+            end_contact(d, d.touch.active_index[k], True)
+            parting = True
+    if parting:
+        solve_positions(d)
+        add_change(d, d.step.state_end, 0)

@@ -1,0 +1,194 @@
+"""Contact of points with walls: onset, forces on the points, and the list of active contacts.
+
+A candidate is a pair of a point and a wall. The clearance g of a candidate is positive when apart; the
+penetration is δ = −g and its rate δ̇ > 0 while compressing.
+"""
+
+from chain_impact.kernel.forces.contact_force import (
+    continued_force,
+    cut_off,
+    height_over_kink,
+    law_force,
+    law_slopes,
+    set_damping,
+    set_expected_depth,
+)
+from chain_impact.kernel.forces.friction import apply_friction, begin_friction, list_friction, may_rub
+from chain_impact.kernel.rows.compliance import effective_mass
+from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, clearance, lever, normal
+
+
+def clear_contacts(d, time):
+    """Start at ``time`` [s] without contacts, and without impacts so far."""
+    touch, impact = d.touch, d.impact
+    touch.listings, touch.active_count, touch.compliant_count, touch.stop_count = 0, 0, 0, 0
+    for c in range(d.candidates):
+        touch.active[c], touch.active_index[c], touch.number[c] = 0, 0, 0
+    impact.count, impact.last_time, impact.last_speed = 0, time, 0.0
+    impact.last_point, impact.last_wall = -1, 0
+
+
+def contact_force(d, c, gap, gap_rate):
+    """Force [N] of an active candidate at a clearance [m] and its rate [m/s]."""
+    # at the onset the clearance is 0 up to round-off; a force that jumps there has already jumped
+    force, _ = law_force(d, c, max(0.0, -gap), -gap_rate)
+    return force
+
+
+def apply_contact(d, c, gap, gap_rate):
+    """Add the force of an active candidate to the load on its point; return the dissipated power [W]."""
+    force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
+    keep_force(d, c, force)
+    add_along(normal(d, c), d.work.load, force)
+    # the power that the elastic part does not store is dissipated: (F − K δⁿ) δ̇ ≥ 0
+    return (elastic - force) * gap_rate
+
+
+def keep_force(d, c, force):
+    """Store the force [N] of an active candidate that was evaluated just now."""
+    d.touch.force[c] = force
+
+
+def clear_loads(d):
+    """Set the loads on the points to the inputs alone."""
+    clear_loads_of(d, d.work.load)
+    tip = d.links
+    d.work.load.x[tip] = d.inputs.tip_force[0]
+    d.work.load.y[tip] = d.inputs.tip_force[1]
+
+
+def apply_contacts(d):
+    """Set the loads for the located points and return the power [W] dissipated by the contacts."""
+    clear_loads(d)
+    dissipated = 0.0
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        gap, gap_rate = clearance(d, c)
+        dissipated += apply_contact(d, c, gap, gap_rate)
+    return dissipated + apply_friction(d) if d.friction.count > 0 else dissipated
+
+
+def contact_slopes(d, c):
+    """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points; 0 where it is cut off."""
+    gap, gap_rate = clearance(d, c)
+    return law_slopes(d, c, max(0.0, -gap), -gap_rate)
+
+
+def begin_contact(d, c):
+    """Begin the contact of candidate c at the located points, and make it active.
+
+    The speed v₀, the effective mass and the expected depth are fixed.
+    """
+    _, gap_rate = clearance(d, c)
+    touch = d.touch
+    touch.onset[c] = d.step.end
+    # a point that moves outward at its onset, by an integration error or another impact, has the speed 0
+    touch.onset_speed[c] = max(0.0, 0.0 - gap_rate)
+    touch.impact_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
+    set_rates(d, c, -gap_rate, 1.0)  # the force rises
+    set_extremes(d, c, 0.0, 0.0)
+    touch.effective_mass[c] = effective_mass(d, c)
+    latch(d, c)
+    touch.active[c] = 1
+    d.impact.count += 1
+    touch.number[c] = d.impact.count
+    d.impact.last_time = d.step.end
+    d.impact.last_point = d.candidate.point[c]
+    d.impact.last_wall = d.candidate.wall[c] + 1
+    d.impact.last_speed = touch.onset_speed[c] / lever(d, c)
+    d.quadrature.onset[c] = d.quadrature.total[c]
+
+
+def start_contact(d, c):
+    """Begin the contact of candidate c, which has a force law."""
+    begin_contact(d, c)
+    set_kink_side(d, c)
+    if d.friction.used and may_rub(d, c):
+        begin_friction(d, c)
+
+
+def latch(d, c):
+    """Fix what follows for the contact of candidate c from its law, v₀ and effective mass."""
+    set_expected_depth(d, c)
+    if not d.law.impulsive[c]:
+        set_damping(d, c)
+
+
+def relatch(d, c, factor):
+    """Multiply the latched v₀ of candidate c by a factor."""
+    d.touch.impact_speed[c] *= factor
+    latch(d, c)
+    set_kink_side(d, c)
+
+
+def include(d, c):
+    """Make candidate c active without an onset, as a neighbour of an impact."""
+    d.touch.active[c] = 1
+
+
+def deactivate(d, c):
+    """Make candidate c inactive."""
+    d.touch.active[c] = 0
+
+
+def set_rates(d, c, speed, force_rate):
+    """Set δ̇ [m/s] and dF/dt [N/s] of candidate c, from which the search for its peaks goes on."""
+    d.touch.speed[c], d.touch.force_rate[c] = speed, force_rate
+
+
+def set_extremes(d, c, peak_force, max_penetration):
+    """Set the peak force [N] and the largest penetration [m] of candidate c so far."""
+    d.touch.peak_force[c], d.touch.max_penetration[c] = peak_force, max_penetration
+
+
+def cross_kink(d, c):
+    """Switch candidate c, which is at its kink, to the force of the other side."""
+    touch = d.touch
+    if cut_off(d, c):
+        touch.force_rate[c] = 1.0  # rising
+    if d.law.approach_only[c]:
+        touch.speed[c] = 0.0  # δ̇ = 0 here, and the largest penetration has been recorded
+    touch.beyond_kink[c] = 1 - touch.beyond_kink[c]
+
+
+def kink_height(d, c):
+    """The function with a sign change at the kink of the force of candidate c, for the located points."""
+    gap, gap_rate = clearance(d, c)
+    return height_over_kink(d, c, max(0.0, -gap), -gap_rate)
+
+
+def set_kink_side(d, c):
+    """Set on which side of the kink of its force candidate c is, for the located points."""
+    d.touch.beyond_kink[c] = 1 if kink_height(d, c) < 0.0 else 0
+
+
+def set_kink_sides(d):
+    """Set the side of the kink for all active contacts with a force law."""
+    for k in range(d.touch.compliant_count):
+        set_kink_side(d, d.touch.active_index[k])
+
+
+def list_touching(d):
+    """Pack the active contacts, those with a force law first."""
+    touch = d.touch
+    touch.active_count = 0
+    touch.listings += 1
+    if d.contact.any_force:
+        list_kind(d, 0)
+    touch.compliant_count = touch.active_count
+    if d.contact.any_rigid:
+        list_kind(d, 1)
+    touch.stop_count = 0
+    for k in range(touch.active_count if d.model.stopped else 0):
+        touch.stop_count += d.candidate.stop[touch.active_index[k]] != 0
+    if d.friction.used:
+        list_friction(d)
+
+
+def list_kind(d, impulsive):
+    """Append the active contacts with or without impulses instead of a force law to the packed list."""
+    touch = d.touch
+    for c in range(d.candidates):
+        if touch.active[c] and d.law.impulsive[c] == impulsive:
+            touch.active_index[touch.active_count] = c
+            touch.active_count += 1

@@ -1,0 +1,222 @@
+"""The force of a contact, F = max(0, K δⁿ + d δᵖ δ̇), its partial derivatives and its elastic energy.
+
+The damping d is latched: its value is fixed at the onset. The laws in contact_laws.py differ here only in d
+and its exponents. A user's law (user_law.py) defines the whole force.
+
+The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. A step
+keeps its order because it continues the force of one side of the kink smoothly until the kink has been
+located (events/sampled.py); ``touch.beyond_kink`` holds the side. Outputs and peaks use the true force.
+"""
+
+import math
+
+from chain_impact.kernel.forces import user_law
+from chain_impact.kernel.forces.contact_law import USER_LAW
+from chain_impact.kernel.forces.laws import LAW_COUNT, MASS_POWERS
+from chain_impact.kernel.rows.geometry import lever
+
+# Relative increment of penetration and speed for the central differences of a user's law: about the cube root
+# of round-off, where the errors of truncation and of round-off are equal.
+DIFFERENCE = 1e-5
+TURNED = 0.3  # of v₀ √tolerance: this changes the impulse by a tenth of the tolerance
+
+
+def power(depth, exponent):
+    """δ^exponent for δ ≥ 0, without pow() for the usual exponents."""
+    if exponent == 1.5:
+        return depth * math.sqrt(depth)
+    if exponent == 1.0:
+        return depth
+    if exponent == 0.0:
+        return 1.0
+    if exponent == 0.5:
+        return math.sqrt(depth)
+    if exponent == 0.25:
+        return math.sqrt(math.sqrt(depth))
+    return depth**exponent
+
+
+def elastic_force(d, c, penetration):
+    """K δⁿ [N] of candidate c for a penetration δ ≥ 0 [m]."""
+    return d.law.stiffness[c] * power(penetration, d.law.exponent[c])
+
+
+def elastic_energy(d, c, penetration):
+    """K δⁿ⁺¹/(n+1) [J] of candidate c for a penetration δ ≥ 0 [m]."""
+    return elastic_force(d, c, penetration) * penetration / (d.law.exponent[c] + 1.0)
+
+
+def elastic_depth(d, c, mass, speed):
+    """Penetration [m] at which K δⁿ has stored the kinetic energy of a mass [kg] with a speed [m/s]."""
+    stiffness, exponent = d.law.stiffness[c], d.law.exponent[c]
+    # K δⁿ⁺¹/(n+1) = ½ m v²
+    energy = 0.5 * mass * speed * speed
+    return (energy * (exponent + 1.0) / stiffness) ** (1.0 / (exponent + 1.0))
+
+
+def set_expected_depth(d, c):
+    """Set the expected penetration [m] of candidate c, for the v₀ and effective mass of its contact."""
+    touch = d.touch
+    if d.law.impulsive[c]:
+        touch.depth_scale[c] = d.model.size  # a rigid wall has no penetration that sets a scale
+    else:
+        touch.depth_scale[c] = elastic_depth(d, c, touch.effective_mass[c], touch.impact_speed[c])
+
+
+def set_damping(d, c):
+    """Set the damping d [N·s/m^(p+1)] of candidate c, for the v₀ and effective mass of its contact."""
+    law, touch, number = d.law, d.touch, d.law.number[c]
+    factor, stiffness = law.damping_factor[c], law.stiffness[c]
+    mass_power = MASS_POWERS[number - 1] if number <= LAW_COUNT else 0.0
+    if mass_power == 0.0:
+        # λ K/v₀
+        touch.damping[c] = factor * stiffness / touch.impact_speed[c]
+    else:
+        # f K^(1−s) m^s
+        ratio = touch.effective_mass[c] / stiffness
+        touch.damping[c] = factor * stiffness * ratio**mass_power * unit_of_damping(d, c, mass_power)
+    touch.kink_margin[c] = turning_margin(d, c) if law.approach_only[c] else 0.0
+
+
+def unit_of_damping(d, c, mass_power):
+    """The factor on f K^(1−s) m^s, found for lengths, that makes it that of the angles of a stop.
+
+    With the lever arm r these are K' = K rⁿ⁺¹, m' = m r² and d = d'/rᵖ⁺²: the factor is 1 if f is a number
+    without a unit.
+    """
+    if d.candidate.stop[c] == 0:
+        return 1.0
+    law = d.law
+    lengths = (law.exponent[c] + 1.0) * (1.0 - mass_power) + 2.0 * mass_power - law.rate_exponent[c] - 2.0
+    return lever(d, c) ** lengths
+
+
+def turning_margin(d, c):
+    """The |δ̇| [m/s] up to which the force of the wrong side of δ̇ = 0 has an error within the tolerance.
+
+    If δ̇ reaches v on the wrong side, the relative error of the impulse is (v/v₀)² times the share of the
+    damping. For a point at rest the sign of δ̇ changes all the time, with speeds within the tolerance.
+    """
+    tolerance = d.solver.tolerance
+    least = math.sqrt(tolerance / max(1.0, damping_share(d, c)))
+    return TURNED * least * d.touch.impact_speed[c] + tolerance * d.model.size
+
+
+def law_force(d, c, depth, rate):
+    """Force of candidate c at a penetration δ ≥ 0 [m] and its rate [m/s], and its elastic part K δⁿ [N]."""
+    force, elastic = uncut_force(d, c, depth, rate, rate < 0.0)
+    # not max(), in which a NaN would be lost
+    return 0.0 if force < 0.0 else force, elastic
+
+
+def continued_force(d, c, depth, rate):
+    """As ``law_force``, but continued smoothly from the contact's side of the kink; records a crossing."""
+    beyond = d.touch.beyond_kink[c] != 0
+    force, elastic = uncut_force(d, c, depth, rate, beyond)
+    approach_only = d.law.approach_only[c] != 0
+    note_crossing(d, c, rate if approach_only else force)
+    return 0.0 if beyond and not approach_only else force, elastic
+
+
+def note_crossing(d, c, height):
+    """Record that candidate c has crossed its kink, if ``height`` shows it by more than the margin."""
+    margin = d.touch.kink_margin[c]
+    if height > margin if d.touch.beyond_kink[c] else height < -margin:
+        d.touch.kink_crossed[c] = 1
+
+
+def clear_crossings(d):
+    """Begin to record whether the active contacts cross their kinks."""
+    for k in range(d.touch.active_count):
+        d.touch.kink_crossed[d.touch.active_index[k]] = 0
+
+
+def height_over_kink(d, c, depth, rate):
+    """δ̇ or the uncut force of candidate c: zero at the kink of its force, negative beyond the kink."""
+    if d.law.approach_only[c]:
+        return rate
+    force, _ = uncut_force(d, c, depth, rate, False)
+    return force
+
+
+def cut_off(d, c):
+    """Whether the force of candidate c is cut off at 0, because its law would pull."""
+    return d.touch.beyond_kink[c] != 0 and not d.law.approach_only[c]
+
+
+def uncut_force(d, c, depth, rate, leaves):
+    """As ``law_force``, but not cut off at 0; ``leaves``: whether approach-only damping is off."""
+    spring = power(depth, d.law.exponent[c])
+    elastic = d.law.stiffness[c] * spring
+    if d.law.number[c] == USER_LAW and user_law.present():
+        return user_contact_force(d, c, depth, rate), elastic
+    return elastic + damping_slope(d, c, depth, leaves, spring) * rate, elastic
+
+
+def user_contact_force(d, c, depth, rate):
+    """The force of a user's law for candidate c, before it is cut off at 0.
+
+    The law of a stop takes the angle, and returns a moment.
+    """
+    law, arm = d.law, lever(d, c)
+    speed, mass = d.touch.impact_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
+    stiffness = law.stiffness[c]
+    if d.candidate.stop[c] != 0:
+        stiffness *= arm ** (law.exponent[c] + 1.0)
+    force = user_force(depth / arm, rate / arm, speed, mass, stiffness, law.exponent[c], law.restitution[c])
+    return force / arm
+
+
+def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
+    """The force of a user's law, before it is cut off at 0."""
+    return user_law.force(depth, rate, speed, mass, stiffness, exponent, restitution)
+
+
+def may_jump(d, c):
+    """Whether the force may jump where a contact begins or ends: a user's law, or damping with p = 0."""
+    return d.law.number[c] == USER_LAW or d.law.rate_exponent[c] == 0.0
+
+
+def damping_slope(d, c, depth, leaves, spring):
+    """∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c where its force is not cut off; ``spring`` is δⁿ."""
+    law = d.law
+    if law.approach_only[c] and leaves:
+        return 0.0
+    same = law.rate_exponent[c] == law.exponent[c]
+    return d.touch.damping[c] * (spring if same else power(depth, law.rate_exponent[c]))
+
+
+def law_slopes(d, c, depth, rate):
+    """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of candidate c at a penetration δ ≥ 0 [m] and its rate; 0 if cut off."""
+    if cut_off(d, c):
+        return 0.0, 0.0
+    if d.law.number[c] == USER_LAW and user_law.present():
+        return user_slopes(d, c, depth, rate)
+    exponent = d.law.exponent[c]
+    beyond = d.touch.beyond_kink[c] != 0
+    force, elastic = uncut_force(d, c, depth, rate, beyond)
+    damping = damping_slope(d, c, depth, beyond, power(depth, exponent))
+    # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ where F ≥ 0, for n ≥ p; at the kink F may be < 0
+    stiffness = exponent * elastic + d.law.rate_exponent[c] * (force - elastic)
+    return max(0.0, stiffness / depth) if depth > 0.0 else 0.0, damping
+
+
+def user_slopes(d, c, depth, rate):
+    """As ``law_slopes``, for a user's law, by central differences; each at least 0."""
+    step = DIFFERENCE * depth
+    low, _ = law_force(d, c, depth - step, rate)
+    high, _ = law_force(d, c, depth + step, rate)
+    stiffness = (high - low) / (2.0 * step) if step > 0.0 else 0.0
+    step = DIFFERENCE * (abs(rate) + d.touch.impact_speed[c])
+    low, _ = law_force(d, c, depth, rate - step)
+    high, _ = law_force(d, c, depth, rate + step)
+    return max(0.0, stiffness), max(0.0, (high - low) / (2.0 * step))
+
+
+def damping_share(d, c):
+    """Damping force over elastic force of candidate c, at v₀ and the expected penetration; ≥ 0.
+
+    It is λ for the Hunt–Crossley family.
+    """
+    force, elastic = law_force(d, c, d.touch.depth_scale[c], d.touch.impact_speed[c])
+    return max(0.0, force / elastic - 1.0)

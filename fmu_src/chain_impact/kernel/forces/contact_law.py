@@ -1,0 +1,228 @@
+"""The contact law of each candidate: a wall may be of another material, and stops have a law of their own.
+
+The law of a stop acts on the angle of its joint. For the kernel a stop is a contact at a lever arm s, the
+longest link (geometry.py): its depth is δ = s φ and its force F = M/s. With M = K φⁿ this is the stiffness
+K/sⁿ⁺¹, and its minimum impact speed is s times that in rad/s.
+
+Candidates whose parameters come from the same place have the same law. Its constants are derived for the
+first of them, and the others copy these: ``law.same_as``.
+"""
+
+import math
+
+from chain_impact.kernel.chain.inertia import in_use
+from chain_impact.kernel.forces import user_law
+from chain_impact.kernel.forces.laws import (
+    ANY,
+    APPROACH_ONLY,
+    EXPONENTS,
+    LAW_COUNT,
+    LEAST_RESTITUTIONS,
+    NEWTON_IMPACT,
+    RATE_EXPONENTS,
+    damping_factor,
+)
+from chain_impact.kernel.status import (
+    EXPONENT_NOT_ALLOWED,
+    FRICTION_WITH_RIGID_WALLS,
+    OK,
+    PARAMETER_OUT_OF_RANGE,
+    RESTITUTION_NOT_ALLOWED,
+    RIGID_WHILE_TOUCHING,
+    STATIC_BELOW_SLIDING,
+    UNKNOWN_LAW,
+    refuse_candidate,
+)
+
+# Of a link length: how deep a point may be in a wall without being in contact. Its force would be K δⁿ, 1e-10
+# N for K = 1e8; and the round-off of positions is some 1e-15. Without it, every step of a point that slides
+# along a wall at zero clearance would be searched for an onset.
+HARMLESS = 1e-12
+USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with one
+
+
+def start_laws(d):
+    """Find which candidates share a law, and set the laws of all; returns a status."""
+    for c in range(d.candidates):
+        d.law.number[c] = 0  # any parameter may have changed
+        first, own = 0, origin(d, c)
+        while origin(d, first) != own:
+            first += 1
+        d.law.same_as[c] = first
+    return update_laws(d)
+
+
+def origin(d, c):
+    """Where the law of candidate c comes from: −2 for stops, the wall if its material is its own, or −1."""
+    if d.candidate.stop[c] != 0:
+        return -2
+    wall = d.candidate.wall[c]
+    own = d.walls
+    collides = own.stiffness[wall] > 0.0 or own.restitution[wall] >= 0.0
+    return wall if collides or own.friction[wall] >= 0.0 or own.static_friction[wall] >= 0.0 else -1
+
+
+def update_laws(d):
+    """Set the laws of all candidates from the given values; returns a status. Invalid ones change nothing."""
+    status = check_laws(d)
+    if status != OK:
+        return status
+    d.contact.any_force, d.contact.any_rigid, d.contact.any_friction = 0, 0, 0
+    d.stops.restitution = in_use(d.given.stop_restitution, d.given.restitution)
+    for c in range(d.candidates):
+        first = d.law.same_as[c]
+        if first == c:
+            derive_damping(d, c)
+            set_parameters(d, c)
+            note_kind(d, c)
+        else:
+            copy_law(d.law, first, c)
+    return OK
+
+
+def check_laws(d):
+    """Check the given values; returns a status. A law with a force cannot become rigid during a contact."""
+    for c in range(d.candidates):
+        status = check_law(d, c) if d.law.same_as[c] == c else OK
+        if status != OK:
+            return refuse_candidate(d, c, status)
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        if given_number(d, c) == NEWTON_IMPACT:
+            return refuse_candidate(d, c, RIGID_WHILE_TOUCHING)
+    return OK
+
+
+def laws_in_use(d):
+    """Whether the given values are those of the laws of all candidates."""
+    for c in range(d.candidates):
+        if d.law.same_as[c] == c and not is_in_use(d, c):
+            return False
+    return True
+
+
+def is_in_use(d, c):
+    """Whether the given values are those of the law of candidate c."""
+    law, (sliding, static) = d.law, given_friction(d, c)
+    same_friction = law.friction[c] == sliding and law.static_friction[c] == max(sliding, static)
+    return is_derived(d, c) and law.stiffness[c] == given_stiffness(d, c) and same_friction
+
+
+def note_kind(d, c):
+    """Note that the law of candidate c is one with a force, or rigid, and whether it has dry friction."""
+    if d.law.static_friction[c] > 0.0:
+        d.contact.any_friction = 1
+    if d.law.impulsive[c]:
+        d.contact.any_rigid = 1
+    else:
+        d.contact.any_force = 1
+
+
+def given_number(d, c):
+    """The number of the law that is given for candidate c."""
+    return d.stops.law if d.candidate.stop[c] != 0 and d.stops.law > 0 else d.given.law
+
+
+def given_stiffness(d, c):
+    """The given stiffness K of candidate c [N/mⁿ], of a stop as of a contact at the lever arm."""
+    if d.candidate.stop[c] != 0:
+        return d.given.stop_stiffness / d.model.size ** (d.stops.exponent + 1.0)
+    own = d.walls.stiffness[d.candidate.wall[c]]
+    return own if own > 0.0 else d.given.stiffness
+
+
+def given_restitution(d, c):
+    """The given restitution of candidate c."""
+    if d.candidate.stop[c] != 0:
+        return in_use(d.given.stop_restitution, d.given.restitution)
+    own = d.walls.restitution[d.candidate.wall[c]]
+    return own if own >= 0.0 else d.given.restitution
+
+
+def given_friction(d, c):
+    """The given coefficients of sliding and of static friction of candidate c; a stop has none.
+
+    The static one is 0 if it is that of sliding, as where a wall has its own sliding friction only.
+    """
+    if d.candidate.stop[c] != 0:
+        return 0.0, 0.0
+    wall, sliding, static = d.candidate.wall[c], d.given.friction, d.given.static_friction
+    if d.walls.friction[wall] >= 0.0:
+        sliding, static = d.walls.friction[wall], 0.0
+    if d.walls.static_friction[wall] >= 0.0:
+        static = d.walls.static_friction[wall]
+    return sliding, static
+
+
+def exponent(d, c):
+    """The exponent n of the law of candidate c."""
+    return d.stops.exponent if d.candidate.stop[c] != 0 else d.contact.exponent
+
+
+def check_law(d, c):
+    """Check what is given for the law of candidate c; returns a status."""
+    number, restitution = given_number(d, c), given_restitution(d, c)
+    if not 1 <= number <= LAW_COUNT + user_law.present():
+        return UNKNOWN_LAW
+    status = check_values(d, c)
+    if status != OK:
+        return status
+    if number == NEWTON_IMPACT and max(given_friction(d, c)) > 0.0:
+        return FRICTION_WITH_RIGID_WALLS
+    if number == USER_LAW:
+        return OK
+    if EXPONENTS[number - 1] not in (ANY, exponent(d, c)):
+        return EXPONENT_NOT_ALLOWED
+    return OK if restitution >= LEAST_RESTITUTIONS[number - 1] else RESTITUTION_NOT_ALLOWED
+
+
+def check_values(d, c):
+    """Check what is given for candidate c, whatever its law; returns a status."""
+    sliding, static = given_friction(d, c)
+    in_range = 0.0 <= given_restitution(d, c) <= 1.0 and given_stiffness(d, c) > 0.0
+    if not (in_range and sliding >= 0.0 and static >= 0.0 and math.isfinite(sliding + static)):
+        return PARAMETER_OUT_OF_RANGE
+    return STATIC_BELOW_SLIDING if 0.0 < static < sliding else OK
+
+
+def is_derived(d, c):
+    """Whether the constants of candidate c are those of the law and the restitution that are given."""
+    return d.law.number[c] == given_number(d, c) and d.law.restitution[c] == given_restitution(d, c)
+
+
+def derive_damping(d, c):
+    """Set the constants of the given law of candidate c: f(e), and the exponent p of its damping δᵖ δ̇."""
+    if is_derived(d, c):
+        return
+    law, number = d.law, given_number(d, c)
+    law.impulsive[c] = number == NEWTON_IMPACT
+    law.rate_exponent[c], law.approach_only[c], law.damping_factor[c] = exponent(d, c), 0, 0.0
+    if number <= LAW_COUNT:
+        if RATE_EXPONENTS[number - 1] != ANY:
+            law.rate_exponent[c] = RATE_EXPONENTS[number - 1]
+        law.approach_only[c] = APPROACH_ONLY[number - 1]
+        law.damping_factor[c] = damping_factor(number, given_restitution(d, c))
+
+
+def copy_law(law, source, c):
+    """Give candidate c the law of another one."""
+    law.number[c], law.exponent[c] = law.number[source], law.exponent[source]
+    law.stiffness[c], law.restitution[c] = law.stiffness[source], law.restitution[source]
+    law.impulsive[c], law.approach_only[c] = law.impulsive[source], law.approach_only[source]
+    law.rate_exponent[c], law.damping_factor[c] = law.rate_exponent[source], law.damping_factor[source]
+    law.minimum_impact_speed[c] = law.minimum_impact_speed[source]
+    law.harmless_depth[c] = law.harmless_depth[source]
+    law.friction[c], law.static_friction[c] = law.friction[source], law.static_friction[source]
+
+
+def set_parameters(d, c):
+    """Set the parameters of the law of candidate c to the given ones."""
+    law = d.law
+    law.number[c], law.exponent[c] = given_number(d, c), exponent(d, c)
+    law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)
+    law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS * d.model.size
+    law.minimum_impact_speed[c] = d.contact.minimum_impact_speed
+    law.friction[c], static = given_friction(d, c)
+    law.static_friction[c] = max(law.friction[c], static)
+    if d.candidate.stop[c] != 0:
+        law.minimum_impact_speed[c] = d.stops.minimum_impact_speed * d.model.size

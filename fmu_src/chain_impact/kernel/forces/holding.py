@@ -1,0 +1,210 @@
+"""What is held: the forces of rigid walls and of dry friction on what rests, and the projection of a state.
+
+The constraints and how their impulses are found, constraints.py tells. Here are the problems that a
+right-hand side, an accepted step and an event state: what moves freely, and what is to be reached.
+"""
+
+import math
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
+from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, velocity_at
+from chain_impact.kernel.chain.tree import FREE, take_factors
+from chain_impact.kernel.forces.contact import keep_force
+from chain_impact.kernel.forces.friction import any_sticking, keep_static_forces
+from chain_impact.kernel.rows.compliance import held_mobility, joints_loaded, mean_mass, solve_space
+from chain_impact.kernel.rows.constraints import (
+    activate_all,
+    factorize_free,
+    note_moving,
+    set_impulse,
+    solve_equality,
+    solve_lcp,
+)
+from chain_impact.kernel.rows.geometry import (
+    add_along,
+    along,
+    clear_loads_of,
+    clearance,
+    constraint_acceleration,
+    constraint_rows,
+    tangent,
+    tangential_acceleration,
+    tangential_position,
+    tangential_rate,
+)
+
+# Of a link length: a point that rises less before it falls again has not left. Its clearance could not be
+# distinguished from round-off, and its next onset could not be located.
+RISE = 1e-14
+# The largest plausible correction of a coordinate, in rad or link lengths, over the tolerance plus the error
+# of a clearance in link lengths.
+MISPLACED = 10.0
+# Over the mean mass of a link: the impedance with which stiff contacts resist the projection of what sticks.
+RESISTANCE = 1e3
+
+
+def start_from_clearances(d, derivative):
+    """Set ``start`` to the clearances of contacts (derivative 1: their rates), and to 0 for what sticks."""
+    for k in range(d.touch.active_count):
+        gap, gap_rate = clearance(d, d.touch.active_index[k])
+        d.rigid.start[k] = gap_rate if derivative else gap
+    for k in range(d.touch.active_count, constraint_rows(d)):
+        d.rigid.start[k] = 0.0
+
+
+def clear_least_forces(d):
+    """Begin to record the least forces of the contacts without a force law."""
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        d.rigid.least_force[d.touch.active_index[k]] = 0.0
+
+
+def add_change(d, y, first):
+    """Add the change of the coordinates by the impulses to the entries of y from the ``first`` on."""
+    for j in range(coordinate_count(d.links)):
+        y[first + j] += d.rigid.change[j]
+
+
+def start_from_accelerations(d, y, rate):
+    """Set ``start`` to the accelerations of all constraints for a rate ẏ; return the largest |a|."""
+    accelerate_points(d, y, rate)
+    for k in range(constraint_rows(d)):
+        d.rigid.start[k] = constraint_acceleration(d, k)
+    return largest(d, d.work.acceleration)
+
+
+def add_constraint_forces(d, y, rate):
+    """Add to a rate ẏ, found just now without them, the effect of the constraint forces of g̈ = 0 and t·a = 0.
+
+    The forces [N] are then stored in ``d.rigid.impulse``; they do no work but that of errors.
+    """
+    own = d.rigid
+    take_factors(d, joints_loaded(d))
+    if sticks_alone(d):
+        set_impulse(d, d.touch.active_count, add_sticking_force(d, y, rate))
+    else:
+        scale = start_from_accelerations(d, y, rate)
+        activate_all(d)
+        if solve_equality(d, scale) > d.solver.tolerance * scale:
+            note_moving(d, d.solver.tolerance * scale)
+        add_change(d, rate, velocity_at(d.links))
+        for k in range(d.touch.compliant_count, d.touch.active_count):
+            c = d.touch.active_index[k]
+            own.least_force[c] = min(own.least_force[c], own.impulse[k])
+            keep_force(d, c, own.impulse[k])
+    if any_sticking(d):
+        rate[dissipated_at(d.links)] += keep_static_forces(d)
+
+
+def sticks_alone(d):
+    """Whether one contact with a force is all that sticks, and no rigid wall holds a point."""
+    rigid = d.touch.active_count - d.touch.compliant_count
+    return d.friction.stuck_count == 1 and d.friction.stuck_joints == 0 and rigid == 0
+
+
+def add_sticking_force(d, y, rate):
+    """As ``add_constraint_forces``, for a contact that ``sticks_alone``; returns its force.
+
+    The recursion that found the accelerations ``rate`` last answers it, too: that costs one more response of
+    the chain, where constraints take several in general, and two eliminations of their own.
+    """
+    own, row = d.rigid, tangent(d, d.element.stuck[0])
+    accelerate_points(d, y, rate)
+    clear_loads_of(d, d.work.load)
+    add_along(row, d.work.load, 1.0)
+    solve_space(d, d.work.link, d.work, FREE, own.change)
+    # λ = −a_t/W_tt
+    force = -tangential_acceleration(d, d.element.stuck[0]) / held_mobility(d, along(row, d.work.motion))
+    for j in range(coordinate_count(d.links)):
+        rate[velocity_at(d.links) + j] += force * own.change[j]
+    return force
+
+
+def project_state(d, y):
+    """Project the located state y onto the constraints, so that no drift accumulates.
+
+    Held contacts have g = 0 and ġ = 0. What sticks has its tangential coordinate at its anchor and no
+    tangential speed. The contacts with a force law resist it, as on a stiff wall a change of their clearances
+    would act as an impact.
+
+    Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
+    size. Where walls would pull by more than the errors explain, the points that leave are not stopped and
+    keep their ġ > 0, in ``d.rigid.reached``. The loss of kinetic energy by all this counts as dissipated.
+    """
+    own, lost = d.rigid, dissipated_at(d.links)
+    for derivative in range(2):
+        activate_all(d)
+        start_from_clearances(d, derivative)
+        if any_sticking(d):
+            start_sticking(d, derivative)
+        if derivative:
+            solve_stopping_impulses(d)
+        else:
+            solve_positions(d)
+        add_change(d, y, derivative * velocity_at(d.links))
+        locate_points(d, y)
+    for k in range(constraint_rows(d)):
+        # −½ p (u⁻ + u⁺)
+        y[lost] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
+    for k in range(d.touch.compliant_count):
+        # the resistance has the impulse −D (u⁺ − u⁻)
+        y[lost] += 0.5 * own.resistance[k] * (own.reached[k] ** 2 - own.start[k] ** 2)
+        own.resistance[k] = 0.0
+
+
+def start_sticking(d, derivative):
+    """Set the start of the projection for what sticks, and let the contacts with a force law resist it."""
+    own, first = d.rigid, d.touch.active_count
+    for k in range(d.touch.compliant_count):
+        own.resistance[k] = contact_resistance(d)
+    for i in range(d.friction.stuck_count):
+        e = d.element.stuck[i]
+        if derivative:
+            own.start[first + i] = tangential_rate(d, e)
+        else:
+            own.start[first + i] = tangential_position(d, e) - d.element.anchor[e]
+
+
+def contact_resistance(d):
+    """The resistance [kg] of the contacts with a force law to a projection."""
+    return RESISTANCE * mean_mass(d)
+
+
+def solve_positions(d):
+    """Find the change of the coordinates that brings the active set to its targets, g = target.
+
+    If the residuals and errors do not explain so large a change, only candidates with g < target are moved.
+    """
+    own, size, asked, moved = d.rigid, d.model.size, 0.0, 0.0
+    for k in range(d.touch.compliant_count, constraint_rows(d)):
+        asked = max(asked, abs(own.target[k] - own.start[k]))
+    factorize_free(d)
+    solve_equality(d, size)
+    for j in range(coordinate_count(d.links)):
+        moved = max(moved, abs(own.change[j]) / (size if j < ANGLES else 1.0))
+    if moved > MISPLACED * (d.solver.tolerance + asked / size):
+        solve_lcp(d, size)
+
+
+def solve_stopping_impulses(d):
+    """Find the impulses that stop the active set; none of them pulls by more than errors explain."""
+    speed = largest(d, d.work.velocity)
+    factorize_free(d)
+    solve_equality(d, speed)
+    if least_impulse(d) < -tolerated_momentum(d, speed):
+        solve_lcp(d, speed)
+
+
+def least_impulse(d):
+    """The most negative impulse, or 0 if all push."""
+    least = 0.0
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        least = min(least, d.rigid.impulse[k])
+    return least
+
+
+def tolerated_momentum(d, speed):
+    """Momentum [N·s] of the chain from the tolerated error of a ``speed`` [m/s] and from a fall by RISE."""
+    size = d.model.size
+    mass = d.model.energy / (size * size)
+    rise = math.sqrt(2.0 * (d.model.gravity_size + size) * RISE * size)
+    return mass * (rise + d.solver.tolerance * (size + speed))

@@ -1,0 +1,355 @@
+"""The registry of contact laws: the properties of each, and the order of their numbers in the FMU.
+
+The contact laws.
+
+    F = max(0, K δⁿ + d δᵖ δ̇)
+
+K stiffness [N/mⁿ], δ penetration [m], δ̇ its rate [m/s]. The damping d is found once for a contact, at its
+onset, from a factor that the law derives from the prescribed restitution e: f(e), below. Three kinds of laws:
+
+- The Hunt–Crossley family, F = K δⁿ (1 + λ δ̇/v₀): p = n, f = λ and d = λ K/v₀, with v₀ the approach speed at
+  the onset [m/s]. Its restitution depends on λ alone: the realised one, e′, solves
+  λ(1 + e′) = ln[(1+λ)/(1−λe′)], so e′ = [1 + W₀(−(1+λ)e^{−(1+λ)})]/λ with Lambert's W.
+- Laws with another power p of the penetration in their damping, for one exponent n. Their d needs the mass of
+  the impact: the effective mass m of the chain at the contact [kg].
+- Rigid walls, with impulses instead of a force, so without d (events/impacts.py).
+
+The relations are derived in docs/contact_laws.md. A law's place in this file is its number in the FMU, so new
+laws go to the end.
+"""
+
+import math
+from dataclasses import dataclass
+
+from chain_impact.kernel.forces.viscoelastic import viscoelastic_factor
+from chain_impact.kernel.functions import dispatch
+
+FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
+POWERS = {0.0: "", 0.25: "δ^¼ ", 0.5: "δ^½ "}
+DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
+
+
+@dataclass(frozen=True)
+class ContactLaw:
+    """One entry of the registry: F = max(0, K δⁿ + d δᵖ δ̇), or impulses."""
+
+    id: str  # its name in scene files and in the FMU
+    number: int  # in the FMU's enumeration, from 1
+    title: str  # authors, for tables
+    source: str  # author, year, journal
+    formula: str  # the factor f(e) as text; λ(e) of the Hunt–Crossley family
+    limits: str  # its range of use, its limits and known flaws
+    evidence: str  # how the formula was checked; see docs/contact_laws.md
+    accurate_from: float  # restitutions for which the rebound is within 5 % of the prescribed one
+    accurate_to: float
+    damping_factor: object  # f(e), a function of the kernel
+    allows_zero: bool = True  # whether f(0) is finite
+    exponent: float | None = None  # the n for which it is defined; None for any
+    rate_exponent: float | None = None  # p; None for p = n
+    mass_power: float = 0.0  # s of d = f K^(1−s) m^s, m the effective mass; 0 for the family: d = λ K/v₀
+    approach_only: bool = False  # whether the damping acts only during compression
+    impulsive: bool = False  # whether the walls are rigid, see kernel/events/impacts.py
+
+    @property
+    def restitution_range(self) -> str:
+        """The restitutions that the law allows, as text."""
+        return "0 ≤ e ≤ 1" if self.allows_zero else "0 < e ≤ 1"
+
+    @property
+    def in_family(self) -> bool:
+        """Whether it belongs to the Hunt–Crossley family."""
+        return self.rate_exponent is None and not self.impulsive
+
+    @property
+    def force(self) -> str:
+        """The force as text, where it is not cut off at 0."""
+        if self.impulsive:
+            return "impulses"
+        if self.rate_exponent is None:
+            return FAMILY_FORCE
+        rate = "max(0, δ̇)" if self.approach_only else "δ̇"
+        spring = "Kδ" if self.exponent == 1.0 else "Kδ√δ"
+        return f"{spring} + d {POWERS[self.rate_exponent]}{rate}"
+
+    @property
+    def damping(self) -> str:
+        """How the damping d follows from f, as text."""
+        return "–" if self.impulsive else DAMPINGS[self.mass_power]
+
+    @property
+    def continuous(self) -> bool:
+        """Whether the force begins at 0, without a jump at the onset."""
+        return self.rate_exponent != 0.0 and not self.impulsive
+
+    def allows_exponent(self, exponent: float) -> bool:
+        """Whether the law is defined for an exponent n."""
+        return self.exponent is None or self.exponent == exponent
+
+
+CONTACT_LAWS: dict[str, ContactLaw] = {}
+
+
+def contact_law(title, source, formula, accurate, evidence, **properties):
+    """Register the decorated f(e) as the next contact law, under the function's name.
+
+    Its docstring states the limits of the law. A source that begins with a year is by whom the title names.
+    """
+
+    def register(function):
+        CONTACT_LAWS[function.__name__] = ContactLaw(
+            id=function.__name__,
+            number=len(CONTACT_LAWS) + 1,
+            title=title,
+            source=f"{title} {source}" if source[0].isdigit() else source,
+            formula=formula,
+            limits=" ".join(function.__doc__.split()),
+            evidence=evidence,
+            accurate_from=accurate[0],
+            accurate_to=accurate[1],
+            damping_factor=function,
+            **properties,
+        )
+        return function
+
+    return register
+
+
+# ---- the Hunt–Crossley family ---------------------------------------------------------------------------
+
+
+@contact_law("Hertz", "1881, J Reine Angew Math 92:156", "0", (1.0, 1.0), "A")
+def hertz(e):
+    """Elastic: no dissipation, whatever e."""
+    return 0.0 * e
+
+
+@contact_law("Hunt & Crossley", "1975, J Appl Mech 42:440", "3(1−e)/2", (0.785, 1.0), "A")
+def hunt_crossley(e):
+    """For e near 1: energy lost along the elastic path."""
+    return 1.5 * (1.0 - e)
+
+
+@contact_law("Herbert & McWhannell", "1977, J Eng Ind 99:513", "6(1−e)/[(2e−1)²+3]", (0.66, 1.0), "B")
+def herbert_mcwhannell(e):
+    """Impact of a gear pair, integrated over the contact."""
+    return 6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0)
+
+
+@contact_law("Lee & Wang", "1983, J Mech Transm Autom Des 105:534", "3(1−e)/4", (0.915, 1.0), "B")
+def lee_wang(e):
+    """Half the damping of Hunt and Crossley: for e close to 1."""
+    return 0.75 * (1.0 - e)
+
+
+@contact_law("Lankarani & Nikravesh", "1990, J Mech Des 112:369", "3(1−e²)/4", (0.82, 1.0), "B, recomputed")
+def lankarani_nikravesh(e):
+    """For e near 1: energy lost, from momentum balance, along the elastic path."""
+    return 0.75 * (1.0 - e * e)
+
+
+@contact_law(
+    "Gonthier et al.",
+    "Gonthier, McPhee, Lange & Piedbœuf 2004, Multibody Syst Dyn 11:209",
+    "(1−e²)/e",
+    (0.0, 1.0),
+    "A",
+    allows_zero=False,
+)
+def gonthier(e):
+    """Close for all e: the largest error of the realised restitution is 0.032."""
+    return (1.0 - e * e) / e
+
+
+@contact_law(
+    "Zhang & Sharf",
+    "2009, J Appl Mech 76:051002",
+    "root of λ(1+e) = ln[(1+λ)/(1−λe)]",
+    (0.0, 1.0),
+    "derived; after the paper",
+    allows_zero=False,
+)
+def zhang_sharf(e):
+    """Exact for one contact on its own, for all e."""
+    if e >= 1.0:
+        return 0.0
+    u = 1.0 - e
+    # near e = 1 the root is a difference of nearly equal numbers; this series is exact to u⁵
+    if u < 1e-3:
+        return u * (1.5 + u * (1.5 + u * (1.35 + u * 1.2)))
+    # With d = λe = 1 − e^{−s} the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. It is well conditioned
+    # in s, but not in d: below e ≈ 0.03 d is 1 to double precision. The left side falls from 0, then rises
+    # through its one positive root, convex: from above it Newton's method decreases monotonically to it.
+    s, before = 2.0 + 2.0 / e, math.inf
+    while s < before:
+        d = -math.expm1(-s)
+        value = s - d * (1.0 + 1.0 / e) + math.log1p(d / e)
+        slope = 1.0 - (1.0 - d) * (1.0 + 1.0 / e - 1.0 / (e + d))
+        before, s = s, s - value / slope
+    return -math.expm1(-s) / e
+
+
+@contact_law("Zhiying & Qishao", "2006, J Dyn Control 4:294", "¾(1−e²)e^{2(1−e)}", (0.335, 1.0), "B")
+def zhiying_qishao(e):
+    """Lankarani and Nikravesh, corrected for lower e."""
+    return 0.75 * (1.0 - e * e) * math.exp(2.0 * (1.0 - e))
+
+
+@contact_law(
+    "Ye, Li & Zhu", "2009, Earthq Eng Struct Dyn 38:1135", "8(1−e)/(5e)", (0.54, 1.0), "A", allows_zero=False
+)
+def ye(e):
+    """Pounding of buildings; the formula that Flores et al. found too."""
+    return 1.6 * (1.0 - e) / e
+
+
+@contact_law(
+    "Flores et al.",
+    "Flores, Machado, Silva & Martins 2011, Multibody Syst Dyn 25:357",
+    "8(1−e)/(5e)",
+    (0.54, 1.0),
+    "A",
+    allows_zero=False,
+)
+def flores(e):
+    """For soft materials too: the damping grows without bound as e → 0."""
+    return 1.6 * (1.0 - e) / e
+
+
+@contact_law("Gharib & Hurmuzlu", "2012, J Appl Mech 79:064506", "1/e", (0.0, 0.28), "C", allows_zero=False)
+def gharib_hurmuzlu(e):
+    """For low e only: at e = 1 the realised restitution is 0.594."""
+    return 1.0 / e
+
+
+@contact_law(
+    "Hu & Guo", "2015, Multibody Syst Dyn 35:131", "3(1−e)/(2e)", (0.405, 1.0), "C", allows_zero=False
+)
+def hu_guo(e):
+    """Energy lost along the damped path."""
+    return 1.5 * (1.0 - e) / e
+
+
+@contact_law(
+    "Carvalho & Martins", "2019, Mech Mach Theory 139:174", "(3/2)(1−e)(11−e)/(1+9e)", (0.21, 1.0), "A"
+)
+def carvalho_martins(e):
+    """A rational fit to the exact relation, in use down to e ≈ 0.2."""
+    return 1.5 * (1.0 - e) * (11.0 - e) / (1.0 + 9.0 * e)
+
+
+# ---- damping with a mass and another power of the penetration ---------------------------------------------
+
+
+@contact_law(
+    "Kelvin–Voigt",
+    "Anagnostopoulos 1988, Earthq Eng Struct Dyn 16:443; 2004, 33:897",
+    "2ζ, ζ = −ln e/√(π²+ln²e)",
+    (0.611, 1.0),
+    "C, recomputed",
+    exponent=1.0,
+    rate_exponent=0.0,
+    mass_power=0.5,
+    allows_zero=False,
+)
+def kelvin_voigt(e):
+    """Spring and dashpot: the force jumps at the onset. Its f is that of a contact that can pull.
+
+    Cut off at 0, it realises e^(1 − (2/π) arctan(−ln e/π)).
+    """
+    return _logarithmic_damping(2.0, e)
+
+
+@contact_law(
+    "Tsuji, Tanaka & Ishida",
+    "1992, Powder Technol 71:239; α after Antypov & Elliott 2011, EPL 94:50004",
+    "α = −√5 ln e/√(π²+ln²e)",
+    (0.611, 1.0),
+    "C, recomputed",
+    exponent=1.5,
+    rate_exponent=0.25,
+    mass_power=0.5,
+    allows_zero=False,
+)
+def tsuji(e):
+    """Kelvin–Voigt in δ^(5/4), with the same restitution. The force rises steeply, as δ^¼."""
+    return _logarithmic_damping(math.sqrt(5.0), e)
+
+
+def _logarithmic_damping(scale, e):
+    """A multiple of the damping ratio ζ of a linear oscillator whose half-cycles shrink to e."""
+    return -scale * math.log(e) / math.sqrt(math.pi * math.pi + math.log(e) ** 2)
+
+
+@contact_law(
+    "Jankowski",
+    "2005, Earthq Eng Struct Dyn 34:595",
+    "2ξ, ξ = (9√5/2)(1−e²)/{e[e(9π−16)+16]}",
+    (0.164, 1.0),
+    "C, recomputed",
+    exponent=1.5,
+    rate_exponent=0.25,
+    mass_power=0.5,
+    approach_only=True,
+    allows_zero=False,
+)
+def jankowski(e):
+    """For pounding of buildings: damped on approach only, so never pulls. The force rises as δ^¼."""
+    return 9.0 * math.sqrt(5.0) * (1.0 - e * e) / (e * (e * (9.0 * math.pi - 16.0) + 16.0))
+
+
+@contact_law(
+    "Kuwabara & Kono",
+    "1987, Jpn J Appl Phys 26:1230",
+    "root of e′ = e at 1 m/s",
+    (0.0, 1.0),
+    "derived; after the paper",
+    exponent=1.5,
+    rate_exponent=0.5,
+    mass_power=0.4,
+    allows_zero=False,
+)
+def kuwabara_kono(e):
+    """Viscoelastic spheres: the prescribed e is that of a free impact at 1 m/s.
+
+    Slower impacts rebound better and faster ones worse: restitution depends on f v₀^(1/5).
+    """
+    if not e > 0.0:
+        return math.inf
+    return viscoelastic_factor(e)
+
+
+# ---- rigid walls ------------------------------------------------------------------------------------------
+
+
+@contact_law(
+    "Newton",
+    "1687, Principia; Moreau 1988, CISM Courses 302:1",
+    "none: u⁺ = −e u⁻",
+    (0.0, 1.0),
+    "C",
+    impulsive=True,
+)
+def newton_impact(e):
+    """Rigid walls, the limit of all the others: impulses of no duration in place of a force."""
+    return 0.0 * e
+
+
+__all__ = ["CONTACT_LAWS", "LAW_COUNT", "NEWTON_IMPACT", "contact_law", "damping_factor"]
+
+_LAWS = tuple(CONTACT_LAWS.values())
+LAW_COUNT = len(_LAWS)
+NEWTON_IMPACT = CONTACT_LAWS["newton_impact"].number
+_factor = dispatch([law.damping_factor for law in _LAWS])
+# for the kernel, where ANY means "any exponent" and "equal to the exponent"
+ANY = -1.0
+EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
+RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent for law in _LAWS)
+# 1/e of a smaller one would overflow
+LEAST_RESTITUTIONS = tuple(0.0 if law.allows_zero else 1e-300 for law in _LAWS)
+MASS_POWERS = tuple(law.mass_power for law in _LAWS)
+APPROACH_ONLY = tuple(int(law.approach_only) for law in _LAWS)
+
+
+def damping_factor(law, restitution):
+    """f(e) of the law with the number ``law``, counted from 1."""
+    return _factor(law - 1, restitution)

@@ -1,0 +1,32 @@
+"""Which functions the compiler has to inline.
+
+Makes one function of several: one that calls one of them, or all in turn.
+"""
+
+
+def inlined(function):
+    """Mark a function that is compiled into its callers, so that the compiler knows its arguments there."""
+    function.inlined = True
+    return function
+
+
+def dispatch(functions):
+    """Make a function of (number, …) that calls the function with that number, from 0, on the rest."""
+    first, others = functions[0], functions[1:]
+    if not others:
+        return lambda _number, *rest: first(*rest)
+    after = dispatch(others)
+    return lambda number, *rest: first(*rest) if number == 0 else after(number - 1, *rest)
+
+
+def sequence(first, *others):
+    """Return a function that calls several functions, which return nothing, in turn with its arguments."""
+    if not others:
+        return first
+    rest = sequence(*others)
+
+    def both(d, h, *more):
+        first(d, h, *more)
+        rest(d, h, *more)
+
+    return both

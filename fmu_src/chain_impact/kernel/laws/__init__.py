@@ -1,1 +1,0 @@
-"""The contact laws, their registry, and a user's law."""

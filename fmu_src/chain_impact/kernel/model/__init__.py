@@ -1,1 +1,0 @@
-"""The equations of motion: geometry and force of contact, constraints of rigid walls."""

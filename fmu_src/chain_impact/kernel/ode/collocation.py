@@ -1,0 +1,386 @@
+"""The implicit step of order 9, for sustained contact and stiff joints: Radau IIA (its data: radau.py).
+
+The step finds the polynomial of degree 5 that starts at z_0 and satisfies ż = f(z) at five nodes; its end is
+the result. The equations are in extended.py, newton.py solves them with the linear systems of
+linear_system.py.
+
+Two estimates of the error compare f with the polynomials through its values F at the nodes,
+
+    E = (1 − h μ A)⁻¹ h μ (f(z_0) − P(0)),   E′ = (1 − h μ A)⁻¹ h μ (F_5 − P′(1)),
+
+with P through all F, P′ through all but the last, and μ the real eigenvalue. The order of E′ is one less, and
+|E|²/|E′| is of order 7, closer to the order of the result.
+
+The dense output is the polynomial, with an error of h⁶. The first five functions of dense.py span the
+polynomials of degree 5 that are 0 at the start of the step. The last two vanish at both ends, and make the
+coordinates match the integrated clearances in between.
+"""
+
+import math
+from fractions import Fraction
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, supplied_at, time_at, velocity_at
+from chain_impact.kernel.equations import clear_stage_notes
+from chain_impact.kernel.ode.control import (
+    IMPLICIT,
+    ORDER,
+    accepted,
+    conclude,
+    largest_errors,
+    moment_error,
+    set_scales,
+)
+from chain_impact.kernel.ode.dense import POWERS, interpolate, take_quadratures
+from chain_impact.kernel.ode.extended import (
+    compliant,
+    extend_start,
+    extended_rate,
+    extended_size,
+    extended_slopes,
+    factorize_complex,
+    factorize_real,
+    gap_at,
+    project_clearances,
+    project_coordinates,
+    quadrature_at,
+    rate_at,
+    solve_complex,
+    solve_real,
+)
+from chain_impact.kernel.ode.radau import (
+    AT_END,
+    AT_START,
+    COMPLEX_EIGENVALUES,
+    ITERATIONS,
+    NODES,
+    PAIRS,
+    RADAU_STAGES,
+    REAL_EIGENVALUE,
+    UNKNOWN,
+    simplified_newton,
+)
+from chain_impact.kernel.rows.constraints import any_constraint
+from chain_impact.kernel.status import count_evaluations, count_other_work
+
+LAST = RADAU_STAGES - 1
+SLOW = 0.2  # convergence rate θ of Newton's iteration above which shorter steps are cheaper
+# The errors assigned to a refused step, whose iteration did not converge in time or diverged: the next try is
+# half or a third as long.
+LATE, DIVERGED = 40.0, 700.0
+# how far beyond its step the last polynomial, of degree 5, 4 and 3, is extrapolated, in lengths of that step
+FORETOLD = (1.2, 2.0, 3.0)
+# Costs in evaluations: a real factorization costs 1 and a solution .7, complex ones 2.5 times as much; the
+# error estimate and the projection onto the clearances take four real solutions.
+FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
+BEYOND = 1.04  # times the predicted time to the end of a contact, whose error is some hundredths
+LEFT = 1e-3  # of a step: a contact that ends within it has practically no force left
+FADED = 3.0  # time constants of a fast motion: the first step after an event at a tolerance of 1
+WITH_START = (0.0, *NODES)
+
+
+def _coefficients():
+    """For each function of the dense output, its coefficient from the increments of the stages.
+
+    The functions at the nodes are inverted in rational numbers and rounded once. The last digits of NumPy's
+    inverse depend on the processor, and with them the compiled kernel would, too.
+    """
+    nodes = [Fraction(node) for node in NODES]
+    rows = [[t**p * (1 - t) ** q for p, q in POWERS[:RADAU_STAGES]] for t in nodes]
+    for k, row in enumerate(rows):
+        row += [Fraction(int(i == k)) for i in range(RADAU_STAGES)]
+    for k in range(RADAU_STAGES):
+        rows[k] = [value / rows[k][k] for value in rows[k]]
+        for i in range(RADAU_STAGES):
+            if i != k:
+                rows[i] = [x - rows[i][k] * y for x, y in zip(rows[i], rows[k], strict=True)]
+    return tuple(tuple(float(value) for value in row[RADAU_STAGES:]) for row in rows)
+
+
+# row m: the coefficient of the m-th function, from the increments of the stages
+SHAPE = _coefficients()
+CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)  # the largest second derivatives of these functions on [0, 1]
+
+
+def factorize(d, h):
+    """Factorize the linear systems of a step of size h."""
+    factorize_real(d, h * REAL_EIGENVALUE)
+    for pair in range(PAIRS):
+        factorize_complex(d, shift_of(pair, h), pair)
+
+
+def solve(d, h, size):
+    """Solve the linear systems of a step in place."""
+    parts = d.implicit.parts
+    solve_real(d, h * REAL_EIGENVALUE, parts[0])
+    for pair in range(PAIRS):
+        solve_complex(d, shift_of(pair, h), pair, parts[1 + 2 * pair], parts[2 + 2 * pair], size)
+
+
+def set_residual(d, i, j, residual):
+    """Set component j of the i-th right-hand side of the linear systems."""
+    d.implicit.parts[i, j] = residual
+
+
+def shift_of(pair, h):
+    """The complex shift [s] of a pair of eigenvalues."""
+    real, imaginary = COMPLEX_EIGENVALUES[pair]
+    return complex(h * real, h * imaginary)
+
+
+def can_extrapolate(d):
+    """Whether the polynomial of the last step, with the same contacts, can predict the stages."""
+    return d.implicit.listing == d.touch.listings and d.step.last_method == IMPLICIT
+
+
+def set_jacobian(d, z):
+    """Evaluate A where f was evaluated just now, in the middle of the step, if the prediction is accurate.
+
+    Otherwise A of the start is kept, which distinguishes a fast motion there from the others.
+    """
+    if can_extrapolate(d):
+        extended_slopes(d, z)
+
+
+find_residuals, correct_stages, _converge = simplified_newton(
+    clear_stage_notes, extended_rate, set_jacobian, factorize, solve
+)
+
+
+def prepare(d, h):
+    """Prepare a step; returns its size, which the end of a contact or a fast motion may reduce."""
+    extend_start(d)
+    extended_slopes(d, d.implicit.start)
+    set_weights(d)
+    h = toward_end(d, h)
+    if can_extrapolate(d):
+        return h
+    d.implicit.slowness = UNKNOWN
+    return first_size(d, h)
+
+
+def set_weights(d):
+    """Set the weights 1/(tolerance × scale) of errors in z; what is not controlled has a weight of 0."""
+    weight = d.implicit.weight
+    for j in range(supplied_at(d.links), extended_size(d)):
+        weight[j] = math.inf
+    set_scales(d, d.step.state_end, weight, compliant(d))
+    for j in range(extended_size(d)):
+        weight[j] = 1.0 / (d.solver.tolerance * weight[j])
+
+
+def toward_end(d, h):
+    """A size that does not go far beyond the end of a contact, where the force is not smooth."""
+    for k in range(compliant(d)):
+        gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
+        # −g/ġ, as the force is almost zero; a contact that ends within LEFT of the step is ignored
+        if gap_rate > 0.0 and LEFT * h * gap_rate < -gap < h * gap_rate / BEYOND:
+            h = BEYOND * -gap / gap_rate
+    return h
+
+
+def first_size(d, h):
+    """A size that resolves a fast motion at the start, if it is larger than the tolerance; otherwise h.
+
+    (1 − h μ A)⁻¹ removes a part of the rate; applied again to this part, it shows how fast and large that is.
+    """
+    own, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
+    factorize_real(d, shift)
+    fast, left = own.parts[0], own.parts[1]
+    for j in range(size):
+        fast[j] = own.start_rate[j]
+    solve_real(d, shift, fast)
+    for j in range(size):
+        fast[j] = own.start_rate[j] - fast[j]
+        left[j] = fast[j]
+    solve_real(d, shift, left)
+    count_other_work(d, 3)
+    most, remains = 0.0, 0.0
+    for j in range(velocity_at(d.links), dissipated_at(d.links)):
+        most, remains = max(most, abs(fast[j]) * own.weight[j]), max(remains, abs(left[j]) * own.weight[j])
+    if not (math.isfinite(most) and most > remains > 0.0):
+        return h
+    # of a motion that decays with the rate ρ, the factor 1/(1 + ρ h μ) remains
+    rho = (most / remains - 1.0) / shift
+    if rho * h > 1.0 and most > rho:
+        return min(h, FADED / rho * (rho / most) ** (1.0 / (ORDER[IMPLICIT] - 1)))
+    return h
+
+
+def extrapolate_stages(d, h, size):
+    """Predict the stages from the polynomial of the last step, or from the rate at the start."""
+    own = d.implicit
+    if can_extrapolate(d):
+        extrapolate_polynomial(d, h, size)
+        return
+    for i in range(RADAU_STAGES):
+        part = h * NODES[i]
+        for j in range(size):
+            own.stages[i, j] = 0.0
+        for j in range(velocity_at(d.links)):
+            own.stages[i, j] = part * own.start_rate[j]
+        for k in range(compliant(d)):
+            own.stages[i, gap_at(d, k)] = part * own.start_rate[gap_at(d, k)]
+
+
+def extrapolate_polynomial(d, h, size):
+    """Set the stages by extrapolating the last step's polynomial, of a lower degree if it is far."""
+    own = d.implicit
+    base = (d.step.end - own.began) / own.span
+    beyond = base + h / own.span - 1.0
+    dropped = 0
+    while dropped < len(FORETOLD) and beyond > FORETOLD[dropped]:
+        dropped += 1
+    dropped = RADAU_STAGES - 1 if dropped == len(FORETOLD) else dropped
+    for i in range(RADAU_STAGES):
+        for j in range(size):
+            own.stages[i, j] = 0.0
+        at = base + h * NODES[i] / own.span
+        for m in range(max(1, dropped), RADAU_STAGES + 1):
+            weight = lagrange(dropped, m, at) - lagrange(dropped, m, base)
+            for j in range(size):
+                own.stages[i, j] += weight * own.last[m - 1, j]
+
+
+def attempt(d, h):
+    """Try a step of size h [s] from where it was prepared."""
+    own, size = d.implicit, extended_size(d)
+    extrapolate_stages(d, h, size)
+    solved = _converge(d, h, size)
+    count_evaluations(d, RADAU_STAGES * own.iterations)
+    count_other_work(d, FACTORIZATIONS + SOLUTIONS * own.iterations + ESTIMATE)
+    if solved:
+        set_result(d, h)
+        error = estimate(d, h, size)
+        if compliant(d) > 0:
+            change, apart = project_clearances(d, own.z, d.trial.state)
+            error = max(error, change, apart)
+        conclude(d, error, cost_factor(own))
+    else:
+        refused = DIVERGED if own.contraction > 1.0 else LATE
+        conclude(d, refused if math.isfinite(own.correction) else math.inf, 1.0)
+    if not accepted(d):
+        own.slowness = UNKNOWN
+
+
+def cost_factor(own):
+    """The factor that shortens the next step below what its error allows, as iterations cost time, too."""
+    share = (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + own.iterations)
+    if own.contraction > SLOW:
+        share = min(share, math.sqrt(max(0.5, SLOW / own.contraction)))
+    return share
+
+
+def set_result(d, h):
+    """Set z and the state at the end of the step, whose points are located."""
+    own, y = d.implicit, d.trial.state
+    for j in range(extended_size(d)):
+        own.z[j] = own.start[j] + own.stages[LAST, j]
+    for j in range(sundman_u_at(d.links)):
+        y[j] = own.z[j]
+    y[sundman_u_at(d.links)], y[time_at(d.links)] = 1.0, h
+    take_quadratures(d, own.z, quadrature_at(d, 0))
+    locate_points(d, y)
+
+
+def estimate(d, h, size):
+    """The error of the step, relative to the tolerance."""
+    own, shift = d.implicit, h * REAL_EIGENVALUE
+    for j in range(size):
+        start, end = own.start_rate[j], own.rates[LAST, j]
+        for i in range(RADAU_STAGES):
+            start -= AT_START[i] * own.rates[i, j]
+        for i in range(LAST):
+            end -= AT_END[i] * own.rates[i, j]
+        own.parts[0, j], own.parts[1, j] = shift * start, shift * end
+    solve_real(d, shift, own.parts[0])
+    solve_real(d, shift, own.parts[1])
+    one, other = largest_errors(own.parts[0], own.parts[1], own.weight, size)
+    if one == math.inf:
+        return math.inf
+    if any_constraint(d):
+        # The projection onto rigid walls leaves a fast motion of stiff joints at the start, which decays
+        # within the step. E would show it in full, however long the step is, so it is solved for once more.
+        solve_real(d, shift, own.parts[0])
+        count_other_work(d, 1)
+        for j in range(dissipated_at(d.links)):
+            d.work.error[0, j], d.work.error[1, j] = own.parts[0, j], own.parts[1, j]
+        one = max(one, moment_error(d, 0) / d.solver.tolerance)
+        other = max(other, moment_error(d, 1) / d.solver.tolerance)
+    return one * min(1.0, one / other) if other > 0.0 else one
+
+
+def lagrange(first, m, x):
+    """The m-th Lagrange polynomial through the start of a step and its nodes, from the ``first`` on, at x."""
+    value = 1.0
+    for k in range(first, RADAU_STAGES + 1):
+        if k != m:
+            value *= (x - WITH_START[k]) / (WITH_START[m] - WITH_START[k])
+    return value
+
+
+def coefficient(stages, m, j):
+    """The coefficient of the m-th function of the dense output, for component j of z."""
+    total = 0.0
+    for i in range(RADAU_STAGES):
+        total += SHAPE[m][i] * stages[i, j]
+    return total
+
+
+def keep_stages(d, h):
+    """Store the stages of the step that was tried, to predict the next ones, and the dense output."""
+    own = d.implicit
+    for i in range(RADAU_STAGES):
+        for j in range(extended_size(d)):
+            own.last[i, j] = own.stages[i, j]
+    own.began, own.span, own.listing = d.step.start, h, d.touch.listings
+    for j in range(len(d.work.y)):
+        set_dense(d.step, j, own.last, j, RADAU_STAGES if j < sundman_u_at(d.links) else 1)
+    for k in range(d.quadrature.count):
+        set_dense(d.quadrature, k, own.last, quadrature_at(d, k), RADAU_STAGES)
+
+
+def set_dense(values, j, stages, at, degree):
+    """Set the dense output of component j of the state or of quadratures, which is component ``at`` of z."""
+    values.dense[0, j] = values.state_end[j] - values.state[j]
+    for m in range(1, len(values.dense)):
+        values.dense[m, j] = coefficient(stages, m, at) if m < degree else 0.0
+
+
+def keep_clearances(d):
+    """Make the dense output match the integrated clearances also at the thirds of the last step."""
+    dense, own, change = d.step.dense, d.implicit, d.work.change
+    if compliant(d) == 0:
+        return
+    for third in range(1, 3):
+        interpolate(d.step, third / 3.0, d.work.y)
+        locate_points(d, d.work.y)
+        for derivative in range(2):
+            for k in range(compliant(d)):
+                at = rate_at(d, k) if derivative else gap_at(d, k)
+                own.normal[k] = interpolated(d, at, third / 3.0)
+            project_coordinates(d, d.work.y, derivative, change)
+            for j in range(len(change)):
+                own.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
+    for j in range(dissipated_at(d.links)):
+        one, two = own.thirds[0, j], own.thirds[1, j]
+        # 8/729 F₅ + 8/2187 F₆ and 8/729 F₅ + 16/2187 F₆ shall equal the changes at the thirds
+        dense[6, j] = 2187.0 / 8.0 * (two - one)
+        dense[5, j] = 729.0 / 8.0 * one - dense[6, j] / 3.0
+
+
+def interpolated(d, j, theta):
+    """Component j of z at the fraction θ of the last step."""
+    total = d.implicit.start[j]
+    for m in range(1, RADAU_STAGES + 1):
+        total += lagrange(0, m, theta) * d.implicit.last[m - 1, j]
+    return total
+
+
+def curvatures(d, h):
+    """Bound |g̈| [m/s²] of the active contacts over the last step, from their clearance polynomials."""
+    for k in range(compliant(d)):
+        bound = 0.0
+        for m in range(RADAU_STAGES):
+            bound += CURVE_BOUND[m] * abs(coefficient(d.implicit.last, m, gap_at(d, k)))
+        d.search.curvature[d.touch.active_index[k]] = bound / (h * h)

@@ -1,0 +1,251 @@
+"""The methods of integration, as data. Which function does what for them is in methods.py.
+
+Explicit steps are stable for equations that are not stiff; they evaluate the rate at their end, as the first
+stage of the next step. Implicit steps are stable however stiff the equations are. The end of an implicit step
+is more accurate than its dense output, so that it is repeated to end at an event, and its method finds a size
+for the first step after one.
+
+The outcome of a tried step, and the size of the next one: from its error, or where there is none yet.
+
+A method tries a step and concludes it with its error. If that is within the tolerance, the search for events
+and the energy check can still refuse the step: it is accepted if its error is at most 1 after them. A
+rejected step costs as much as an accepted one. So the sizes of the first step in flight and of the first step
+of a contact are estimated in advance.
+
+The size of an error: its components over the scales to which the tolerance refers.
+"""
+
+import math
+
+from chain_impact.kernel.chain.joints import joint_damping, spring_stiffness
+from chain_impact.kernel.chain.kinematics import move_points
+from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, sundman_u_at, velocity_at
+from chain_impact.kernel.forces.contact_force import damping_share
+from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.rows.constraints import any_constraint
+from chain_impact.kernel.rows.geometry import along, clearance, normal
+
+EXPLICIT, IMPLICIT = 0, 1  # step.method: the current method
+SOLVER_METHODS = ("auto", "explicit", "implicit")
+"""The choices of `solver.method`, counted from 1: the first leaves it to the solver."""
+AUTO = 1
+
+# By the number of the method: the error of a step over its length is proportional to h to the ORDER; SAFETY
+# is a factor on the size of the next step that the last error suggests; the first step of a contact is of
+# ONSET_SIZE times its time scale, at a tolerance of 1, with an error proportional to its size to the
+# ONSET_ORDER.
+ORDER = (8, 7)
+SAFETY = (0.8, 0.85)
+ONSET_SIZE = (4.5, 1.2)
+ONSET_ORDER = (8, 3.5)  # the force, δ^(3/2), integrated twice
+
+
+def chosen(choice):
+    """The number of the method that `solver.method` prescribes, or −1 for `auto`."""
+    return choice - AUTO - 1
+
+
+def first_method(choice):
+    """The number of the method that a run begins with."""
+    return EXPLICIT if choice == AUTO else chosen(choice)
+
+
+# Limits of the factor by which the size of a step changes. DOP853's authors use 1/3 and 6.
+SHRINK, GROW = 0.1, 6.0
+EXPONENT = tuple(-1.0 / order for order in ORDER)
+ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
+# The error of a step that is refused, whatever its own: the next try is a seventh as long, or an eighth if it
+# is implicit.
+FAR_OFF = 1e6
+LEAST = 1e-16  # a smaller error, which may be 0, counts as this one
+# Rotation of the links [rad] in the first step of a flight at a tolerance of 1: the largest for which few of
+# them are rejected (tests/kernel/integration/test_control.py). ONSET_SIZE of the methods is chosen likewise.
+TURN = 2.8
+# In the place of ONSET_SIZE and ONSET_ORDER for an explicit step in time: there the force begins as a power
+# of the time since the onset, so errors are of a lower order than those of the method.
+BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
+
+
+def begin_trial(d, h):
+    """Begin to try a step of size h."""
+    d.trial.size = h
+
+
+def conclude(d, error, cost_factor):
+    """Set the error of the tried step, over the tolerance, and what its cost says about the next size."""
+    d.trial.error, d.trial.cost_factor = error, cost_factor
+
+
+def refuse(d, error):
+    """Let something else count as an error of the tried step, over the tolerance, if it is larger."""
+    d.trial.error = max(d.trial.error, error)
+
+
+def accepted(d):
+    """Whether the tried step is accepted, as far as it has been checked."""
+    return d.trial.error <= 1.0
+
+
+def propose(d, size):
+    """Propose a size of the next step, in its integration variable."""
+    d.step.next_size = size
+
+
+def limit(d, size):
+    """Let the next step be no longer than a size."""
+    propose(d, min(d.step.next_size, size))
+
+
+def rescale(d, ratio):
+    """Multiply the proposed size by a ratio, as the integration variable changes."""
+    propose(d, d.step.next_size * ratio)
+
+
+def keep_for_flight(d):
+    """Keep the proposed size for the flight after the contacts that begin."""
+    d.step.flight_size = d.step.next_size
+
+
+def resume_flight(d):
+    """Propose the size that was kept for flight."""
+    propose(d, d.step.flight_size)
+
+
+def factor(d):
+    """The factor on the size of the tried step that follows from its outcome."""
+    if not math.isfinite(d.trial.error):
+        return SHRINK
+    method, error = d.step.method, max(d.trial.error, LEAST)
+    return max(SHRINK, SAFETY[method] * d.trial.cost_factor * error ** EXPONENT[method])
+
+
+def in_flight(d, y, rate):
+    """A size [s] ≤ 1 s for an explicit step from state y, by how fast the links turn there."""
+    n, fastest = d.links, 0.0
+    for i in range(n):
+        fastest = max(fastest, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
+    turn = TURN * d.solver.tolerance ** -EXPONENT[EXPLICIT]
+    return turn / max(fastest, turn)
+
+
+def at_onset(d, c, method):
+    """A size for a method's first step in the contact of candidate c, which has just begun."""
+    return ONSET_SIZE[method] * time_scale(d, c) * d.solver.tolerance ** ONSET_EXPONENT[method]
+
+
+def at_onset_beside(d, c):
+    """As ``at_onset``, for a contact that begins beside others: an explicit step is then one in time."""
+    return BESIDE_SIZE * time_scale(d, c) * d.solver.tolerance ** (1.0 / BESIDE_ORDER)
+
+
+def time_scale(d, c):
+    """The time [s] in which the force of candidate c, whose contact has just begun, rises: δ*/v₀ or less."""
+    share, power = damping_share(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
+    # it is shorter where damping stops the point
+    return d.touch.depth_scale[c] / d.touch.impact_speed[c] * (1.0 + share) ** -power
+
+
+# The largest relative error of a penetration, however loose the tolerance: with more than some hundredths a
+# point that comes to rest bounces again, and outputs show spurious forces.
+LARGEST_ERROR = 0.01
+
+
+def set_scales(d, y, scale, contacts):
+    """Set the scales of errors in state y over the tolerance, for the points located there.
+
+    They are 1 rad for angles and one link length for positions, whatever their value (turning or
+    shifting the scene changes nothing); for speeds their own size plus one of these per second, and for
+    dissipated energy likewise; and for the penetration of each of the first active ``contacts`` its own
+    scale, which may be a millionth of a link length. The scales of these stand from that of u on, as in z of
+    extended.py. The energy supplied by inputs depends on the others and is not controlled, nor are u and the
+    time of a step, whose errors are far smaller than those of the motion, rates of clearances and
+    quadratures: their scales are not set.
+    """
+    n, size = d.links, d.model.size
+    for j in range(velocity_at(n)):
+        scale[j] = size if j < ANGLES else 1.0
+    for j in range(velocity_at(n), dissipated_at(n)):
+        scale[j] = (size if j < omega_at(n) else 1.0) + abs(y[j])
+    scale[dissipated_at(n)] = d.model.energy + abs(y[dissipated_at(n)]) + impact_energy(d)
+    for k in range(contacts):
+        scale[sundman_u_at(n) + k] = penetration_scale(d, d.touch.active_index[k])
+
+
+@inlined
+def largest_errors(one, other, weight, count):
+    """The largest weighted components of two estimates of an error; infinity if a component is not finite."""
+    first, second, total = 0.0, 0.0, 0.0
+    for j in range(count):
+        a, b = abs(one[j]) * weight[j], abs(other[j]) * weight[j]
+        first, second, total = max(first, a), max(second, b), total + a + b
+    # max() can hide a NaN, a sum cannot
+    return (first, second) if math.isfinite(total) else (math.inf, math.inf)
+
+
+def scaled_errors(d):
+    """The sizes of the two error estimates in ``work.error`` and ``gap_error``, for the tried step.
+
+    The points must be located at its end. A size is at most 1 if the error is within the tolerance, and
+    infinity if the result is not finite.
+    """
+    y, scale, total = d.trial.state, d.implicit.weight, 0.0
+    one, other, first, second = d.work.error[0], d.work.error[1], 0.0, 0.0
+    set_scales(d, y, scale, d.touch.active_count)
+    controlled, gaps = dissipated_at(d.links) + 1, sundman_u_at(d.links)
+    for j in range(controlled):
+        # max() can hide a NaN, a sum cannot
+        total += abs(one[j] + y[j]) + abs(other[j] + y[j])
+        first, second = max(first, abs(one[j]) / scale[j]), max(second, abs(other[j]) / scale[j])
+    for k in range(d.touch.active_count):
+        first = max(first, abs(d.touch.gap_error[0, k]) / scale[gaps + k])
+        second = max(second, abs(d.touch.gap_error[1, k]) / scale[gaps + k])
+    if any_constraint(d) and d.model.resisting:
+        first, second = max(first, moment_error(d, 0)), max(second, moment_error(d, 1))
+    if not math.isfinite(total):
+        return math.inf, math.inf
+    return first / d.solver.tolerance, second / d.solver.tolerance
+
+
+def moment_error(d, row):
+    """The largest error of a joint's damper and spring moment, relative to the moments that move the chain.
+
+    The constraint forces of rigid walls depend on these moments, and their signs decide on releases.
+    """
+    error, first, worst = d.work.error[row], omega_at(d.links), 0.0
+    turn, spin = 0.0, 0.0
+    for i in range(d.links):
+        moment = spring_stiffness(d, i) * abs(error[ANGLES + i] - turn)
+        moment += joint_damping(d, i) * abs(error[first + i] - spin)
+        worst = max(worst, moment)
+        turn, spin = error[ANGLES + i], error[first + i]
+    return worst / (d.model.energy * (1.0 + d.model.gravity_size / d.model.size))
+
+
+def impact_energy(d):
+    """The kinetic energy [J] with which the active contacts began, ½ m v₀² of each."""
+    energy = 0.0
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        energy += 0.5 * d.touch.effective_mass[c] * d.touch.impact_speed[c] ** 2
+    return energy
+
+
+def set_gap_errors(d, row):
+    """Set the errors in the clearances of the active contacts that follow from an error estimate."""
+    if d.touch.active_count > 0:
+        move_points(d, d.work.link, d.work.error[row], d.work.motion)
+    for k in range(d.touch.active_count):
+        d.touch.gap_error[row, k] = along(normal(d, d.touch.active_index[k]), d.work.motion)
+
+
+def penetration_scale(d, c):
+    """The scale [m] of errors in the penetration of an active candidate, at the located points.
+
+    An error Δδ soon causes an error in speed of about ω Δδ, with ω the contact's frequency, so it may be as
+    large as the error of speeds over ω. With ω ≈ v₀ over the expected depth this is the depth itself for a
+    fast impact and more for a slow one, but never so much that the error exceeds 1 % of the depth.
+    """
+    gap, _ = clearance(d, c)
+    depth = max(d.touch.depth_scale[c], -gap)
+    leeway = min(d.model.size / d.touch.impact_speed[c], LARGEST_ERROR / d.solver.tolerance)
+    return depth * max(1.0, leeway)

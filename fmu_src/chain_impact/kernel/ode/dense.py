@@ -1,0 +1,336 @@
+"""The last accepted step and its dense output: y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + … + θ F₆))), 0 ≤ θ ≤ 1.
+
+Quadratures: integrals along the motion, such as the impulses of the walls. QUADRATURES lists them.
+
+They advance with the stages and the dense output of the state, do not act on the motion, and the error
+control ignores them. The momentum of the chain changes in a step by what gravity, inputs and the impulses
+give, to the accuracy of the step. ``quadrature.total`` has a place for each, with its value at the time when
+contacts last began or ended. Those that are integrated in a step are packed: ``quadrature.state``,
+``state_end``, ``tried``, ``stage`` and ``dense`` are for them what the same fields of the step are for y, and
+``quadrature.index`` has their places. A scene that does not request them has no cost for them.
+
+The maximum of a function of the state inside the last step.
+"""
+
+import numpy as np
+
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
+
+POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))  # p, q of θᵖ (1−θ)^q, with F₀ to F₆
+DENSE_COEFFICIENTS = len(POWERS)
+# Guesses of a fast method for a root between two bounds, three to ten as a rule. Then the bracket is halved.
+FAST = 20
+# Guesses after which no number is left within a bracket of width 1, or it is narrower than any resolution.
+TRIES = FAST + 64
+RESOLUTION = 1e-15  # of a step: the accuracy of the fraction θ that belongs to a time
+
+
+def next_guess(low, high, guess, tries):
+    """The guess of a fast method, or the middle of the bracket if it lies outside or after FAST ``tries``."""
+    if tries < FAST and low < guess < high:
+        return guess
+    return 0.5 * (low + high)
+
+
+def time_rate(u):
+    """The rate p = dt/ds of time in a regularized step (sundman.py)."""
+    return u / (1.0 + u * u)
+
+
+def interpolate(step, theta, y):
+    """Set y to the state at the fraction θ ∈ [0, 1] of the last step."""
+    for j in range(len(step.state)):
+        y[j] = interpolate_component(step, theta, j)
+
+
+def interpolate_component(step, theta, j):
+    """Component j of the state at the fraction θ ∈ [0, 1] of the last step."""
+    rest = 1.0 - theta
+    high = step.dense[4, j] + rest * (step.dense[5, j] + theta * step.dense[6, j])
+    low = step.dense[2, j] + rest * (step.dense[3, j] + theta * high)
+    return step.state[j] + theta * (step.dense[0, j] + rest * (step.dense[1, j] + theta * low))
+
+
+def fraction(d, time):
+    """The fraction θ of the last step that belongs to a time [s]."""
+    elapsed = time - d.step.start
+    if d.step.regularized < 0:
+        return elapsed / d.step.size
+    return regularized_fraction(d, elapsed)
+
+
+def regularized_fraction(d, elapsed):
+    """The fraction θ of the last step, a regularized one, at which the time ``elapsed`` [s] has passed."""
+    step, root, clock = d.step, sundman_u_at(d.links), time_at(d.links)
+    at_end = step.state[root] + step.dense[0, root]
+    if elapsed >= step.dense[0, clock] and at_end >= 0.0:
+        return 1.0
+    # t increases with θ as long as u ≥ 0, and dt/dθ = h p: Newton's method inside a bracket
+    low, high, theta = 0.0, 1.0, 0.5
+    for tries in range(TRIES):
+        error = interpolate_component(step, theta, clock) - elapsed
+        if error == 0.0:
+            break
+        u = interpolate_component(step, theta, root)
+        if error > 0.0 or u < 0.0:
+            high = theta
+        else:
+            low = theta
+        slope = step.size * time_rate(u)
+        guess = next_guess(low, high, theta - error / slope if slope > 0.0 else high, tries)
+        if abs(guess - theta) <= RESOLUTION:
+            break
+        theta = guess
+    return theta
+
+
+def _basis_bounds():
+    """Largest size on [0, 1] of the interpolant's basis functions and of their slopes."""
+    theta = np.linspace(0.0, 1.0, 10001)
+    rest = 1.0 - theta
+    values = [theta**p * rest**q for p, q in POWERS]
+    slopes = [p * theta ** (p - 1) * rest**q - q * theta**p * rest ** max(q - 1, 0) for p, q in POWERS]
+    return (
+        tuple(float(np.abs(v).max()) for v in values),
+        tuple(float(np.abs(s).max()) for s in slopes),
+    )
+
+
+BASIS_BOUND, SLOPE_BOUND = _basis_bounds()
+
+
+def rate_bounds(step, j):
+    """Bounds on |y_j| and |ẏ_j| over the last step, from the interpolant's coefficients."""
+    value, slope = abs(step.state[j]), 0.0
+    for m in range(DENSE_COEFFICIENTS):
+        f = abs(step.dense[m, j])
+        value += BASIS_BOUND[m] * f
+        slope += SLOPE_BOUND[m] * f
+    return value, slope / step.size
+
+
+def rate_bounds_along(step, j, nx, ny):
+    """As ``rate_bounds``, for the component along (nx, ny) of the vector that begins at y_j."""
+    value, slope = abs(nx * step.state[j] + ny * step.state[j + 1]), 0.0
+    for m in range(DENSE_COEFFICIENTS):
+        f = abs(nx * step.dense[m, j] + ny * step.dense[m, j + 1])
+        value += BASIS_BOUND[m] * f
+        slope += SLOPE_BOUND[m] * f
+    return value, slope / step.size
+
+
+COURSE_SAMPLES = 16  # of the dense output of a step
+# Of each kind: its name, how many places it has among all, and the rate at its i-th place where the rate of
+# the state was evaluated just now. The record has room for all of them (record/contacts.py), and the impulses
+# of the walls come first.
+QUADRATURES = (
+    ("impulse of a wall [N·s]", lambda d: d.candidates, lambda d, c: d.touch.force[c]),
+    ("impulse of dry friction [N·s]", lambda d: d.elements, lambda d, e: d.element.force[e]),
+    ("energy that dry friction dissipates [J]", lambda _d: 1, lambda d, _i: d.friction.power),
+    ("impulse of the force at the tip [N·s]", lambda _d: 2, lambda d, j: d.inputs.tip_force[j]),
+)
+
+
+def _rate_of(kinds):
+    """Return a function (d, i) for the rate at place i, counted from the first place of these kinds."""
+    (_, places, rate), others = kinds[0], kinds[1:]
+    if not others:
+        return rate
+    after = _rate_of(others)
+    return lambda d, i: rate(d, i) if i < places(d) else after(d, i - places(d))
+
+
+_rate = _rate_of(QUADRATURES)
+
+
+def list_quadratures(d):
+    """Pack the places of what is integrated from now on."""
+    own = d.quadrature
+    own.count = 0
+    if own.wanted:
+        for k in range(d.touch.active_count):
+            integrate(d, d.touch.active_index[k])
+        for k in range(d.friction.contact_count):
+            integrate(d, d.candidates + d.element.index[k])
+        if d.friction.count > 0:
+            integrate(d, d.candidates + d.elements)
+        if d.loads > 0 and d.model.driven:
+            for j in range(2):
+                integrate(d, d.candidates + d.elements + 1 + j)
+
+
+def integrate(d, i):
+    """Append place i to those that are integrated."""
+    d.quadrature.index[d.quadrature.count] = i
+    d.quadrature.count += 1
+
+
+def clear_quadratures(d):
+    """Start with totals of 0."""
+    own = d.quadrature
+    own.count = 0
+    for i in range(len(own.total)):
+        own.total[i], own.rate[i] = 0.0, 0.0
+
+
+def quadrature_rates(d, factor, out):
+    """Set out to the rates times a factor, packed, where the rate of the state was evaluated just now."""
+    for k in range(d.quadrature.count):
+        out[k] = _rate(d, d.quadrature.index[k]) * factor
+
+
+def keep_end_rates(d):
+    """Keep the rates at the end of the last step, where the rate of the state was evaluated just now."""
+    quadrature_rates(d, 1.0, d.quadrature.rate_end)
+
+
+def set_quadrature_stage(d, i):
+    """Set stage i, dq/ds = q̇ dt/ds, where the rate of the state was evaluated just now."""
+    quadrature_rates(d, d.work.stage[i, time_at(d.links)], d.quadrature.stage[i])
+
+
+def set_quadrature_stage_at_end(d, i):
+    """Set stage i at the end of the last step."""
+    own = d.quadrature
+    for k in range(own.count):
+        own.stage[i, k] = own.rate_end[k] * d.work.stage[i, time_at(d.links)]
+
+
+def settle_impulses(d):
+    """Correct the impulses of the last step, which has its final end, that have fallen: no wall pulls.
+
+    The quadrature of a step has weights of both signs, so that the error of a force that is close to 0 can
+    exceed it: such an impulse stays as it was. Where points that a rigid wall holds all but coincide, only
+    the sum of their forces is accurate: it stays, too.
+    """
+    own = d.quadrature
+    for k in range(min(own.count, d.touch.active_count)):
+        c, fallen = own.index[k], own.state[k] - own.state_end[k]
+        if fallen > 0.0:
+            own.state_end[k] = own.state[k]
+            # the stops of all joints have one number, and nothing in common
+            if k >= d.touch.compliant_count and d.candidate.stop[c] == 0:
+                take_impulse(d, d.candidate.wall[c], fallen)
+
+
+def take_impulse(d, wall, amount):
+    """Take an amount [N·s] from the held point to which a wall has given most in the last step."""
+    own, most, taker = d.quadrature, 0.0, -1
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        given = own.state_end[k] - own.state[k]
+        if d.candidate.wall[own.index[k]] == wall and given > most:
+            most, taker = given, k
+    if taker >= 0:
+        own.state_end[taker] -= min(amount, most)
+
+
+def quadrature_within(d, theta, k):
+    """The k-th quadrature at the fraction θ of the last step.
+
+    It is that of the dense output. But an impulse of a wall has no part that is an error: it is not above
+    samples of it later in the step, and not below the last of them before θ.
+    """
+    own, below, above = d.quadrature, d.quadrature.state_end[k], d.quadrature.state_end[k]
+    value = interpolate_component(own, theta, k)
+    if own.index[k] >= d.candidates:
+        return value
+    for i in range(COURSE_SAMPLES):
+        sample = d.step.kept * (COURSE_SAMPLES - 1 - i) / COURSE_SAMPLES
+        below = min(above, interpolate_component(own, sample, k))
+        if sample <= theta:
+            break
+        above = below
+    return max(own.state[k], below, min(above, value))
+
+
+def take_quadratures(d, z, first):
+    """Set them at the end of the step that was tried to the entries of z from the first on."""
+    for k in range(d.quadrature.count):
+        d.quadrature.tried[k] = z[first + k]
+
+
+def append_quadratures(d):
+    """Take over the quadratures of the step that was tried, as ``accept`` does for the state."""
+    own = d.quadrature
+    for k in range(own.count):
+        own.state[k], own.state_end[k] = own.state_end[k], own.tried[k]
+
+
+def roll_back_quadratures(d):
+    """Reset them to the start of the last step."""
+    for k in range(d.quadrature.count):
+        d.quadrature.state_end[k] = d.quadrature.state[k]
+
+
+def truncate_quadratures(d, theta):
+    """Set them at the end of the last step to those at its fraction θ."""
+    for k in range(d.quadrature.count):
+        d.quadrature.state_end[k] = interpolate_component(d.quadrature, theta, k)
+
+
+def commit_quadratures(d):
+    """Store the totals and rates at the end of the last step, before contacts begin or end.
+
+    What is not integrated there has a rate of 0, with which it begins if no force jumps.
+    """
+    own = d.quadrature
+    for i in range(len(own.rate)):
+        own.rate[i] = 0.0
+    for k in range(own.count):
+        own.total[own.index[k]], own.rate[own.index[k]] = own.state_end[k], own.rate_end[k]
+
+
+def reset_quadratures(d):
+    """Start from the totals and rates of what is integrated from now on, with a last step of no length."""
+    own = d.quadrature
+    list_quadratures(d)
+    for k in range(own.count):
+        own.state[k] = own.state_end[k] = own.total[own.index[k]]
+        own.rate_end[k] = own.rate[own.index[k]]
+        for m in range(len(own.dense)):
+            own.dense[m, k] = 0.0
+
+
+def give_impulses(d):
+    """Add the impulses of rigid walls in an impact, found just now, to the totals."""
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        d.quadrature.total[d.touch.active_index[k]] += max(0.0, d.rigid.impulse[k])
+
+
+def maximum_of(value_at):
+    """Return the function that finds a maximum of a value near a place in the last step.
+
+    Args:
+        value_at: function (d, index, θ) for the value at a fraction θ of the step.
+    """
+
+    def maximum_near(d, index, middle, reach, end):
+        """The maximum near the fraction ``middle`` of the last step, before its fraction ``end``.
+
+        Three parabolas, each through three points around the last top; returns the final top or a larger
+        sample.
+
+        Args:
+            d: the instance.
+            index: of a candidate or a joint.
+            middle: where to begin …
+            reach: … and how far around it.
+            end: fraction of the step beyond which nothing counts.
+        """
+        best, summit = 0.0, 0.0
+        for _ in range(3):
+            left = value_at(d, index, middle - reach)
+            top = value_at(d, index, middle)
+            right = value_at(d, index, middle + reach)
+            best = max(best, left, top, right)
+            bend = left - 2.0 * top + right
+            if bend >= 0.0:
+                return best
+            shift = 0.5 * (left - right) / bend
+            summit = top - 0.25 * (left - right) * shift if abs(shift) <= 1.0 else top
+            middle += shift * reach
+            reach *= 0.1
+            middle = min(max(middle, reach), end - reach)
+        return max(best, summit)
+
+    return maximum_near

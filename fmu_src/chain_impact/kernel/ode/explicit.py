@@ -1,0 +1,275 @@
+"""The coefficients of DOP853, as data.
+
+Explicit Runge–Kutta method of order 8 with 12 stages, two embedded error estimates of orders 5 and 3, and
+dense output of order 7 by three further stages. The first stage of a step is the last one of the step
+before. Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed.,
+Springer 1993, section II.5 and the authors' code; J. R. Dormand and P. J. Prince 1981, J Comput Appl Math
+7:67 for the family.
+
+Each row maps the number of a stage to its coefficient; zeros are left out.
+
+The explicit step of order 8, for flight and impact (the method's data: dop853.py).
+"""
+
+import math
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at
+from chain_impact.kernel.forces.friction import any_sticking
+from chain_impact.kernel.functions import sequence
+from chain_impact.kernel.ode.control import conclude, scaled_errors, set_gap_errors
+from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_stage_at_end
+from chain_impact.kernel.ode.sundman import NO_CONTACT, regularize, regularized_rate, root_curve, runs_back
+from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
+from chain_impact.kernel.status import count_evaluations
+
+ORDER = 8
+STEP_STAGES = 12  # of the step; stage 12 is the rate at its end, stages 13 to 15 are for the dense output
+
+# fmt: off
+# row i: the point of stage i is y + h Σ_j A[i][j] k_j
+A: tuple[dict[int, float], ...] = (
+    {},
+    {0: 0.05260015195876773},
+    {0: 0.0197250569845379, 1: 0.0591751709536137},
+    {0: 0.02958758547680685, 2: 0.08876275643042054},
+    {0: 0.2413651341592667, 2: -0.8845494793282861, 3: 0.924834003261792},
+    {0: 0.037037037037037035, 3: 0.17082860872947386, 4: 0.12546768756682242},
+    {0: 0.037109375, 3: 0.17025221101954405, 4: 0.06021653898045596, 5: -0.017578125},
+    {0: 0.03709200011850479, 3: 0.17038392571223998, 4: 0.10726203044637328,
+     5: -0.015319437748624402, 6: 0.008273789163814023},
+    {0: 0.6241109587160757, 3: -3.3608926294469414, 4: -0.868219346841726, 5: 27.59209969944671,
+     6: 20.154067550477894, 7: -43.48988418106996},
+    {0: 0.47766253643826434, 3: -2.4881146199716677, 4: -0.590290826836843, 5: 21.230051448181193,
+     6: 15.279233632882423, 7: -33.28821096898486, 8: -0.020331201708508627},
+    {0: -0.9371424300859873, 3: 5.186372428844064, 4: 1.0914373489967295, 5: -8.149787010746927,
+     6: -18.52006565999696, 7: 22.739487099350505, 8: 2.4936055526796523, 9: -3.0467644718982196},
+    {0: 2.273310147516538, 3: -10.53449546673725, 4: -2.0008720582248625, 5: -17.9589318631188,
+     6: 27.94888452941996, 7: -2.8589982771350235, 8: -8.87285693353063, 9: 12.360567175794303,
+     10: 0.6433927460157636},
+    {0: 0.054293734116568765, 5: 4.450312892752409, 6: 1.8915178993145003, 7: -5.801203960010585,
+     8: 0.3111643669578199, 9: -0.1521609496625161, 10: 0.20136540080403034,
+     11: 0.04471061572777259},
+    {0: 0.056167502283047954, 6: 0.25350021021662483, 7: -0.2462390374708025,
+     8: -0.12419142326381637, 9: 0.15329179827876568, 10: 0.00820105229563469,
+     11: 0.007567897660545699, 12: -0.008298},
+    {0: 0.03183464816350214, 5: 0.028300909672366776, 6: 0.053541988307438566,
+     7: -0.05492374857139099, 10: -0.00010834732869724932, 11: 0.0003825710908356584,
+     12: -0.00034046500868740456, 13: 0.1413124436746325},
+    {0: -0.42889630158379194, 5: -4.697621415361164, 6: 7.683421196062599, 7: 4.06898981839711,
+     8: 0.3567271874552811, 12: -0.0013990241651590145, 13: 2.9475147891527724,
+     14: -9.15095847217987},
+)
+
+# order 8: y + h Σ_j B[j] k_j. Stage 12 is evaluated there: A[12] is B
+B = A[STEP_STAGES]
+
+# error estimates h Σ_j E[j] k_j of orders 5 and 3
+E5 = {0: 0.01312004499419488, 5: -1.2251564463762044, 6: -0.4957589496572502,
+       7: 1.6643771824549864, 8: -0.35032884874997366, 9: 0.3341791187130175,
+       10: 0.08192320648511571, 11: -0.022355307863886294}
+E3 = {0: -0.18980075407240762, 5: 4.450312892752409, 6: 1.8915178993145003, 7: -5.801203960010585,
+       8: -0.4226823213237919, 9: -0.1521609496625161, 10: 0.20136540080403034,
+       11: 0.02265179219836082}
+
+# the four highest coefficients of the interpolant, h Σ_j D[i][j] k_j
+D: tuple[dict[int, float], ...] = (
+    {0: -8.428938276109013, 5: 0.5667149535193777, 6: -3.0689499459498917, 7: 2.38466765651207,
+     8: 2.117034582445028, 9: -0.871391583777973, 10: 2.2404374302607883, 11: 0.6315787787694688,
+     12: -0.08899033645133331, 13: 18.148505520854727, 14: -9.194632392478356,
+     15: -4.436036387594894},
+    {0: 10.427508642579134, 5: 242.28349177525817, 6: 165.20045171727028, 7: -374.5467547226902,
+     8: -22.113666853125306, 9: 7.733432668472264, 10: -30.674084731089398, 11: -9.332130526430229,
+     12: 15.697238121770845, 13: -31.139403219565178, 14: -9.35292435884448, 15: 35.81684148639408},
+    {0: 19.985053242002433, 5: -387.0373087493518, 6: -189.17813819516758, 7: 527.8081592054236,
+     8: -11.57390253995963, 9: 6.8812326946963, 10: -1.0006050966910838, 11: 0.7777137798053443,
+     12: -2.778205752353508, 13: -60.19669523126412, 14: 84.32040550667716, 15: 11.99229113618279},
+    {0: -25.69393346270375, 5: -154.18974869023643, 6: -231.5293791760455, 7: 357.6391179106141,
+     8: 93.40532418362432, 9: -37.45832313645163, 10: 104.0996495089623, 11: 29.8402934266605,
+     12: -43.53345659001114, 13: 96.32455395918828, 14: -39.17726167561544, 15: -149.72683625798564},
+)
+# fmt: on
+
+
+STAGES = len(A)
+LAST = STEP_STAGES  # the stage at the end of the step
+# A step is lengthened by up to STRETCH if it then passes the end of a contact, to BEYOND times the predicted
+# length to the end: the prediction has an error of some hundredths. Otherwise the step covers at most half of
+# this length, so that no tiny step remains.
+BEYOND, STRETCH = 1.04, 1.2
+# Of a step: a contact that ends within it has practically no force left, and its penetration may be
+# round-off. The search for events finds its end, and a step up to there could be lost in the time.
+LEFT = 1e-6
+HALVE = 50.0  # an error that makes the next try of a method of order 8 half as long
+HUGE = 1e100  # an error whose square could overflow
+STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step, without the one at its end
+DENSE_EVALUATIONS = STAGES - LAST  # those of the dense output
+
+
+def combination(row):
+    """Return a function for ``out = base + h Σ_j row[j] k_j``, unrolled over the stages j in the row.
+
+    The function takes (stages, base, h, out), with the stages k_j the rows of ``stages``, which may
+    be longer than ``base`` and ``out``.
+    """
+    names, coefficients = tuple(row), tuple(row.values())
+    count = len(row)
+
+    def combine(stages, base, h, out):
+        for j in range(len(base)):
+            total = 0.0
+            for m in range(count):
+                total += coefficients[m] * stages[names[m], j]
+            out[j] = base[j] + h * total
+
+    return combine
+
+
+def combinations(one, two):
+    """Return a function for the sums h Σ_j row[j] k_j of two rows, which reads each k_j once for both.
+
+    The function takes (stages, h, first, second), the last two for the results.
+    """
+    names = tuple(sorted({*one, *two}))
+    row_1, row_2 = (tuple(row.get(name, 0.0) for name in names) for row in (one, two))
+    count = len(names)
+
+    def combine(stages, h, first, second):
+        for j in range(len(first)):
+            total_1, total_2 = 0.0, 0.0
+            for m in range(count):
+                stage = stages[names[m], j]
+                total_1 += row_1[m] * stage
+                total_2 += row_2[m] * stage
+            first[j], second[j] = h * total_1, h * total_2
+
+    return combine
+
+
+def _stage(i, accepted):
+    """Return the function for stage i of a step: its state, and the rate there.
+
+    A step is tried from ``state_end`` of the last one. Once it is ``accepted``, it starts at ``state``.
+    """
+    combine = combination(A[i])
+
+    def stage(d, h):
+        combine(d.work.stage, d.step.state if accepted else d.step.state_end, h, d.work.y)
+        regularized_rate(d, d.work.y, d.work.stage[i])
+        set_quadrature_stage(d, i)
+
+    return stage
+
+
+_stages = sequence(*(_stage(i, accepted=False) for i in range(1, LAST)))
+_step_end = combination(B)
+_dense_stages = sequence(*(_stage(i, accepted=True) for i in range(LAST + 1, STAGES)))
+_errors = combinations(E5, E3)
+_high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
+
+
+def toward_end(d, h):
+    """The size of the next step if the error control allows h: it passes an end of contact that is near."""
+    if d.touch.compliant_count == 0:
+        return h
+    if d.step.regularized == NO_CONTACT:
+        return toward_ends(d, h)
+    root = sundman_u_at(d.links)
+    u, slope = d.step.state_end[root], d.work.stage[0, root]
+    if u + 2.0 * slope * h >= 0.0:
+        return h
+    accelerate_points(d, d.step.state_end, d.work.rate_start)
+    # u + u′ s + ½ u″ s² = 0
+    square = slope * slope - 2.0 * u * root_curve(d, u, slope)
+    left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)
+    return up_to(h, left)
+
+
+def toward_ends(d, h):
+    """As ``toward_end``, where the variable is time: for the first end of a contact with a force."""
+    accelerate_points(d, d.step.state_end, d.work.rate_start)
+    left = math.inf
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        gap, gap_rate = clearance(d, c)
+        if gap < 0.0 < gap_rate:
+            # g + ġ t + ½ g̈ t² = 0
+            square = gap_rate * gap_rate - 2.0 * gap * gap_acceleration(d, c)
+            left = min(left, -2.0 * gap / (gap_rate + math.sqrt(max(0.0, square))))
+    return up_to(h, left)
+
+
+def up_to(h, left):
+    """The size of a step, if the error control allows h and a contact is predicted to end after ``left``."""
+    if left < LEFT * h:
+        return h
+    if BEYOND * left < STRETCH * h:
+        return BEYOND * left
+    return min(h, 0.5 * left)
+
+
+def attempt(d, h):
+    """Try a step of size h from ``step.state_end``."""
+    make(d, h)
+    count_evaluations(d, STEP_EVALUATIONS)
+    conclude(d, HALVE if runs_back(d, d.trial.state) else estimate(d, h), 1.0)
+
+
+def estimate(d, h):
+    """The error of the tried step, relative to the tolerance; not finite if f was not."""
+    controlled = dissipated_at(d.links) + 1
+    _errors(d.work.stage, h, d.work.error[0, :controlled], d.work.error[1, :controlled])
+    if d.touch.active_count > 0 or any_sticking(d):
+        locate_points(d, d.trial.state)
+    set_gap_errors(d, 0)
+    set_gap_errors(d, 1)
+    error_5, error_3 = scaled_errors(d)
+    if error_5 == 0.0:
+        return 0.0
+    if max(error_5, error_3) > HUGE:
+        return math.inf
+    # e₅²/√(e₅² + e₃²/100): of order 8, as e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
+    ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
+    return error_5 * ratio * (math.sqrt(ratio) if is_smooth(d) else 1.0)
+
+
+def is_smooth(d):
+    """Whether the error of the step is of order 9, as in a regularized contact.
+
+    The estimate of order 8 is kept as a margin in flight, and where a force rises so steeply, as a root of u,
+    that the step loses its order.
+    """
+    c = d.step.regularized
+    return c != NO_CONTACT and not 0.0 < d.law.rate_exponent[c] < 0.5
+
+
+def make(d, h):
+    """Make a step of size h from ``step.state_end``, without an estimate of its error."""
+    _stages(d, h)
+    _step_end(d.work.stage, d.step.state_end, h, d.trial.state)
+    own, count = d.quadrature, d.quadrature.count
+    if count > 0:
+        _step_end(own.stage, own.state_end[:count], h, own.tried[:count])
+
+
+def dense_output(d, h):
+    """Set the dense output of the last step, of size h."""
+    locate_points(d, d.step.state_end)
+    regularize(d, d.step.state_end, d.work.rate_end, d.work.stage[LAST])
+    set_quadrature_stage_at_end(d, LAST)
+    _dense_stages(d, h)
+    _interpolant(d.step, d.work.stage, len(d.work.y), h)
+    if d.quadrature.count > 0:
+        _interpolant(d.quadrature, d.quadrature.stage, d.quadrature.count, h)
+
+
+def _interpolant(step, stages, count, h):
+    """Set the dense output of the first components of a state, or of quadratures, from their stages."""
+    for j in range(count):
+        # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆))))))
+        change = step.state_end[j] - step.state[j]
+        step.dense[0, j] = change
+        step.dense[1, j] = h * stages[0, j] - change
+        step.dense[2, j] = 2.0 * change - h * (stages[LAST, j] + stages[0, j])
+    _high_01(stages, h, step.dense[3, :count], step.dense[4, :count])
+    _high_23(stages, h, step.dense[5, :count], step.dense[6, :count])

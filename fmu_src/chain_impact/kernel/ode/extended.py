@@ -1,0 +1,267 @@
+"""The equations of an implicit step: those of motion, together with the clearances of the active contacts.
+
+As the links turn, the coordinates of a stage leave the wall's tangent by ½ h² J̇ẏ. That is little, but often
+more than the penetration of a stiff wall. So the clearances g of the active contacts and their rates are
+integrated together with y, z = (y, g, ġ, q), with g̈ the acceleration of the point along the normal and q the
+quadratures. The forces are evaluated at g and ġ, in which the fast motions are linear
+except for the force law.
+
+A rigid wall has no force law and constrains its points as in all other steps (forces/holding.py): z has
+no entries for them.
+
+The linear systems of an implicit step, (1 − s A) x = r, for a real and for complex shifts s.
+
+A is the stiff part of the Jacobian. A point resting on a stiff wall makes the equations stiff: the contact's
+own motions are far faster than the chain's, and decay. So do joints with dampers or springs; their moments
+are −C v − S q, up to constants, with C = Σ c_i g_i g_iᵀ, S = Σ k_i g_i g_iᵀ and g_i the gradient of
+ω_i − ω_{i−1}. All other terms are left out and treated by Newton's iteration. For z of extended.py
+
+    ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(ẋ, ġ)/∂(v, ġ) = 1,
+
+k = ∂F/∂δ, c = ∂F/∂δ̇, J the gradient of the clearances. The solution needs no linear algebra except the
+recursion. With x_v = r_v − Δ the rows of v̇ are M Δ = s (Jᵀ (k x_g + c x_ġ) + C x_v + S x_q), hence
+
+    (M + Jᵀ D J + K) Δ = Jᵀ (D r_ġ + s k r_g) + K r_v + s S r_q,   D = s c + s² k,   K = s C + s² S,
+    x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + s x_v,   x_g = r_g + s x_ġ,
+
+with Δ the response of the chain to impulses at the touching points and moments in the joints. The contacts'
+impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) acts as a damper in joint
+i, on which K r_v + s S r_q is an impulse (chain/tree.py). A point that a rigid wall constrains,
+J Δ = 0, has an impedance far larger than the mass of the chain.
+
+The functions take s, x and work ``space`` that are all real or all complex. The space has impedances, loads,
+factors, of which a ``row`` is used, and the resulting motion.
+
+The coordinates of an implicit step, projected onto the clearances that are integrated with them.
+
+The two differ by little, but on a stiff wall this would act as an impact. The difference before the
+projection counts as an error of the step.
+"""
+
+from chain_impact.kernel.chain.joints import joint_resistance, spring_stiffness
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.state import ANGLES, coordinate_count, omega_at, sundman_u_at, velocity_at
+from chain_impact.kernel.chain.tree import SHIFTED, factorize, no_impedance
+from chain_impact.kernel.equations import loaded_rate
+from chain_impact.kernel.forces.contact import apply_contact, clear_loads
+from chain_impact.kernel.forces.contact_force import law_slopes
+from chain_impact.kernel.forces.friction import apply_friction
+from chain_impact.kernel.forces.holding import add_constraint_forces
+from chain_impact.kernel.forces.inputs import set_inputs
+from chain_impact.kernel.ode.dense import quadrature_rates
+from chain_impact.kernel.rows.compliance import holding_impedance, joints_loaded, solve_space
+from chain_impact.kernel.rows.constraints import any_constraint
+from chain_impact.kernel.rows.geometry import (
+    add_along,
+    add_impedance,
+    along,
+    clear_loads_of,
+    clearance,
+    constraint,
+    constraint_rows,
+    gap_acceleration,
+    join,
+    normal,
+)
+
+
+def gap_at(d, k):
+    """The index in z of the clearance of the k-th active contact: from that of u on, which is 1 here."""
+    return sundman_u_at(d.links) + k
+
+
+def compliant(d):
+    """The number of contacts with clearances in z: the active ones whose law has a force."""
+    return d.touch.compliant_count
+
+
+def rate_at(d, k):
+    """The index in z of the rate of that clearance."""
+    return gap_at(d, compliant(d) + k)
+
+
+def quadrature_at(d, k):
+    """The index in z of the k-th quadrature: first the impulses of these contacts, if they are requested."""
+    return gap_at(d, 2 * compliant(d) + k)
+
+
+def extended_size(d):
+    """The length of z."""
+    return quadrature_at(d, d.quadrature.count)
+
+
+def extend_start(d):
+    """Set z and ż at the start of the next step, from the state and the rate there."""
+    work, own, n = d.work, d.implicit, d.links
+    if not work.at_end:
+        locate_points(d, d.step.state_end)
+    accelerate_points(d, d.step.state_end, work.rate_start)
+    for j in range(sundman_u_at(n)):
+        own.start[j], own.start_rate[j] = d.step.state_end[j], work.rate_start[j]
+    for k in range(compliant(d)):
+        own.start[gap_at(d, k)], own.start[rate_at(d, k)] = clearance(d, d.touch.active_index[k])
+    for k in range(d.quadrature.count):
+        own.start[quadrature_at(d, k)] = d.quadrature.state_end[k]
+        own.start_rate[quadrature_at(d, k)] = d.quadrature.rate_end[k]
+    clearance_rates(d, own.start, own.start_rate)
+
+
+def clearance_rates(d, z, rate):
+    """Set the rates of g and ġ, for accelerated points."""
+    for k in range(compliant(d)):
+        rate[gap_at(d, k)] = z[rate_at(d, k)]
+        rate[rate_at(d, k)] = gap_acceleration(d, d.touch.active_index[k])
+
+
+def extended_rate(d, z, elapsed, rate):
+    """Set rate = ż, ``elapsed`` [s] after the start, with the contact forces at clearances and rates in z."""
+    if d.inputs.course.order > 0:
+        set_inputs(d, d.step.clock + elapsed)
+    locate_points(d, z)
+    clear_loads(d)
+    dissipated = 0.0
+    for k in range(compliant(d)):
+        dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
+    if d.friction.count > 0:
+        dissipated += apply_friction(d)
+    loaded_rate(d, z, dissipated, rate)  # also sets those of u and time, where z has other entries
+    if any_constraint(d):
+        add_constraint_forces(d, z, rate)
+    quadrature_rates(d, 1.0, rate[quadrature_at(d, 0) :])
+    accelerate_points(d, z, rate)
+    clearance_rates(d, z, rate)
+
+
+def extended_slopes(d, z):
+    """Set ∂F/∂δ and ∂F/∂δ̇ of the active contacts for z, and store its link vectors, which are located."""
+    own, link = d.implicit, d.work.link
+    for i in range(d.links):
+        own.link.x[i], own.link.y[i] = link.x[i], link.y[i]
+    for k in range(compliant(d)):
+        c = d.touch.active_index[k]
+        depth, rate = max(0.0, -z[gap_at(d, k)]), -z[rate_at(d, k)]
+        own.stiffness[k], own.damping[k] = law_slopes(d, c, depth, rate)
+
+
+def contact_impedance(d, k, s):
+    """D = s c + s² k [kg] of the k-th contact with a clearance in z."""
+    return s * (d.implicit.damping[k] + s * d.implicit.stiffness[k])
+
+
+def factorize_shift(d, s, space, row):
+    """Eliminate M + Jᵀ D J + K for a shift s [s]."""
+    no_impedance(d, space.impedance)
+    for k in range(compliant(d)):
+        add_impedance(constraint(d, k), space.impedance, contact_impedance(d, k, s))
+    for k in range(compliant(d), constraint_rows(d)):
+        add_impedance(constraint(d, k), space.impedance, holding_impedance(d))
+    join(d, space.impedance, s)
+    factorize(d, d.implicit.link, space, row, d.model.resisting != 0 or joints_loaded(d))
+
+
+def solve_shift(d, s, space, row, x):
+    """Solve (1 − s A) x = r for the shift s [s] that was factorized; x holds r."""
+    n, own, change = d.links, d.implicit, space.change
+    clear_loads_of(d, space.load)
+    if d.model.resisting:
+        for i in range(n):
+            # K r_v + s S r_q
+            turning, turned = relative(x, omega_at(n), i), relative(x, ANGLES, i)
+            moment = joint_resistance(d, i, s) * turning + s * spring_stiffness(d, i) * turned
+            space.load.joint[i] = moment
+    for k in range(compliant(d)):
+        # D r_ġ + s k r_g
+        impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * own.stiffness[k] * x[gap_at(d, k)]
+        add_along(constraint(d, k), space.load, impulse)
+    solve_space(d, own.link, space, row, change)
+    for j in range(coordinate_count(n)):
+        x[velocity_at(n) + j] -= change[j]
+        x[j] += s * x[velocity_at(n) + j]
+    for k in range(compliant(d)):
+        x[rate_at(d, k)] -= along(constraint(d, k), space.motion)
+        x[gap_at(d, k)] += s * x[rate_at(d, k)]
+    for k in range(min(d.quadrature.count, compliant(d))):
+        x[quadrature_at(d, k)] -= s * (own.stiffness[k] * x[gap_at(d, k)] + own.damping[k] * x[rate_at(d, k)])
+
+
+def relative(r, first, i):
+    """Entry i of those that begin at ``first``, relative to the previous one; the base has 0."""
+    return r[first + i] - (r[first + i - 1] if i > 0 else 0.0)
+
+
+def factorize_real(d, s):
+    """Eliminate for a real shift s [s]."""
+    d.implicit.shift = s
+    factorize_shift(d, s, d.work, SHIFTED)
+
+
+def solve_real(d, s, x):
+    """Solve (1 − s A) x = r for a real shift s [s]; x holds r."""
+    solve_shift(d, s, d.work, SHIFTED, x)
+
+
+def factorize_complex(d, s, pair):
+    """Eliminate for a complex shift s [s], one of a ``pair`` of conjugate ones."""
+    factorize_shift(d, s, d.implicit.pairs, pair)
+
+
+def solve_complex(d, s, pair, x, y, size):
+    """Solve (1 − s A) (x + iy) = r for a complex shift s [s]; x and y hold r, of so many entries."""
+    own = d.implicit.pairs
+    for j in range(size):
+        own.x[j] = complex(x[j], y[j])
+    solve_shift(d, s, own, pair, own.x)
+    for j in range(size):
+        x[j], y[j] = own.x[j].real, own.x[j].imag
+
+
+# Of a penetration: the allowed difference in a step between the coordinates and the clearance integrated with
+# them. A larger value gives the interpolant of the state an error of this size; a smaller one limits the step
+# where links turn on a stiff wall.
+APART = 0.03
+
+
+def project_coordinates(d, y, derivative, change):
+    """Move the coordinates in y (for derivative 1: velocities) to the clearances (rates) in ``normal``.
+
+    The points must be located for y. The ``change``, shape (N+2,), is a result.
+    """
+    own, first = d.implicit, derivative * velocity_at(d.links)
+    clear_loads_of(d, d.work.load)
+    for k in range(compliant(d)):
+        c = d.touch.active_index[k]
+        gap, gap_rate = clearance(d, c)
+        impulse = contact_impedance(d, k, own.shift) * (own.normal[k] - (gap_rate if derivative else gap))
+        add_along(normal(d, c), d.work.load, impulse)
+    solve_space(d, own.link, d.work, SHIFTED, change)
+    for j in range(coordinate_count(d.links)):
+        y[first + j] += change[j]
+
+
+def project_clearances(d, z, y):
+    """Move y, whose points are located, to the clearances and rates in z.
+
+    Returns:
+        The largest weighted change, over the tolerance, and the difference between the coordinates and the
+        clearances before it, relative to the allowed one.
+    """
+    own, change, worst = d.implicit, d.work.change, 0.0
+    apart = largest_mismatch(d, z) / APART
+    for derivative in range(2):
+        for k in range(compliant(d)):
+            own.normal[k] = z[rate_at(d, k) if derivative else gap_at(d, k)]
+        project_coordinates(d, y, derivative, change)
+        for j in range(coordinate_count(d.links)):
+            worst = max(worst, abs(change[j]) * own.weight[derivative * velocity_at(d.links) + j])
+    return worst, apart
+
+
+def largest_mismatch(d, z):
+    """The largest difference between located and integrated clearances, relative to the penetration."""
+    worst = 0.0
+    for k in range(compliant(d)):
+        c = d.touch.active_index[k]
+        gap, _ = clearance(d, c)
+        depth = max(d.touch.depth_scale[c], -gap)
+        worst = max(worst, abs(z[gap_at(d, k)] - gap) / depth)
+    return worst

@@ -1,0 +1,234 @@
+"""The last accepted step, and all that is known of it. Only this module sets what is known.
+
+That is the state at both ends, the dense output in between, the rate at the end, and the points there. What
+other modules derive from a step, such as clearances, is valid until a break in the sequence of steps, where
+the next step does not start at the end of this one, in the same variable. `step.breaks` counts the breaks. An
+impact's change of the state at the end of a step belongs to the step that follows (advance.py).
+"""
+
+from chain_impact.kernel.chain.kinematics import (
+    accelerate_points,
+    locate_points,
+    note_points_at_end,
+    note_points_elsewhere,
+    place_points,
+)
+from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, time_at
+from chain_impact.kernel.equations import located_rate, state_rate
+from chain_impact.kernel.forces.friction import keep_anchors
+from chain_impact.kernel.forces.holding import project_state
+from chain_impact.kernel.ode.control import EXPLICIT, rescale
+from chain_impact.kernel.ode.dense import (
+    append_quadratures,
+    fraction,
+    interpolate,
+    keep_end_rates,
+    reset_quadratures,
+    roll_back_quadratures,
+    settle_impulses,
+    truncate_quadratures,
+)
+from chain_impact.kernel.ode.methods import dense_evaluations, dense_output, finish
+from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_now
+from chain_impact.kernel.rows.constraints import any_constraint
+from chain_impact.kernel.status import count_evaluations, counted_work, uncount_work
+
+NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: what has requested the dense output
+
+
+def clear_breaks(d):
+    """Count the breaks of a run from 0."""
+    d.step.breaks = 0
+
+
+def reset_step(d, time, y):
+    """Set the last step to one of zero length at ``time`` [s] in state y, with the committed quadratures."""
+    step = d.step
+    for j in range(len(step.state)):
+        step.state[j] = y[j]
+        for m in range(len(step.dense)):
+            step.dense[m, j] = 0.0
+    step.state[sundman_u_at(d.links)], step.state[time_at(d.links)] = 1.0, 0.0
+    for j in range(len(step.state)):
+        step.state_end[j] = step.state[j]
+    reset_times(d, time)
+    step.size = 1.0
+    reset_quadratures(d)
+    step.regularized = NO_CONTACT
+    step.dense_for = SOLVER
+    step.last_method = EXPLICIT  # no implicit step extrapolates from it
+    mark_jump(d)
+
+
+def reset_times(d, time):
+    """Set all times of the last step to ``time`` [s]."""
+    step = d.step
+    step.time, step.start, step.end, step.clock = time, time, time, time
+
+
+def accept(d):
+    """Make the tried step the last step."""
+    if any_constraint(d):
+        project_state(d, d.trial.state)
+        keep_anchors(d)
+    step, y = d.step, d.trial.state
+    for j in range(len(step.state)):
+        step.state[j] = step.state_end[j]
+        step.state_end[j] = y[j]
+    append_quadratures(d)
+    step.start = step.end
+    step.size, step.kept = d.trial.size, 1.0
+    step.end = step.start + y[time_at(d.links)]
+    step.last_method = step.method
+    step.dense_for = NOT_REQUESTED
+    step.rate_known = 0
+    note_points_elsewhere(d)
+    finish(d)
+    if step.last_method == EXPLICIT:
+        # the error control of this method has located the points if contacts are active
+        find_rate(d, d.touch.active_count > 0)
+
+
+def dissipate(d, energy):
+    """Count an energy [J] that is lost at the end of the last step as dissipated."""
+    d.step.state_end[dissipated_at(d.links)] += energy
+
+
+def roll_back(d):
+    """Return to the start of the last step."""
+    step = d.step
+    step.end = step.start
+    for j in range(len(step.state)):
+        step.state_end[j] = step.state[j]
+    roll_back_quadratures(d)
+    mark_jump(d)
+
+
+def truncate_step(d, theta):
+    """End the last step at its fraction θ."""
+    step = d.step
+    ensure_dense(d, SOLVER)
+    interpolate(step, theta, step.state_end)
+    truncate_quadratures(d, theta)
+    step.kept = theta
+    step.end = step.start + step.state_end[time_at(d.links)]
+    mark_jump(d)
+
+
+def set_own_output_time(d, time):
+    """Make a ``time`` [s] in the last step the communication point."""
+    d.step.time = time
+    ensure_dense(d, OUTPUTS)
+
+
+def truncate_to_output_time(d):
+    """End the last step at the communication point."""
+    step = d.step
+    ensure_dense(d, OUTPUTS)
+    theta = fraction(d, step.time)
+    interpolate(step, theta, step.state_end)
+    truncate_quadratures(d, theta)
+    settle_impulses(d)
+    step.kept = theta
+    step.end = step.time
+    mark_jump(d)
+
+
+def keep_state(d):
+    """Keep the state at the communication point in the place of a tried step, as none is tried now."""
+    interpolate(d.step, fraction(d, d.step.time), d.trial.state)
+
+
+def return_to_kept_state(d):
+    """End the last step at the communication point, in the state that was kept."""
+    reset_step(d, d.step.time, d.trial.state)
+
+
+def mark_jump(d):
+    """Mark the rate and points at the end of the last step as unknown, and count a break."""
+    d.step.rate_known = 0
+    note_points_elsewhere(d)
+    d.step.breaks += 1
+
+
+def choose_variable(d, size_chosen):
+    """Choose the integration variable of the next step, for the points located at its start.
+
+    Args:
+        d: the instance.
+        size_chosen: whether its size has already been chosen for this variable, as contacts began or ended.
+    """
+    step, root = d.step, sundman_u_at(d.links)
+    before, (contact, u) = time_rate_now(d, step.state_end), lone_contact(d)
+    changed = contact != step.regularized
+    step.regularized = contact
+    step.state_end[root] = u
+    step.state_end[time_at(d.links)], step.clock = 0.0, step.end
+    if changed:
+        step.breaks += 1
+        if not size_chosen:
+            rescale(d, before / time_rate_now(d, step.state_end))
+
+
+def ensure_rate(d):
+    """Ensure that ``work.rate_end`` is ẏ at the end of the last step."""
+    if not d.step.rate_known:
+        find_rate(d, False)
+
+
+def find_rate(d, located):
+    """Evaluate the rate at the end of the last step, where the points may be ``located``; place them."""
+    y, rate = d.step.state_end, d.work.rate_end
+    touching = d.touch.active_count > 0 or d.friction.count > 0
+    if touching:
+        if not located:
+            locate_points(d, y)
+        located_rate(d, y, rate)
+    else:
+        state_rate(d, y, rate)
+    keep_end_rates(d)
+    if d.candidates > 0:
+        if not touching:
+            place_points(d, y)
+        accelerate_points(d, y, rate)
+        note_points_at_end(d)
+    count_evaluations(d, 1)
+    d.step.rate_known = 1
+
+
+def ensure_points(d):
+    """Ensure that the points are those at the end of the last step, where the rate is known."""
+    if not d.work.at_end:
+        locate_points(d, d.step.state_end)
+        accelerate_points(d, d.step.state_end, d.work.rate_end)
+        note_points_at_end(d)
+
+
+def largest_turn(d):
+    """How far a link can have turned in the last step [rad], with the rates at both ends known."""
+    first, lasted, work = omega_at(d.links), d.step.end - d.step.start, d.work
+    turn = 0.0
+    for i in range(d.links):
+        omega = max(abs(d.step.state[first + i]), abs(d.step.state_end[first + i]))
+        alpha = max(abs(work.rate_start[first + i]), abs(work.rate_end[first + i]))
+        turn = max(turn, lasted * (omega + 0.5 * lasted * alpha))
+    return turn
+
+
+def ensure_dense(d, reader):
+    """Ensure that the last step has its dense output, before anything changes that it depends on.
+
+    Evaluations that only outputs need are not counted: the solver's count does not depend on the outputs.
+
+    Args:
+        d: the instance.
+        reader: what needs it, OUTPUTS or the SOLVER.
+    """
+    step = d.step
+    known, step.dense_for = step.dense_for, max(step.dense_for, reader)
+    if known == NOT_REQUESTED:
+        counted = counted_work(d)
+        dense_output(d)
+        uncount_work(d, counted)
+    if known < SOLVER <= reader:
+        count_evaluations(d, dense_evaluations(d))

@@ -1,0 +1,192 @@
+"""The coefficients of Radau IIA with 5 stages, as data.
+
+Collocation at the zeros c_i of P_4 − P_5, Legendre's polynomials shifted to [0, 1]: order 9, stage order 5,
+L-stable and stiffly accurate. Source: E. Hairer and G. Wanner 1996, *Solving Ordinary Differential Equations
+II*, 2nd ed., Springer, section IV.5; the same 1999, J Comput Appl Math 111:93 for 5 stages. They are verified
+in tests/kernel/integration/test_radau.py.
+
+The matrix Q has one real eigenvalue and two pairs of complex ones. LEFT has its left eigenvectors as rows,
+real and imaginary parts of a pair one below the other, and RIGHT the parts of the right ones as columns, such
+that RIGHT · LEFT = 1; the factor 2 of the real part, for both eigenvalues of a pair, is included in RIGHT.
+
+The simplified Newton iteration of a collocation step, in increments u_i = z_i − z_0 of the stages.
+
+The stages of a step of size h solve U = h Q F(z_0 + U). With A one approximate Jacobian for all of them, an
+iteration solves (1 − h Q ⊗ A) ΔU = R, R = h Q F − U. In the eigenvectors of Q, W = LEFT · R, these become
+systems (1 − h μ A) w = w', one for the real eigenvalue and one for each pair of complex ones; ΔU = RIGHT · W.
+
+The terms that A leaves out cost iterations, but no accuracy: successive corrections fall by a factor θ of
+about h |∂f/∂z − A|. The iteration has converged when the remaining error, θ/(1 − θ) of the last correction,
+is a small part of the tolerance.
+"""
+
+import math
+
+from chain_impact.kernel.functions import sequence
+
+ORDER = 9
+RADAU_STAGES = 5
+PAIRS = 2  # of complex eigenvalues
+
+# fmt: off
+NODES = (0.05710419611451768, 0.2768430136381238, 0.5835904323689168, 0.8602401356562195,
+    1.0)
+# row i: ∫ of the j-th Lagrange polynomial from 0 to c_i
+Q: tuple[tuple[float, ...], ...] = (
+    (0.07299886431790333, -0.02673533110794557, 0.018676929763984353,
+     -0.01287910609330644, 0.005042839233882015),
+    (0.15377523147918246, 0.14621486784749352, -0.03644456890512809,
+     0.02123306311930472, -0.007935579902728777),
+    (0.14006304568480987, 0.29896712949128346, 0.16758507013524895,
+     -0.03396910168661774, 0.010944288744192253),
+    (0.14489430810953477, 0.2765000687601592, 0.32579792291042103,
+     0.12875675325490976, -0.015708917378805327),
+    (0.14371356079122594, 0.28135601514946207, 0.31182652297574126,
+     0.22310390108357075, 0.04),
+)
+REAL_EIGENVALUE = 0.15906584442746913
+# real and imaginary part of one of each pair
+COMPLEX_EIGENVALUES = ((0.06506577854574362, 0.11646852774031707), (0.1331790770182996, 0.07499451183581853))
+LEFT: tuple[tuple[float, ...], ...] = (
+    (27.697693775684087, 12.783337911304406, 3.20848938671343,
+     -0.9514904122489162, 0.7415504960259897),
+    (2.672093218917456, 2.2968077838795806, -1.5181801617297122,
+     0.5253300951157295, -0.13638930593214812),
+    (-1.8740299037199024, 1.9924828681719424, 0.5222078208040094,
+     -0.5920492840689743, 0.22495888507839018),
+    (-16.5209401067595, -8.688476739531783, -0.08606453162700278,
+     -0.04958488899127132, 0.2656140579191533),
+    (4.305721989937646, -4.849995704764404, -0.9573643198484372,
+     -1.20934600304247, 0.5237317439676688),
+)
+RIGHT: tuple[tuple[float, ...], ...] = (
+    (0.013576867344947943, -0.020484095635817653, -0.09534775458059144,
+     -0.02295703051045903, 0.02803971778575082),
+    (0.0016179004017190875, 0.10034572903474212, 0.18866363836322286,
+     -0.015337661498360326, -0.049417156853037054),
+    (0.07915785334744721, -0.4610790680868359, -0.2054060907602518,
+     0.0387969279976579, -0.16360070740750235),
+    (0.41225608268046143, 0.7557878044977225, -0.9334882606649887,
+     0.8152023425603981, -0.39936485577360503),
+    (1.0, 2.0, 0.0,
+     2.0, 0.0),
+)
+# The value at 0 of the polynomial through values at the nodes, and that at 1 through all but the last.
+AT_START = (1.5864079001863283, -1.008117881498373, 0.7309748661597875, -0.5092648848477427,
+    0.2)
+AT_END = (-0.4529527392493014, 1.3954519620824528, -2.1329496909650074, 2.1904504681318557)
+# fmt: on
+
+
+LEFT_Q = tuple(
+    tuple(math.fsum(left * row[j] for left, row in zip(one, Q, strict=True)) for j in range(RADAU_STAGES))
+    for one in LEFT
+)
+ITERATIONS = 10  # at most: a slower iteration costs more than shorter steps
+ENOUGH = 0.1  # of the tolerance: the error that the iteration may leave
+DIVERGES = 0.95  # θ above which the iteration is given up
+FARTHEST = 1e20  # times the tolerance: the iteration fails if a correction is larger
+# θ/(1 − θ) of the last step predicts that of the next, as max(θ/(1 − θ), TRUST)^POWER to be cautious
+TRUST, POWER = 0.02, 0.8
+UNKNOWN = 1e10  # θ/(1 − θ), if it is not known
+
+
+def _transformed(i):
+    """Row i of LEFT · R."""
+    of_rates, of_stages = LEFT_Q[i], LEFT[i]
+
+    def transformed(d, h, size):
+        own = d.implicit
+        for j in range(size):
+            rates, stages = 0.0, 0.0
+            for m in range(RADAU_STAGES):
+                rates += of_rates[m] * own.rates[m, j]
+                stages += of_stages[m] * own.stages[m, j]
+            own.parts[i, j] = h * rates - stages
+
+    return transformed
+
+
+def _corrected(i):
+    """Correct stage i by row i of RIGHT · W; note its largest weighted component."""
+    row = RIGHT[i]
+
+    def corrected(d, _h, size):
+        own, worst, total = d.implicit, d.implicit.correction, 0.0
+        for j in range(size):
+            change = 0.0
+            for m in range(RADAU_STAGES):
+                change += row[m] * own.parts[m, j]
+            own.stages[i, j] += change
+            change = abs(change) * own.weight[j]
+            total += change
+            worst = max(worst, change)
+        # max() can hide a NaN, a sum cannot
+        own.correction = worst if math.isfinite(total) else math.inf
+
+    return corrected
+
+
+_transform = sequence(*(_transformed(i) for i in range(RADAU_STAGES)))
+_correct = sequence(*(_corrected(i) for i in range(RADAU_STAGES)))
+
+
+def simplified_newton(begin, rate, linearize, factorize, solve):
+    """Return the iteration for a right-hand side and its linear systems.
+
+    Args:
+        begin: function (d) that is called before the stages are evaluated.
+        rate: function (d, z, elapsed, out) for out = f(z), ``elapsed`` [s] after the start of the step.
+        linearize: function (d, z) that evaluates the slopes in A where f was evaluated just now.
+        factorize: function (d, h) that factorizes the systems.
+        solve: function (d, h, size) that solves them in place, r and x being the rows of ``implicit.parts``.
+
+    Returns:
+        Functions (d, h, size): one for the right-hand sides of an iteration, one that corrects the stages in
+        ``implicit.stages`` by the solutions, and one that iterates the stages to the tolerance, and returns
+        whether the iteration has converged.
+    """
+
+    def find_residuals(d, h, size):
+        own = d.implicit
+        begin(d)
+        for i in range(RADAU_STAGES):
+            # the middle one comes last
+            stage = (i + RADAU_STAGES // 2 + 1) % RADAU_STAGES
+            for j in range(size):
+                own.z[j] = own.start[j] + own.stages[stage, j]
+            rate(d, own.z, h * NODES[stage], own.rates[stage])
+        _transform(d, h, size)
+
+    def correct_stages(d, h, size):
+        d.implicit.correction = 0.0
+        _correct(d, h, size)
+
+    def converge(d, h, size):
+        own = d.implicit
+        ratio, before, theta = max(own.slowness, TRUST) ** POWER, 0.0, 0.0
+        for k in range(1, ITERATIONS + 1):
+            find_residuals(d, h, size)
+            if k == 1:
+                linearize(d, own.z)
+                factorize(d, h)
+            solve(d, h, size)
+            correct_stages(d, h, size)
+            own.iterations = k
+            if not own.correction < FARTHEST:
+                own.contraction = math.inf
+                return False
+            if k > 1:
+                theta = own.correction / before if before > 0.0 else 0.0
+                ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0
+            before, own.contraction = own.correction, theta
+            if ratio * own.correction <= ENOUGH:
+                own.slowness = ratio if k > 1 else own.slowness
+                return True
+            left = theta ** (ITERATIONS - k) / (1.0 - theta) * own.correction if theta < 1.0 else math.inf
+            # it diverges, or will not converge in time
+            if k > 2 and (theta > DIVERGES or left > ENOUGH):
+                return False
+        return False
+
+    return find_residuals, correct_stages, converge

@@ -1,0 +1,1 @@
+"""The places at which forces act on the chain, its response there, and constraints."""

@@ -1,0 +1,110 @@
+"""The response of the chain to impulses at its contacts: a linear solver for implicit steps and rigid walls.
+
+With J the gradients of the clearances of the active contacts, an impedance D = diag(D_k) at their points, and
+the joints' resistance K = s C + s² S for a time s, with dampers C and springs S, it solves in O(N)
+
+    (M + Jᵀ D J + K) Δ = Jᵀ p + K r,
+
+where p are impulses along the normals and K r those in the joints. The impedances are added to the
+articulated inertia at their points, and a joint with the resistance κ_i, or with a stop that has an
+impedance, is one more term of the elimination (chain/tree.py). No matrix is formed.
+"""
+
+from chain_impact.kernel.chain.kinematics import move_points
+from chain_impact.kernel.chain.tree import FREE, factorize, no_impedance, solve
+from chain_impact.kernel.rows.geometry import (
+    add_along,
+    add_impedance,
+    along,
+    clear_loads_of,
+    constraint,
+    constraint_rows,
+    join,
+    normal,
+    to_joints,
+)
+
+# In a toggle position of a pinned chain the mobility of a point is 0, and its effective mass infinite; a
+# million times the chain's mass behaves like that. This is relative to the mobility of all links as one mass.
+LEAST_MOBILITY = 1e-6
+# Iterations of constraints.py for what sticks, where no rigid wall holds a point.
+SWEEPS = 5
+# D of a held point over the mean mass of a link. An iteration in constraints.py leaves 1/(D W) of the
+# residual: two or three suffice. A larger D would lose digits of the chain's inertia, a smaller one takes
+# more of them.
+STIFF = 1e6
+
+
+def mean_mass(d):
+    """The mean mass of a link [kg]."""
+    return d.model.energy / (d.model.size * d.model.size * d.links)
+
+
+def holding_impedance(d):
+    """An impedance [kg] so large that it holds a point, up to a millionth of its free motion."""
+    return STIFF * mean_mass(d)
+
+
+def held_mobility(d, mobility):
+    """The W′ [1/kg] for which m/W′ is the impulse that n = SWEEPS iterations find for a single constraint.
+
+    They leave m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). That is W, but for a motion that can hardly be
+    held: in a toggle position, where W = 0, it is 1/(n D).
+    """
+    rest = 1.0 / holding_impedance(d)
+    left = rest / (rest + max(0.0, mobility))
+    total = 1.0
+    for _ in range(SWEEPS - 1):
+        total = 1.0 + left * total
+    return (rest + max(0.0, mobility)) / total
+
+
+def factorize_contacts(d, row, impedance):
+    """Eliminate M + Jᵀ D J in a row of ``work.factors``, with D_k [kg] of the constraints, packed."""
+    no_impedance(d, d.work.impedance)
+    for k in range(constraint_rows(d)):
+        add_impedance(constraint(d, k), d.work.impedance, impedance[k])
+    join(d, d.work.impedance, 0.0)
+    factorize(d, d.work.link, d.work, row, joints_loaded(d))
+
+
+def joints_loaded(d):
+    """Whether constraints act in joints: at stops, or by what sticks."""
+    return d.touch.stop_count + d.friction.stuck_joints > 0
+
+
+def solve_space(d, links, space, row, change):
+    """Find the response Δ to the impulses in ``space.load`` at the places and in the joints.
+
+    Args:
+        d: the instance.
+        links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
+        space: record of the factors and loads. The motion of the places is stored in its ``motion``.
+        row: of the factors.
+        change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s].
+    """
+    to_joints(d, space.load)
+    solve(d, links, space, row, change)
+    move_points(d, links, change, space.motion)
+
+
+def solve_contacts(d, row, impulse, change):
+    """As ``solve_space``, for ``impulse`` p_k [N·s] of the constraints, packed."""
+    clear_loads_of(d, d.work.load)
+    for k in range(constraint_rows(d)):
+        add_along(constraint(d, k), d.work.load, impulse[k])
+    solve_space(d, d.work.link, d.work, row, change)
+
+
+def effective_mass(d, c):
+    """Effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, at the located points."""
+    work, row = d.work, normal(d, c)
+    no_impedance(d, work.impedance)
+    join(d, work.impedance, 0.0)
+    factorize(d, work.link, work, FREE, d.candidate.stop[c] != 0)
+    clear_loads_of(d, work.load)
+    add_along(row, work.load, 1.0)
+    solve_space(d, work.link, work, FREE, work.change)
+    # in a toggle position no impulse moves the point: its mobility is 0
+    mobility = LEAST_MOBILITY * d.model.size * d.model.size / d.model.energy
+    return 1.0 / max(mobility, along(row, work.motion))

@@ -1,0 +1,312 @@
+"""Constraints: the impulses or forces that bring touching points to a target motion.
+
+A rigid wall has no force law. The touching candidates k have normal motions u_k, rates or accelerations, and
+impulses p_k change them by the recursion's response: M Δ = Jᵀ p, u = u⁻ + J Δ = u⁻ + W p, W = J M⁻¹ Jᵀ. Two
+problems come up:
+
+    equality          u_k = target_k in the active set, else p_k = 0    (``solve_equality``)
+    complementarity   p ≥ 0,  u ≥ target,  p·(u − target) = 0           (``solve_lcp``)
+
+If only one constraint is active, p = m/W with this one number W (``solve_single``). Else W is never formed:
+with an impedance D at the points of the active set the recursion solves, in O(N),
+
+    (M + Jᵀ D J) z = Jᵀ D m,   p ← p + D (m − J z),   m = target − u,
+
+the iteration of an augmented Lagrangian: each one reduces the residual m to 1/(1 + D W) of it, down to
+round-off, and the constraints may be dependent. D is a million times a link's mass: a few iterations suffice.
+At rigid walls the iteration goes on until the residual is round-off, and D grows where that would be slow.
+
+What sticks by dry friction (friction.py) is a constraint too, of its tangential motion, and is always in the
+active set: an equality. Of the possible solutions for dependent constraints the iteration finds the one with
+the least Σ p²/D. So with D in proportion to the limits of friction the sticking elements share their load in
+that proportion. Motions that can hardly be held, as one that changes the length of a straight chain on a
+floor, are left free: the forces that hold them could have any size. In between, where D W is about 1, the
+forces are those after a given number of iterations: a smooth function of the state. If the progress of the
+residual decided on the number, forces would jump by a part of it within a step.
+"""
+
+import math
+
+from chain_impact.kernel.chain.tree import FREE, HELD
+from chain_impact.kernel.forces.friction import any_sticking
+from chain_impact.kernel.rows.compliance import (
+    SWEEPS,
+    factorize_contacts,
+    held_mobility,
+    holding_impedance,
+    mean_mass,
+    solve_contacts,
+)
+from chain_impact.kernel.rows.geometry import along, constraint, constraint_rows
+from chain_impact.kernel.status import count_other_work, work_exceeded
+
+# Near a toggle position 1/W is far more than the mass of a link. If an iteration leaves more than SLOW of the
+# residual, D grows by the factor STIFFER, up to STIFFEST times that mass; beyond it the residual is only
+# round-off.
+STIFFEST, STIFFER, SLOW = 1e12, 1e3, 0.1
+# As a share of 1/(mean mass of a link). If W of a point is less, as near a toggle position, it has lost
+# digits, and the iteration is used instead.
+LEAST_SINGLE = 1e-3
+ROUND_OFF = 1e-15  # of the largest motion: a residual that is accepted
+SIGN_TOLERANCE = 1e-12  # of the largest value: a wrong sign within it does not change the active set
+# Pivots of all violated candidates at once that may fail to reduce their number, before only one at a time is
+# changed, which terminates in every case but takes more pivots.
+MAX_STALLED_PIVOTS = 3
+# Of the impedance of what sticks with the largest limit: with less, the residual would fall too slowly.
+LEAST_SHARE = 1e-2
+SOLVED, MOVING, UNSOLVED = 0, 1, 2  # d.rigid.unsolved
+ROUNDS = 30  # plus 4 for each candidate: a bound on the pivots, far above any number that was observed
+
+
+def set_impedance(d, amount):
+    """Set the impedance of the active set to an amount [kg], and elsewhere to the resistance."""
+    own = d.rigid
+    for k in range(constraint_rows(d)):
+        own.impedance[k] = amount if own.in_active_set[k] else own.resistance[k]
+    if amount > 0.0 and any_sticking(d):
+        share_impedance(d)
+
+
+def share_impedance(d):
+    """Scale the impedances of what sticks by its limit of friction, relative to the largest limit."""
+    own, first, most = d.friction, d.touch.active_count, 0.0
+    for i in range(own.stuck_count):
+        most = max(most, d.element.limit[d.element.stuck[i]])
+    for i in range(own.stuck_count):
+        share = d.element.limit[d.element.stuck[i]] / most if most > 0.0 else 1.0
+        d.rigid.impedance[first + i] *= max(LEAST_SHARE, share)
+
+
+def factorize_free(d):
+    """Eliminate M for the motion by impulses, which contacts that are not in the active set may resist."""
+    set_impedance(d, 0.0)
+    factorize_contacts(d, FREE, d.rigid.impedance)
+
+
+def solve_equality(d, scale):
+    """Find the impulses that bring the active set from ``start`` to ``target``; other candidates have none.
+
+    Args:
+        d: the instance, with the points located and the free motion factorized; ``d.rigid`` holds the problem
+            and, afterwards, p in ``impulse``, u in ``reached`` and Δ in ``change``.
+        scale: the largest motion of a point, to which round-off is relative.
+
+    Returns:
+        The largest residual that rigid walls leave, or 0 if they hold no point.
+    """
+    own, impedance = d.rigid, holding_impedance(d)
+    row = only_active(d)
+    if row >= 0 and solve_single(d, row):
+        return 0.0
+    set_impedance(d, impedance)
+    factorize_contacts(d, HELD, own.impedance)
+    clear_impulses(d)
+    if any_point_held(d):
+        return hold_points(d, scale, impedance)
+    hold_sticking(d, scale)
+    return 0.0
+
+
+def hold_sticking(d, scale):
+    """Iterate until the residual is round-off, but at most SWEEPS times."""
+    for i in range(SWEEPS):
+        if find_residual(d) <= ROUND_OFF * scale and iterated_enough(d, i):
+            return
+        correct_impulses(d)
+
+
+def hold_points(d, scale, impedance):
+    """Iterate until the residual is round-off, or no impedance [kg] reduces it, as constraints contradict.
+
+    This ends: each iteration but the last leaves less than SLOW of the residual, or D grows, which it does
+    twice.
+
+    Returns:
+        The largest residual.
+    """
+    own, before, worst, iterations = d.rigid, math.inf, find_residual(d), 0
+    while worst > ROUND_OFF * scale or not iterated_enough(d, iterations):
+        slow = worst > ROUND_OFF * scale and not worst < SLOW * before
+        if slow and worst > SIGN_TOLERANCE * scale and impedance < STIFFEST * mean_mass(d):
+            impedance *= STIFFER
+            set_impedance(d, impedance)
+            factorize_contacts(d, HELD, own.impedance)
+        elif slow and iterated_enough(d, iterations):
+            break
+        correct_impulses(d)
+        before, worst, iterations = worst, find_residual(d), iterations + 1
+    return worst
+
+
+def only_active(d):
+    """The constraint that is the only one of the active set, or −1."""
+    only = -1
+    for k in range(constraint_rows(d)):
+        if d.rigid.in_active_set[k]:
+            if only >= 0:
+                return -1
+            only = k
+    return only
+
+
+def solve_single(d, row):
+    """As ``solve_equality``, for the active set of one constraint: p = m/W; returns whether W allows it.
+
+    That takes one solution of the chain, and the iteration six in most cases.
+    """
+    own = d.rigid
+    for k in range(constraint_rows(d)):
+        own.impulse[k] = 0.0
+    own.impulse[row] = 1.0
+    solve_contacts(d, FREE, own.impulse, own.change)
+    mobility = along(constraint(d, row), d.work.motion)
+    if row >= d.touch.active_count:
+        mobility = held_mobility(d, mobility)
+    elif mobility * mean_mass(d) < LEAST_SINGLE:
+        return False
+    impulse = (own.target[row] - own.start[row]) / mobility
+    for j in range(len(own.change)):
+        own.change[j] *= impulse
+    for k in range(constraint_rows(d)):
+        own.reached[k] = own.start[k] + impulse * along(constraint(d, k), d.work.motion)
+    own.impulse[row] = impulse
+    count_other_work(d, 1)
+    return True
+
+
+def iterated_enough(_d, _iterations):
+    """Whether so many iterations are enough if the residual is round-off."""
+    return True
+
+
+def clear_impulses(d):
+    """Start with zero impulses and the motion without impulses."""
+    own = d.rigid
+    for j in range(len(own.change)):
+        own.change[j] = 0.0
+    for k in range(constraint_rows(d)):
+        own.impulse[k], own.reached[k] = 0.0, own.start[k]
+
+
+def find_residual(d):
+    """Set the residuals m = target − u of the active set; return the largest |m|."""
+    own, worst = d.rigid, 0.0
+    for k in range(constraint_rows(d)):
+        own.residual[k] = own.target[k] - own.reached[k] if own.in_active_set[k] else 0.0
+        worst = max(worst, abs(own.residual[k]))
+    return worst
+
+
+def correct_impulses(d):
+    """Correct the impulses for the residuals, and find the motion with them."""
+    own, motion = d.rigid, d.work.motion
+    # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
+    for k in range(constraint_rows(d)):
+        own.residual[k] *= own.impedance[k]
+    solve_contacts(d, HELD, own.residual, own.change)
+    for k in range(constraint_rows(d)):
+        if own.in_active_set[k]:
+            back = own.impedance[k] * along(constraint(d, k), motion)
+            own.impulse[k] += own.residual[k] - back
+    solve_contacts(d, FREE, own.impulse, own.change)
+    for k in range(constraint_rows(d)):
+        own.reached[k] = own.start[k] + along(constraint(d, k), motion)
+    count_other_work(d, 2)
+
+
+def solve_lcp(d, scale):
+    """Find p ≥ 0, u ≥ target, p·(u − target) = 0, from the guess ``in_active_set``; see ``solve_equality``.
+
+    Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587): candidates with p < 0 leave
+    the active set and those with u < target enter it, all at once as long as fewer and fewer are violated,
+    else only the last, which terminates if W is positive definite (Murty 1974, Linear Algebra Appl 9:65).
+    Otherwise it is noted that the problem is unsolved.
+    """
+    own, first = d.rigid, d.touch.compliant_count
+    count = d.touch.active_count - first
+    fewest, stalls_left = count + 1, MAX_STALLED_PIVOTS
+    for _ in range(ROUNDS + 4 * count):
+        solve_equality(d, scale)
+        wrong = count_violations(d, scale)
+        if wrong == 0 or work_exceeded(d):
+            return
+        fewest, stalls_left = count_stalls(wrong, fewest, stalls_left)
+        for i in range(count):
+            k = first + count - 1 - i
+            if own.violated[k]:
+                own.in_active_set[k] = 1 - own.in_active_set[k]
+                if stalls_left < 0:
+                    break
+    note_unsolved(d)
+
+
+def clear_unsolved(d):
+    """Begin to note what has not been found: a tried step is refused then."""
+    d.rigid.unsolved = SOLVED
+
+
+def note_unsolved(d):
+    """Note that forces or modes have not been found: at an event the run ends."""
+    d.rigid.unsolved = UNSOLVED
+
+
+def note_moving(d, tolerated):
+    """Note if a point that a rigid wall holds has more than the ``tolerated`` acceleration [m/s²]."""
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        if d.rigid.unsolved == SOLVED and abs(d.rigid.residual[k]) > tolerated:
+            d.rigid.unsolved = MOVING
+
+
+def count_stalls(wrong, fewest, stalls_left):
+    """The fewest that were wrong so far, and how many pivots may still fail to reduce that number."""
+    if wrong < fewest:
+        return wrong, MAX_STALLED_PIVOTS
+    return fewest, stalls_left - 1
+
+
+def count_violations(d, scale):
+    """Mark the candidates with p < 0 or u < target by more than round-off; return how many."""
+    own, largest, wrong = d.rigid, 0.0, 0
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        largest = max(largest, abs(own.impulse[k]))
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        if own.in_active_set[k]:
+            own.violated[k] = own.impulse[k] < -SIGN_TOLERANCE * largest
+        else:
+            own.violated[k] = own.reached[k] < own.target[k] - SIGN_TOLERANCE * scale
+        wrong += own.violated[k]
+    return wrong
+
+
+def any_point_held(d):
+    """Whether rigid walls hold a point."""
+    return d.touch.active_count > d.touch.compliant_count
+
+
+def any_constraint(d):
+    """Whether rigid walls hold a point, or anything sticks by dry friction."""
+    return any_point_held(d) or any_sticking(d)
+
+
+def activate_all(d):
+    """Put every contact without a force law, and what sticks, into the active set, with the target 0."""
+    for k in range(d.touch.compliant_count):
+        release(d, k)
+    for k in range(d.touch.compliant_count, constraint_rows(d)):
+        require(d, k, 0.0)
+
+
+def require(d, k, target):
+    """Put constraint k into the active set, with the least required value of its motion."""
+    d.rigid.in_active_set[k] = 1
+    d.rigid.target[k] = target
+
+
+def set_impulse(d, k, impulse):
+    """Set the impulse of constraint k, which was found without the others."""
+    d.rigid.impulse[k] = impulse
+
+
+def release(d, k):
+    """Take constraint k out of the active set."""
+    d.rigid.in_active_set[k] = 0

@@ -1,0 +1,196 @@
+"""Geometry of contact: the only module that depends on what touches.
+
+A candidate is a pair of a point and a wall, or a stop in a joint. Every wall is a half-plane, with an inward
+normal n of length 1 and n·p = offset for the points p on it. The clearance of a point is positive when apart:
+
+    g = n·p − offset − radius,   ġ = n·ṗ,   g̈ = n·p̈.
+
+The normals are computed once, at initialization, so that the code in loops has no branch on the kind of wall.
+
+A row is a place and a direction (n_x, n_y) there: the normal of a contact or stop, the tangent along which
+dry friction acts, or a joint's own angle. Its J takes the vectors of all places to their part along it. How a
+wall moves is for this module only: g, ġ, g̈ and the tangential motion are those relative to the wall.
+
+A stop limits a joint's own angle ψ_i = θ_i − θ_{i−1}. The joint has a place of its own, at x = s ψ_i with the
+longest link s as a lever arm (chain/kinematics.py), and the stop is a wall there. So lengths, speeds, forces
+and masses of stops have the units and the scales of those at walls, and a force F has the moment ±s F.
+"""
+
+from chain_impact.kernel.chain.joints import joint_resistance
+from chain_impact.kernel.chain.kinematics import clear_joints, polar, zero
+from chain_impact.kernel.chain.state import ANGLES
+
+WALLS = ("x_min", "x_max", "y_min", "y_max")
+"""The walls of the box in the order of their numbers, from 0. After them come those at any angle."""
+
+
+NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+"""Their inward normals."""
+
+
+def place_walls(d):
+    """Compute the place of each candidate, and the normal and the offset of its wall or stop."""
+    for c in range(d.candidates):
+        wall, d.candidate.place[c] = d.candidate.wall[c], d.candidate.point[c]
+        if d.candidate.stop[c] != 0:
+            place_stop(d, c)
+        elif wall < len(WALLS):
+            place_side(d, c, wall)
+        else:
+            place_slope(d, c, wall - len(WALLS))
+
+
+def place_side(d, c, side):
+    """Set the normal and the offset of candidate c at a side of the box."""
+    own = d.candidate
+    nx, ny = NORMALS[side]
+    own.normal_x[c], own.normal_y[c] = nx, ny
+    # nx or ny is 0
+    own.offset[c] = (nx + ny) * d.model.wall[side]
+
+
+def place_slope(d, c, w):
+    """Set the normal and the offset of candidate c at the w-th of the walls at any angle."""
+    own, walls = d.candidate, d.walls
+    own.offset[c] = 1.0
+    polar(own.offset[c : c + 1], walls.angle, w, own.normal_y[c : c + 1], own.normal_x[c : c + 1])
+    # n = (−sin φ, cos φ) is to the left of the wall's direction (cos φ, sin φ)
+    own.normal_x[c] = -own.normal_x[c]
+    own.offset[c] = own.normal_x[c] * walls.x[w] + own.normal_y[c] * walls.y[w]
+
+
+def place_stop(d, c):
+    """Set the normal and the offset of candidate c, a stop, at the place of its joint."""
+    own, joint = d.candidate, d.candidate.point[c]
+    own.place[c], own.normal_x[c], own.normal_y[c] = d.links + joint, float(own.stop[c]), 0.0
+    limit = d.model.joint_min[joint - 1] if own.stop[c] > 0 else d.model.joint_max[joint - 1]
+    own.offset[c] = own.normal_x[c] * d.model.size * limit - d.contact.radius
+
+
+def normal(d, c):
+    """The row of candidate c along its normal n."""
+    return d.candidate.place[c], d.candidate.normal_x[c], d.candidate.normal_y[c]
+
+
+def tangent(d, e):
+    """The row of element e along t, the direction in which dry friction acts.
+
+    At a wall that is t = (n_y, −n_x). An element after the candidates is a joint: friction acts on its angle,
+    the x of its place, so that a force F is a moment of s F, with the lever arm s of a stop.
+    """
+    if e < d.candidates:
+        return d.candidate.place[e], d.candidate.normal_y[e], -d.candidate.normal_x[e]
+    return d.links + 1 + e - d.candidates, 1.0, 0.0
+
+
+def constraint_rows(d):
+    """The number of the active contacts and of what sticks."""
+    return d.touch.active_count + d.friction.stuck_count
+
+
+def constraint(d, k):
+    """The row of constraint k: the active contacts, packed, and after them what sticks."""
+    if k < d.touch.active_count:
+        return normal(d, d.touch.active_index[k])
+    return tangent(d, d.element.stuck[k - d.touch.active_count])
+
+
+def along(row, vectors):
+    """J v of a row for the vectors v of all places."""
+    place, nx, ny = row
+    return nx * vectors.x[place] + ny * vectors.y[place]
+
+
+def add_along(row, vectors, amount):
+    """Add Jᵀ F of a row for an ``amount`` F to the vectors of all places."""
+    place, nx, ny = row
+    vectors.x[place] += nx * amount
+    vectors.y[place] += ny * amount
+
+
+def add_impedance(row, impedance, amount):
+    """Add Jᵀ D J of a row for an ``amount`` D [kg] to the impedances of all places."""
+    place, nx, ny = row
+    impedance.xx[place] += nx * nx * amount
+    impedance.xy[place] += nx * ny * amount
+    impedance.yy[place] += ny * ny * amount
+
+
+def clearance(d, c):
+    """Clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
+    row = normal(d, c)
+    return along(row, d.work.position) - d.candidate.offset[c] - d.contact.radius, along(row, d.work.velocity)
+
+
+def gap_acceleration(d, c):
+    """g̈ [m/s²] of candidate c, from the accelerated points."""
+    return along(normal(d, c), d.work.acceleration)
+
+
+def tangential_position(d, e):
+    """The coordinate [m] of element e along t, from the located points."""
+    return along(tangent(d, e), d.work.position)
+
+
+def tangential_rate(d, e):
+    """The speed [m/s] of element e along t, from the located points."""
+    return along(tangent(d, e), d.work.velocity)
+
+
+def tangential_acceleration(d, e):
+    """The acceleration [m/s²] of element e along t, from the accelerated points."""
+    return along(tangent(d, e), d.work.acceleration)
+
+
+def constraint_acceleration(d, k):
+    """The acceleration [m/s²] of constraint k along its row, from the accelerated points."""
+    return along(constraint(d, k), d.work.acceleration)
+
+
+def to_joints(d, load):
+    """Add the moments of the forces at the places of joints to those in the joints."""
+    if d.model.jointed:
+        for i in range(d.links):
+            load.joint[i] += d.model.size * load.x[d.links + 1 + i]
+
+
+def join(d, impedance, time):
+    """Set the resistances of joints: that of their places, and κ_i of dampers and springs for a time [s]."""
+    if d.model.jointed or d.model.resisting:
+        square = d.model.size * d.model.size
+        for i in range(d.links):
+            impedance.joint[i] = joint_resistance(d, i, time)
+            if d.model.jointed:
+                impedance.joint[i] += square * impedance.xx[d.links + 1 + i]
+
+
+def clear_loads_of(d, load):
+    """Set the loads at all places and, if they are used, the moments in all joints to zero."""
+    zero(d, load)
+    if d.model.jointed or d.model.resisting:
+        clear_joints(load)
+
+
+def speed_bound(d, vectors):
+    """A bound on the length of the vectors of all places."""
+    most = 0.0
+    for k in range(d.links + 1):
+        most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
+    if d.model.stopped:
+        for k in range(d.links + 1, 2 * d.links + 1):
+            most = max(most, abs(vectors.x[k]))
+    return most
+
+
+def coordinates_size(d, c, y):
+    """The sum of the sizes [m] of the coordinates whose round-off g of candidate c has, at located points."""
+    point = d.candidate.point[c]
+    if d.candidate.stop[c] != 0:
+        before = abs(y[ANGLES + point - 2]) if point > 1 else 0.0
+        return d.model.size * (abs(y[ANGLES + point - 1]) + before)
+    return abs(d.work.position.x[point]) + abs(d.work.position.y[point])
+
+
+def lever(d, c):
+    """The length [m] by which speeds, forces and masses of candidate c are those of an angle; of a wall 1."""
+    return d.model.size if d.candidate.stop[c] != 0 else 1.0

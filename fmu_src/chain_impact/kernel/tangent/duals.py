@@ -1,0 +1,99 @@
+"""Dual numbers, as the kernel uses them: a value with its derivatives in several directions.
+
+The primal instance is called d. The tangent instance t has the same layout, but its reals are dual numbers.
+The kernel's functions work on both. In the compiled kernel dual numbers are those of
+compilation/dual_numbers.py.
+
+Instances of dual numbers after an instance in memory: together they carry all requested directions.
+
+The compiled versions of these functions are in compilation/record_type.py.
+"""
+
+import numpy as np
+
+from chain_impact.kernel.record.fields import GIVEN
+
+DIRECTIONS = 4  # carried by one instance of dual numbers; more directions need several instances
+
+
+def dual_dtype(dtype):
+    """The layout of an instance, or of a part of it, with a dual number for each real."""
+    if dtype.subdtype:
+        item, shape = dtype.subdtype
+        return np.dtype((dual_dtype(item), shape))
+    if dtype.names:
+        return np.dtype([(name, dual_dtype(dtype[name])) for name in dtype.names])
+    if dtype == np.float64:
+        return np.dtype([("value", np.float64), ("slope", np.float64, (DIRECTIONS,))])
+    return dtype
+
+
+# up to where the derivatives can be trusted, see kernel/tangent/trust.py
+TRUST = np.dtype(
+    [
+        ("reason", np.int64),  # 0: everywhere so far
+        ("time", np.float64),  # s, after which they cannot be trusted
+        ("point", np.int64),  # of the impact or the dry friction, or the joint; −1 without one
+        ("wall", np.int64),  # −1: a joint
+    ]
+)
+
+
+def tangent_dtype(instance):
+    """The layout of an instance of dual numbers for a primal instance of the layout ``instance``."""
+    dual = dual_dtype(instance)
+    return np.dtype([*((name, dual[name]) for name in dual.names), ("trust", TRUST)])
+
+
+def value(number):
+    """The value of a dual number."""
+    return number.value
+
+
+def carried(number, slope, argument):
+    """A dual number with the value ``number`` and the derivatives of ``argument`` times a slope."""
+    return argument.carried(number, slope)
+
+
+def slope(number, direction):
+    """The derivative of a dual number in a direction, from 0."""
+    return number.slope[direction]
+
+
+def sloped(number, direction, slope):
+    """A dual number with another derivative in a direction."""
+    return number.sloped(direction, slope)
+
+
+def varies(number):
+    """Whether a dual number has any derivative that is not zero."""
+    return number.varies()
+
+
+def block(d, number):
+    """Tangent instance ``number`` of d, from 0."""
+    return d.tangent_instances[number]
+
+
+def words(record):
+    """All numbers of a record, each with its derivatives after it."""
+    return record.words
+
+
+def copy_values(source, target):
+    """Give a part of an instance of dual numbers the values of that part of the instance.
+
+    Derivatives stay unchanged. All fields are copied, also those of nested records, so a parameter that is
+    added to the record needs no change here.
+    """
+    target.copy_values(source)
+
+
+def copy_given(d, t, when):
+    """Give t the values of all parts of d that the scene or an importer gives and that apply then.
+
+    ``when`` is a constant: AT_START or AT_ANY_TIME, as it stands beside the layout of each part.
+    """
+    for part, applies in GIVEN.items():
+        if applies == when:
+            copy_values(getattr(d, part), getattr(t, part))

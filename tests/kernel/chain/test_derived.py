@@ -1,0 +1,58 @@
+"""What is derived unless it is given: in plain Python, with dual numbers, and at initialization."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.inertia import DERIVED, in_use, inertia_of_rod, middle
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.status import OK
+from tests.kernel.chains import chain, stopped_chain
+from tests.kernel.tangent.dual import Dual
+
+
+def test_a_given_value_is_in_use_and_else_the_derived_one():
+    """Which has the derivatives of what it follows and of itself."""
+    for given, right in ((0.0, 0.0), (0.3, 0.3), (DERIVED, 0.1)):
+        assert in_use(given, 0.1) == right
+    given, derived = Dual(DERIVED, [1.0, 0.0]), Dual(0.25, [0.0, 0.5])
+    found = in_use(given, derived)
+    assert (found.value, found.slope.tolist()) == (0.25, [1.0, 0.5])
+    given = Dual(0.3, [1.0, 0.0])
+    assert in_use(given, derived) is given
+
+
+def test_the_rod_is_uniform():
+    """Its inertia is the integral of (x − L/2)² over its mass."""
+    length, mass = 0.7, 1.3
+    x, weights = np.polynomial.legendre.leggauss(4)
+    places = 0.5 * length * (1.0 + x)
+    assert middle(length) == pytest.approx(weights @ places / 2.0, rel=1e-14)
+    about = weights @ (places - middle(length)) ** 2 / 2.0
+    assert inertia_of_rod(mass, length) == pytest.approx(mass * about, rel=1e-14)
+
+
+def test_each_start_derives_anew_what_is_not_given():
+    _, d = chain(np.random.default_rng(0), 2)
+    given = [d.model.center_of_mass[1], d.model.inertia[1]]
+    d.model.given_center_of_mass[0] = d.model.given_inertia[0] = DERIVED
+    for length, mass in ((0.8, 2.0), (1.7, 0.3)):
+        d.model.length[:], d.model.mass[:] = length, mass
+        assert initialize(d, 0.0) == OK
+        assert d.model.center_of_mass[0] == length / 2
+        assert d.model.inertia[0] == mass * length * length / 12
+        assert [d.model.center_of_mass[1], d.model.inertia[1]] == given
+
+
+def test_stops_follow_the_walls_where_nothing_else_is_given():
+    _, d = stopped_chain(2)
+    d.stops.given_exponent = d.given.stop_restitution = DERIVED
+    d.contact.exponent, d.given.restitution = 1.3, 0.35
+    assert initialize(d, 0.0) == OK
+    own = np.flatnonzero(d.candidate.stop)
+    assert (d.law.restitution[own] == 0.35).all()
+    assert (d.law.exponent[own] == 1.3).all()
+    assert (d.stops.exponent, d.stops.restitution) == (1.3, 0.35)
+    d.given.stop_restitution, d.stops.given_exponent = 0.9, 1.1
+    assert initialize(d, 0.0) == OK
+    assert (d.law.restitution[own] == 0.9).all()
+    assert (d.stops.exponent, d.stops.restitution) == (1.1, 0.9)

@@ -1,0 +1,266 @@
+"""What is done at an event, and the step that follows it."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.joints import joint_bound
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.events import handlers
+from chain_impact.kernel.events.handlers import (
+    LEFT,
+    apply_events,
+    bends_force,
+    choose_size,
+    handle_end,
+    handle_kink,
+    handle_none,
+    handle_onset,
+    handle_relatch,
+)
+from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE
+from chain_impact.kernel.forces.contact_force import elastic_energy
+from chain_impact.kernel.ode import control
+from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
+from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS
+from tests.kernel.chains import chain, gradients, press_in, random_state, struck, touch, vectors
+from tests.problems import of_law
+from tests.reference import complementary_impulses, mass_matrix
+
+JUMPS = {"zhang_sharf": False, "kelvin_voigt": True, "jankowski": False}
+LAWS = pytest.mark.parametrize("law", JUMPS)
+C = 6
+
+
+def arrived(law="zhang_sharf", speed=1.0, depth=0.0, touching=()):
+    """A chain at the end of a step, at which candidate C moves into its wall; no step is implicit."""
+    rng = np.random.default_rng(4)
+    scene, d = chain(rng, 3, inputs=True, **of_law(law), restitution=0.5)
+    y = struck(rng, d, [C], depth)
+    touch(d, touching)
+    (gradient,) = gradients(scene, d, y[2:5], [C])
+    y[5:10] -= gradient * (speed + gradient @ y[5:10]) / (gradient @ gradient)
+    locate_points(d, y)
+    d.step.state_end[:], d.step.end = y, 1.5
+    d.work.rate_start[:] = random_state(rng, d)
+    d.step.method, d.step.stiff_count, d.step.switch_hysteresis = EXPLICIT, 3, 16
+    d.step.next_size, d.step.flight_size = 0.125, 0.25
+    return d
+
+
+def begins_explicit(d):
+    """Whether steps are explicit, as if none had been stiff before."""
+    own = d.step
+    return (own.method, own.stiff_count, own.switch_hysteresis) == (EXPLICIT, 0, MIN_SWITCH_STEPS)
+
+
+@LAWS
+def test_a_contact_begins_on_its_side_of_the_kink(law):
+    d = arrived(law)
+    d.touch.beyond_kink[C] = 1
+    assert handle_onset(d, C) == JUMPS[law]
+    assert d.touch.active[C] == 1
+    assert d.touch.beyond_kink[C] == 0
+    assert d.touch.onset[C] == 1.5
+    assert d.touch.impact_speed[C] == pytest.approx(1.0, rel=1e-9)
+    assert d.impact.count == 1
+
+
+@LAWS
+@pytest.mark.parametrize(
+    ("times", "speed", "ends"),
+    [(0.9, -0.5, 1), (1.1, -0.5, 0), (0.0, 0.5, 0), (-5.0, 0.5, 0), (-5.0, -0.5, 1), (0.0, 0.0, 1)],
+)
+def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
+    """Within LEFT of δ*/v₀; one that moves inward has not left."""
+    d = arrived(law, speed=speed)
+    if speed == 0.0:
+        d.work.velocity.x[:] = d.work.velocity.y[:] = 0.0
+    touch(d, [C])
+    d.touch.depth_scale[C], d.touch.impact_speed[C] = 0.2, 4.0
+    press_in(d, C, times * LEFT * 0.2 / 4.0 * abs(speed))
+    if speed == 0.0:
+        d.candidate.offset[C] -= 1e-9
+    assert handle_end(d, C) == JUMPS[law]
+    assert d.touch.active[C] == 1 - ends
+    assert d.finished.count == ends
+
+
+def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
+    """The depth of an elastic impact at twice v₀, and half of the damping λ K/v₀."""
+    d = arrived()
+    handle_onset(d, C)
+    mass, damping = d.touch.effective_mass[C], d.touch.damping[C]
+    d.touch.beyond_kink[C] = 1
+    assert handle_relatch(d, C)
+    assert d.touch.impact_speed[C] == pytest.approx(2.0, rel=1e-9)
+    energy = 0.5 * mass * 2.0**2
+    assert elastic_energy(d, C, d.touch.depth_scale[C]) == pytest.approx(energy, rel=1e-8)
+    assert d.touch.damping[C] == pytest.approx(0.5 * damping, rel=1e-9)
+    assert d.touch.beyond_kink[C] == 0
+
+
+@LAWS
+@pytest.mark.parametrize("beyond", [0, 1])
+def test_past_its_kink_a_contact_goes_on_with_the_other_force(law, beyond):
+    """One without a force has one again that rises; one that turned does so no more."""
+    d = arrived(law)
+    handle_onset(d, C)
+    d.touch.beyond_kink[C], d.touch.force_rate[C], d.touch.speed[C] = beyond, -7.0, 3.0
+    assert handle_kink(d, C)
+    assert d.touch.beyond_kink[C] == 1 - beyond
+    assert d.touch.force_rate[C] == (1.0 if beyond and law != "jankowski" else -7.0)
+    assert d.touch.speed[C] == (0.0 if law == "jankowski" else 3.0)
+
+
+def test_no_event_leaves_all_as_it_is():
+    d = arrived()
+    before = d._record.tobytes()
+    assert not handle_none(d, C)
+    assert d._record.tobytes() == before
+
+
+@pytest.mark.parametrize(
+    ("kind", "active", "law", "jumped"),
+    [
+        (ONSET, 0, "zhang_sharf", False),
+        (ONSET, 0, "kelvin_voigt", True),
+        (END, 1, "zhang_sharf", False),
+        (END, 1, "kelvin_voigt", True),
+        (RELATCH, 1, "zhang_sharf", True),
+        (KINK, 1, "jankowski", True),
+        (RELEASE, 1, "zhang_sharf", False),
+        (NONE, 1, "zhang_sharf", False),
+    ],
+)
+def test_each_event_has_its_own_effect(kind, active, law, jumped):
+    d = arrived(law, speed=-1.0 if kind == END else 1.0)
+    d.touch.depth_scale[:] = d.touch.impact_speed[:] = d.touch.effective_mass[:] = 1.0
+    others = [1]
+    touch(d, [*others, C] if active else others)
+    d.touch.event[C] = kind
+    flight = d.step.flight_size
+    assert apply_events(d) == jumped
+    assert not d.touch.event.any()
+    assert d.impact.count == (kind == ONSET)
+    assert d.finished.count == (kind == END)
+    left = others + [C] * (kind == ONSET or (active and kind != END))
+    assert d.touch.active_index[: d.touch.active_count].tolist() == left
+    assert d.touch.impact_speed[C] == pytest.approx(2.0 if kind == RELATCH else 1.0, rel=1e-9)
+    assert d.touch.beyond_kink[C] == (kind == KINK)
+    assert d.step.flight_size == flight
+    if kind in {RELATCH, KINK}:
+        assert d.step.next_size == 0.125
+    elif kind == ONSET:
+        assert d.step.next_size == control.at_onset_beside(d, C) < control.at_onset(d, C, EXPLICIT)
+    else:
+        assert d.step.next_size == control.at_onset(d, 1, EXPLICIT)
+
+
+def test_rigid_walls_take_all_events_at_once_and_steps_are_explicit():
+    rng = np.random.default_rng(4)
+    scene, d = chain(rng, 3, model="newton_impact", restitution=0.5)
+    y = struck(rng, d, [C], 0.0)
+    touch(d, [])
+    (gradient,) = gradients(scene, d, y[2:5], [C])
+    y[5:10] -= gradient * (1.0 + gradient @ y[5:10]) / (gradient @ gradient)
+    d.step.state_end[:], d.touch.event[C] = y, ONSET
+    d.step.method, d.step.stiff_count, d.step.switch_hysteresis = IMPLICIT, 3, 16
+    response = np.linalg.solve(mass_matrix(scene, y[2:5]), gradient)
+    p = complementary_impulses(np.array([[gradient @ response]]), np.array([-1.0]), np.array([0.5]))
+    assert apply_events(d)
+    np.testing.assert_allclose(d.step.state_end[5:10], y[5:10] + response * p, rtol=0, atol=1e-9)
+    assert begins_explicit(d)
+
+
+def test_the_size_of_steps_in_flight_is_kept_when_a_first_contact_begins():
+    d = arrived()
+    d.touch.event[C] = ONSET
+    apply_events(d)
+    assert d.step.flight_size == 0.125
+    # with another contact there is no flight
+    d = arrived(touching=[1])
+    d.touch.impact_speed[:] = d.touch.depth_scale[:] = 1.0
+    d.touch.event[C] = ONSET
+    apply_events(d)
+    assert d.step.flight_size == 0.25
+
+
+@pytest.mark.parametrize("flight", [1e-6, 1e6])
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method, flight):
+    d = arrived()
+    d.inputs.tip_force[:] = 0.3, 0.4
+    d.work.load.x[:] = d.work.load.y[:] = 9.0
+    d.step.flight_size, d.step.method = flight, method
+    choose_size(d, -1, False)
+    turning = control.in_flight(d, d.step.state_end, d.work.rate_start)
+    assert turning < 1.0
+    assert d.step.next_size == min(flight, turning)
+    assert vectors(d.work.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, 0.4]]
+    # no joint resists: explicit steps do
+    assert begins_explicit(d)
+
+
+@pytest.mark.parametrize("onset", [-1, 0, C])
+@pytest.mark.parametrize("goes_on", [False, True])
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
+    d = arrived(touching=[0, 1, C])
+    d.touch.impact_speed[[0, 1, C]], d.touch.depth_scale[[0, 1, C]] = (1.0, 1.0, 4.0), (2.0, 1.0, 0.1)
+    d.step.method = method
+    choose_size(d, onset, goes_on)
+    if onset >= 0:
+        assert d.step.next_size == control.at_onset_beside(d, onset) < control.at_onset(d, onset, EXPLICIT)
+        assert begins_explicit(d)
+    else:
+        kept = method == IMPLICIT or goes_on
+        assert d.step.next_size == (0.125 if kept else control.at_onset(d, 0, EXPLICIT))
+        assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (method, 3, 16)
+
+
+def test_a_lone_onset_has_the_step_of_its_own_variable():
+    d = arrived(touching=[C])
+    d.touch.impact_speed[C], d.touch.depth_scale[C] = 4.0, 0.1
+    choose_size(d, C, False)
+    assert d.step.next_size == control.at_onset(d, C, EXPLICIT)
+
+
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
+    d = arrived(touching=[0, C])
+    d.step.method, d.touch.impact_speed[C], d.touch.depth_scale[C] = method, 4.0, 0.1
+    d.model.joint_damping[:], d.model.damped, d.model.resisting = 1e12, 1, 1
+    d.model.joint_bound = joint_bound(d)
+    choose_size(d, C, False)
+    sizes = [control.at_onset(d, C, one) for one in (EXPLICIT, method)]
+    assert d.step.method == method
+    beside = control.at_onset_beside(d, C)
+    assert d.step.next_size == (min(*sizes, beside) if method == EXPLICIT else min(sizes))
+    assert (sizes[1] < sizes[0]) == (method == IMPLICIT)
+
+
+@pytest.mark.full("more cases", but=43)
+@pytest.mark.parametrize("kind", [NONE, ONSET, END, RELATCH, RELEASE, KINK])
+@pytest.mark.parametrize("regularized", [-1, 0, C, 15])
+@pytest.mark.parametrize("whose", [0, C, 15])
+def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(whose, regularized, kind):
+    """The end of a regularized contact is smooth in its own variable."""
+    d = arrived()
+    d.touch.event[:] = NONE
+    d.touch.event[whose], d.step.regularized = kind, regularized
+    smooth = regularized == whose and kind == END
+    assert bends_force(d) == (kind in {END, KINK} and not smooth)
+
+
+@pytest.mark.parametrize(
+    ("held", "touching", "flies"), [(True, [], True), (True, [0], False), (False, [], False)]
+)
+def test_after_an_impact_on_rigid_walls_alone_a_flight_begins(monkeypatch, held, touching, flies):
+    """Beside a contact with a force its events decide, as they do without rigid walls."""
+    d, called = arrived(touching=touching), []
+    monkeypatch.setattr(handlers, "any_point_held", lambda _: held)
+    monkeypatch.setattr(handlers, "handle_impact", lambda _: called.append("impact") or -1)
+    monkeypatch.setattr(handlers, "begin_flight", lambda _: called.append("flight"))
+    monkeypatch.setattr(handlers, "choose_size", lambda _d, *what: called.append(what))
+    assert apply_events(d) == held
+    assert called == ["impact"] * held + ["flight" if flies else (-1, False)]

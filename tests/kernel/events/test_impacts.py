@@ -1,0 +1,356 @@
+"""Impacts at rigid walls in plain Python, against Moreau's law by dense matrices."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.kinematics import largest, locate_points
+from chain_impact.kernel.equations import mechanical_energy
+from chain_impact.kernel.events import impacts
+from chain_impact.kernel.events.handlers import apply_events
+from chain_impact.kernel.events.marks import NEIGHBOUR, NONE, ONSET, RELEASE
+from chain_impact.kernel.forces.contact import begin_contact
+from chain_impact.kernel.forces.holding import RISE
+from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE
+from chain_impact.kernel.rows.geometry import clearance
+from tests.kernel.chains import (
+    chain,
+    free_coordinates,
+    gradients,
+    potential_slopes,
+    press_in,
+    struck,
+    touch,
+    vectors,
+)
+from tests.plain import make_rigid
+from tests.reference import complementary_impulses, mass_matrix
+
+E, SLOWEST = 0.6, 1e-3
+POINTS = [1, 6, 11, 16]  # of a free chain: a point at each of the walls
+
+
+def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=True):
+    """A chain at rigid walls, at which candidates arrive; its scene, record, state, J, M⁻¹ Jᵀ and W."""
+    rng = np.random.default_rng(seed)
+    scene, d = chain(rng, 4, base, model="newton_impact", restitution=E, minimum_impact_speed=SLOWEST)
+    candidates = [c - (base == "pinned") for c in candidates]
+    y = struck(rng, d, candidates, 0.0)
+    touch(d, candidates if kinds == NONE else [])
+    d.touch.event[candidates] = kinds
+    angles, free = y[2:6], free_coordinates(d)
+    jacobian, response = gradients(scene, d, angles, candidates), np.zeros((6, len(candidates)))
+    response[free] = np.linalg.solve(mass_matrix(scene, angles)[free, free], jacobian[:, free].T)
+    w = jacobian @ response
+    if arrive:  # at speeds that are given
+        aims = -rng.uniform(0.2, 2.0, len(candidates))
+        y[6:12] += response @ np.linalg.solve(w, aims - jacobian @ y[6:12])
+    d.step.state_end[:] = y
+    d.step.start, d.step.end, d.step.time = 1.0, 1.5, 1.2
+    # what an earlier problem has left
+    d.rigid.target[:], d.rigid.in_active_set[:], d.rigid.start[:], d.work.load.x[:] = 5.0, 0, 5.0, 9.0
+    locate_points(d, y)
+    return d, y, jacobian, response, w, candidates
+
+
+def kinetic(d, y):
+    locate_points(d, y)
+    return mechanical_energy(d, y)[0]
+
+
+@pytest.mark.full("more cases", but=23)
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize("count", [1, 2, 3])
+@pytest.mark.parametrize("seed", range(4))
+def test_an_impact_is_moreaus(seed, count, base):
+    """u⁺ = u⁻ + W p, 0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0; what it takes of the energy is dissipated, and all is logged."""
+    d, y, jacobian, response, w, candidates = touching([seed, count], POINTS[:count], base=base)
+    before, there = jacobian @ y[6:12], kinetic(d, y)
+    p = complementary_impulses(w, before, -E * before)
+    d.work.position.x[:], d.work.velocity.x[:] = 9.0, 9.0  # located elsewhere
+    impacts.handle_impact(d)
+    after = d.step.state_end
+    np.testing.assert_allclose(after[6:12], y[6:12] + response @ p, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(after[:6], y[:6], rtol=0, atol=1e-12)
+    assert after[12] - y[12] == pytest.approx(there - kinetic(d, after), abs=1e-9)
+    np.testing.assert_allclose(d.quadrature.total[candidates], p, rtol=1e-9, atol=1e-9)
+    assert d.impact.count == count
+    assert not d.touch.event.any()
+    # all leave with a speed, and no contact has lasted
+    assert d.touch.active_count == 0
+    assert d.finished.count == count
+    rows = slice(0, count)
+    np.testing.assert_array_equal(d.finished.onset[rows], 1.5)
+    np.testing.assert_array_equal(d.finished.end[rows], 1.5)
+    assert not d.finished.peak_force[rows].any()
+    np.testing.assert_allclose(d.finished.impact_speed[rows], -before, rtol=1e-9)
+    np.testing.assert_allclose(d.finished.separation_speed[rows], before + w @ p, rtol=1e-8)
+    np.testing.assert_allclose(d.finished.impulse[rows], p, rtol=1e-9, atol=1e-9)
+    # the loads are those of a flight
+    assert not vectors(d.work.load).any()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_arrives_slowly_comes_to_rest_and_is_held_as_long_as_that_takes_a_push(seed):
+    """0 ≤ F ⟂ g̈ ≥ 0, with the g̈ of gravity alone, as all speeds are small."""
+    d, y, jacobian, response, w, candidates = touching(seed)
+    y[6:12] = 0.0
+    y[6:12] = response @ np.linalg.solve(w, np.full(3, -0.5 * SLOWEST))
+    d.step.state_end[:] = y
+    d.model.gravity[:] = -3.0 * d.model.gravity if seed % 2 else d.model.gravity
+    impacts.handle_impact(d)
+    after = d.step.state_end
+    # 0 ≤ p ⟂ u⁺ ≥ 0: who cannot be stopped by a push leaves
+    speeds = np.full(3, -0.5 * SLOWEST)
+    reached = speeds + w @ complementary_impulses(w, speeds, np.zeros(3))
+    np.testing.assert_allclose(jacobian @ after[6:12], reached, rtol=0, atol=1e-12)
+    stay = np.flatnonzero(reached < impacts.STICK * SLOWEST)
+    accelerations = -response.T @ potential_slopes(d, after)
+    locate_points(d, after)
+    force = complementary_impulses(w[np.ix_(stay, stay)], accelerations[stay], np.zeros(len(stay)))
+    held = [candidates[k] for k, f in zip(stay, force, strict=True) if f > 0.0]
+    assert d.touch.active_index[: d.touch.active_count].tolist() == held
+    assert d.finished.count == 3 - len(held)
+    for k in stay:
+        gap, _ = clearance(d, candidates[k])
+        apart = 0.0 if candidates[k] in held else impacts.RELEASE_GAP * d.model.size
+        assert gap == pytest.approx(apart, abs=3e-14)
+    assert not d.touch.event.any()
+
+
+def test_points_that_all_but_touch_are_neighbours():
+    d, *_ = touching(0, (1,))
+    limit = impacts.NEAR * d.model.size
+    for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
+        press_in(d, c, -part_of * limit)
+    d.touch.active[1] = d.touch.active[13] = 1
+    d.touch.event[:] = NONE
+    impacts.include_near_contacts(d)
+    assert np.flatnonzero(d.touch.active).tolist() == [1, 2, 5, 13]
+    assert np.flatnonzero(d.touch.event == NEIGHBOUR).tolist() == [2, 5]
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+def test_an_impact_aims_at_rebounds_of_what_arrives_fast_and_brings_the_rest_to_rest(restitution):
+    """e = 0 for a held contact, for one that arrives slowly and for a rebound too slow to leave."""
+    d, y, _jacobian, response, w, candidates = touching(1, POINTS, kinds=NONE)
+    d.touch.event[candidates] = ONSET, NEIGHBOUR, NONE, ONSET
+    speeds = np.array([-1.0, -1.0, -1.0, -0.5 * SLOWEST])
+    y[6:12] = response @ np.linalg.solve(w, speeds)
+    locate_points(d, y)
+    d.law.restitution[:] = restitution
+    lost, moved = impacts.find_impulses(d, 1.0)
+    own = d.rigid
+    np.testing.assert_allclose(own.start[:4], speeds, rtol=1e-8)
+    np.testing.assert_allclose(own.target[:4], [restitution, restitution, 0.0, 0.0], rtol=1e-8)
+    p = complementary_impulses(w, speeds, own.target[:4])
+    np.testing.assert_allclose(own.impulse[:4], p, rtol=0, atol=1e-8)
+    after = y.copy()
+    after[6:12] += response @ p
+    assert lost == pytest.approx(kinetic(d, y) - kinetic(d, after), rel=1e-8)
+    assert moved == pytest.approx(p @ (np.abs(speeds) + np.abs(speeds + w @ p)), rel=1e-8)
+
+
+@pytest.mark.parametrize(("times", "aims"), [(0.9, 0.0), (1.1, 1.0)])
+def test_rebounds_too_slow_to_leave_are_none(times, aims):
+    d, y, _, response, w, _ = touching(1, (1,), kinds=NONE)
+    d.touch.event[1] = ONSET
+    speed = -2.0 * SLOWEST
+    y[6:12] = response @ np.linalg.solve(w, [speed])
+    locate_points(d, y)
+    rebound = times * impacts.STICK * SLOWEST
+    d.law.restitution[:] = rebound / -speed
+    impacts.find_impulses(d, 1.0)
+    assert d.rigid.target[0] == pytest.approx(aims * rebound, rel=1e-9)
+
+
+@pytest.mark.parametrize("short", [0.0, 0.5, 2.0])
+def test_impulses_fall_short_by_more_than_round_off(short):
+    d, *_ = touching(1, POINTS, kinds=NONE)
+    d.rigid.target[:4] = 0.5
+    d.rigid.reached[:4] = 0.5, 0.9, 0.5 - short * impacts.GAIN * largest(d, d.work.velocity), 0.5
+    assert impacts.lacks_rebound(d) == (short > 1.0)
+
+
+@pytest.mark.parametrize("speed", [-0.7, 0.3])
+def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
+    """One on its way from the wall, u⁻ > 0, that is pressed in could: the impact is then one with e = 0."""
+    gains = 0
+    for seed in range(12):
+        d, y, _, response, w, (first, second) = touching(seed, (1, 4))
+        d.law.restitution[:], d.touch.event[second] = 1.0, NONE
+        speeds = np.array([-1.0, speed])
+        y[6:12] = response @ np.linalg.solve(w, speeds)
+        d.step.state_end[:] = y
+        there, lost = kinetic(d, y), y[12]
+        p = complementary_impulses(w, speeds, np.maximum(0.0, -speeds))
+        if p[1] > 1e-9 and speed > 0.0:
+            gains += 1
+            p = complementary_impulses(w, speeds, np.zeros(2))
+        impacts.handle_impact(d)
+        np.testing.assert_allclose(d.quadrature.total[[first, second]], p, rtol=1e-7, atol=1e-9)
+        after = kinetic(d, d.step.state_end)
+        assert d.step.state_end[12] - lost == pytest.approx(there - after, abs=1e-9 * there)
+        assert after <= there * (1.0 + 1e-9)
+        # a neighbour that is not met has begun no contact
+        assert d.impact.count == 1 + (p[1] > 1e-9)
+    assert gains > 2 or speed < 0.0
+
+
+def test_errors_of_held_contacts_are_corrected_without_an_impulse():
+    for act in (apply_events, impacts.update_active_set):
+        d, y, jacobian, response, w, candidates = touching(2, (1, 6), kinds=NONE)
+        # so that it takes a push to hold them, and to stop them
+        y[6:12] = response @ np.linalg.solve(w, w @ np.array([-1e-9, -2e-9]))
+        d.step.state_end[:] = y
+        d.work.velocity.x[:], d.work.position.x[:] = 9.0, 9.0
+        before = d.quadrature.total[candidates].tolist()
+        act(d)
+        assert d.quadrature.total[candidates].tolist() == before
+        np.testing.assert_allclose(jacobian @ d.step.state_end[6:12], 0.0, atol=1e-13)
+        assert set(d.touch.active.tolist()) <= {0, 1}
+
+
+def test_with_nothing_that_touches_the_loads_are_those_of_a_flight():
+    d, *_ = touching(2, (), arrive=False)
+    impacts.handle_impact(d)
+    assert not vectors(d.work.load).any()
+
+
+def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
+    """Their walls would pull by more than errors explain: they leave with what they have."""
+    d, y, _, response, w, (first, second) = touching(2, (1, 6), kinds=NONE)
+    y[6:12] = response @ (p := np.array([-0.3, 0.7]))
+    d.step.state_end[:] = y
+    assert (np.linalg.solve(w, -(w @ p)) < 0.0).any()
+    expected = complementary_impulses(w, w @ p, np.zeros(2))
+    impacts.update_active_set(d)
+    np.testing.assert_allclose(d.quadrature.total[[first, second]], expected, rtol=0, atol=1e-9)
+    over = (w @ (p + expected)) > 1e-9
+    assert over.any()
+    rows = d.finished.count
+    assert rows >= over.sum()
+    assert d.finished.separation_speed[:rows].max() == pytest.approx((w @ (p + expected)).max(), rel=1e-7)
+
+
+def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
+    """u²/(2 a) is the height of a throw, RISE that which cannot be told from none."""
+    for times, stays in ((0.9, True), (1.1, False)):
+        d, _y, _, _response, _w, (c,) = touching(1, (1,), kinds=ONSET)
+        begin_contact(d, c)
+        d.step.end = 2.0
+        touch(d, [c])
+        d.law.minimum_impact_speed[:] = 1e-12
+        d.step.state_end[6:12] = 0.0
+        d.model.gravity[:] = 0.0, -9.81
+        slow = math.sqrt(2.0 * 9.81 * RISE * d.model.size)
+        locate_points(d, d.step.state_end)
+        d.rigid.impulse[0] = 1.0
+        d.rigid.reached[0] = times * slow
+        impacts.end_rebounding_contacts(d)
+        assert (d.touch.active_count == 1) == stays
+        assert d.finished.count == (0 if stays else 1)
+
+
+@pytest.mark.parametrize(
+    ("event", "impulse", "met"), [(NEIGHBOUR, 0.0, 0), (NEIGHBOUR, 1.0, 1), (ONSET, 0.0, 1)]
+)
+def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
+    d, *_ = touching(1, (1,), kinds=NONE)
+    d.touch.event[1], d.rigid.impulse[0], d.rigid.reached[0] = event, impulse, 0.0
+    impacts.end_rebounding_contacts(d)
+    assert d.touch.active[1] == d.touch.active_count == met
+    assert d.finished.count == 0
+
+
+def test_contacts_end_where_they_stand_for_another_law():
+    d, y, *_ = touching(1, (1, 6, 11), kinds=NONE, arrive=False)
+    d.work.velocity.x[:] = 99.0
+    rates = []
+    locate_points(d, y)
+    for c in (1, 6, 11):
+        rates.append(max(0.0, clearance(d, c)[1]))
+    d.work.velocity.x[:] = 99.0
+    d.law.impulsive[:] = 0
+    impacts.end_changed_contacts(d)
+    assert d.touch.active_count == 0
+    assert not d.touch.active.any()
+    np.testing.assert_array_equal(d.finished.separation_speed[:3], rates)
+
+
+def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
+    """By more than round-off of the fastest point, and only those that are not pressed."""
+    d, *_ = touching(1, POINTS, kinds=NONE)
+    scale = largest(d, d.work.velocity)
+    d.rigid.in_active_set[:4] = 0, 0, 1, 0
+    d.rigid.reached[:4] = 0.5 * SIGN_TOLERANCE * scale, 2.0 * SIGN_TOLERANCE * scale, 1.0, 0.0
+    impacts.end_unstopped_contacts(d)
+    assert d.touch.active_index[: d.touch.active_count].tolist() == [1, 11, 16]
+    assert d.finished.point[0] == d.candidate.point[6]
+
+
+def test_points_without_a_force_are_put_off_the_wall_and_the_others_stay_on_it():
+    d, _y, *_ = touching(1, POINTS[:3], kinds=NONE)
+    d.rigid.in_active_set[:3] = 1, 0, 1
+    impacts.release_contacts(d)
+    locate_points(d, d.step.state_end)
+    gaps = [clearance(d, c)[0] for c in POINTS[:3]]
+    np.testing.assert_allclose(gaps, [0.0, impacts.RELEASE_GAP * d.model.size, 0.0], rtol=0, atol=3e-14)
+    assert d.touch.active[POINTS].tolist() == [1, 0, 1, 0]
+    # and nothing moves when all are held
+    before = d.step.state_end.copy()
+    d.rigid.in_active_set[:3] = 1
+    touch(d, POINTS[:1])
+    impacts.release_contacts(d)
+    np.testing.assert_array_equal(d.step.state_end, before)
+
+
+def test_a_release_is_a_first_guess_of_who_is_let_go():
+    """Whatever the guess, those are held that a force has to hold."""
+    results = []
+    for event in (NONE, RELEASE):
+        d, y, _, _response, _w, candidates = touching(3, kinds=NONE)
+        y[6:12] = 0.0
+        d.step.state_end[:] = y
+        d.touch.event[candidates] = event
+        impacts.update_active_set(d)
+        results.append(d.touch.active.tolist())
+        assert not d.touch.event.any()
+    assert results[0] == results[1]
+
+
+def test_contacts_with_a_force_take_the_rates_after_it_and_the_side_of_their_kink(monkeypatch):
+    rng = np.random.default_rng(47)
+    _, d = chain(rng, 2)
+    touched, sides = [0, 5, 9], []
+    y = struck(rng, d, touched)
+    make_rigid(d, np.arange(d.candidates) == 5)
+    d.step.state_end[:] = y
+    d.work.velocity.x[:] = 1e9  # of before
+    d.touch.speed[:], d.touch.force_rate[:] = 77.0, -5.0
+    monkeypatch.setattr(impacts, "set_kink_side", lambda _, c: sides.append(int(c)))
+    impacts.follow_jump(d)
+    assert sides == [0, 9]
+    for c in touched:
+        if c in sides:
+            assert d.touch.speed[c] == -clearance(d, c)[1]
+            assert abs(d.touch.speed[c]) < 1e3
+            assert d.touch.force_rate[c] == 1.0
+        else:
+            assert (d.touch.speed[c], d.touch.force_rate[c]) == (77.0, -5.0)
+
+
+def test_a_contact_with_a_force_that_is_due_at_an_impact_begins_if_its_point_still_moves_inward():
+    found = set()
+    for seed in range(12):
+        d, y, jacobian, _, w, (rigid, soft) = touching(seed, (1, 6))
+        make_rigid(d, np.arange(d.candidates) != soft)
+        before = jacobian @ y[6:12]
+        p = complementary_impulses(w[:1, :1], before[:1], -E * before[:1])
+        inward = bool((before + w[:, 0] * p[0])[1] < 0.0)
+        assert impacts.handle_impact(d) == (soft if inward else -1)
+        assert d.touch.active[[rigid, soft]].tolist() == [0, inward]
+        assert d.impact.count == 1 + inward
+        found.add(inward)
+    assert found == {True, False}

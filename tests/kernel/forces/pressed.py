@@ -1,0 +1,35 @@
+"""Points of a chain at rigid walls, with motions to bring them to."""
+
+import numpy as np
+
+from chain_impact.kernel.chain.inertia import DERIVED
+from chain_impact.kernel.initialize import derive_chain
+from tests.kernel.chains import chain, free_coordinates, gradients, struck
+from tests.reference import mass_matrix
+
+CANDIDATES = [1, 6, 11, 16]  # points 0 to 4 of a free chain, each at another wall
+
+
+def problem(base="free", pressed=(1, 0, 1, 1), seed=0, masses=None):
+    """A chain whose touching candidates have motions to aims; its state, J, M⁻¹ Jᵀ and W.
+
+    With ``masses`` [kg] its links are rods; M⁻¹ Jᵀ and W are those of other masses then.
+    """
+    rng = np.random.default_rng([len(base), seed])
+    scene, d = chain(rng, 4, base, model="newton_impact")
+    if masses:
+        d.model.mass[:] = masses
+        d.model.given_center_of_mass[:] = d.model.given_inertia[:] = DERIVED
+        derive_chain(d)
+    candidates = CANDIDATES[: len(pressed)]
+    if base == "pinned":
+        candidates = [c - 1 for c in candidates]
+    y = struck(rng, d, candidates, 0.0)
+    free = free_coordinates(d)
+    jacobian = gradients(scene, d, y[2:6], candidates)
+    response = np.zeros((6, len(candidates)))
+    response[free] = np.linalg.solve(mass_matrix(scene, y[2:6])[free, free], jacobian[:, free].T)
+    own, count = d.rigid, len(candidates)
+    own.in_active_set[:count] = pressed
+    own.start[:count], own.target[:count] = rng.normal(size=count), rng.normal(size=count)
+    return d, y, jacobian, response, jacobian @ response

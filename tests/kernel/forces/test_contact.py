@@ -1,0 +1,196 @@
+"""Contacts of a chain: the loads of their forces, what they dissipate, and how a contact begins."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel import equations
+from chain_impact.kernel.forces import contact
+from chain_impact.kernel.forces.contact_force import elastic_energy, law_force, law_slopes
+from chain_impact.kernel.rows import constraints, geometry
+from tests.kernel.chains import chain, gradients, press_in, stopped_chain, stops_of, struck, touch, vectors
+from tests.plain import make_rigid
+from tests.problems import of_law
+from tests.reference import mass_matrix, point_jacobian
+
+DEPTH = 1e-3
+LAWS = pytest.mark.parametrize("law", ["zhang_sharf", "kelvin_voigt", "jankowski", "hertz"])
+
+
+def in_contact(law="zhang_sharf", touching=3):
+    """A chain with contacts that have begun, at the depths DEPTH, 2 DEPTH …; its state and ∇g."""
+    rng = np.random.default_rng(7)
+    scene, d = chain(rng, 3, inputs=True, **of_law(law), restitution=0.6, minimum_impact_speed=9.0)
+    d.inputs.tip_force[:] = 0.3, -0.8
+    # of other points, at other walls
+    candidates = [1, 6, 15][:touching]
+    y = struck(rng, d, candidates)
+    for c in candidates:
+        contact.begin_contact(d, c)
+    for k, c in enumerate(candidates):
+        press_in(d, c, DEPTH * (k + 1))
+    contact.set_kink_sides(d)
+    return scene, d, y, candidates, gradients(scene, d, y[2:5], candidates)
+
+
+@LAWS
+@pytest.mark.parametrize("touching", [0, 1, 3])
+def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
+    """Q = Σ F ∇g + f_tip·∇p_tip; the power that is lost is what the springs do not get."""
+    scene, d, y, candidates, jacobian = in_contact(law, touching)
+    d.work.load.x[:] = d.work.load.y[:] = 9.0  # of another state
+    rates = jacobian @ y[5:10]
+    forces = np.array([contact.contact_force(d, c, *geometry.clearance(d, c)) for c in candidates])
+    lost = contact.apply_contacts(d)
+    found = sum(point_jacobian(scene, y[2:5], k).T @ load for k, load in enumerate(vectors(d.work.load)))
+    expected = point_jacobian(scene, y[2:5], 3).T @ [0.3, -0.8]
+    if touching:
+        expected = expected + jacobian.T @ forces
+        assert (forces > 0.0).all()
+        assert (d.touch.force[candidates] == forces).all()
+    np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
+    # the power of the walls is what the springs give and the dampers take
+    h, stored = 1e-7, 0.0
+    for k, rate in enumerate(rates):
+        ends = [elastic_energy(d, candidates[k], DEPTH * (k + 1) - side * h * rate) for side in (1, -1)]
+        stored += (ends[0] - ends[1]) / (2 * h)
+    assert lost == pytest.approx(-forces @ rates - stored, abs=1e-6 * np.abs(forces * rates).sum())
+    assert lost >= 0.0
+    contact.clear_loads(d)
+    assert vectors(d.work.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, -0.8]]
+
+
+@LAWS
+def test_slopes_at_the_points_are_those_of_the_law(law):
+    """Apart from the wall by round-off there is no spring."""
+    _, d, _, candidates, _ = in_contact(law)
+    for k, c in enumerate(candidates):
+        gap, rate = geometry.clearance(d, c)
+        assert -gap == pytest.approx(DEPTH * (k + 1), rel=1e-9)
+        assert contact.contact_slopes(d, c) == law_slopes(d, c, -gap, -rate)
+    assert contact.apply_contact(d, c, 1e-16, 0.0) == 0.0
+    assert contact.contact_force(d, c, 1e-16, -0.7) == law_force(d, c, 0.0, 0.7)[0]
+
+
+@pytest.mark.parametrize("law", ["zhang_sharf", "jankowski", "newton_impact"])
+@pytest.mark.parametrize("speed", [2.0, 1e-4, 0.0, -0.5])
+def test_a_contact_begins_with_what_the_impact_is(law, speed):
+    """v₀ is no less than its floor, and the depth that of an elastic impact: K δⁿ⁺¹/(n+1) = ½ m v₀²."""
+    rng = np.random.default_rng(3)
+    scene, d = chain(rng, 3, **of_law(law), restitution=0.6, minimum_impact_speed=1e-2)
+    c = d.candidates - 2
+    y = struck(rng, d, [c], depth=0.0)
+    (gradient,) = gradients(scene, d, y[2:5], [c])
+    shift = -speed - gradient @ y[5:10]
+    normal = d.candidate.normal_x[c], d.candidate.normal_y[c]
+    for part, n in zip((d.work.velocity.x, d.work.velocity.y), normal, strict=True):
+        part[:] = part + shift * n
+    for field in ("peak_force", "max_penetration", "force_rate"):
+        d.touch[field][c] = 7.0
+    d.step.end, d.quadrature.total[c], d.impact.count = 1.25, 3.5, 4
+    contact.begin_contact(d, c)
+    touched = d.touch
+    first = max(speed, 1e-2)
+    mass = 1.0 / (gradient @ np.linalg.solve(mass_matrix(scene, y[2:5]), gradient))
+    assert touched.onset[c] == d.impact.last_time == 1.25
+    assert touched.impact_speed[c] == pytest.approx(first, rel=1e-9)
+    assert touched.onset_speed[c] == pytest.approx(max(0.0, speed), abs=1e-12)
+    assert math.copysign(1.0, touched.onset_speed[c]) == 1.0
+    assert d.impact.last_speed == touched.onset_speed[c]
+    assert touched.speed[c] == pytest.approx(speed, abs=1e-12)
+    assert touched.effective_mass[c] == pytest.approx(mass, rel=1e-10)
+    assert [touched[name][c] for name in ("peak_force", "max_penetration")] == [0.0] * 2
+    assert touched.force_rate[c] > 0.0
+    assert (d.impact.count, d.impact.last_point) == (5, d.candidate.point[c])
+    assert d.impact.last_wall == d.candidate.wall[c] + 1
+    assert d.quadrature.onset[c] == 3.5
+    assert touched.number[c] == 5
+    if law == "newton_impact":
+        assert touched.depth_scale[c] == d.model.size
+    else:
+        energy = 0.5 * mass * first**2
+        assert elastic_energy(d, c, touched.depth_scale[c]) == pytest.approx(energy, rel=1e-9)
+        lost = contact.contact_force(d, c, -1e-3, -first) - contact.contact_force(d, c, -1e-3, 0.0)
+        assert lost > 0.0
+
+
+@pytest.mark.parametrize("law", ["zhang_sharf", "jankowski", "newton_impact"])
+def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
+    """A force that is cut off, or for damping of approach alone the way out."""
+    _, d, _, candidates, _ = in_contact("zhang_sharf" if law == "newton_impact" else law)
+    point, n = d.candidate.point, (d.candidate.normal_x, d.candidate.normal_y)
+    sides = []
+    for c, rate in zip(candidates, (-3.0, 0.0, 1e3), strict=True):
+        d.work.velocity.x[point[c]], d.work.velocity.y[point[c]] = rate * n[0][c], rate * n[1][c]
+        sides.append(int(rate > 0.0))
+        assert (contact.kink_height(d, c) < 0.0) == (rate > 0.0)
+    assert len({int(point[c]) for c in candidates}) == 3
+    d.touch.beyond_kink[:] = [*[5] * d.candidates]
+    make_rigid(d, law == "newton_impact")
+    contact.set_kink_sides(d)
+    if d.contact.any_rigid:  # a rigid wall has no force
+        assert (d.touch.beyond_kink == 5).all()
+        return
+    assert d.touch.beyond_kink[candidates].tolist() == sides
+    assert (np.delete(d.touch.beyond_kink, candidates) == 5).all()
+    contact.set_kink_side(d, candidates[2])
+    assert d.touch.beyond_kink[candidates[2]] == 1
+
+
+def test_only_what_the_contacts_have_noted_is_forgotten():
+    _, d = chain(np.random.default_rng(0), 3)
+    touch(d, [1, 4, 7])
+    make_rigid(d, np.isin(np.arange(d.candidates), [4, 7]))
+    d.touch.kink_crossed[:], d.rigid.least_force[:] = 1, -2.0
+    equations.clear_stage_notes(d)
+    others = [c for c in range(d.candidates) if c not in (1, 4, 7)]
+    assert not d.touch.kink_crossed[[1, 4, 7]].any()
+    assert not d.rigid.least_force[[4, 7]].any()
+    assert d.touch.kink_crossed[others].all()
+    assert (d.rigid.least_force[others] == -2.0).all()
+
+
+@pytest.mark.parametrize("touching", [[], [0], [3, 5], [2, 3, 7, 9, 14], range(16)])
+@pytest.mark.parametrize("rigid", [[], [3], [0, 3, 8, 9], range(16)])
+def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touching, rigid):
+    _, d = chain(np.random.default_rng(0), 3)
+    touch(d, touching)
+    make_rigid(d, np.isin(np.arange(d.candidates), list(rigid)))
+    d.touch.active_count = d.touch.compliant_count = 5
+    d.touch.active_index[:], listings = 11, int(d.touch.listings)
+    contact.list_touching(d)
+    forces = [c for c in touching if c not in rigid]
+    held = [c for c in touching if c in rigid]
+    assert d.touch.compliant_count == len(forces)
+    assert d.touch.active_index[: d.touch.active_count].tolist() == forces + held
+    constraints.activate_all(d)
+    assert not d.rigid.in_active_set[: len(forces)].any()
+    assert d.rigid.in_active_set[len(forces) : d.touch.active_count].all()
+    assert d.touch.listings == listings + 1
+
+
+@pytest.mark.parametrize("rigid", [1, 6, 15])
+def test_beside_a_rigid_contact_only_the_others_have_a_force(rigid):
+    """Loads and dissipation are those of the others alone."""
+    _, d, _, candidates, _ = in_contact()
+    others = [c for c in candidates if c != rigid]
+    touch(d, others)
+    lost, loads = contact.apply_contacts(d), vectors(d.work.load)
+    touch(d, candidates)
+    d.touch.force[rigid] = -5.0
+    make_rigid(d, np.arange(d.candidates) == rigid)
+    assert contact.apply_contacts(d) == lost
+    np.testing.assert_array_equal(vectors(d.work.load), loads)
+    assert d.touch.force[rigid] == -5.0
+
+
+def test_the_stops_among_the_contacts_are_counted():
+    _, d = stopped_chain(3)
+    stops = stops_of(d)
+    for touching in ([], [0, 1], stops[:1], [0, *stops[:3]], [*stops, 0]):
+        d.touch.active[:] = np.isin(np.arange(d.candidates), touching)
+        d.touch.stop_count = 9
+        contact.list_touching(d)
+        assert d.touch.active_count == len(touching)
+        assert d.touch.stop_count == len(set(touching) & set(stops))

@@ -1,0 +1,367 @@
+"""The contact law of each candidate: what was given for it, for its wall, for all, or for stops as angles."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact import CONTACT_LAWS
+from chain_impact.kernel import status
+from chain_impact.kernel.advance import latch_again
+from chain_impact.kernel.forces import contact_law as own_law, laws, user_law
+from chain_impact.kernel.forces.contact_force import elastic_energy, law_force, set_damping
+from chain_impact.kernel.forces.contact_law import USER_LAW, start_laws, update_laws
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.status import OK
+from tests.kernel.chains import chain, stopped_chain, stops_of, touch
+from tests.plain import make_rigid
+
+LAWS = pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=lambda law: law.id)
+NUMBER = {name: law.number for name, law in CONTACT_LAWS.items()}
+SIZE = 1.6  # m, the longest link
+RANGE = status.PARAMETER_OUT_OF_RANGE
+FRICTION = pytest.mark.parametrize("name", ["friction", "static_friction"])
+
+
+def restitution_for(law, e=0.7):
+    """A restitution; near 1 the factor of Kuwabara and Kono takes no integration."""
+    return 1.0 - 1e-7 if law.id == "kuwabara_kono" else e
+
+
+def laws_of(d):
+    """All that is known of the laws, as bytes."""
+    return d.law.tobytes(), d.contact.any_force, d.contact.any_rigid
+
+
+@pytest.fixture
+def given():
+    """A record with walls of which two have a material of their own, and stops; a candidate of each kind."""
+    _, d = stopped_chain(2)
+    d.model.size = SIZE
+    d.given.law, d.given.stiffness, d.given.restitution = NUMBER["flores"], 1e6, 0.4
+    d.given.stop_stiffness, d.given.stop_restitution = 1e3, 0.2
+    d.contact.exponent, d.stops.exponent, d.stops.law = 1.5, 1.0, 0
+    d.contact.minimum_impact_speed, d.stops.minimum_impact_speed = 1e-3, 2e-3
+    of_walls = d.candidate.wall[d.candidate.stop == 0].tolist()
+    walls = sorted(set(of_walls))
+    d.walls.stiffness[:], d.walls.restitution[:] = 0.0, -1.0
+    d.walls.stiffness[walls[1]], d.walls.restitution[walls[2]] = 5e7, 0.0
+    return d, (*map(of_walls.index, walls[:3]), stops_of(d)[0])
+
+
+@LAWS
+def test_a_law_is_what_the_registry_says(law):
+    _, d = chain(np.random.default_rng(4), 3)
+    given, contact, own, e = d.given, d.contact, d.law, restitution_for(law)
+    given.law, given.restitution, contact.exponent = law.number, e, law.exponent or 2.0
+    own.approach_only[:] = own.rate_exponent[:] = 9
+    assert start_laws(d) == OK
+    p = contact.exponent if law.rate_exponent is None else law.rate_exponent
+    assert (own.rate_exponent == p).all()
+    assert (own.approach_only == law.approach_only).all()
+    assert (own.damping_factor == law.damping_factor(e)).all()
+    assert (own.impulsive == law.impulsive).all()
+    assert (contact.any_rigid, contact.any_force) == (law.impulsive, not law.impulsive)
+    if law.exponent is not None:
+        contact.exponent = 1.1
+        assert start_laws(d) == status.EXPONENT_NOT_ALLOWED
+    if law.id not in {"kelvin_voigt", "tsuji"}:  # whose logarithm of 0 is an error in Python
+        contact.exponent, given.restitution = law.exponent or 2.0, 0.0
+        assert start_laws(d) == (OK if law.allows_zero else status.RESTITUTION_NOT_ALLOWED)
+
+
+def test_a_users_law_has_no_factor(given, monkeypatch):
+    monkeypatch.setattr(user_law, "present", lambda: 1)
+    d, (c, *_) = given
+    d.given.law, d.law.damping_factor[:] = USER_LAW, 5.0
+    d.law.approach_only[:] = d.law.impulsive[:] = 1
+    assert start_laws(d) == OK
+    for name, value in (
+        ("damping_factor", 0.0),
+        ("rate_exponent", 1.5),
+        ("approach_only", 0),
+        ("impulsive", 0),
+    ):
+        assert d.law[name][c] == value
+    d.given.law = USER_LAW + 1
+    assert update_laws(d) == status.UNKNOWN_LAW
+
+
+@pytest.mark.parametrize(
+    ("changes", "refused"),
+    [
+        ({}, OK),
+        *(({"law": number}, status.UNKNOWN_LAW) for number in (0, USER_LAW)),
+        *(({"law": number}, OK) for number in (1, laws.LAW_COUNT)),
+        *(({"restitution": e}, RANGE) for e in (-1e-9, 1.0 + 1e-9, math.nan)),
+        *(({"stiffness": stiffness}, RANGE) for stiffness in (0.0, math.nan)),
+        *(({"restitution": 1.0}, OK), ({"stiffness": 1e-3}, OK)),
+        ({"law": NUMBER["kelvin_voigt"]}, status.EXPONENT_NOT_ALLOWED),  # it is linear
+        ({"restitution": 0.0}, status.RESTITUTION_NOT_ALLOWED),  # for which its damping would be infinite
+        ({"restitution": 0.0, "law": NUMBER["newton_impact"]}, OK),
+    ],
+)
+def test_what_is_given_is_checked_and_what_is_refused_changes_nothing(given, changes, refused):
+    d, (c, *_) = given
+    d.walls.restitution[:] = -1.0
+    assert start_laws(d) == OK
+    before = laws_of(d)
+    for name, value in changes.items():
+        d.given[name] = value
+    assert own_law.check_law(d, c) == own_law.check_laws(d) == update_laws(d) == refused
+    assert laws_of(d) == before or refused == OK
+    # and at the start, where what was given is taken over
+    assert initialize(d, 0.0) == d.statistics.status == refused
+
+
+@pytest.mark.parametrize(
+    ("sliding", "static", "refused"),
+    [
+        *((0.3, 0.0, OK), (0.0, 0.3, OK), (1e3, 1e4, OK), (-0.1, 0.0, RANGE), (-0.1, 0.5, RANGE)),
+        *((math.nan, 0.0, RANGE), (math.inf, 0.0, RANGE), (0.3, math.inf, RANGE)),
+    ],
+)
+def test_coefficients_of_friction_are_checked(given, sliding, static, refused):
+    d, (c, *_) = given
+    d.given.friction, d.given.static_friction = sliding, static
+    assert own_law.check_law(d, c) == own_law.check_laws(d) == refused
+
+
+def test_a_law_is_derived_when_it_or_its_restitution_has_changed_also_for_contacts_that_last():
+    _, d = chain(np.random.default_rng(4), 3)
+    touch(d, [2, 5])
+    d.touch.impact_speed[:], d.touch.effective_mass[:] = 1.5, 2.0
+    d.touch.damping[:] = d.touch.depth_scale[:] = 0.0
+    for law, restitution in (("ye", 0.5), ("ye", 0.25), ("flores", 0.25)):
+        d.given.law, d.given.restitution = NUMBER[law], restitution
+        assert update_laws(d) == OK
+        latch_again(d)
+        assert (d.law.damping_factor == CONTACT_LAWS[law].damping_factor(restitution)).all()
+        damping = d.law.damping_factor[2] * d.law.stiffness[2] / 1.5
+        assert d.touch.damping[[2, 5]] == pytest.approx([damping] * 2, rel=1e-12)
+    assert elastic_energy(d, 5, d.touch.depth_scale[5]) == pytest.approx(0.5 * 2.0 * 1.5**2, rel=1e-12)
+    assert np.count_nonzero(d.touch.damping) == np.count_nonzero(d.touch.depth_scale) == 2
+    # what is known is not found anew, but the damping of contacts follows the stiffness
+    d.law.damping_factor[0] = 77.0
+    d.given.stiffness *= 2.0
+    assert update_laws(d) == OK
+    latch_again(d)
+    assert (d.law.damping_factor == 77.0).all()
+    assert d.touch.damping[2] == pytest.approx(77.0 * d.given.stiffness / 1.5, rel=1e-12)
+    # at the start of a run all is found anew
+    assert start_laws(d) == OK
+    assert (d.law.damping_factor == CONTACT_LAWS["flores"].damping_factor(0.25)).all()
+    # rigid walls have no depth
+    d.touch.depth_scale[:] = 5.0
+    make_rigid(d)
+    d.given.law = NUMBER["newton_impact"]
+    assert update_laws(d) == OK
+    latch_again(d)
+    assert d.law.impulsive.all()
+    assert (d.touch.depth_scale == 5.0).all()
+
+
+# --- walls and stops of their own --------------------------------------------------------------------------
+
+
+def test_a_wall_may_give_its_own_stiffness_or_restitution_and_a_stop_those_of_stops(given):
+    """A depth is harmless by round-off of a link, and none in a rigid wall."""
+    d, (first, *_) = given
+    kinds, harmless = list(given[1]), own_law.HARMLESS * SIZE
+    d.given.law = NUMBER["hertz"]
+    for of_stops in (0, NUMBER["lee_wang"]):
+        d.stops.law = of_stops
+        assert start_laws(d) == OK
+        assert d.law.number[kinds].tolist() == [NUMBER["hertz"]] * 3 + [of_stops or NUMBER["hertz"]]
+    assert d.law.stiffness[kinds] == pytest.approx([1e6, 5e7, 1e6, 1e3 / SIZE**2], rel=1e-13)
+    assert d.law.restitution[kinds].tolist() == [0.4, 0.4, 0.0, 0.2]
+    assert d.law.exponent[kinds].tolist() == [1.5, 1.5, 1.5, 1.0]
+    assert d.law.minimum_impact_speed[kinds] == pytest.approx([1e-3, 1e-3, 1e-3, 2e-3 * SIZE], rel=1e-13)
+    assert d.law.harmless_depth[kinds] == pytest.approx([harmless] * 4, rel=1e-13)
+    d.law.impulsive[first] = 1
+    own_law.set_parameters(d, first)
+    assert d.law.harmless_depth[first] == 0.0
+
+
+def test_candidates_of_one_origin_have_one_law():
+    """``same_as`` is the first of them; the material of a wall may change in a run."""
+    d = stopped_chain(2)[1]
+    wall = d.candidate.wall[1]
+    d.walls.restitution[wall] = 0.2
+    assert start_laws(d) == OK
+    origins = [-2 if d.candidate.stop[c] else wall == d.candidate.wall[c] for c in range(d.candidates)]
+    assert len(set(origins)) == 3
+    assert d.law.same_as.tolist() == [origins.index(origin) for origin in origins]
+    d.walls.restitution[wall], d.given.stop_restitution = 0.9, 0.1
+    assert update_laws(d) == OK
+    factor, e = CONTACT_LAWS["zhang_sharf"].damping_factor, d.given.restitution
+    of_origin = {-2: 0.1, True: 0.9, False: e}
+    assert d.law.restitution.tolist() == [of_origin[origin] for origin in origins]
+    assert d.law.damping_factor.tolist() == [factor(of_origin[origin]) for origin in origins]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["law", "stiffness", "restitution", "friction", "static_friction", "stop_stiffness", "stop_restitution"],
+)
+def test_laws_are_in_use_as_long_as_what_is_given_is_the_same(given, name):
+    d, _ = given
+    d.walls.restitution[:], d.given.friction, d.given.static_friction = -1.0, 0.1, 0.3
+    assert start_laws(d) == OK
+    assert own_law.laws_in_use(d)
+    d.given[name] += 1 if name == "law" else 0.25
+    assert not own_law.laws_in_use(d)
+
+
+def test_a_copied_law_is_the_same_in_all_parts(given):
+    d, (c, other, *_) = given
+    names = set(d._record["law"].dtype.names) - {"same_as"}
+    for k, name in enumerate(names):
+        d.law[name][c], d.law[name][other] = 10 + k, 99
+    own_law.copy_law(d.law, c, other)
+    for name in names:
+        assert d.law[name][other] == d.law[name][c] != 99
+
+
+@pytest.mark.parametrize("value", [math.nan, 0.0, -1.0])
+def test_stops_that_are_out_of_range_are_refused_and_change_nothing(value):
+    d = stopped_chain(2)[1]
+    before = laws_of(d)
+    d.given.stop_stiffness, d.given.law = value, 3
+    assert update_laws(d) == RANGE
+    assert laws_of(d) == before
+    d.given.stop_stiffness, d.stops.law = 1e4, laws.LAW_COUNT + 1
+    assert update_laws(d) == status.UNKNOWN_LAW
+    assert laws_of(d) == before
+
+
+@LAWS
+def test_the_law_of_a_stop_is_that_of_an_angle(law):
+    """M = K φⁿ + d φᵖ φ̇ with d of K, v₀ in rad/s and the moment of inertia; here F = M/s at δ = s φ."""
+    _, d = stopped_chain(3)
+    size, n, e = d.model.size, law.exponent or 2.0, restitution_for(law)
+    inertia, speed, stiffness = 0.37, 2.5, 4e4
+    d.stops.law, d.stops.exponent, d.given.stop_stiffness = law.number, n, stiffness
+    d.stops.minimum_impact_speed, d.given.stop_restitution = 0.02, e
+    assert start_laws(d) == OK
+    c = stops_of(d)[0]
+    assert d.law.number[c] == law.number
+    assert d.law.number[0] == d.given.law != law.number or law.id == "zhang_sharf"
+    assert d.law.minimum_impact_speed[c] == pytest.approx(0.02 * size, rel=1e-14)
+    assert d.law.impulsive[c] == law.impulsive
+    assert d.law.restitution[c] == e
+    if law.impulsive:
+        return
+    d.touch.effective_mass[c], d.touch.impact_speed[c] = inertia / size**2, speed * size
+    set_damping(d, c)
+    p = n if law.rate_exponent is None else law.rate_exponent
+    factor, m = law.damping_factor(e), law.mass_power
+    damping = factor * stiffness ** (1.0 - m) * inertia**m / (speed if m == 0.0 else 1.0)
+    for angle in (1e-3, 0.2):
+        for rate in (1.3, -0.4):
+            spring = stiffness * angle**n
+            damper = 0.0 if law.approach_only and rate < 0.0 else damping * angle**p * rate
+            force, elastic = law_force(d, c, angle * size, rate * size)
+            assert elastic * size == pytest.approx(spring, rel=1e-12)
+            assert force * size == pytest.approx(max(0.0, spring + damper), rel=1e-11)
+            energy = elastic_energy(d, c, angle * size)
+            assert energy == pytest.approx(spring * angle / (n + 1.0), rel=1e-12)
+
+
+def test_a_users_law_of_a_stop_takes_and_returns_what_belongs_to_angles(monkeypatch):
+    told = []
+    monkeypatch.setattr(user_law, "present", lambda: 1)
+    monkeypatch.setattr(user_law, "force", lambda *arguments: told.append(arguments) or 12.0)
+    _, d = stopped_chain(2)
+    size, d.stops.law = d.model.size, USER_LAW
+    d.stops.exponent, d.given.stop_stiffness, d.given.stop_restitution = 1.3, 5e3, 0.4
+    assert start_laws(d) == OK
+    c = d.candidates - 1
+    d.touch.effective_mass[c], d.touch.impact_speed[c] = 0.3 / size**2, 2.0 * size
+    force, elastic = law_force(d, c, 0.1 * size, 0.7 * size)
+    assert told[0] == pytest.approx((0.1, 0.7, 2.0, 0.3, 5e3, 1.3, 0.4), rel=1e-12)
+    assert force * size == pytest.approx(12.0, rel=1e-13)
+    assert elastic * size == pytest.approx(5e3 * 0.1**1.3, rel=1e-12)
+
+
+def test_what_touches_with_a_force_cannot_become_rigid():
+    """But what is held by a rigid wall may be so further on, and others may become rigid."""
+    d = stopped_chain(2)[1]
+    touch(d, [stops_of(d)[0]])
+    before, kept = laws_of(d), d.given.law
+    d.given.law = d.stops.law = NUMBER["newton_impact"]
+    assert update_laws(d) == status.RIGID_WHILE_TOUCHING
+    assert laws_of(d) == before
+    d.stops.law = kept
+    assert update_laws(d) == OK
+    assert (d.law.impulsive == (d.candidate.stop == 0)).all()
+    assert (d.contact.any_rigid, d.contact.any_force) == (1, 1)
+    touch(d, [0])
+    assert update_laws(d) == OK
+
+
+# --- dry friction ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("of_all", "of_wall", "refused"),
+    [
+        *(((0.3, 0.3), (-1.0, -1.0), None), ((0.3, 0.2), (-1.0, -1.0), 0), ((0.3, 0.2), (0.1, 0.2), 0)),
+        *(((0.3, 0.4), (0.3, 0.2), 1), ((0.3, 0.4), (-1.0, 0.2), 1)),
+        ((0.0, 0.2), (0.3, -1.0), None),  # a wall takes no static friction from the others
+    ],
+)
+def test_a_static_friction_below_that_of_sliding_is_refused_with_its_wall(given, of_all, of_wall, refused):
+    d, kinds = given
+    d.given.friction, d.given.static_friction = of_all
+    d.walls.restitution[:] = -1.0
+    wall = d.candidate.wall[kinds[1]]
+    d.walls.friction[wall], d.walls.static_friction[wall] = of_wall
+    assert start_laws(d) == (OK if refused is None else status.STATIC_BELOW_SLIDING)
+    assert d.fault.place == (0 if refused is None else 1 + kinds[refused])
+
+
+@pytest.mark.parametrize(
+    ("of_all", "of_wall", "right"),
+    [
+        ((0.3, 0.5), (-1.0, -1.0), (0.3, 0.5)),
+        ((0.3, 0.0), (-1.0, -1.0), (0.3, 0.3)),  # without one of its own the static one is that of sliding
+        ((0.3, 0.5), (0.1, -1.0), (0.1, 0.1)),  # a wall takes no static friction from the others
+        ((0.3, 0.5), (0.1, 0.4), (0.1, 0.4)),
+        ((0.3, 0.5), (-1.0, 0.4), (0.3, 0.4)),
+        ((0.3, 0.5), (0.0, -1.0), (0.0, 0.0)),
+        ((0.0, 0.0), (0.7, -1.0), (0.7, 0.7)),
+    ],
+)
+def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(given, of_all, of_wall, right):
+    d, kinds = given
+    d.given.friction, d.given.static_friction = of_all
+    wall = d.candidate.wall[kinds[1]]
+    d.walls.friction[wall], d.walls.static_friction[wall] = of_wall
+    for c, pair in ((kinds[0], (of_all[0], max(of_all))), (kinds[1], right), (kinds[3], (0.0, 0.0))):
+        own_law.derive_damping(d, c)
+        own_law.set_parameters(d, c)
+        assert (d.law.friction[c], d.law.static_friction[c]) == pair
+        d.contact.any_friction = 0
+        own_law.note_kind(d, c)
+        assert d.contact.any_friction == (pair[1] > 0.0)
+
+
+@FRICTION
+def test_a_wall_with_friction_of_its_own_has_a_law_of_its_own(given, name):
+    d, (c, *_) = given
+    assert own_law.origin(d, c) == -1
+    d.walls[name][d.candidate.wall[c]] = 0.0
+    assert own_law.origin(d, c) == d.candidate.wall[c]
+
+
+@FRICTION
+def test_rigid_walls_have_no_friction_but_stops_beside_them_may_be_rigid(given, name):
+    d, (c, *_, stop) = given
+    rigid = NUMBER["newton_impact"]
+    d.given[name], d.given.law, d.stops.law = 0.3, rigid, NUMBER["flores"]
+    assert own_law.check_law(d, c) == own_law.check_laws(d) == status.FRICTION_WITH_RIGID_WALLS
+    d.given.law, d.stops.law = NUMBER["flores"], rigid
+    assert own_law.check_law(d, stop) == own_law.check_laws(d) == OK
+    d.given[name], d.given.law = 0.0, rigid
+    assert own_law.check_laws(d) == OK

@@ -1,0 +1,196 @@
+"""Dry friction as loads and constraints, against dense algebra with the textbook's matrices."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel import equations
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.forces import contact, friction
+from chain_impact.kernel.rows import geometry
+from tests.kernel.chains import chain, struck
+from tests.kernel.rubbing import MOMENT, MU, MU_S, mobility, rubbing_chain, tangents
+
+CASES = [("free", 2, True), ("free", 4, False), ("pinned", 1, True), ("pinned", 0, True)]
+
+
+def elements_of(d):
+    return [int(e) for e in d.element.index[: d.friction.count]]
+
+
+def rate_of(d, y):
+    """ẏ with the present modes; the points are accelerated by it."""
+    rate = np.zeros(len(y))
+    locate_points(d, y)
+    equations.located_rate(d, y, rate)
+    accelerate_points(d, y, rate)
+    return rate
+
+
+@pytest.mark.parametrize(("base", "contacts", "joints"), CASES)
+def test_contacts_are_listed_before_joints(base, contacts, joints):
+    _, d, _ = rubbing_chain(np.random.default_rng(1), base, contacts, joints)
+    found, own = elements_of(d), d.friction
+    assert found[: own.contact_count] == [int(c) for c in d.touch.active_index[:contacts]]
+    assert [friction.joint_of(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
+    assert own.used
+    assert not friction.any_sticking(d)
+    d.element.mode[found[-1]] = friction.STICKS
+    friction.list_sticking(d)
+    assert (own.stuck_count, int(d.element.stuck[0])) == (1, found[-1])
+    assert own.stuck_joints == joints
+    friction.suspend_sticking(d)
+    assert not friction.any_sticking(d)
+    friction.list_friction(d)
+    assert own.stuck_count == 1
+    friction.clear_friction(d)
+    assert (own.count, own.stuck_count) == (0, 0)
+    assert (d.element.mode[:] == friction.NO_FRICTION).all()
+
+
+def test_only_a_law_with_friction_rubs():
+    _, d, _ = rubbing_chain(np.random.default_rng(1), "free", 1, False)
+    c = int(d.touch.active_index[0])
+    assert friction.may_rub(d, c)
+    d.law.static_friction[:] = 0.0
+    assert not friction.may_rub(d, c)
+    d.contact.any_friction = 0
+    friction.set_friction_used(d)
+    assert not d.friction.used
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(("base", "contacts", "joints"), CASES)
+def test_sliding_friction_is_a_load_against_the_motion(base, contacts, joints, sign):
+    """M q̈ changes by Σ J_tᵀ F_t, F_t = −s µ F_n or −s M/size; the power −F_t v_t is dissipated."""
+    rng = np.random.default_rng(2)
+    scene, d, y = rubbing_chain(rng, base, contacts, joints)
+    found = elements_of(d)
+    d.element.mode[found] = sign
+    rate = rate_of(d, y)
+    d.friction.count = 0
+    free = rate_of(d, y)
+    rows = tangents(scene, d, y, found)
+    response, _ = mobility(scene, d, y, rows)
+    normal = np.array([d.touch.force[e] if e < d.candidates else 0.0 for e in found])
+    sizes = np.where(normal > 0.0, MU * normal, MOMENT / d.model.size)
+    n = d.links
+    np.testing.assert_allclose(
+        rate[n + 2 : 2 * n + 4] - free[n + 2 : 2 * n + 4], response @ (-sign * sizes), rtol=1e-9, atol=1e-9
+    )
+    speeds = rows @ y[n + 2 : 2 * n + 4]
+    assert rate[2 * n + 4] - free[2 * n + 4] == pytest.approx(sign * sizes @ speeds, rel=1e-9)
+    np.testing.assert_allclose(d.element.force[found], -sign * sizes, rtol=1e-12)
+    limits = np.where(normal > 0.0, MU_S * normal, MOMENT / d.model.size)
+    np.testing.assert_allclose(d.element.limit[found], limits, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("base", "contacts", "joints"), CASES)
+def test_what_sticks_has_no_tangential_acceleration(base, contacts, joints):
+    rng = np.random.default_rng(3)
+    scene, d, y = rubbing_chain(rng, base, contacts, joints)
+    found = elements_of(d)
+    d.friction.count = d.friction.contact_count = 0
+    free = rate_of(d, y)
+    bias = np.array([geometry.tangential_acceleration(d, e) for e in found])
+    friction.list_friction(d)
+    d.element.mode[found] = friction.STICKS
+    friction.list_sticking(d)
+    rate = rate_of(d, y)
+    left = [geometry.tangential_acceleration(d, e) for e in found]
+    np.testing.assert_allclose(left, 0.0, atol=1e-11 * (1.0 + np.abs(bias).max()))
+    response, w = mobility(scene, d, y, tangents(scene, d, y, found))
+    forces = np.linalg.lstsq(w, -bias, rcond=1e-10)[0]
+    n = d.links
+    gained = rate[n + 2 : 2 * n + 4] - free[n + 2 : 2 * n + 4]
+    np.testing.assert_allclose(gained, response @ forces, rtol=1e-7, atol=1e-7)
+    if np.linalg.cond(w) < 1e8:
+        np.testing.assert_allclose(d.element.force[found], forces, rtol=1e-6, atol=1e-6)
+
+
+def test_a_contact_begins_in_the_direction_of_its_motion():
+    _, d, _ = rubbing_chain(np.random.default_rng(4), "free", 1, False)
+    c = int(d.touch.active_index[0])
+    speed = geometry.tangential_rate(d, c)
+    friction.begin_friction(d, c)
+    assert d.element.mode[c] == np.sign(speed)
+    for vector in (d.work.velocity.x, d.work.velocity.y):
+        vector[:] = 0.0
+    friction.begin_friction(d, c)
+    assert d.element.mode[c] == friction.STICKS
+    assert d.element.anchor[c] == geometry.tangential_position(d, c) != 0.0
+
+
+def test_margins_are_the_least_of_a_step():
+    _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 1, False)
+    c = int(d.touch.active_index[0])
+    speed = geometry.tangential_rate(d, c)
+    d.element.mode[c] = -int(np.sign(speed))
+    d.element.margin[c] = 7.0
+    friction.clear_margins(d)
+    assert d.element.margin[c] == 0.0
+    contact.clear_loads(d)
+    power = friction.slide(d, c, 2.0)
+    assert power == pytest.approx(-2.0 * abs(speed), rel=1e-14)
+    assert d.element.margin[c] == -abs(speed)
+    d.touch.force[c] = 5.0
+    assert friction.apply_friction(d) == pytest.approx(-5.0 * MU * abs(speed), rel=1e-14)
+    d.element.mode[c] = friction.STICKS
+    friction.list_sticking(d)
+    d.rigid.impulse[d.touch.active_count] = 5.0 * MU_S + 100.0
+    dissipated = friction.keep_static_forces(d)
+    assert d.element.margin[c] == pytest.approx(-100.0, rel=1e-12)
+    assert dissipated == pytest.approx(-d.element.force[c] * speed, rel=1e-14)
+
+
+def test_an_anchor_moves_only_where_it_cannot_be_held():
+    _, d, _ = rubbing_chain(np.random.default_rng(6), "free", 1, False)
+    c = int(d.touch.active_index[0])
+    d.element.mode[c] = friction.STICKS
+    friction.list_sticking(d)
+    there = geometry.tangential_position(d, c)
+    near = there + 0.5 * friction.NOT_HELD * d.model.size
+    d.element.anchor[c] = near
+    friction.keep_anchors(d)
+    assert d.element.anchor[c] == near
+    d.element.anchor[c] = there + 2.0 * friction.NOT_HELD * d.model.size
+    friction.keep_anchors(d)
+    assert d.element.anchor[c] == there
+
+
+@pytest.mark.parametrize("room", [True, False])
+def test_a_contact_that_begins_has_a_mode_and_is_listed(room):
+    """But not in a record without room for it, as from outside, with a coefficient its scene cannot have."""
+    rng = np.random.default_rng(7)
+    _, d = chain(rng, 3, **({"friction": MU} if room else {}))
+    struck(rng, d, [])
+    d.law.friction[:] = d.law.static_friction[:] = MU
+    d.contact.any_friction = 1
+    friction.set_friction_used(d)
+    assert (d.elements > 0, d.friction.used) == (room, room)
+    contact.start_contact(d, 1)
+    contact.list_touching(d)
+    assert d.touch.active_count == 1
+    assert elements_of(d) == [1] * room
+    if room:
+        assert d.element.mode[1] == np.sign(geometry.tangential_rate(d, 1)) != 0.0
+
+
+def test_what_a_step_has_noted_of_friction_is_forgotten_with_the_step():
+    _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
+    found = elements_of(d)
+    d.element.margin[:] = -1.0
+    equations.clear_stage_notes(d)
+    others = sorted(set(range(d.elements)) - set(found))
+    assert not d.element.margin[found].any()
+    assert (d.element.margin[others] == -1.0).all()
+
+
+@pytest.mark.parametrize(
+    ("force", "approach_only", "load"), [(3.0, 0, 3.0), (3.0, 1, 3.0), (-3.0, 0, -3.0), (-3.0, 1, 0.0)]
+)
+def test_friction_goes_with_a_force_that_is_continued_beyond_its_kink(force, approach_only, load):
+    """But not where a law that damps on approach only pulls."""
+    touch, law = SimpleNamespace(force=[99.0, force]), SimpleNamespace(approach_only=[0, approach_only])
+    assert friction.friction_load(SimpleNamespace(touch=touch, law=law), 1) == load

@@ -1,0 +1,201 @@
+"""What rigid walls hold: accelerations, the projection of a state, and impulses that stop."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel import equations
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.forces import friction, holding
+from chain_impact.kernel.rows import compliance, constraints, geometry
+from tests.kernel.chains import press_in, touch
+from tests.kernel.forces.pressed import CANDIDATES, problem
+from tests.kernel.rubbing import rubbing_chain
+from tests.plain import make_rigid
+from tests.reference import complementary_impulses
+
+
+def test_rigid_walls_hold_what_touches_and_press_it_to_rest():
+    for impulsive, touching in ((0, 0), (0, 2), (1, 0), (1, 2)):
+        d, *_ = problem()
+        touch(d, CANDIDATES[:touching])
+        make_rigid(d, impulsive)
+        assert bool(constraints.any_point_held(d)) == (impulsive == 1 and touching > 0)
+    d.rigid.in_active_set[:] = d.rigid.target[:] = 7
+    constraints.activate_all(d)
+    assert d.rigid.in_active_set[:3].tolist() == [1, 1, 7]
+    assert d.rigid.target[:3].tolist() == [0.0, 0.0, 7.0]
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_held_points_have_no_acceleration_and_the_least_of_each_force_is_kept(base):
+    """g̈ + W F = 0, with the g̈ that is without forces."""
+    d, y, _jacobian, response, w = problem(base)
+    rate = np.zeros(len(y))
+    equations.free_rate(d, y, rate)
+    own, before = d.rigid, rate.copy()
+    # g̈ by the second difference of g along the motion
+    candidates = d.touch.active_index[:4].tolist()
+    gaps = []
+    for t in (1e-4, 0.0, -1e-4):
+        moved = y.copy()
+        moved[:6] += t * y[6:12] + 0.5 * t * t * rate[6:12]
+        locate_points(d, moved)
+        gaps.append([geometry.clearance(d, c)[0] for c in candidates])
+    second = (np.array(gaps[0]) - 2 * np.array(gaps[1]) + np.array(gaps[2])) / 1e-8
+    locate_points(d, y)
+    most = holding.start_from_accelerations(d, y, rate)
+    np.testing.assert_allclose(own.start[:4], second, rtol=1e-4, atol=1e-4)
+    assert most == max(np.abs(d.work.acceleration.x).max(), np.abs(d.work.acceleration.y).max())
+    force = np.linalg.solve(w, -own.start[:4])
+    own.least_force[:] = np.where(np.arange(d.candidates) % 2, -1e9, 0.0)
+    holding.add_constraint_forces(d, y, rate)
+    np.testing.assert_allclose(own.impulse[:4], force, rtol=1e-8, atol=1e-8)
+    np.testing.assert_allclose(rate[6:12], before[6:12] + response @ force, rtol=1e-8, atol=1e-8)
+    np.testing.assert_array_equal(np.delete(rate, range(6, 12)), np.delete(before, range(6, 12)))
+    for k, c in enumerate(candidates):
+        assert d.touch.force[c] == own.impulse[k]
+        assert own.least_force[c] == (-1e9 if c % 2 else min(0.0, own.impulse[k]))
+
+
+def test_the_momentum_that_errors_explain_is_that_of_the_tolerance_and_of_a_fall():
+    """m √(2 (g + 1/s²·size) RISE size) + m tol (size/s + v)."""
+    d, *_ = problem()
+    total = d.model.mass.sum()
+    rise = math.sqrt(2.0 * (math.hypot(2.3, 9.81) + d.model.size) * holding.RISE * d.model.size)
+    for tolerance, speed in ((1e-4, 0.0), (1e-8, 7.0)):
+        d.solver.tolerance = tolerance
+        expected = total * (rise + tolerance * (d.model.size + speed))
+        assert holding.tolerated_momentum(d, speed) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_walls_stop_by_impulses_unless_these_would_pull_by_more_than_errors_explain(seed):
+    d, _y, _, _, w = problem(seed=seed)
+    own = d.rigid
+    for size in (1.0, 1e-9):  # of a motion, and of errors
+        own.start[:4] = size * np.array([-0.5, 0.8, -0.2, 0.3])
+        constraints.activate_all(d)
+        d.work.velocity.x[:], d.work.velocity.y[:] = size, 0.0
+        d.solver.tolerance = 1e-7
+        equal = np.linalg.solve(w, -own.start[:4])
+        holding.solve_stopping_impulses(d)
+        if equal.min() < -holding.tolerated_momentum(d, size):
+            expected = complementary_impulses(w, own.start[:4], np.zeros(4))
+            assert (own.reached[:4] > -1e-11).all()
+        else:
+            expected = equal
+            np.testing.assert_allclose(own.reached[:4], 0.0, atol=1e-12)
+        np.testing.assert_allclose(own.impulse[:4], expected, rtol=0, atol=1e-9 * np.abs(equal).max())
+
+
+@pytest.mark.parametrize("tolerance", [1e-12, 1e3])
+@pytest.mark.parametrize("bad", [False, True])
+def test_points_are_put_onto_their_walls_unless_that_takes_far_more_than_is_missing(bad, tolerance):
+    """Where W is all but singular a small gap asks for large turns: then points that are apart stay."""
+    d, _, _, response, _ = problem(pressed=(1, 1))
+    own, size = d.rigid, d.model.size
+    if bad:  # the same point, at walls of which one is turned by 1e-3
+        first, second = d.touch.active_index[:2]
+        d.candidate.point[second] = d.candidate.point[first]
+        d.candidate.place[second] = d.candidate.place[first]
+        c, s = math.cos(1e-3), math.sin(1e-3)
+        nx, ny = d.candidate.normal_x[first], d.candidate.normal_y[first]
+        d.candidate.normal_x[second], d.candidate.normal_y[second] = c * nx - s * ny, s * nx + c * ny
+        compliance.effective_mass(d, second)
+        response[:, 1] = d.work.change  # M⁻¹ ∇g, by the recursion
+    own.start[:2] = 1e-6, -1e-6
+    constraints.activate_all(d)
+    d.solver.tolerance = tolerance
+    holding.solve_positions(d)
+    moved = np.abs(own.change / np.array([size, size, 1.0, 1.0, 1.0, 1.0])).max()
+    if bad and tolerance < 1.0:
+        # the point that is inside is brought out, and the other one stays where it is, or goes further off
+        assert moved < 10.0 * 1e-6
+        assert own.impulse[0] == 0.0
+        assert own.reached[1] == pytest.approx(0.0, abs=1e-14)
+        np.testing.assert_allclose(own.change, response[:, 1] * own.impulse[1], rtol=1e-6)
+    else:
+        np.testing.assert_allclose(own.reached[:2], 0.0, atol=1e-13)
+        assert not bad or moved > holding.MISPLACED * 2e-6 / size
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_what_meeting_the_walls_takes_of_the_kinetic_energy_is_dissipated(base):
+    d, y, jacobian, response, w = problem(base)
+    for k, c in enumerate(d.touch.active_index[:4]):
+        press_in(d, c, 1e-9 * (k - 1.5))
+    d.solver.tolerance, before = 1e3, y.copy()
+    y[12] = 5.0
+    holding.project_state(d, y)
+    rates = jacobian @ before[6:12]
+    impulses = -np.linalg.solve(w, rates)
+    np.testing.assert_allclose(y[6:12], before[6:12] + response @ impulses, rtol=1e-5, atol=1e-5)
+    assert y[12] - 5.0 == pytest.approx(0.5 * rates @ np.linalg.solve(w, rates), rel=1e-5)
+    for c in d.touch.active_index[:4]:
+        assert geometry.clearance(d, c) == pytest.approx((0.0, 0.0), abs=1e-12)
+
+
+@pytest.mark.parametrize(("moved", "again"), [(0.99, False), (1.01, True)])
+@pytest.mark.parametrize("turns", [False, True])
+def test_a_change_is_judged_by_the_largest_that_is_asked_for_and_by_link_lengths(
+    monkeypatch, moved, again, turns
+):
+    d, *_ = problem(pressed=(1, 1))
+    own, size, called = d.rigid, d.model.size, []
+    own.start[:2], own.target[:2] = [2e-3, 5e-3], [3e-3, 1e-3]
+    d.solver.tolerance = 1e-6
+    limit = holding.MISPLACED * (1e-6 + 4e-3 / size)
+
+    def solve_equality(d, scale):
+        called.append(scale)
+        own.change[:] = 0.0
+        own.change[2 if turns else 1] = -moved * limit * (1.0 if turns else size)
+
+    monkeypatch.setattr(holding, "solve_equality", solve_equality)
+    monkeypatch.setattr(holding, "solve_lcp", lambda _, scale: called.append(scale))
+    holding.solve_positions(d)
+    assert called == [size] * (1 + again)
+
+
+def stuck_chain(base, contacts, joints, stuck):
+    """A chain with friction of which the elements numbered ``stuck`` stick, in the order of their list."""
+    _, d, y = rubbing_chain(np.random.default_rng(8), base, contacts, joints)
+    for k in stuck:
+        d.element.mode[d.element.index[k]] = friction.STICKS
+    friction.list_sticking(d)
+    return d, y
+
+
+@pytest.mark.parametrize(
+    ("contacts", "joints", "stuck", "rigid", "alone"),
+    [
+        *((1, False, [], 0, False), (1, False, [0], 0, True), (2, False, [0, 1], 0, False)),
+        *((2, False, [1], 0, True), (1, True, [0], 0, True), (1, True, [1], 0, False)),
+        *((1, True, [0, 1], 0, False), (2, False, [1], 1, False)),  # the last one is beside a rigid wall
+    ],
+)
+def test_one_contact_alone_sticks(contacts, joints, stuck, rigid, alone):
+    d, _ = stuck_chain("free", contacts, joints, stuck)
+    make_rigid(d, np.isin(np.arange(d.candidates), d.touch.active_index[:rigid]))
+    assert d.touch.compliant_count == contacts - rigid
+    assert holding.sticks_alone(d) == alone
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize(("contacts", "stuck"), [(1, 0), (2, 0), (2, 1)])
+def test_its_force_is_that_of_the_constraint(base, contacts, stuck, monkeypatch):
+    results = []
+    for alone in (holding.sticks_alone, lambda _d: False):
+        monkeypatch.setattr(holding, "sticks_alone", alone)
+        d, y = stuck_chain(base, contacts, True, [stuck])
+        rate = np.zeros(len(y))
+        equations.free_rate(d, y, rate)
+        free = rate.copy()
+        holding.add_constraint_forces(d, y, rate)
+        e = d.element.stuck[0]
+        impulse = d.rigid.impulse[d.touch.active_count]
+        results.append([*(rate - free), impulse, d.element.force[e], d.element.margin[e], d.friction.power])
+    assert np.abs(results[0]).max() > 1.0
+    np.testing.assert_allclose(results[1], results[0], rtol=1e-9, atol=1e-9)

@@ -1,0 +1,94 @@
+"""The course of the inputs, in plain Python: what holds, at what time, and how far a step may go."""
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene
+from chain_impact.kernel.chain.state import time_at
+from chain_impact.kernel.forces import inputs
+from chain_impact.variables.model import Model
+from tests.plain import Plain
+
+
+def driven(order=2):
+    """The arm with torques 1 + 2 x + 3 x² and 4 of a piece from 0 to 2 s, x = t − 1."""
+    block = Model(load_scene("pinned_arm")).new_instance()
+    given = block[0]["given"]
+    given["joint_torque"] = 1.0, 4.0
+    course = given["course"]
+    course["order"], course["middle"], course["scale"], course["until"] = order, 1.0, 1.0, 2.0
+    course["joint_torque"][1:3, 0] = 2.0, 3.0
+    block[0]["step"]["regularized"] = -1
+    d = Plain(block[0])
+    inputs.apply_inputs(d)
+    return d
+
+
+@pytest.mark.parametrize(
+    ("order", "end", "regularized", "size", "expected"),
+    [
+        *((2, 1.0, -1, 0.1, 0.1), (2, 1.0, -1, 0.6, 0.5), (2, 1.0, -1, 1.0, 1.0)),
+        *((2, 1.0, -1, 5.0, 1.0), (0, 1.0, -1, 5.0, 5.0)),
+        (2, 1.0, 0, 5.0, 5.0),  # a regularized step, or one at the end of its piece, is not cut
+        (2, 2.0, -1, 5.0, 5.0),
+    ],
+)
+def test_a_step_ends_with_the_piece_or_well_before(order, end, regularized, size, expected):
+    d = driven(order)
+    d.step.end, d.step.regularized = end, regularized
+    assert inputs.limit_to_piece(d, size) == expected
+
+
+def test_inputs_go_on_where_the_last_step_ends_with_the_piece():
+    d = driven()
+    d.step.time, d.step.end, d.given.changed = 2.0, 2.0 + 1e-15, inputs.CONTINUES
+    assert inputs.inputs_continue(d)
+    d.step.end = 2.1
+    assert not inputs.inputs_continue(d)
+    d.step.end, d.given.changed = 2.0, inputs.AT_ONCE
+    assert not inputs.inputs_continue(d)
+
+
+def test_a_state_sees_the_inputs_at_its_time():
+    """The time in a state counts from the clock; inputs that are constant are left as they are."""
+    d = driven()
+    y = d.step.state.copy()
+    d.step.clock, y[time_at(d.links)] = 1.25, 0.5
+    inputs.ensure_inputs(d, y)
+    assert list(d.inputs.joint_torque) == [1.0 + 2.0 * 0.75 + 3.0 * 0.75**2, 4.0]
+    d = driven(order=0)
+    d.inputs.joint_torque[0] = 77.0
+    inputs.ensure_inputs(d, y)
+    assert d.inputs.joint_torque[0] == 77.0
+
+
+@pytest.mark.parametrize("order", [0, 1, inputs.DEGREE])
+def test_what_was_given_holds_for_all_torques_and_the_force_on_the_tip(order):
+    d, rng = driven(order), np.random.default_rng(order)
+    own, given = d.given.course, d.given
+    own.middle, own.scale, own.until, own.change_rate = 0.4, 2.0, 3.0, 7.0
+    own.joint_torque[:], own.tip_force[:] = (
+        rng.normal(size=(inputs.DEGREE + 1, 2)),
+        rng.normal(size=(inputs.DEGREE + 1, 2)),
+    )
+    given.joint_torque[:], given.tip_force[:] = rng.normal(size=2), rng.normal(size=2)
+    inputs.apply_inputs(d)
+    np.testing.assert_array_equal(d.inputs.joint_torque, given.joint_torque)
+    np.testing.assert_array_equal(d.inputs.tip_force, given.tip_force)
+    assert (d.inputs.course.until, d.inputs.course.change_rate) == (3.0, 7.0)
+    inputs.set_inputs(d, 1.1)
+    for name in ("joint_torque", "tip_force"):
+        powers = np.vstack([given[name], own[name][1 : order + 1]])
+        expected = np.polynomial.polynomial.polyval((1.1 - 0.4) * 2.0, powers)
+        np.testing.assert_allclose(d.inputs[name], expected, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "k"), [("joint_torque", 0), ("joint_torque", 1), ("tip_force", 0), ("tip_force", 1)]
+)
+def test_constants_that_are_given_anew_are_not_in_use_if_one_of_them_is_another(name, k):
+    d = driven(order=0)
+    assert inputs.inputs_in_use(d)
+    d.given[name][k] += 1.0
+    assert not inputs.inputs_in_use(d)
+    assert not inputs.inputs_in_use(driven())

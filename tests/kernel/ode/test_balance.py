@@ -1,0 +1,345 @@
+"""The balance of energy: a step that changes the ledger is rejected, and a run that drifts ends."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import dissipated_at, supplied_at
+from chain_impact.kernel.equations import energy_balance, mechanical_energy
+from chain_impact.kernel.forces import contact_force
+from chain_impact.kernel.ode import balance, control, last_step, methods
+from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
+from chain_impact.kernel.rows import geometry
+from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
+from chain_impact.scene.scene import load_scene
+from chain_impact.simulation.instance import Instance
+from tests.kernel.chains import chain, press_in, random_state, touch
+from tests.kernel.steps import free_motion, set_step, walls_away
+from tests.plain import Plain
+from tests.random_scenes import scene
+from tests.search import verdict
+
+
+def after_a_step():
+    """The default chain at the end of a step in flight, and the ledger at its start."""
+    instance = Instance(load_scene("four_link_box"))
+    instance.advance(0.2)
+    d = Plain(instance.record)
+    locate_points(d, d["step"]["state"])
+    d["balance"]["at_end"] = energy_balance(d, d["step"]["state"])
+    return d
+
+
+def error_after_check(d, theta):
+    """The error of the last step after the energy check; before it was a tenth of the tolerance."""
+    control.conclude(d, 0.1, 1.0)
+    energies = balance.check_energy(d, theta)
+    if control.accepted(d):
+        balance.keep_energy(d, *energies)
+    return float(d.trial.error)
+
+
+def test_a_step_of_the_solver_keeps_the_ledger():
+    d = after_a_step()
+    before = float(d["balance"]["at_end"])
+    assert error_after_check(d, -1.0) <= 1.0
+    assert float(d["balance"]["at_end"]) == pytest.approx(before, abs=1e-6)
+
+
+@pytest.mark.parametrize("theta", [-1.0, 0.7])
+@pytest.mark.parametrize("entry", [3, 7, 9, 12])  # an angle, rates, and the dissipated energy
+def test_a_step_that_changes_the_ledger_or_is_not_finite_is_refused(entry, theta):
+    d = after_a_step()
+    before = float(d["balance"]["at_end"])
+    for off in (1e-5, np.nan):
+        d["step"]["state_end"][entry] += off
+        d["step"]["dense"][0, entry] += off
+        assert error_after_check(d, theta) == control.FAR_OFF
+        assert before == d["balance"]["at_end"]
+
+
+def test_a_run_ends_when_the_steps_of_a_second_have_changed_the_ledger_by_far_too_much():
+    d = after_a_step()
+    balance.start_balance(d, 0.0)
+    own, ledger_now = d.balance, float(d.balance.at_end)
+    own.reference = ledger_now - 200.0 * own.least_allowed
+    assert balance.check_balance(d) == ENERGY_NOT_KEPT
+    # a larger energy allows for larger errors
+    d["step"]["state_end"][6:12] *= 10.0
+    assert balance.check_balance(d) == OK
+    # and what was long ago is forgotten
+    own.reference, d["step"]["end"] = 1e9, 1.5
+    assert balance.check_balance(d) == OK
+    assert own.reference == ledger_now
+
+
+@pytest.mark.parametrize(
+    ("so_far", "by_the_step", "noted"),
+    [
+        (0.0, 0.09, 0.1),  # less than a tenth, and less than the error of the step
+        (0.0, 0.2, 0.2),
+        (0.5, 0.2, 0.4),  # of what is left
+        (2.0, 0.001, 0.2),  # as much as the budget grows in a step of that size
+        (0.9, 0.2, 2.0),  # a step that would lose more is refused
+        (2.0, 0.1, None),
+    ],
+)
+def test_a_step_may_lose_what_is_left(so_far, by_the_step, noted):
+    """Parts of what all may, after others that have lost parts of it."""
+    d = after_a_step()
+    budget = balance.loss_budget(d, float(d.balance.available))
+    locate_points(d, d.step.state_end)
+    d.balance.at_end = energy_balance(d, d.step.state_end) + by_the_step * budget
+    d.balance.origin = d.balance.at_end + so_far * budget
+    if so_far > 1.0:
+        noted = by_the_step / ((d.step.end - d.step.start) / (10.0 + d.step.end))
+        assert 0.1 < noted < 1.0 or by_the_step == 0.1
+    assert error_after_check(d, -1.0) == d.trial.error == pytest.approx(noted, rel=1e-3)
+
+
+def test_energy_that_a_parameter_takes_is_not_lost():
+    instance = Instance(load_scene("four_link_box"))
+    instance.advance(0.4995)  # in the first impact
+    d = Plain(instance.record)
+    own = d.balance
+    start, lost = float(own.at_start), float(own.origin - own.at_start)
+    d["law"]["stiffness"] *= 0.5
+    for _ in range(2):  # there may be no step between two changes
+        balance.reinit_balance(d)
+        assert own.at_end < start - 0.05
+        assert own.origin - own.at_end == pytest.approx(lost, abs=1e-12)
+
+
+def test_the_available_energy_of_a_dropped_step_is_dropped():
+    """What a torque would have supplied in the part of a step that is dropped as the torque changes."""
+    instance = Instance(load_scene("pinned_arm"))
+    d, available = instance.record, []
+    for end, torque in ((1e-4, 1e3), (2e-4, 0.0)):
+        d["given"]["joint_torque"][0], d["given"]["changed"] = torque, 1
+        instance.advance(end)
+        available.append(float(d["balance"]["available"]))
+    assert available[0] > 100.0 * available[1]
+
+
+def test_a_first_step_that_is_right_at_its_end_by_chance_is_refused():
+    """A chain with masses of 10 g between some of 100 kg, upright at rest; in between the step had 5 MJ."""
+    assert not verdict(scene(2455), 2455).findings
+
+
+# --- what a step may change and lose, by the sizes and energies of the chain -------------------------------
+
+LINKS, TOLERANCE = 3, 1e-6
+
+
+def moving(**more):
+    """Three links in some state, energy dissipated and supplied, at the start of a balance; its state."""
+    rng = np.random.default_rng(19)
+    _, d = chain(rng, LINKS, **more)
+    d.solver.tolerance = TOLERANCE
+    y = random_state(rng, d)
+    y[dissipated_at(LINKS)], y[supplied_at(LINKS)] = 0.7, -1.3
+    d.step.state_end[:] = y
+    locate_points(d, y)
+    d.balance.available, d.balance.allowed, d.step.breaks = 1e9, 1e9, 7
+    balance.start_balance(d, 1.0)
+    return d, y
+
+
+def test_the_units_are_those_of_the_stretched_chain():
+    d, _ = moving()
+    mass, size = d.model.mass, max(d.model.length)
+    reach = size + np.cumsum(d.model.length)
+    assert d.balance.unit_motion == pytest.approx(
+        math.sqrt(sum(mass * reach**2 + d.model.inertia)), rel=1e-13
+    )
+    weight = sum(mass) * math.hypot(*d.model.gravity)
+    assert d.balance.weight == pytest.approx(weight, rel=1e-13)
+    assert d.balance.unit_scale == pytest.approx(weight * reach[-1] + sum(mass) * size**2, rel=1e-13)
+
+
+def test_a_balance_starts_from_the_present_energies():
+    d, y = moving()
+    own, present = d.balance, energy_balance(d, y)
+    assert (own.start, own.since, own.breaks) == (1.0, 1.0, 7)
+    for name in ("at_end", "at_start", "origin", "reference"):
+        assert own[name] == present
+    # all energy but the potential one; nothing has been supplied, but 1.3 J were taken
+    assert own.available == pytest.approx(present - mechanical_energy(d, y)[1] + own.least_allowed, rel=1e-13)
+    assert own.available_at_start == own.available
+    # a window compares with what is now
+    own.at_end, own.allowed = 4.5, 1e9
+    balance.begin_window(d)
+    assert own.reference == 4.5
+    right = 3.0 * TOLERANCE * (own.unit_motion**2 + own.unit_scale)
+    assert (own.least_allowed, own.allowed) == pytest.approx((right, right), rel=1e-13)
+    # where a step begins otherwise the balance is taken anew, whatever is located
+    d.step.breaks, d.work.position.x[:] = 12, 1e9
+    balance.rebase_energy(d)
+    assert (own.at_end, own.breaks) == (present, 12)
+
+
+def test_the_available_energy_never_falls_and_grows_by_what_is_supplied():
+    d, y = moving()
+    own = d.balance
+    least = own.least_allowed + own.origin
+    own.available = -1e4
+    for supplied in (-5.0, 0.0, 3.0):
+        y[supplied_at(LINKS)] = supplied
+        assert balance.most_energy(d, y, -2.0) == pytest.approx(least + 2.0 + max(0.0, supplied), rel=1e-13)
+    own.available = 1e4
+    assert balance.most_energy(d, y, -2.0) == 1e4
+
+
+@pytest.mark.parametrize("springs", [False, True])
+def test_the_scale_is_that_of_errors_in_speeds_and_in_heights(springs):
+    """Springs add their moments."""
+    d, y = moving(springs=springs)
+    own, (kinetic, potential) = d.balance, mechanical_energy(d, y)
+    others = abs(y[dissipated_at(LINKS)]) + abs(y[supplied_at(LINKS)])
+    scale = (math.sqrt(2.0 * kinetic) + own.unit_motion) ** 2 + own.unit_scale + others
+    known = own.weight * (abs(y[0]) + abs(y[1])) + abs(potential) + kinetic + others
+    turns = np.diff(y[2 : LINKS + 2], prepend=0.0) - d.model.joint_rest_angle
+    moments = springs * d.model.joint_stiffness * abs(turns)
+    moments[0] = 0.0  # a free base has no joint
+    scale += sum(moments)
+    known += moments @ (abs(y[2 : LINKS + 2]) + abs(d.model.joint_rest_angle))
+    assert balance.scales(d, y) == pytest.approx((scale, known), rel=1e-13)
+    allowed = 3.0 * TOLERANCE * scale + balance.ROUND_OFF * known
+    assert balance.allowance(d, y) == pytest.approx(allowed, rel=1e-13)
+    assert balance.round_off(d, y) == pytest.approx(1e-15 * known, rel=1e-13)
+
+
+def test_contacts_add_the_work_of_their_forces_over_the_error_of_their_depth():
+    d, y = moving()
+    without = balance.scales(d, y)
+    touched = [next(c for c in range(d.candidates) if d.candidate.point[c] == point) for point in (1, 3)]
+    for c in touched:
+        press_in(d, c, 2e-3)
+    touch(d, touched)
+    d.touch.depth_scale[touched], d.touch.impact_speed[touched] = 3e-3, [0.5, 2.0]
+    d.touch.effective_mass[touched] = [0.7, 1.9]
+    found = balance.scales(d, y)
+    forces = [contact_force.elastic_force(d, c, -geometry.clearance(d, c)[0]) for c in touched]
+    scale = sum(force * control.penetration_scale(d, c) for force, c in zip(forces, touched, strict=True))
+    known = sum(force * geometry.coordinates_size(d, c, y) for force, c in zip(forces, touched, strict=True))
+    assert min(forces) > 1.0
+    assert found[0] - without[0] == pytest.approx(scale + control.impact_energy(d), rel=1e-9)
+    assert found[1] - without[1] == pytest.approx(known, rel=1e-9)
+
+
+def test_the_budget_is_that_of_errors_in_speeds_at_the_available_energy():
+    d, _ = moving()
+    d.step.end, speed = 4.0, math.sqrt(2.0 * 50.0)
+    right = 3.0 * TOLERANCE * (speed * (speed + d.balance.unit_motion) + d.balance.unit_scale)
+    assert balance.loss_budget(d, 50.0) == pytest.approx(1.3 * right, rel=1e-13)
+    assert (balance.LOSS, balance.LASTING, balance.OF_A_STEP) == (3.0, 10.0, 3.0)
+
+
+def test_a_step_may_lose_what_is_left_or_its_share():
+    d, _ = moving()
+    d.step.start, d.step.end = 3.8, 4.0
+    budget = balance.loss_budget(d, 50.0)
+    share = 0.2 / (10.0 + 3.0) * budget
+    for lost in (-0.5, 0.0, 0.4, 2.0):
+        d.balance.at_end = d.balance.origin - lost * budget
+        assert balance.loss_allowed(d, 50.0) == pytest.approx(max((1.0 - lost) * budget, share), rel=1e-9)
+    # and its round-off in any case
+    d.step.start = d.step.end
+    d.balance.at_end = d.balance.origin - 2.0 * budget
+    assert balance.loss_allowed(d, 50.0) == pytest.approx(50e-15, rel=1e-13)
+
+
+def after_a_turn(turn, **more):
+    """A chain after a step in which its first link turns that far [rad], with a dense output."""
+    rng = np.random.default_rng(3)
+    _, d = chain(rng, LINKS, **more)
+    walls_away(d)
+    motion = free_motion(rng, d, speed=0.1, bend=0.0)
+    motion.coefficients[1, 2] = motion.coefficients[0, LINKS + 4] = 10.0 * turn
+    set_step(d, motion, 0.1)
+    d.statistics.steps, d.solver.tolerance = 5, TOLERANCE
+    return d
+
+
+@pytest.mark.parametrize(("turn", "right"), [(0.98, False), (1.02, True), (-1.02, True)])
+def test_a_step_is_long_in_which_a_link_turns_far(turn, right):
+    d = after_a_turn(turn * balance.LONG_TURN)
+    assert balance.is_long(d) == right
+    d.step.dense_for = last_step.OUTPUTS
+    assert not balance.is_long(d)  # what is not known costs more than it tells
+
+
+def test_the_first_step_of_a_run_is_long_at_a_loose_tolerance():
+    d = after_a_turn(0.1)
+    for steps, tolerance, right in (
+        (0, 1.01 * balance.LOOSE, True),
+        (0, 0.99 * balance.LOOSE, False),
+        (1, 1.01 * balance.LOOSE, False),
+    ):
+        d.statistics.steps, d.solver.tolerance = steps, tolerance
+        assert balance.is_long(d) == right
+
+
+def test_an_explicit_step_is_long_that_is_not_stable_for_its_joints():
+    d = after_a_turn(0.1, springs=True, dampers=True)
+    for method, number in ((EXPLICIT, 0.9), (EXPLICIT, 1.1), (IMPLICIT, 1.1)):
+        d.step.last_method = method
+        d.step.end = d.step.start + number * methods.STABLE / (methods.joints_over(d, 1e3) / 1e3)
+        assert balance.is_long(d) == (method == EXPLICIT and number > 1.0)
+    d.step.last_method, d.model.resisting = EXPLICIT, 0
+    assert not balance.is_long(d)
+
+
+@pytest.mark.parametrize("impacts", [0.0, 50.0])
+@pytest.mark.parametrize(("before", "after"), [(1.0, 3.0), (3.0, 1.0), (1.0, 1.0)])
+def test_energy_dissipates_between_what_it_is_at_the_ends(monkeypatch, before, after, impacts):
+    """But for errors, for which the energy of impacts allows."""
+    d = after_a_turn(0.1)
+    at = dissipated_at(LINKS)
+    monkeypatch.setattr(balance, "impact_energy", lambda _: impacts)
+    d.step.state[at], d.step.state_end[at] = before, after
+    slack = 10.0 * 3.0 * TOLERANCE * (d.model.energy + after + impacts)
+    least, most = min(before, after), max(before, after)
+    assert balance.dissipates_evenly(d, 0.5 * (least + most))
+    for part, right in ((0.99, True), (1.01, False)):
+        assert balance.dissipates_evenly(d, least - part * slack) == right
+        assert balance.dissipates_evenly(d, most + part * slack) == right
+
+
+@pytest.mark.parametrize("entry", [2 + LINKS + 3, dissipated_at(LINKS)])  # a rate, and the energy itself
+def test_a_motion_that_keeps_its_energy_does_so_in_the_middle(entry):
+    d = after_a_turn(0.0)
+    motion = free_motion(np.random.default_rng(1), d, speed=0.0, bend=0.0)
+    d.model.gravity[:] = d.model.gravity_size = 0.0
+    set_step(d, motion, 0.1)
+    balance.start_balance(d, 0.0)
+    assert balance.interpolates(d)
+    d.step.dense[3, entry] += 1.0  # in the middle only
+    d.balance.least_allowed = 1e9 * (entry == dissipated_at(LINKS))  # where the energy would be allowed
+    assert not balance.interpolates(d)
+    assert d.step.dense_for == last_step.SOLVER
+
+
+@pytest.mark.parametrize(
+    ("gain", "tolerance", "ends"),
+    [
+        *(
+            (0.19, TOLERANCE, False),
+            (0.21, TOLERANCE, True),
+            (-0.19, TOLERANCE, False),
+            (-0.21, TOLERANCE, True),
+        ),
+        *((-0.9, 1.0, False), (-1.1, 1.0, True)),
+    ],
+)
+def test_a_run_ends_when_its_steps_have_changed_a_fifth_of_the_energy(gain, tolerance, ends):
+    """Or have taken more than twice what a loose tolerance allows, if that is more."""
+    d, _ = moving()
+    own, d.solver.tolerance = d.balance, tolerance
+    own.available, own.allowed, own.start = 40.0, 1e9, d.step.end
+    budget = 2.0 * balance.loss_budget(d, 40.0)
+    assert (budget > 0.2 * 40.0) == (tolerance == 1.0)
+    own.at_end = own.origin + gain * (budget if tolerance == 1.0 else own.available)
+    assert balance.check_balance(d) == (ENERGY_NOT_KEPT if ends else OK)

@@ -1,0 +1,449 @@
+"""The implicit step: against another integrator, its order, its cost, and that it keeps the clearances."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact import simulate
+from chain_impact.kernel import equations
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, velocity_at
+from chain_impact.kernel.events.exclusion import NOTHING, known_clearances
+from chain_impact.kernel.ode import collocation, control, dense, radau
+from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, ORDER
+from chain_impact.kernel.ode.extended import extended_size, gap_at, quadrature_at, rate_at
+from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES, REAL_EIGENVALUE
+from chain_impact.kernel.rows import geometry
+from chain_impact.scene.scene import with_values
+from chain_impact.simulation.instance import Instance
+from tests.kernel.chains import chain, random_state, struck, touch
+from tests.kernel.ode.stiff_problems import PROBLEMS, exact, swinging, tipping
+from tests.kernel.ode.touching import touching
+from tests.kernel.steps import basis
+from tests.plain import Plain, make_rigid
+from tests.reference import mass_matrix
+
+
+def reached(result):
+    """Base, angles and their rates at the end."""
+    end = result.outputs[-1]
+    motion = end["point_position"][0], end["angle"], end["point_velocity"][0], end["angular_velocity"]
+    return np.concatenate(motion)
+
+
+@pytest.mark.parametrize("method", ["implicit", "auto"])
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_stiff_problems_are_solved_to_the_tolerance(name, method):
+    for tolerance in (1e-4, 1e-6, 1e-8):
+        result = simulate(PROBLEMS[name](), tolerance=tolerance, method=method)
+        error = np.abs(reached(result) - exact(name)) / (1.0 + np.abs(exact(name)))
+        assert error.max() < 2.0 * tolerance
+
+
+@pytest.mark.parametrize(
+    ("scene", "tolerance", "most"),
+    [(swinging, 1e-8, 700), (tipping, 1e-8, 1800), (PROBLEMS["hanging"], 1e-8, 2500)],
+)
+def test_cost_of_a_tolerance(scene, tolerance, most):
+    """The method of order 3 before it took 3,000, 17,000 and 12,000."""
+    assert simulate(scene(), tolerance=tolerance, method="implicit").statistics["rhs_evaluations"] < most
+
+
+def test_the_dense_output_is_as_accurate_as_the_tolerance():
+    times = np.linspace(0.0, 0.1, 301)[1:]
+    rows = {}
+    for tolerance in (1e-8, 1e-12):
+        instance = Instance(with_values(tipping(), {("solver", "tolerance"): tolerance}))
+        out = np.zeros(len(times), instance.record.dtype["output"])
+        assert instance.trajectory(times, out) == len(times)
+        rows[tolerance] = out
+    bounds = {"angle": 1e-10, "point_position": 1e-10, "angular_velocity": 3e-8, "force": 3e-6}
+    for field, most in bounds.items():
+        assert np.abs(rows[1e-8][field] - rows[1e-12][field]).max() < most
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-6])
+def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
+    """Off the tangent by ½h²ω²L, they would be wrong by many penetrations, at the ends and in between."""
+    instance = touching(tolerance)
+    d, errors, seen = Plain(instance.record), {0.25: [], 0.5: [], 0.8: [], 1.0: []}, {}
+    y = np.zeros(len(d.work.y))
+    for time in np.arange(0.7, 1.2, 1e-3):
+        instance.advance(time)
+        if d.step.last_method != IMPLICIT or known_clearances(d) == NOTHING or d.step.start in seen:
+            continue
+        seen[d.step.start] = d.step.size
+        for theta, found in errors.items():
+            dense.interpolate(d.step, theta, y)
+            locate_points(d, y)
+            for k in range(int(d.touch.active_count)):
+                gap, _ = geometry.clearance(d, int(d.touch.active_index[k]))
+                found.append(abs(gap / collocation.interpolated(d, sundman_u_at(d.links) + k, theta) - 1.0))
+    assert max(seen.values()) > 1e-3
+    for found in errors.values():
+        assert len(found) > 60
+        assert np.quantile(found, 0.9) < 0.02
+        assert np.quantile(found, 0.99) < 0.5
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+def test_a_restart_inside_an_implicit_step_does_not_kick(tolerance):
+    """An input that is set to what it was starts the solver anew, in between its steps."""
+    ledger = []
+    for restarts in (0, 20):
+        instance = touching(tolerance)
+        for time in np.linspace(0.9, 1.1, restarts + 1):
+            instance.record["given"]["changed"] = restarts > 0
+            instance.advance(time)
+        instance.advance(1.2)
+        output = instance.record["output"]
+        instance.observe()
+        ledger.append(float(output["total"] + output["dissipated"]))
+    assert ledger[1] == pytest.approx(ledger[0], abs=10.0 * tolerance)
+
+
+# --- the dense output, and the coordinates that follow the clearances --------------------------------------
+
+LINKS, H = 2, 0.1
+
+
+@pytest.fixture
+def step():
+    """An implicit step with two contacts, whose stages are of any size; its first point is in the walls."""
+    rng = np.random.default_rng(41)
+    _, d = chain(rng, LINKS)
+    d.quadrature.wanted = 1
+    touch(d, [0, 1])
+    own = d.implicit
+    d.step.state[:] = random_state(rng, d)
+    own.stages[:] = rng.uniform(-1e-3, 1e-3, own.stages.shape)
+    own.start[:] = rng.uniform(-1e-3, 1e-3, own.start.shape)
+    d.step.state_end[:] = d.step.state
+    d.step.state_end[: sundman_u_at(LINKS)] += own.stages[-1, : sundman_u_at(LINKS)]
+    d.quadrature.state[:2] = 1.0, 2.0
+    d.quadrature.state_end[:2] = [1.0, 2.0] + own.stages[-1, quadrature_at(d, 0) : quadrature_at(d, 2)]
+    d.step.start, d.step.dense[:], d.quadrature.dense[:] = 0.5, 99.0, 99.0
+    return d
+
+
+def through(values, theta):
+    """The polynomial of degree 5 through 0 at the start and these values at the nodes."""
+    from_start = np.concatenate([np.zeros_like(values[:1]), values])
+    fitted = np.polynomial.polynomial.polyfit([0.0, *NODES], from_start, RADAU_STAGES)
+    return np.polynomial.polynomial.polyval(theta, fitted)
+
+
+def test_the_polynomial_goes_through_the_stages(step):
+    """That of the state, of a component of z, which begins at its start, and of an impulse."""
+    d, n = step, sundman_u_at(LINKS)
+    stages = d.implicit.stages.copy()
+    d.touch.listings = 7
+    collocation.keep_stages(d, H)
+    assert d.implicit.last[:, : quadrature_at(d, 2)].tolist() == stages[:, : quadrature_at(d, 2)].tolist()
+    assert (d.implicit.began, d.implicit.span, d.implicit.listing) == (0.5, H, 7)
+    y = np.zeros(len(d.step.state))
+    for theta in (0.0, *NODES, 0.43):
+        dense.interpolate(d.step, theta, y)
+        assert y[:n] - d.step.state[:n] == pytest.approx(through(stages[:, :n], theta), abs=1e-14)
+        part = collocation.interpolated(d, 4, theta) - d.implicit.start[4]
+        assert part == pytest.approx(through(stages[:, 4], theta), abs=1e-14)
+        for k in range(2):
+            found = basis(theta) @ d.quadrature.dense[:, k]
+            assert found == pytest.approx(through(stages[:, quadrature_at(d, k)], theta), abs=1e-14)
+    # what follows has a straight line, and no coefficients but that
+    assert not d.step.dense[1:, n:].any()
+    assert not d.step.dense[RADAU_STAGES:, :n].any()
+    assert (d.quadrature.dense[:, 2:] == 99.0).all()
+
+
+def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
+    bound, parts = collocation.CURVE_BOUND, np.linspace(0.0, 1.0, 10001)
+    bends = np.abs(np.diff(basis(parts)[:RADAU_STAGES], 2, axis=1)).max(axis=1) / parts[1] ** 2
+    assert bends == pytest.approx(bound, rel=1e-2, abs=1e-6)
+    d = step
+    collocation.keep_stages(d, H)
+    d.search.curvature[:] = -1.0
+    collocation.curvatures(d, H)
+    for k, c in enumerate(d.touch.active_index[:2]):
+        sizes = np.abs(np.array(collocation.SHAPE) @ d.implicit.last[:, gap_at(d, k)])
+        assert d.search.curvature[c] == pytest.approx(np.dot(bound, sizes) / H**2, rel=1e-12)
+    assert (np.delete(d.search.curvature, d.touch.active_index[:2]) == -1.0).all()
+
+
+def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clearances(step, monkeypatch):
+    """At a third and at two thirds of the step; at its ends they stay."""
+    d, rng = step, np.random.default_rng(43)
+    collocation.keep_stages(d, H)
+    before, changes = {}, {}
+    for theta in (0.0, 1 / 3, 2 / 3, 1.0):
+        before[theta] = np.zeros(len(d.step.state))
+        dense.interpolate(d.step, theta, before[theta])
+    asked = []
+
+    def project_coordinates(d, _y, derivative, change):
+        asked.append((derivative, d.implicit.normal[:2].tolist()))
+        change[:] = rng.uniform(-1e-3, 1e-3, len(change))
+        changes[len(asked)] = change.copy()
+
+    monkeypatch.setattr(collocation, "project_coordinates", project_coordinates)
+    collocation.keep_clearances(d)
+    assert [one[0] for one in asked] == [0, 1, 0, 1]
+    for k in range(2):
+        wanted = [
+            collocation.interpolated(d, gap_at(d, k) + 2 * derivative, part / 3)
+            for part in (1, 2)
+            for derivative in (0, 1)
+        ]
+        assert [one[1][k] for one in asked] == pytest.approx(wanted, abs=1e-15)
+    y, end = np.zeros(len(d.step.state)), dissipated_at(LINKS)
+    for theta, moved in ((0.0, ()), (1 / 3, (1, 2)), (2 / 3, (3, 4)), (1.0, ())):
+        dense.interpolate(d.step, theta, y)
+        change = np.concatenate([changes[k] for k in moved]) if moved else np.zeros(end)
+        assert y[:end] - before[theta][:end] == pytest.approx(change, abs=1e-14)
+        assert y[end:] == pytest.approx(before[theta][end:], abs=1e-15)
+
+
+def test_without_contacts_with_a_force_there_is_nothing_to_follow(step):
+    d = step
+    collocation.keep_stages(d, H)
+    make_rigid(d)
+    before = d.step.dense.copy()
+    locate_points(d, d.step.state_end)
+    collocation.keep_clearances(d)
+    assert d.step.dense.tolist() == before.tolist()
+
+
+# --- what a step begins with -------------------------------------------------------------------------------
+
+N = 3
+STALE = -1  # of implicit.listing: other contacts are active
+
+
+def at_start(tolerance=1e-8, **tables):
+    """A chain that moves, at the start of an implicit step."""
+    rng = np.random.default_rng(5)
+    scene, d = chain(rng, N, **tables)
+    d.step.state_end[:] = struck(rng, d, [])
+    d.step.method, d.solver.tolerance = IMPLICIT, tolerance
+    equations.state_rate(d, d.step.state_end, d.work.rate_start)
+    return scene, d
+
+
+@pytest.mark.parametrize(
+    ("gap", "gap_rate", "size"),
+    [
+        (-0.5, 1.0, 0.5 * collocation.BEYOND),  # s, in which it leaves
+        (-0.99, 1.0, 1.0),  # in this step, but not so long before its end
+        (-2.0, 1.0, 1.0),
+        (-0.5, -1.0, 1.0),  # it goes in
+        (-0.9 * collocation.LEFT, 1.0, 1.0),  # it has all but left
+        (-1.1 * collocation.LEFT, 1.0, 1.1 * collocation.LEFT * collocation.BEYOND),
+        (0.1, 1.0, 1.0),
+    ],
+)
+def test_a_step_goes_a_little_beyond_the_first_end_of_a_contact(gap, gap_rate, size):
+    _, d = chain(np.random.default_rng(0), N)
+    touch(d, [1, 6])
+    for first in (0, 1):
+        for k, (at, rate) in enumerate([(gap, gap_rate), (-0.7, 0.9 if size < 1.0 else -1.0)]):
+            d.implicit.start[gap_at(d, k ^ first)], d.implicit.start[rate_at(d, k ^ first)] = at, rate
+        assert collocation.toward_end(d, 1.0) == pytest.approx(size, rel=1e-14)
+
+
+def stiff_joint(damping, tolerance=1e-8):
+    """A chain with one damper; the rate with which it decays, and how fast it does [units of the tolerance].
+
+    ∂v̇/∂v = −d M⁻¹ g gᵀ has the one eigenvalue ρ = d gᵀ M⁻¹ g, and M⁻¹ g is its vector.
+    """
+    scene, d = at_start(tolerance)
+    d.model.joint_damping[:] = 0.0, damping, 0.0
+    d.model.resisting, d.implicit.listing = 1, STALE
+    equations.state_rate(d, d.step.state_end, d.work.rate_start)
+    across = np.zeros(N + 2)
+    across[2:4] = -1.0, 1.0
+    vector = np.linalg.solve(mass_matrix(scene, d.step.state_end[2 : N + 2]), across)
+    rho = damping * across @ vector
+    fast = vector * (across @ d.work.rate_start[velocity_at(N) : 2 * N + 4]) / (across @ vector)
+    speeds = d.step.state_end[velocity_at(N) : 2 * N + 4]
+    scale = np.where(np.arange(N + 2) < 2, d.model.size, 1.0) + np.abs(speeds)
+    return d, rho, (np.abs(fast) / scale).max() / tolerance
+
+
+@pytest.mark.parametrize("h", [1e-2, 1.0])
+@pytest.mark.parametrize("damping", [1e3, 1e6])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
+def test_the_first_step_is_some_time_constants_of_a_fast_motion(tolerance, damping, h):
+    """FADED of them at an amplitude of the tolerance, and less as the error of a step goes."""
+    d, rho, fast = stiff_joint(damping, tolerance)
+    taken = 1.0 - 1.0 / (1.0 + rho * h * REAL_EIGENVALUE)  # by one solution with the real shift
+    expected = collocation.FADED / rho * (rho / (taken * fast)) ** (1.0 / (ORDER[IMPLICIT] - 1))
+    assert collocation.prepare(d, h) == pytest.approx(expected, rel=1e-6)
+    collocation.attempt(d, expected)
+    assert control.accepted(d)
+
+
+def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
+    d, rho, _ = stiff_joint(1e3)
+    assert collocation.prepare(d, 0.9 / rho) == 0.9 / rho
+    assert collocation.prepare(d, 0.1) < 0.05
+    d.solver.tolerance = 1e6  # does not see it
+    assert collocation.prepare(d, 0.1) == 0.1
+    d.solver.tolerance = 1e-8
+    d.step.state_end[omega_at(N) : omega_at(N) + N] = 1.0  # as one body
+    equations.state_rate(d, d.step.state_end, d.work.rate_start)
+    d.work.rate_start[velocity_at(N) :] = 0.0
+    assert collocation.prepare(d, 0.1) == 0.1
+    d, _, _ = stiff_joint(0.0)
+    assert collocation.prepare(d, 0.1) == 0.1
+
+
+def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
+    """The measure of a fast motion counts as three evaluations, where it is taken."""
+    d, _, _ = stiff_joint(1e3)
+    own, listed = d.implicit, d.touch.listings
+    for listing, made_by, measured in ((listed, IMPLICIT, 0), (STALE, IMPLICIT, 3), (listed, EXPLICIT, 3)):
+        own.listing, d.step.last_method, own.slowness, before = listing, made_by, 0.3, d.limits.other_work
+        h = collocation.prepare(d, 0.1)
+        assert h < 0.05 if measured else h == 0.1
+        assert own.slowness == (radau.UNKNOWN if measured else 0.3)
+        assert d.limits.other_work == before + measured
+
+
+# --- the stages --------------------------------------------------------------------------------------------
+
+
+def last_polynomial(d, degree, end=1.0):
+    """Let the last step, of 0.2 s, have followed a polynomial of θ with this degree, up to some θ."""
+    own, size = d.implicit, extended_size(d)
+    parts = np.zeros((degree + 1, size))
+    parts[1:] = np.random.default_rng(degree).uniform(0.5, 1.0, (degree, size))
+    columns = [np.polynomial.Polynomial(column) for column in parts.T]
+    own.last[:, :size] = np.transpose([column(np.array(NODES)) for column in columns])
+    own.began, own.span, own.listing = 3.0, 0.2, d.touch.listings
+    d.step.end, d.step.last_method = 3.0 + 0.2 * end, IMPLICIT
+    return columns
+
+
+@pytest.mark.parametrize("end", [1.0, 0.4])
+@pytest.mark.parametrize(("branch", "degree"), [(0, 5), (1, 4), (2, 3), (3, 1)])
+def test_stages_far_beyond_the_last_step_follow_a_polynomial_of_lower_degree(branch, degree, end):
+    """One that is the last one's if that is of no higher degree."""
+    bounds = (0.0, *collocation.FORETOLD, 9.0)
+    # as far beyond as the branch reaches, and a little further than the one before does
+    for beyond in (bounds[branch] + 1e-6, min(bounds[branch + 1], 8.0) - 1e-6):
+        d = at_start()[1]
+        size, h = extended_size(d), 0.2 * (1.0 + beyond - end)
+        columns = last_polynomial(d, degree, end)
+        collocation.extrapolate_stages(d, h, size)
+        at = end + h / 0.2 * np.array(NODES)
+        expected = np.transpose([column(at) - column(end) for column in columns])
+        np.testing.assert_allclose(d.implicit.stages[:, :size], expected, rtol=1e-9, atol=1e-13)
+        if degree < RADAU_STAGES:
+            columns = last_polynomial(d, degree + 1, end)
+            collocation.extrapolate_stages(d, h, size)
+            expected = np.transpose([column(at) - column(end) for column in columns])
+            assert (np.abs(d.implicit.stages[-1, :size] / expected[-1] - 1.0) > 1e-3).all()
+
+
+def test_the_stages_of_a_first_step_go_with_the_rate_at_its_start():
+    d = at_start()[1]
+    touch(d, [1, 6])
+    own, size, half = d.implicit, extended_size(d), velocity_at(N)
+    own.start_rate[:] = np.random.default_rng(0).normal(size=len(own.start_rate))
+    own.stages[:], own.listing = 9.0, STALE
+    collocation.extrapolate_stages(d, 0.3, size)
+    expected = 0.3 * np.outer(NODES, own.start_rate[:size])
+    moving = np.zeros(size, bool)
+    moving[:half] = moving[[gap_at(d, 0), gap_at(d, 1)]] = True
+    np.testing.assert_allclose(own.stages[:, :size], np.where(moving, expected, 0.0), rtol=1e-14)
+
+
+# --- what is not solved ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("contraction", "correction", "error", "share"),
+    [
+        (0.97, 1.0, collocation.LATE, 1 / 2),
+        (1.3, 1.0, collocation.DIVERGED, 1 / 3),
+        (1.3, math.inf, math.inf, None),
+    ],
+)
+def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
+    monkeypatch, contraction, correction, error, share
+):
+    d = at_start()[1]
+    collocation.prepare(d, 0.01)
+    collocation.attempt(d, 0.01)
+    assert control.accepted(d)
+    assert d.implicit.slowness < radau.UNKNOWN
+
+    def unsolved(d, _h, _size):
+        own = d.implicit
+        own.contraction, own.correction, own.iterations = contraction, correction, 4
+        return False
+
+    monkeypatch.setattr(collocation, "_converge", unsolved)
+    before = d.statistics.rhs_evaluations
+    collocation.attempt(d, 0.01)
+    assert d.trial.error == error
+    assert d.implicit.slowness == radau.UNKNOWN
+    assert d.trial.cost_factor == 1.0
+    assert d.statistics.rhs_evaluations == before + 4 * RADAU_STAGES
+    if share:
+        assert control.factor(d) == pytest.approx(share, rel=0.02)
+
+
+# --- what it costs and what it errs -------------------------------------------------------------------------
+
+
+def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatch):
+    d, _, _ = stiff_joint(1e3)
+    h = collocation.prepare(d, 1e-3)
+    before, evaluations = d.limits.other_work, d.statistics.rhs_evaluations
+    monkeypatch.setattr(collocation, "estimate", lambda *_: 0.25)
+    collocation.attempt(d, h)
+    assert d.trial.error == 0.25
+    iterations = d.implicit.iterations
+    assert d.limits.other_work - before == 6 + 4 * iterations + 3
+    assert d.statistics.rhs_evaluations - evaluations == RADAU_STAGES * iterations
+    monkeypatch.setattr(collocation, "estimate", lambda *_: math.nan)
+    d.implicit.slowness = 0.5
+    collocation.attempt(d, h)
+    assert not control.accepted(d)
+    assert d.implicit.slowness == radau.UNKNOWN
+
+
+@pytest.mark.parametrize("bad", [math.inf, math.nan])
+def test_an_error_that_is_not_finite_is_infinite(bad):
+    d, _, _ = stiff_joint(1e3)
+    collocation.attempt(d, collocation.prepare(d, 1e-3))
+    assert math.isfinite(collocation.estimate(d, 1e-3, extended_size(d)))
+    d.implicit.start_rate[0] = bad
+    assert collocation.estimate(d, 1e-3, extended_size(d)) == math.inf
+
+
+def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
+    d, _, _ = stiff_joint(1e3)
+    collocation.attempt(d, collocation.prepare(d, 1e-3))
+    size, before = extended_size(d), d.limits.other_work
+    free = collocation.estimate(d, 1e-3, size)
+    assert d.limits.other_work == before
+    monkeypatch.setattr(collocation, "any_constraint", lambda _: True)
+    solve, solved = collocation.solve_real, []
+
+    def note(d, shift, x):
+        given = x.tolist()
+        solve(d, shift, x)
+        solved.append((shift, given, x.tolist()))
+
+    monkeypatch.setattr(collocation, "solve_real", note)
+    monkeypatch.setattr(collocation, "moment_error", lambda d, row: (1e3 + row) * d.solver.tolerance)
+    # e₁ min(1, e₁/e₂), with the moments in place of the other errors
+    assert collocation.estimate(d, 1e-3, size) == pytest.approx(1e3 * 1e3 / 1001.0, rel=1e-9)
+    assert d.limits.other_work == before + 1
+    assert free < 1e3
+    # the error of the start once more
+    assert [shift for shift, *_ in solved] == [1e-3 * REAL_EIGENVALUE] * 3
+    assert solved[2][1] == solved[0][2]

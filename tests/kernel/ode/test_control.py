@@ -1,0 +1,126 @@
+"""The outcome of a tried step, and the sizes of those that are foreseen instead of tried."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.advance import begin_step
+from chain_impact.kernel.chain.state import omega_at, time_at
+from chain_impact.kernel.forces.contact_force import damping_share
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.ode import control, methods
+from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, ONSET_SIZE, SAFETY
+from chain_impact.kernel.status import OK
+from chain_impact.scene.scene import load_scene, with_values
+from chain_impact.simulation.simulate import simulate
+from tests.kernel.chains import chain, struck
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.7, 0.95])
+@pytest.mark.parametrize("stiffness", [1e5, 1e8, 1e11])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+def test_few_steps_of_an_impact_are_rejected(tolerance, stiffness, restitution):
+    """Without foresight: up to six at the onset, one for each step toward the end, three in flight."""
+    changes = {("contact", "stiffness"): stiffness, ("contact", "restitution"): restitution}
+    scene = with_values(load_scene("rod_drop"), changes | {("solver", "tolerance"): tolerance})
+    before = simulate(scene, stop_time=0.3)
+    result = simulate(scene, stop_time=0.45)
+    assert len(before.impacts) == 0
+    impacts = int((result.impacts["onset"] < 0.45).sum())
+    assert 3 <= impacts <= 5
+    rejected = result.statistics["rejected_steps"] - before.statistics["rejected_steps"]
+    assert rejected <= 5 * impacts
+
+
+@pytest.mark.parametrize("power", [0.0, 0.25, 1.5])
+@pytest.mark.parametrize("restitution", [1.0, 0.3])
+def test_a_force_rises_in_the_time_in_which_its_depth_is_reached_or_damping_stops_the_point(
+    power, restitution
+):
+    """δ*/v₀ (1 + damping over elastic force)^(−1/(p+1))."""
+    rng = np.random.default_rng(7)
+    _, d = chain(rng, 1)
+    struck(rng, d, [0])
+    d.touch.depth_scale[0], d.touch.impact_speed[0] = 2e-3, 0.5
+    d.touch.damping[0], d.law.rate_exponent[0] = 0.0 if restitution == 1.0 else 1e9, power
+    share = damping_share(d, 0)
+    assert (share > 0.1) == (restitution < 1.0)
+    time = 4e-3 * (1.0 + share) ** (-1.0 / (1.0 + power))
+    assert control.time_scale(d, 0) == pytest.approx(time, rel=1e-13)
+    d.solver.tolerance = 1e-6
+    for method in (EXPLICIT, IMPLICIT):
+        right = ONSET_SIZE[method] * time * 1e-6 ** control.ONSET_EXPONENT[method]
+        assert control.at_onset(d, 0, method) == pytest.approx(right, rel=1e-13)
+    # 15 tolerance^(1/3)
+    assert control.at_onset_beside(d, 0) == pytest.approx(0.15 * time, rel=1e-13)
+
+
+def test_a_size_follows_from_the_error_and_from_the_cost():
+    _, d = chain(np.random.default_rng(7), 1)
+    for method in (EXPLICIT, IMPLICIT):
+        d.step.method = method
+        for error in (5.0, 1e-5):
+            control.conclude(d, error, 0.7)
+            right = SAFETY[method] * 0.7 * error ** control.EXPONENT[method]
+            assert control.factor(d) == pytest.approx(right, rel=1e-13)
+        for error in (1e12, math.inf, math.nan):
+            control.conclude(d, error, 0.7)
+            assert control.factor(d) == 0.1  # not less
+        control.conclude(d, 0.0, 0.7)
+        assert 6.0 < control.factor(d) < math.inf
+        control.conclude(d, 1e-5, 1.0)
+        control.refuse(d, control.FAR_OFF)
+        assert 1 / 8.5 < control.factor(d) < 1 / 7
+
+
+def test_in_flight_the_fastest_turn_decides():
+    _, d = chain(np.random.default_rng(7), 3)
+    d.solver.tolerance = 1e-8
+    turn = 2.8 * 1e-8 ** (1.0 / 8.0)
+    y, rate = np.zeros(len(d.step.state)), np.zeros(len(d.step.state))
+    assert control.in_flight(d, y, rate) == 1.0
+    y[omega_at(3) + 1] = -5.0
+    assert control.in_flight(d, y, rate) == pytest.approx(turn / 5.0, rel=1e-13)
+    rate[omega_at(3) + 2] = -49.0  # rad/s²
+    assert control.in_flight(d, y, rate) == pytest.approx(turn / 7.0, rel=1e-13)
+    y[omega_at(3)] = 0.5 * turn
+    y[omega_at(3) + 1] = rate[omega_at(3) + 2] = 0.0
+    assert control.in_flight(d, y, rate) == 1.0
+
+
+def test_a_proposed_size_is_limited_rescaled_and_kept_for_the_next_flight():
+    _, d = chain(np.random.default_rng(7), 1)
+    control.propose(d, 0.5)
+    control.limit(d, 0.7)
+    assert d.step.next_size == 0.5
+    control.limit(d, 0.25)
+    assert d.step.next_size == 0.25
+    control.keep_for_flight(d)
+    control.rescale(d, 3.0)
+    assert (d.step.next_size, d.step.flight_size) == (0.75, 0.25)
+    control.resume_flight(d)
+    assert d.step.next_size == 0.25
+
+
+@pytest.mark.parametrize("error", [0.0, 1.0, np.nextafter(1.0, 2.0), 1e300, math.inf, math.nan])
+def test_a_step_is_accepted_with_an_error_of_the_tolerance_and_without_a_larger_one(error):
+    _, d = chain(np.random.default_rng(1), 2)
+    control.conclude(d, error, 0.7)
+    assert control.accepted(d) == (error <= 1.0)
+    np.testing.assert_array_equal([d.trial.error, d.trial.cost_factor], [error, 0.7])
+    if not math.isnan(error):
+        control.conclude(d, 0.5, 0.7)
+        control.refuse(d, error)
+        assert (d.trial.error, d.trial.cost_factor) == (max(0.5, error), 0.7)
+
+
+def test_a_try_has_its_size_and_a_run_begins_without_the_error_of_an_earlier_one():
+    _, d = chain(np.random.default_rng(1), 2)
+    begin_step(d)
+    methods.attempt(d, 1e-3)
+    assert d.trial.size == 1e-3
+    assert d.trial.state[time_at(2)] == pytest.approx(1e-3, rel=1e-14)
+    control.refuse(d, control.FAR_OFF)
+    assert initialize(d, 0.0) == OK
+    assert control.accepted(d)

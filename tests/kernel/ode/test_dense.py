@@ -1,0 +1,115 @@
+"""The dense output of a step: its polynomial, bounds on its slopes, and the moments that belong to times."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
+from chain_impact.kernel.ode import dense
+from tests.kernel.chains import chain
+from tests.kernel.steps import POWERS, basis
+
+LINKS = 2
+ROOT, CLOCK = sundman_u_at(LINKS), time_at(LINKS)
+TIMES = np.linspace(0.0, 1.0, 2001)
+
+
+@pytest.fixture
+def d():
+    """A chain with a step whose coefficients are all different."""
+    rng = np.random.default_rng(23)
+    _, d = chain(rng, LINKS)
+    for part in (d.step.state, d.step.dense):
+        part[:] = rng.uniform(-1.0, 1.0, part.shape)
+    d.step.size, d.step.start, d.step.regularized = 0.25, 3.0, -1
+    return d
+
+
+@pytest.mark.parametrize("theta", [0.0, 0.3, 0.8, 1.0])
+def test_a_state_is_that_of_the_polynomial(d, theta):
+    y, right = np.zeros(len(d.step.state)), d.step.state + basis(theta) @ d.step.dense
+    dense.interpolate(d.step, theta, y)
+    assert y == pytest.approx(right, abs=1e-14)
+    assert dense.interpolate_component(d.step, theta, 3) == y[3]
+
+
+def test_the_bounds_of_the_basis_are_sharp():
+    assert len(POWERS) == dense.DENSE_COEFFICIENTS
+    slopes = np.gradient(basis(TIMES), TIMES, axis=1)
+    assert np.abs(basis(TIMES)).max(axis=1) == pytest.approx(dense.BASIS_BOUND, rel=1e-4)
+    assert np.abs(slopes).max(axis=1) == pytest.approx(dense.SLOPE_BOUND, rel=5e-3)
+
+
+@pytest.mark.parametrize("j", [0, 4, 9])
+def test_a_component_and_its_rate_stay_within_their_bounds(d, j):
+    """Along a direction they are those of a turned vector."""
+    value, slope = dense.rate_bounds(d.step, j)
+    state, parts = d.step.state[j], d.step.dense[:, j].copy()
+    assert value >= np.abs(state + basis(TIMES).T @ parts).max()
+    assert slope >= np.abs(np.gradient(basis(TIMES).T, TIMES, axis=0) @ parts).max() / 0.25
+    assert value == pytest.approx(abs(state) + dense.BASIS_BOUND @ np.abs(parts), rel=1e-12)
+    assert slope == pytest.approx(dense.SLOPE_BOUND @ np.abs(parts) / 0.25, rel=1e-12)
+    if j == 4:
+        found = dense.rate_bounds_along(d.step, j, 0.6, -0.8)
+        d.step.state[j] = 0.6 * state - 0.8 * d.step.state[j + 1]
+        d.step.dense[:, j] = 0.6 * parts - 0.8 * d.step.dense[:, j + 1]
+        assert found == pytest.approx(dense.rate_bounds(d.step, j), rel=1e-12)
+
+
+def falling(d, start, end, lasts=1.0):
+    """Let u go evenly from ``start`` to ``end``, and time as ∫u, over a step of the size 1."""
+    d.step.size, d.step.regularized = lasts, 0
+    d.step.state[[ROOT, CLOCK]] = start, 0.0
+    d.step.dense[:, [ROOT, CLOCK]] = 0.0
+    d.step.dense[0, ROOT] = end - start
+    # u₀θ + (u₁−u₀)θ²/2 = θ (u₀+u₁)/2 + θ(1−θ) (u₀−u₁)/2
+    d.step.dense[0, CLOCK], d.step.dense[1, CLOCK] = 0.5 * lasts * (start + end), 0.5 * lasts * (start - end)
+    return lambda theta: lasts * (start * theta + 0.5 * (end - start) * theta**2)
+
+
+@pytest.mark.parametrize(("start", "end"), [(0.0, 0.3), (0.3, 0.0), (0.3, 0.2), (0.02, 0.3)])
+@pytest.mark.parametrize("theta", [1e-6, 0.1, 0.5, 0.9, 1.0])
+def test_a_moment_of_a_step_in_another_variable_is_found(d, start, end, theta):
+    time = falling(d, start, end)
+    found = dense.regularized_fraction(d, time(theta))
+    assert time(found) == pytest.approx(time(theta), rel=1e-12)
+    assert found == pytest.approx(theta, rel=1e-6 if end else 1e-4)
+    assert dense.fraction(d, 3.0 + time(theta)) == pytest.approx(found, abs=1e-7)
+
+
+def test_of_two_moments_the_one_before_time_runs_back_is_it_and_what_comes_after_the_step_is_its_end(d):
+    time = falling(d, 0.3, -0.2)  # back from θ = 0.6 on
+    for theta in (0.05, 0.3, 0.59):
+        assert dense.regularized_fraction(d, time(theta)) == pytest.approx(theta, rel=1e-6)
+        # also where more time has passed there than at the end of the step
+        assert time(theta) > time(1.0) or theta < 0.1
+    assert dense.regularized_fraction(d, 2.0 * time(0.6)) == pytest.approx(0.6, rel=1e-3)
+    time = falling(d, 0.1, 0.3)
+    assert dense.regularized_fraction(d, time(1.0)) == dense.regularized_fraction(d, 2.0 * time(1.0)) == 1.0
+    # without a contact of its own a step is even in time
+    d.step.regularized, d.step.size = -1, 0.25
+    assert dense.fraction(d, 3.1) == pytest.approx(0.4)
+
+
+def test_time_passes_fastest_where_u_is_one():
+    assert dense.time_rate(1.0) == 0.5
+    assert dense.time_rate(0.5) == dense.time_rate(2.0) == 0.4
+    assert dense.time_rate(-0.5) == -0.4
+
+
+def test_a_guess_inside_is_taken_while_the_method_may_be_fast():
+    assert dense.next_guess(0.2, 0.6, 0.3, 0) == dense.next_guess(0.2, 0.6, 0.3, dense.FAST - 1) == 0.3
+    for guess in (0.2, 0.6, 0.1, 0.7, math.nan, math.inf):
+        assert dense.next_guess(0.2, 0.6, guess, 0) == pytest.approx(0.4)
+    assert dense.next_guess(0.2, 0.6, 0.3, dense.FAST) == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize("root", [1e-18, 1e-9, 0.3, 1.0 - 1e-16])
+@pytest.mark.parametrize("creep", [1e-12, 1e-3])
+def test_guesses_that_creep_towards_a_root_end_at_it(root, creep):
+    low, high = 0.0, 1.0
+    for tries in range(dense.TRIES):
+        guess = dense.next_guess(low, high, low + creep * (high - low), tries)
+        low, high = (guess, high) if guess < root else (low, guess)
+    assert high - low <= max(2e-16 * root, 1e-19)

@@ -1,0 +1,167 @@
+"""The scales of errors: those of coordinates, speeds, energies, clearances and moments of joints."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, velocity_at
+from chain_impact.kernel.ode import control
+from chain_impact.kernel.rows.geometry import clearance
+from tests.kernel.chains import chain, gradients, random_state, struck, touch
+
+LINKS, TOLERANCE = 3, 1e-5
+ONE, OTHER = 0, 1  # rows of the two estimates
+
+
+def deep(depth=1e-3, **more):
+    """Three links with two points in contact, that deep, of known scales; also the state."""
+    rng = np.random.default_rng(5)
+    scene, d = chain(rng, LINKS, **more)
+    d.solver.tolerance = TOLERANCE
+    touched = [c for c in range(d.candidates) if d.candidate.point[c] in (1, 3)][:4:3]
+    y = struck(rng, d, touched, depth)
+    d.trial.state[:] = y
+    d.work.error[:] = 0.0
+    d.touch.gap_error[:] = 0.0
+    d.touch.depth_scale[touched] = [2e-3, 3e-4]
+    d.touch.impact_speed[touched] = [0.5, 2.0]
+    d.touch.effective_mass[touched] = [0.7, 1.9]
+    return scene, d, touched, y
+
+
+def scales(d, y):
+    """Of the components of a state: what an error of the tolerance is, over the tolerance."""
+    n, size = d.links, d.model.size
+    energy = d.model.energy + abs(y[dissipated_at(n)]) + control.impact_energy(d)
+    turns = 1.0 + np.abs(y[omega_at(n) : dissipated_at(n)])
+    return np.concatenate(
+        [[size, size], np.ones(n), size + np.abs(y[velocity_at(n) : omega_at(n)]), turns, [energy]]
+    )
+
+
+def test_the_energy_of_impacts_is_that_of_the_masses_at_their_speeds():
+    _, d, _, _ = deep()
+    assert control.impact_energy(d) == pytest.approx(0.5 * 0.7 * 0.5**2 + 0.5 * 1.9 * 2.0**2, rel=1e-14)
+    touch(d, [])
+    assert control.impact_energy(d) == 0.0
+
+
+def test_an_error_is_that_of_its_worst_component_in_each_estimate():
+    """That of a clearance by its penetration. Supplied energy and the step's variable are not controlled."""
+    _, d, touched, y = deep()
+    for j, scale in enumerate(scales(d, y)):
+        d.work.error[:] = 0.0
+        d.work.error[ONE][j], d.work.error[OTHER][j] = -3e-6 * scale, 2e-6 * scale
+        assert control.scaled_errors(d) == pytest.approx((0.3, 0.2), rel=1e-12)
+        # beside a larger one it does not count
+        d.work.error[ONE][0], d.work.error[OTHER][0] = 5e-6 * d.model.size, -5e-6 * d.model.size
+        assert control.scaled_errors(d) == pytest.approx((0.5, 0.5), rel=1e-12)
+    d.work.error[:] = 0.0
+    d.work.error[:, supplied_at(LINKS) :] = 1e3
+    assert control.scaled_errors(d) == (0.0, 0.0)
+    for k, c in enumerate(touched):
+        scale, d.touch.gap_error[:] = control.penetration_scale(d, c), 0.0
+        d.touch.gap_error[ONE, k], d.touch.gap_error[OTHER, k] = -4e-6 * scale, 1e-6 * scale
+        assert control.scaled_errors(d) == pytest.approx((0.4, 0.1), rel=1e-12)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("where", ["one", "other", "result"])
+def test_what_is_not_finite_is_infinitely_wrong(bad, where):
+    _, d, _, _ = deep()
+    for j in range(dissipated_at(LINKS) + 1):
+        d.work.error[:] = 0.0
+        row = {"one": d.work.error[ONE], "other": d.work.error[OTHER], "result": d.trial.state}[where]
+        right, row[j] = row[j], bad
+        assert control.scaled_errors(d) == (math.inf, math.inf)
+        row[j] = right
+    assert control.scaled_errors(d) == (0.0, 0.0)
+
+
+def test_the_largest_of_two_errors_are_over_their_scales_as_far_as_they_are_counted():
+    one, other = np.array([-1.0, 2.0, 9.0]), np.array([3.0, -4.0, math.nan])
+    weight = np.array([0.4, 0.5, 1.0])
+    assert control.largest_errors(one, other, weight, 2) == pytest.approx((1.0, 2.0), rel=1e-15)
+    assert control.largest_errors(one, other, weight, 1) == pytest.approx((0.4, 1.2), rel=1e-15)
+    assert control.largest_errors(one, other, weight, 0) == (0.0, 0.0)
+    assert (
+        control.largest_errors(one, other, weight, 3)
+        == control.largest_errors(other, one, weight, 3)
+        == (math.inf,) * 2
+    )
+
+
+def test_scales_are_those_of_the_components_and_of_the_contacts_that_count():
+    _, d, touched, y = deep()
+    right, first = scales(d, y), sundman_u_at(LINKS)
+    gaps = [control.penetration_scale(d, c) for c in touched]
+    for count in (2, 0):
+        weight = np.full(len(y) + 4, 7.0)
+        control.set_scales(d, y.copy(), weight, count)
+        assert weight[: len(right)] == pytest.approx(right, rel=1e-13)
+        assert weight[first : first + count] == pytest.approx(gaps[:count], rel=1e-13)
+        assert (weight[len(right) : first] == 7.0).all()
+        assert (weight[first + count :] == 7.0).all()
+
+
+def test_a_penetration_may_be_off_as_the_speed_of_its_impact_allows():
+    """δ itself for fast impacts, more for slow ones, never so much that the error exceeds 1 % of it."""
+    _, d, touched, _ = deep(depth=1e-4)
+    c, size = touched[0], d.model.size
+    depth = d.touch.depth_scale[c]
+    for speed, leeway in (
+        (4.0 * size, 1.0),
+        (size / 8.0, 8.0),
+        (1e-9 * size, control.LARGEST_ERROR / TOLERANCE),
+    ):
+        d.touch.impact_speed[c] = speed
+        assert control.penetration_scale(d, c) == pytest.approx(leeway * depth, rel=1e-13)
+    assert control.LARGEST_ERROR == 0.01
+    # deeper than was expected
+    d.touch.impact_speed[c], d.touch.depth_scale[c] = 4.0 * size, 1e-6
+    assert control.penetration_scale(d, c) == pytest.approx(-clearance(d, c)[0], rel=1e-13)
+    assert control.penetration_scale(d, c) == pytest.approx(1e-4, rel=1e-9)
+
+
+def test_the_errors_of_clearances_are_those_of_the_coordinates_along_the_normals():
+    scene, d, touched, y = deep()
+    d.work.error[:] = np.random.default_rng(6).uniform(-1e-6, 1e-6, d.work.error.shape)
+    locate_points(d, y)
+    for row in (ONE, OTHER):
+        control.set_gap_errors(d, row)
+    slopes = gradients(scene, d, y[2 : LINKS + 2], touched)
+    right = slopes @ d.work.error[:2, : LINKS + 2].T
+    assert pytest.approx(right, rel=1e-12) == d.touch.gap_error[:2, :2].T
+
+
+def test_the_moment_of_a_joint_is_off_by_its_own_turn():
+    """The spring's moment by the error of the joint's angle, the damper's by that of its rate."""
+    rng = np.random.default_rng(5)
+    _, d = chain(rng, LINKS, "pinned", springs=True, dampers=True)
+    d.work.error[:] = rng.uniform(-1e-3, 1e-3, d.work.error.shape)
+    unit = d.model.energy * (1.0 + d.model.gravity_size / d.model.size)
+    for row in (ONE, OTHER):
+        turns = np.diff(d.work.error[row][2 : LINKS + 2], prepend=0.0)
+        spins = np.diff(d.work.error[row][omega_at(LINKS) : dissipated_at(LINKS)], prepend=0.0)
+        moments = d.model.joint_stiffness * abs(turns) + d.model.joint_damping * abs(spins)
+        assert control.moment_error(d, row) == pytest.approx(max(moments) / unit, rel=1e-12)
+
+
+def test_moments_count_where_a_rigid_wall_holds_a_point():
+    rng = np.random.default_rng(5)
+    _, d = chain(rng, LINKS, "pinned", springs=True, dampers=True, model="newton_impact")
+    d.solver.tolerance = TOLERANCE
+    d.model.joint_stiffness[:] = 1e9
+    y = random_state(rng, d)
+    locate_points(d, y)
+    d.trial.state[:], d.work.error[:] = y, 0.0
+    d.work.error[ONE][3], d.work.error[OTHER][4] = 1e-7, 2e-7
+    touch(d, [])
+    free = control.scaled_errors(d)
+    assert free == pytest.approx((1e-7 / TOLERANCE, 2e-7 / TOLERANCE), rel=1e-12)
+    touch(d, [0])
+    held = tuple(control.moment_error(d, row) / TOLERANCE for row in (ONE, OTHER))
+    assert control.scaled_errors(d) == pytest.approx(held, rel=1e-12)
+    assert min(held) > max(free)

@@ -1,0 +1,101 @@
+"""The equations of an implicit step: where clearances and impulses stand in z, and their rates."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel import equations
+from chain_impact.kernel.chain import kinematics, state
+from chain_impact.kernel.forces import contact, contact_force
+from chain_impact.kernel.ode import dense, extended
+from chain_impact.kernel.ode.extended import gap_at, rate_at
+from chain_impact.kernel.rows import geometry
+from tests.kernel.chains import chain, gradients, struck
+from tests.plain import make_rigid
+
+LINKS, HALF, FIRST = 2, 4, state.sundman_u_at(2)
+
+
+@pytest.fixture
+def touching():
+    """Two links with two points in walls at the end of a step, with impulses; also the state."""
+    rng = np.random.default_rng(37)
+    scene, d = chain(rng, LINKS, springs=True, dampers=True)
+    touched = [next(c for c in range(d.candidates) if d.candidate.point[c] == point) for point in (0, 2)]
+    y = struck(rng, d, touched)
+    d.step.state_end[:] = y
+    equations.state_rate(d, y, d.work.rate_start)
+    d.quadrature.wanted = 1
+    dense.reset_quadratures(d)
+    d.quadrature.state_end[:2], d.quadrature.rate_end[:2] = [3.0, 4.0], [30.0, 40.0]
+    return scene, d, touched, y
+
+
+def test_clearances_their_rates_and_impulses_stand_one_after_the_other(touching):
+    _, d, touched, _ = touching
+    assert extended.compliant(d) == 2
+    places = [at(d, k) for at in (gap_at, rate_at, extended.quadrature_at) for k in range(2)]
+    assert [*places, extended.extended_size(d)] == list(range(FIRST, FIRST + 7))
+    d.quadrature.wanted = 0
+    dense.reset_quadratures(d)
+    assert extended.extended_size(d) == FIRST + 4
+    make_rigid(d, np.arange(d.candidates) == touched[0])
+    assert extended.compliant(d) == 1
+    assert [gap_at(d, 0), rate_at(d, 0), extended.extended_size(d)] == [FIRST, FIRST + 1, FIRST + 2]
+
+
+def normal_accelerations(scene, d, y, rate, touched):
+    """g̈ = J q̈ + J̇ q̇ of the contacts, with J̇ q̇ by differences along the motion."""
+    h, at = 1e-6, slice(HALF, 2 * HALF)
+    rates = [gradients(scene, d, (y[:HALF] + s * y[at])[2:], touched) @ y[at] for s in (-h, h)]
+    return gradients(scene, d, y[2:HALF], touched) @ rate[at] + (rates[1] - rates[0]) / (2 * h)
+
+
+@pytest.mark.parametrize("at_end", [0, 1])
+def test_a_step_starts_from_the_state_and_from_the_clearances_there(touching, at_end):
+    scene, d, touched, y = touching
+    gaps = [geometry.clearance(d, c) for c in touched]
+    d.work.acceleration.x[:] = d.work.acceleration.y[:] = 1e9  # of something else
+    if not at_end:
+        kinematics.locate_points(d, y + 0.1)
+    d.work.at_end = at_end
+    extended.extend_start(d)
+    start, rate = d.implicit.start, d.implicit.start_rate
+    assert start[:FIRST].tolist() == y[:FIRST].tolist()
+    assert rate[:FIRST].tolist() == d.work.rate_start[:FIRST].tolist()
+    assert start[FIRST : FIRST + 4] == pytest.approx(np.transpose(gaps).ravel(), rel=1e-12)
+    assert start[FIRST + 4 : FIRST + 6].tolist() == [3.0, 4.0]
+    assert rate[FIRST : FIRST + 2] == pytest.approx([one[1] for one in gaps], rel=1e-12)
+    bends = normal_accelerations(scene, d, y, d.work.rate_start, touched)
+    assert rate[FIRST + 2 : FIRST + 4] == pytest.approx(bends, rel=1e-6)
+    assert rate[FIRST + 4 : FIRST + 6].tolist() == [30.0, 40.0]
+
+
+def test_forces_are_those_at_the_clearances_of_the_step(touching):
+    """Not at those of the coordinates, where the two differ."""
+    scene, d, touched, _ = touching
+    extended.extend_start(d)
+    z, rate = d.implicit.start.copy(), np.zeros(len(d.implicit.start))
+    z[gap_at(d, 0)] -= 2e-3
+    z[rate_at(d, 1)] -= 0.3
+    extended.extended_rate(d, z, 0.0, rate)
+    forces = [contact.contact_force(d, c, z[gap_at(d, k)], z[rate_at(d, k)]) for k, c in enumerate(touched)]
+    assert rate[FIRST + 4 : FIRST + 6] == pytest.approx(forces, rel=1e-12)
+    assert rate[FIRST : FIRST + 2].tolist() == z[FIRST + 2 : FIRST + 4].tolist()
+    bends = normal_accelerations(scene, d, z, rate, touched)
+    assert rate[FIRST + 2 : FIRST + 4] == pytest.approx(bends, rel=1e-6)
+    # with those of the coordinates it is the rate of the state
+    extended.extended_rate(d, d.implicit.start.copy(), 0.0, rate)
+    assert rate[:FIRST] == pytest.approx(d.work.rate_start[:FIRST], rel=1e-9)
+
+
+def test_slopes_are_those_of_the_forces_and_the_links_are_kept(touching):
+    _, d, touched, _ = touching
+    extended.extend_start(d)
+    z = d.implicit.start.copy()
+    z[gap_at(d, 0)], z[gap_at(d, 1)] = -3e-3, 1e-3  # one has left its wall
+    extended.extended_slopes(d, z)
+    for k, depth in enumerate((3e-3, 0.0)):
+        right = contact_force.law_slopes(d, touched[k], depth, -z[rate_at(d, k)])
+        assert (d.implicit.stiffness[k], d.implicit.damping[k]) == pytest.approx(right, rel=1e-13)
+    for axis in "xy":
+        assert d.implicit.link[axis][:LINKS].tolist() == d.work.link[axis][:LINKS].tolist()

@@ -1,0 +1,170 @@
+"""The last step and what is known of it: valid as long as it may be, and no longer."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain import kinematics, state
+from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.events import exclusion
+from chain_impact.kernel.ode import explicit, last_step, methods
+from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
+from chain_impact.kernel.ode.dense import interpolate
+from chain_impact.scene.scene import load_scene
+from tests.plain import begun
+
+H = 0.01  # s
+
+
+def started(method=EXPLICIT, **changes):
+    scene = load_scene("four_link_box").with_values(
+        {f"contact.{key}": value for key, value in changes.items()}
+    )
+    d = begun(scene)
+    d.step.method = method
+    return d
+
+
+def with_a_step(d, h=H):
+    """The instance after one step of size h, whatever its error."""
+    last_step.ensure_rate(d)
+    last_step.ensure_points(d)
+    d.work.rate_start[:] = d.work.stage[0] = d.work.rate_end
+    methods.prepare(d, h)
+    methods.attempt(d, h)
+    last_step.accept(d)
+    return d
+
+
+def exact_rate(d, y):
+    rate = np.zeros_like(y)
+    state_rate(d, y.copy(), rate)
+    return rate
+
+
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+def test_an_accepted_step_goes_on_where_the_last_one_ended(method):
+    """The rate there is known after an explicit step, and found after an implicit one."""
+    d = with_a_step(started(method))
+    count, known = int(d.statistics.rhs_evaluations), int(method == EXPLICIT)
+    assert d.step.rate_known == known
+    last_step.ensure_rate(d)
+    last_step.ensure_rate(d)
+    assert d.statistics.rhs_evaluations - count == 1 - known
+    np.testing.assert_allclose(d.work.rate_end, exact_rate(d, d.step.state_end), atol=1e-12)
+    before, breaks = d.step.state_end.copy(), int(d.step.breaks)
+    d.step.state_end[-1] = 0.0
+    with_a_step(d)
+    np.testing.assert_array_equal(d.step.state[:-1], before[:-1])
+    assert (d.step.start, d.step.end) == pytest.approx((H, 2 * H), rel=1e-14)
+    assert d.step.last_method == method
+    assert d.step.breaks == breaks  # what was known of the end holds for the start
+
+
+@pytest.mark.parametrize("points", [[], [4]])
+def test_points_are_those_at_the_end_whoever_has_moved_them(points):
+    d = started(points=points)
+    for size in (H, 2 * H):
+        d.step.state_end[-1] = 0.0
+        with_a_step(d, size)
+        last_step.ensure_points(d)
+        found = np.array([d.work.position.x, d.work.velocity.y])
+        kinematics.locate_points(d, d.step.state_end)
+        np.testing.assert_array_equal(found, [d.work.position.x, d.work.velocity.y])
+        kinematics.locate_points(d, d.step.state)
+    last_step.ensure_points(d)
+    np.testing.assert_array_equal(found[0], d.work.position.x)
+
+
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+def test_a_step_can_be_cut_also_at_the_communication_point_and_taken_back(method):
+    d = with_a_step(started(method))
+    start, expected = d.step.state.copy(), np.zeros(len(d.step.state))
+    last_step.ensure_dense(d, last_step.SOLVER)
+    interpolate(d.step, 0.3, expected)
+    last_step.truncate_step(d, 0.3)
+    np.testing.assert_array_equal(d.step.state_end, expected)
+    assert d.step.end == pytest.approx(0.3 * H, rel=1e-15)
+    assert not d.step.rate_known
+    last_step.ensure_rate(d)
+    np.testing.assert_allclose(d.work.rate_end, exact_rate(d, expected), atol=1e-12)
+    d.step.time = 0.25 * H
+    last_step.truncate_to_output_time(d)
+    assert d.step.end == 0.25 * H
+    assert d.step.state_end[-1] == pytest.approx(0.25 * H, rel=1e-14)
+    last_step.roll_back(d)
+    np.testing.assert_array_equal(d.step.state_end, start)
+    assert d.step.end == 0.0
+
+
+@pytest.mark.parametrize("how", ["mark_jump", "roll_back", "truncate_step", "reset_step"])
+def test_what_is_known_of_clearances_does_not_outlive_the_step(how):
+    d = with_a_step(started())
+    exclusion.remember_clearances(d, exclusion.WITH_CURVES)
+    assert exclusion.known_clearances(d) == exclusion.WITH_CURVES
+    more = {"truncate_step": (0.5,), "reset_step": (0.0, d.work.y)}
+    getattr(last_step, how)(d, *more.get(how, ()))
+    assert exclusion.known_clearances(d) == exclusion.NOTHING
+    exclusion.remember_clearances(d, exclusion.FAR)
+    assert exclusion.known_clearances(d) == exclusion.FAR
+
+
+def test_the_dense_output_is_made_once_and_counts_if_the_solver_needs_it():
+    d = with_a_step(started())
+    before = d.statistics.rhs_evaluations
+    last_step.ensure_dense(d, last_step.OUTPUTS)
+    assert d.statistics.rhs_evaluations == before
+    dense = d.step.dense.copy()
+    for _ in range(2):
+        last_step.ensure_dense(d, last_step.SOLVER)
+        assert d.statistics.rhs_evaluations == before + explicit.DENSE_EVALUATIONS
+    last_step.ensure_dense(d, last_step.OUTPUTS)
+    np.testing.assert_array_equal(d.step.dense, dense)
+
+
+def test_without_contact_a_step_runs_in_time():
+    d = with_a_step(started())
+    d.step.next_size, breaks = 0.5 * H, int(d.step.breaks)
+    last_step.choose_variable(d, False)
+    assert d.step.regularized == -1
+    assert d.step.next_size == 0.5 * H
+    assert d.step.breaks == breaks
+    assert list(d.step.state_end[-2:]) == [1.0, 0.0]
+
+
+def test_a_step_of_no_length_is_the_state_at_all_of_its_fractions():
+    d = with_a_step(started())
+    last_step.ensure_dense(d, last_step.OUTPUTS)
+    there, y = d.step.state_end + 0.25, np.zeros(len(d.work.y))
+    last_step.reset_step(d, 0.7, there)
+    there[-2:] = 1.0, 0.0  # u, and the time in the step
+    for theta in (0.0, 0.3, 1.0):
+        interpolate(d.step, theta, y)
+        np.testing.assert_array_equal(y, there)
+    assert [float(d.step[name]) for name in ("time", "start", "end", "clock", "size")] == [0.7] * 4 + [1.0]
+
+
+def test_a_link_can_have_turned_as_its_rates_at_the_ends_allow():
+    d = started()
+    first, step, work = state.omega_at(4), d.step, d.work
+    step.start, step.end = 1.0, 1.5
+    for vector in (step.state, step.state_end, work.rate_start, work.rate_end):
+        vector[:] = 0.0
+    assert last_step.largest_turn(d) == 0.0
+    step.state[first + 2], step.state_end[first + 1] = -3.0, 2.0
+    assert last_step.largest_turn(d) == pytest.approx(1.5)
+    work.rate_end[first + 1] = -8.0
+    assert last_step.largest_turn(d) == pytest.approx(0.5 * (2.0 + 0.25 * 8.0))
+    work.rate_start[first + 1] = 12.0
+    assert last_step.largest_turn(d) == pytest.approx(0.5 * (2.0 + 0.25 * 12.0))
+
+
+@pytest.mark.parametrize("touching", [0, 1, 2])
+def test_points_that_the_error_of_a_step_has_located_are_not_located_again(monkeypatch, touching):
+    """With one contact as with two."""
+    d, told = started(), []
+    methods.prepare(d, H)
+    methods.attempt(d, H)
+    d.touch.active_count = touching
+    monkeypatch.setattr(last_step, "find_rate", lambda _, located: told.append(bool(located)))
+    last_step.accept(d)
+    assert told == [touching > 0]

@@ -1,0 +1,139 @@
+"""The linear systems of implicit steps against the assembled Jacobian, for real and complex shifts."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain import kinematics, state
+from chain_impact.kernel.ode import extended
+from chain_impact.kernel.ode.radau import COMPLEX_EIGENVALUES
+from chain_impact.kernel.rows.compliance import holding_impedance
+from chain_impact.scene.scene import load_scene
+from tests.kernel.chain.test_elimination import relative_motion
+from tests.kernel.chains import chain, free_coordinates, gradients, struck
+from tests.kernel.ode.touching import touching
+from tests.plain import Plain
+from tests.reference import clearance_gradient, mass_matrix
+from tests.turned import turned
+
+N = 4
+
+
+def linearized(turn, stiffness, damping):
+    """A chain that touches the stiffest floor, linearized where it is, with impulses followed."""
+    changes = {("chain", "links", i, "joint_damping"): damping * (1 + i) for i in range(1, N)}
+    instance = touching(1e-4, {} if damping == 0.0 else changes, turn)
+    instance.record["quadrature"]["wanted"] = 1
+    instance.advance(0.8)
+    d = Plain(instance.record)
+    # two joints get springs, and one of them loses its damper
+    if stiffness > 0.0:
+        d.model.joint_stiffness[1:3] = stiffness, 0.3 * stiffness
+        d.model.joint_damping[1] = 0.0
+        d.model.sprung = d.model.resisting = 1
+    assert int(d.touch.active_count) > 0
+    kinematics.locate_points(d, d.step.state_end)
+    extended.extend_start(d)
+    extended.extended_slopes(d, d.implicit.start)
+    return d
+
+
+def jacobian(d, turn):
+    """A, assembled: rows of ẋ, v̇, ġ, g̈ and ṗ in the unknowns x, v, g, ġ and p."""
+    count = int(d.touch.active_count)
+    size = state.sundman_u_at(d.links) + 3 * count
+    angles = d.step.state_end[2 : N + 2]
+    scene, candidate = turned(load_scene("four_link_box"), turn), d.candidate
+    names, chosen = list(scene.half_planes), d.touch.active_index[:count]
+    places = [(int(candidate.point[c]), names[candidate.wall[c] % 4]) for c in chosen]
+    normals = np.array([clearance_gradient(scene, angles, *place) for place in places])
+    across, forces = relative_motion(N), np.zeros((N + 2, size))
+    v, gap = slice(N + 2, 2 * N + 4), slice(extended.gap_at(d, 0), extended.rate_at(d, 0))
+    rate, impulse = slice(extended.rate_at(d, 0), size - count), slice(size - count, size)
+    forces[:, gap] = -normals.T * d.implicit.stiffness[:count]
+    forces[:, rate] = -normals.T * d.implicit.damping[:count]
+    forces[:, v] = -across.T @ np.diag(d.model.joint_damping) @ across
+    forces[:, : N + 2] = -across.T @ np.diag(d.model.joint_stiffness) @ across
+    matrix = np.zeros((size, size))
+    matrix[v] = np.linalg.solve(mass_matrix(scene, angles), forces)
+    matrix[rate] = normals @ matrix[v]
+    matrix[impulse, gap] = -np.diag(d.implicit.stiffness[:count])
+    matrix[impulse, rate] = -np.diag(d.implicit.damping[:count])
+    matrix[: N + 2, v], matrix[gap, rate] = np.eye(N + 2), np.eye(count)
+    return matrix
+
+
+def solutions(d, size, h):
+    """For all shifts of a step, s, some right-hand side r and the x of (1 − s A) x = r."""
+    for pair, shift in enumerate([complex(*one) * h for one in COMPLEX_EIGENVALUES] + [complex(0.16 * h)]):
+        rng = np.random.default_rng(6)
+        r = rng.uniform(-1.0, 1.0, size) + 1j * rng.uniform(-1.0, 1.0, size) * (shift.imag != 0.0)
+        x, y = r.real.copy(), r.imag.copy()
+        if shift.imag == 0.0:
+            extended.factorize_real(d, shift.real)
+            extended.solve_real(d, shift.real, x)
+        else:
+            extended.factorize_complex(d, shift, pair)
+            extended.solve_complex(d, shift, pair, x, y, size)
+        yield shift, r, x + 1j * y
+
+
+@pytest.mark.full("more cases", but=31)
+@pytest.mark.parametrize("h", [1e-6, 1e-3, 1.0])
+@pytest.mark.parametrize("damping", [0.0, 1.0, 1e4])
+@pytest.mark.parametrize("stiffness", [0.0, 10.0, 1e5])
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_they_are_solved_as_assembled(turn, stiffness, damping, h):
+    """(1 − s A) x = r."""
+    d = linearized(turn, stiffness, damping)
+    matrix = jacobian(d, turn)
+    # an impedance at a slant is rounded in all directions, not along its normal alone
+    slanted = 1e-6 if turn else 0.0
+    for shift, r, found in solutions(d, len(matrix), h):
+        left = found - shift * (matrix @ found)
+        scale = np.abs(found) + abs(shift) * np.abs(matrix) @ np.abs(found) + np.abs(r)
+        assert np.abs((left - r) / scale).max() < 1e-10 + slanted
+
+
+def held(base, stiffness, damping):
+    """A chain that rigid walls hold at two points, linearized where it is, and its assembled A.
+
+    With W = J M⁻¹ Jᵀ, held points let v̇ have M⁻¹ − M⁻¹ Jᵀ W⁻¹ J M⁻¹ in place of M⁻¹.
+    """
+    rng = np.random.default_rng([len(base), 1])
+    scene, d = chain(rng, N, base, springs=True, dampers=True, model="newton_impact")
+    d.model.joint_stiffness[:], d.model.joint_damping[:] = (
+        stiffness * rng.uniform(0.5, 1.0, N),
+        damping * rng.uniform(0.5, 1.0, N),
+    )
+    if base == "free":
+        d.model.joint_stiffness[0] = d.model.joint_damping[0] = 0.0
+    candidates = [6, 16] if base == "free" else [5, 15]
+    d.step.state_end[:] = struck(rng, d, candidates, 0.0)
+    d.model.resisting = d.model.sprung = 1
+    extended.extend_start(d)
+    extended.extended_slopes(d, d.implicit.start)
+    angles, free = d.step.state_end[2 : N + 2], free_coordinates(d)
+    normals = gradients(scene, d, angles, candidates)[:, free]
+    inverse = np.linalg.inv(mass_matrix(scene, angles)[free, free])
+    response = inverse @ normals.T
+    inverse -= response @ np.linalg.solve(normals @ response, response.T)
+    across, matrix = relative_motion(N), np.zeros((state.sundman_u_at(N), state.sundman_u_at(N)))
+    v, q = np.arange(N + 2, 2 * N + 4)[free], np.arange(N + 2)
+    matrix[np.ix_(v, v)] = -inverse @ (across.T @ np.diag(d.model.joint_damping) @ across)[free, free]
+    matrix[np.ix_(v, q[free])] = -inverse @ (across.T @ np.diag(d.model.joint_stiffness) @ across)[free, free]
+    matrix[q, q + N + 2] = 1.0
+    return d, matrix
+
+
+@pytest.mark.parametrize("h", [1e-6, 1e-3, 1.0])
+@pytest.mark.parametrize(("stiffness", "damping"), [(0.0, 10.0), (10.0, 0.0), (1e3, 1e3)])
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_the_response_of_joints_leaves_held_points_where_they_are(base, stiffness, damping, h):
+    """r − x of the rates is that of the constrained equations, but for masses and K over D."""
+    d, matrix = held(base, stiffness, damping)
+    v, impedance = slice(N + 2, 2 * N + 4), holding_impedance(d)
+    for shift, r, found in solutions(d, len(matrix), h):
+        exact = np.linalg.solve(np.eye(len(r)) - shift * matrix, r)
+        resistance = abs(shift * (damping + shift * stiffness))
+        bound = 3e-5 + 10.0 * resistance / impedance
+        assert np.abs(found - exact)[v].max() < bound * np.abs(r - exact)[v].max()

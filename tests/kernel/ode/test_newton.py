@@ -1,0 +1,174 @@
+"""The collocation step on generic right-hand sides: its order, its error estimates, and stiffness."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from chain_impact.kernel.ode import collocation, control, radau
+from tests.plain import Plain
+
+SCALARS = ("correction", "contraction", "slowness")
+
+
+def record(start, weight=1e14):
+    """What the iteration needs of an instance; corrections count times ``weight``."""
+    size = len(start)
+    implicit = np.dtype(
+        [(name, float, (radau.RADAU_STAGES, size)) for name in ("stages", "rates", "parts")]
+        + [(name, float, (size,)) for name in ("start", "start_rate", "z", "weight")]
+        + [(name, float) for name in SCALARS]
+        + [("iterations", int)]
+    )
+    counts = [("touch", "active_count"), ("touch", "compliant_count"), ("friction", "stuck_count")]
+    parts = {part: [(name, int) for of, name in counts if of == part] for part, _ in counts}
+    block = np.zeros(1, [("implicit", implicit), *parts.items()])
+    d = Plain(block[0])
+    d.implicit.start[:], d.implicit.weight[:] = start, weight
+    d.implicit.slowness = radau.UNKNOWN
+    return d
+
+
+@cache
+def problem(rate, jacobian):
+    """For y' = f(y) with an approximate Jacobian A(y): a step (d, h) that returns whether it converged.
+
+    With it comes one (d, h) of so many iterations that it has, whatever A is.
+    """
+
+    def fill(_d, y, _elapsed, out):
+        out[: len(y)] = rate(y)
+
+    def solve(d, h, _size):
+        parts, matrix = d.implicit.parts, h * jacobian(d.implicit.start)
+        one = np.eye(len(matrix))
+        parts[0] = np.linalg.solve(one - radau.REAL_EIGENVALUE * matrix, parts[0])
+        for pair, (real, imaginary) in enumerate(radau.COMPLEX_EIGENVALUES):
+            at = 1 + 2 * pair
+            x = np.linalg.solve(one - complex(real, imaginary) * matrix, parts[at] + 1j * parts[at + 1])
+            parts[at], parts[at + 1] = x.real, x.imag
+
+    find_residuals, correct_stages, converge = radau.simplified_newton(
+        lambda _d: None, fill, lambda _d, _z: None, lambda _d, _h: None, solve
+    )
+
+    def step(d, h):
+        d.implicit.stages[:] = 0.0
+        return converge(d, h, len(d.implicit.start))
+
+    def patient(d, h):
+        d.implicit.stages[:] = 0.0
+        for _ in range(60):
+            find_residuals(d, h, len(d.implicit.start))
+            solve(d, h, len(d.implicit.start))
+            correct_stages(d, h, len(d.implicit.start))
+
+    return step, patient
+
+
+@pytest.fixture
+def estimated(monkeypatch):
+    """For a problem as above: a function (d, h) for the error of a step that has been made."""
+
+    def of(rate, jacobian):
+        def solve(d, shift, x):
+            matrix = jacobian(d.implicit.start)
+            x[:] = np.linalg.solve(np.eye(len(matrix)) - shift * matrix, x)
+
+        def found(d, h):
+            d.implicit.start_rate[:] = rate(d.implicit.start)
+            return collocation.estimate(d, h, len(d.implicit.start))
+
+        monkeypatch.setattr(collocation, "solve_real", solve)
+        return found
+
+    return of
+
+
+def integrate(step, start, end, steps):
+    d = record(start)
+    for _ in range(steps):
+        step(d, end / steps)
+        d.implicit.start[:] += d.implicit.stages[-1]
+    return d.implicit.start.copy()
+
+
+def oscillator(y):
+    """Van der Pol with a forcing; y[2] is the time."""
+    return np.array([y[1], (1.0 - y[0] ** 2) * y[1] - y[0] + np.sin(y[2]), 1.0])
+
+
+JACOBIANS = {
+    "exact": lambda y: np.array(
+        [[0.0, 1.0, 0.0], [-2.0 * y[0] * y[1] - 1.0, 1.0 - y[0] ** 2, np.cos(y[2])], [0.0, 0.0, 0.0]]
+    ),
+    "wrong": lambda y: np.array([[0.0, 1.0, 0.0], [-2.0, -0.7, 0.2], [0.1, 0.0, 0.0]]),
+    "none": lambda y: np.zeros((3, 3)),
+}
+
+
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize("kind", JACOBIANS)
+def test_order_is_nine_with_any_jacobian(kind):
+    start = np.array([1.0, 0.5, 0.0])
+    exact = solve_ivp(lambda _, y: oscillator(y), (0, 2), start, method="DOP853", rtol=1e-13, atol=1e-15)
+    _, step = problem(oscillator, JACOBIANS[kind])
+    errors = [np.abs(integrate(step, start, 2.0, n) - exact.y[:, -1]).max() for n in (5, 7, 10)]
+    slope = np.log(errors[0] / errors[-1]) / np.log(2.0)
+    assert slope == pytest.approx(radau.ORDER, abs=0.7)
+
+
+@pytest.mark.parametrize("kind", JACOBIANS)
+def test_the_error_estimates_are_of_order_six_and_five_and_what_is_made_of_them_of_seven(kind, estimated):
+    """f is interpolated by five values in E, with an error of h⁵, and by four in E′; both are times h."""
+    _, step = problem(oscillator, JACOBIANS[kind])
+    error_of, sizes, found = estimated(oscillator, JACOBIANS[kind]), (0.05, 0.025, 0.0125), []
+    for h in sizes:
+        d = record(np.array([1.5, -1.0, 0.3]), 1.0)
+        step(d, h)
+        error = error_of(d, h)
+        found.append([*np.abs(d.implicit.parts[:2]).max(1), error])
+    slopes = np.diff(np.log(found), axis=0) / np.diff(np.log(sizes))[:, None]
+    expected = [radau.RADAU_STAGES + 1, radau.RADAU_STAGES, control.ORDER[control.IMPLICIT]]
+    np.testing.assert_allclose(slopes, [expected] * 2, rtol=0, atol=0.15)
+
+
+def test_linear_problem_with_its_own_matrix_is_solved_at_once_as_the_stability_function_says():
+    matrix = np.array([[-2.0, 1.0], [0.5, -3.0]])
+    step, _ = problem(lambda y: matrix @ y, lambda y: matrix)
+    start = np.array([1.0, -2.0])
+    d = record(start)
+    assert step(d, 0.3)
+    assert d.implicit.iterations == 2
+    # Z = 1 ⊗ y + (Q ⊗ h A) Z
+    stages = np.linalg.solve(
+        np.eye(2 * radau.RADAU_STAGES) - np.kron(radau.Q, 0.3 * matrix),
+        np.kron(np.ones(radau.RADAU_STAGES), start),
+    )
+    np.testing.assert_allclose(start + d.implicit.stages, stages.reshape(radau.RADAU_STAGES, 2), rtol=1e-13)
+
+
+def decay(y):
+    """y' = −λ y; y[1] is λ."""
+    return np.array([-y[1] * y[0], 0.0])
+
+
+@pytest.mark.parametrize("rate", [1e3, 1e6, 1e9, 1e12])
+def test_infinitely_stiff_component_is_damped_at_once(rate):
+    step, _ = problem(decay, lambda y: np.array([[-y[1], 0.0], [0.0, 0.0]]))
+    d = record(np.array([1.0, rate]), 1e9)
+    assert step(d, 1.0)
+    # L-stable: R(∞) = 0, approached as 1/z
+    assert abs(1.0 + d.implicit.stages[-1, 0]) < max(10.0 / rate, 1e-9)
+
+
+def test_it_is_given_up_when_it_does_not_converge_or_is_not_finite():
+    """Without a Jacobian, h λ = 100 lets corrections grow."""
+    step, _ = problem(decay, lambda y: np.zeros((2, 2)))
+    d = record(np.array([1.0, 1e2]))
+    assert not step(d, 1.0)
+    assert d.implicit.iterations < radau.ITERATIONS
+    assert d.implicit.contraction > 1.0
+    step, _ = problem(lambda y: np.array([np.nan, 0.0]), lambda y: np.zeros((2, 2)))
+    assert not step(record(np.array([1.0, 1.0])), 1.0)

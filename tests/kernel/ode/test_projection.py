@@ -1,0 +1,105 @@
+"""The projection of an implicit step's coordinates onto the clearances that were integrated with them."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.ode import extended
+from chain_impact.kernel.ode.collocation import set_weights
+from chain_impact.kernel.ode.extended import (
+    contact_impedance,
+    extend_start,
+    extended_slopes,
+    factorize_real,
+    gap_at,
+    rate_at,
+)
+from chain_impact.kernel.rows.geometry import clearance
+from tests.kernel.chains import chain, gradients, struck
+from tests.reference import mass_matrix
+
+LINKS, HALF = 3, 5
+SHIFT = 1e-3  # s
+
+
+@pytest.fixture
+def step():
+    """Three links with two points in contact and the impedance of an implicit step; its state and z."""
+    rng = np.random.default_rng(11)
+    scene, d = chain(rng, LINKS)
+    touched = [c for c in range(d.candidates) if d.candidate.point[c] in (1, 3)][:4:3]
+    y = struck(rng, d, touched)
+    d.touch.depth_scale[touched] = [2e-3, 5e-4]
+    d.touch.impact_speed[touched], d.touch.effective_mass[touched] = 0.5, 1.0
+    d.step.state_end[:], d.work.at_end = y, 1
+    extend_start(d)
+    extended_slopes(d, d.implicit.start)
+    factorize_real(d, SHIFT)
+    z = d.implicit.start.copy()
+    set_weights(d)
+    locate_points(d, y)
+    return scene, d, touched, y, z
+
+
+def response(scene, d, y, touched, wanted):
+    """Δ of (M + Jᵀ D J) Δ = Jᵀ D wanted, for the impedances D of the contacts."""
+    slopes = gradients(scene, d, y[2:HALF], touched)
+    impedance = np.diag([contact_impedance(d, k, d.implicit.shift) for k in range(len(touched))])
+    matrix = mass_matrix(scene, y[2:HALF]) + slopes.T @ impedance @ slopes
+    return np.linalg.solve(matrix, slopes.T @ impedance @ wanted)
+
+
+@pytest.mark.parametrize("derivative", [0, 1])
+def test_coordinates_move_to_clearances_as_the_chain_responds_to_impulses(step, derivative):
+    scene, d, touched, y, _ = step
+    now = np.array([clearance(d, c)[derivative] for c in touched])
+    wanted, change = np.array([2e-4, -3e-4]), np.zeros(HALF)
+    d.implicit.normal[:2] = now + wanted
+    expected = response(scene, d, y, touched, wanted)
+    moved = y.copy()
+    extended.project_coordinates(d, moved, derivative, change)
+    assert change == pytest.approx(expected, rel=1e-9)
+    part = slice(derivative * HALF, (derivative + 1) * HALF)
+    assert moved[part] - y[part] == pytest.approx(expected, abs=1e-15)
+    moved[part] = y[part]
+    assert moved.tolist() == y.tolist()
+
+
+@pytest.mark.parametrize("k", [0, 1])
+def test_the_mismatch_is_that_of_the_worst_contact_by_its_depth(step, k):
+    _, d, touched, _, z = step
+    off = 1e-5 * np.array([-1.0, 1.0])
+    depths = [max(d.touch.depth_scale[c], -clearance(d, c)[0]) for c in touched]
+    assert depths == pytest.approx([2e-3, 1e-3], rel=1e-9)  # what was expected, and what is there
+    z[gap_at(d, 0)] += off[0]
+    z[gap_at(d, 1)] += off[1]
+    z[gap_at(d, k)] += 9.0 * off[k]
+    assert extended.largest_mismatch(d, z) == pytest.approx(1e-4 / depths[k], rel=1e-9)
+
+
+def test_a_projection_tells_its_largest_weighted_change_and_the_mismatch_before(step):
+    scene, d, touched, y, z = step
+    moved = y.copy()
+    assert extended.project_clearances(d, z, moved) == (0.0, 0.0)  # coordinates that agree stay
+    assert moved.tolist() == y.tolist()
+    gaps, rates = np.array([1e-6, -2e-6]), np.array([3e-3, 1e-3])
+    for k in range(2):
+        z[gap_at(d, k)] += gaps[k]
+        z[rate_at(d, k)] += rates[k]
+    changes = np.concatenate([response(scene, d, y, touched, wanted) for wanted in (gaps, rates)])
+    apart, moved = extended.largest_mismatch(d, z) / extended.APART, y.copy()
+    worst = extended.project_clearances(d, z, moved)
+    assert worst == pytest.approx((max(abs(changes) * d.implicit.weight[: 2 * HALF]), apart), rel=1e-7)
+    assert moved[: 2 * HALF] - y[: 2 * HALF] == pytest.approx(changes, rel=1e-7, abs=1e-14)
+    assert extended.APART == 0.03
+
+
+def test_the_change_of_either_part_may_be_the_largest(step):
+    scene, d, touched, y, z = step
+    for at, wanted in ((gap_at, [1e-3, 0.0]), (rate_at, [1.0, 0.0])):
+        off = z.copy()
+        off[at(d, 0)] += wanted[0]
+        changes = response(scene, d, y, touched, np.array(wanted))
+        weights = d.implicit.weight[:HALF] if at is gap_at else d.implicit.weight[HALF : 2 * HALF]
+        worst, _ = extended.project_clearances(d, off, y.copy())
+        assert worst == pytest.approx(max(abs(changes) * weights), rel=1e-7)

@@ -1,0 +1,229 @@
+"""Quadratures: beside a step, from the stages to the totals; and impulses of the walls in runs.
+
+What gravity and the walls give is what the momentum of the chain changes by.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from chain_impact import CONTACT_LAWS, load_scene, simulate
+from chain_impact.kernel.chain.state import time_at
+from chain_impact.kernel.ode import dense
+from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS, interpolate_component
+from chain_impact.scene.candidates import candidates
+from chain_impact.scene.scene import scene_from_dict
+from chain_impact.simulation.instance import Instance
+from tests.kernel.chains import chain, touch
+from tests.kernel.rubbing import rubbing_chain
+from tests.plain import make_rigid
+from tests.problems import default_scene, of_law
+from tests.reference import momenta
+
+
+def unbalanced(result):
+    """The momentum [N·s] at each communication point that neither gravity nor the walls have given."""
+    scene = result.scene
+    momentum, _ = momenta(result)
+    mass = sum(link.mass for link in scene.chain.links)
+    walls = [scene.half_planes[scene.wall_names[wall]].normal for _, wall in candidates(scene)]
+    given = result.outputs["impulse"] @ np.array(walls) + mass * np.outer(result.time, scene.gravity)
+    return abs(momentum - momentum[0] - given).max()
+
+
+@pytest.mark.parametrize("law", CONTACT_LAWS)
+def test_momentum_balances_at_every_communication_point_under_every_law(law):
+    result = simulate(default_scene(**of_law(law)), tolerance=1e-10)
+    assert len(result.impacts) >= 5
+    assert unbalanced(result) < 1e-8
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_points_that_a_rigid_wall_releases_have_the_integral_of_their_force(tolerance):
+    """A chain lies on the floor, and its tip is drawn up: one point after the other leaves."""
+    lying = {
+        "name": "Drawn",
+        "chain": {"links": [{"length": 0.5, "mass": 1.0}] * 3},
+        "box": {"y_min": 0.0},
+        "contact": {"model": "newton_impact", "restitution": 0.0},
+        "inputs": {"tip_force": True},
+        "initial": {"angles": [0.0] * 3},
+    }
+    result = simulate(
+        scene_from_dict(lying, "lying"),
+        0.5,
+        1e-4,
+        tolerance=tolerance,
+        inputs={"tip.force.y": lambda t: 60.0 * t, "tip.force.x": lambda t: 3.0 * t},
+    )
+    force, impulse = result.outputs["force"], result.outputs["impulse"]
+    floor = force.max(axis=0) > 0.0
+    assert floor.sum() == 4
+    assert (force[-1, floor] == 0.0).sum() >= 2, "released"
+    # where no row is between a force and its end, by Simpson's rule
+    released = (force[2::2] == 0.0) != (force[:-2:2] == 0.0)
+    steps = (force[:-2:2] + 4.0 * force[1:-1:2] + force[2::2]) / 6.0 * 2e-4
+    errors = np.where(released, 0.0, np.abs(np.diff(impulse[::2], axis=0) - steps)).sum(axis=0)
+    assert errors.max() < 300.0 * tolerance * impulse.max()
+
+
+def test_without_them_the_motion_is_the_same_bit_by_bit():
+    scene = load_scene("four_link_box")
+    without = replace(scene, outputs=replace(scene.outputs, contacts=False, impacts=0))
+    assert Instance(without).record["quadrature"]["wanted"] == 0
+    one, other = simulate(scene), simulate(without)
+    for name in ("point_position", "point_velocity", "force", "dissipated"):
+        np.testing.assert_array_equal(one.outputs[name], other.outputs[name])
+    assert not other.outputs["impulse"].any()
+    assert one.statistics == other.statistics
+
+
+# --- beside a step ------------------------------------------------------------------------------------------
+
+TOUCHED = [1, 3]
+FIELDS = ("state", "state_end", "tried", "total", "rate", "rate_end", "onset")
+
+
+@pytest.fixture
+def d():
+    """Two contacts whose impulses, forces and stages are all different."""
+    rng = np.random.default_rng(13)
+    _, d = chain(rng, 2)
+    d.quadrature.wanted = 1
+    touch(d, TOUCHED)
+    for name in FIELDS:
+        d.quadrature[name][:] = rng.uniform(1.0, 9.0, len(d.quadrature[name]))
+    d.quadrature.dense[:], d.quadrature.stage[:] = (
+        rng.uniform(1.0, 9.0, part.shape) for part in (d.quadrature.dense, d.quadrature.stage)
+    )
+    d.touch.force[:] = rng.uniform(1.0, 9.0, d.candidates)
+    d.work.stage[:] = rng.uniform(0.1, 0.9, d.work.stage.shape)
+    return d
+
+
+def values(d, *names):
+    return [d.quadrature[name][:2].tolist() for name in names]
+
+
+def test_those_of_the_active_contacts_are_integrated_if_they_are_wanted(d):
+    dense.reset_quadratures(d)
+    assert d.quadrature.index[: d.quadrature.count].tolist() == TOUCHED
+    touch(d, [2])
+    dense.reset_quadratures(d)
+    assert d.quadrature.index[: d.quadrature.count].tolist() == [2]
+    d.quadrature.wanted = 0
+    dense.reset_quadratures(d)
+    assert d.quadrature.count == 0
+
+
+@pytest.mark.parametrize(("contacts", "joints"), [(2, False), (1, True), (0, True)])
+def test_those_of_dry_friction_follow(contacts, joints):
+    """A place for each element, and one for the energy after them."""
+    _, d, _ = rubbing_chain(np.random.default_rng(1), "free", contacts, joints)
+    d.quadrature.wanted = 1
+    dense.reset_quadratures(d)
+    own, touched = d.quadrature, d.touch.active_index[:contacts]
+    last = d.candidates + d.elements
+    assert own.index[: own.count].tolist() == [*touched, *(d.candidates + touched), last]
+    rng = np.random.default_rng(2)
+    d.touch.force[:], d.element.force[:] = rng.normal(size=d.candidates), rng.normal(size=d.elements)
+    d.friction.power = 3.5
+    own.rate[:] = 99.0
+    dense.keep_end_rates(d)
+    dense.commit_quadratures(d)
+    right = np.zeros(len(own.total))
+    right[touched], right[d.candidates + touched] = d.touch.force[touched], d.element.force[touched]
+    right[last] = 3.5
+    assert own.rate.tolist() == right.tolist()
+
+
+@pytest.mark.parametrize("at_end", [False, True])
+def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
+    """dp/ds = F dt/ds."""
+    before = d.quadrature.stage.copy()
+    (dense.set_quadrature_stage_at_end if at_end else dense.set_quadrature_stage)(d, 4)
+    forces = d.quadrature.rate_end[:2] if at_end else d.touch.force[TOUCHED]
+    right = forces * d.work.stage[4, time_at(2)]
+    assert d.quadrature.stage[4, :2].tolist() == right.tolist()
+    before[4, :2] = right
+    assert d.quadrature.stage.tolist() == before.tolist()
+
+
+def test_a_step_goes_on_from_the_last_one_and_may_be_cut_or_dropped(d):
+    """Totals are those at its end."""
+    end, tried, total = *values(d, "state_end", "tried"), d.quadrature.total.copy()
+    dense.append_quadratures(d)
+    assert values(d, "state", "state_end") == [end, tried]
+    right = [interpolate_component(d.quadrature, 0.3, k) for k in range(2)]
+    dense.truncate_quadratures(d, 0.3)
+    assert values(d, "state", "state_end") == [end, right]
+    dense.commit_quadratures(d)
+    total[TOUCHED] = right
+    assert d.quadrature.total.tolist() == total.tolist()
+    dense.roll_back_quadratures(d)
+    assert values(d, "state", "state_end") == [end, end]
+
+
+@pytest.mark.parametrize(
+    ("rigid", "wall", "course", "right"),
+    [
+        (0, (2, 0), [(5.0, 5.0), (4.9, 5.5)], [5.0, 5.5]),
+        (1, (2, 0), [(5.0, 1.0), (4.0, 3.0)], [5.0, 2.0]),
+        (1, (2, 0), [(5.0, 1.0), (4.0, 1.5)], [5.0, 1.0]),  # never by more than the other one has been given
+        (1, (2, 1), [(5.0, 1.0), (4.0, 3.0)], [5.0, 3.0]),  # stops of other joints have nothing to do with it
+        (1, ((2, 3), 0), [(5.0, 1.0), (4.0, 3.0)], [5.0, 3.0]),  # nor have other walls
+    ],
+)
+def test_one_that_has_fallen_stays_or_at_a_rigid_wall_the_sum(d, rigid, wall, course, right):
+    make_rigid(d, rigid)
+    d.candidate.wall[TOUCHED], d.candidate.stop[TOUCHED] = wall
+    d.quadrature.state[:2], d.quadrature.state_end[:2] = course
+    dense.settle_impulses(d)
+    assert values(d, "state_end") == [right]
+
+
+@pytest.mark.parametrize("kept", [1.0, 0.7])
+def test_a_course_that_falls_is_below_all_that_follows(d, kept):
+    """3 θ² − 2 θ³ rises slowly at first, and here it falls before that."""
+    thetas = np.linspace(0.0, kept, 71)
+    d.quadrature.dense[:, 0], d.step.kept = 0.0, kept
+    d.quadrature.dense[:3, 0], d.quadrature.state[0] = (1.0, -1.9, 2.0), 3.0
+    d.quadrature.state_end[0] = interpolate_component(d.quadrature, kept, 0)
+    dense = np.array([interpolate_component(d.quadrature, theta, 0) for theta in thetas])
+    course = np.array([dense.quadrature_within(d, theta, 0) for theta in thetas])
+    assert np.diff(dense).min() < -1e-3
+    assert np.diff(course).min() >= 0.0
+    assert (course[0], course[-1]) == (3.0, d.quadrature.state_end[0])
+    assert np.abs(course - np.maximum(3.0, dense)).max() <= np.abs(dense - dense.clip(3.0)).max()
+
+
+def test_a_new_phase_starts_from_the_totals(d):
+    total, rate = d.quadrature.total[TOUCHED].tolist(), d.quadrature.rate[TOUCHED].tolist()
+    dense.reset_quadratures(d)
+    assert values(d, "rate_end") == [rate]
+    assert values(d, "state", "state_end") == [total, total]
+    assert d.quadrature.dense.shape[0] == DENSE_COEFFICIENTS
+    assert not d.quadrature.dense[:, :2].any()
+    assert d.quadrature.dense[:, 2:].all()
+
+
+@pytest.mark.parametrize("name", ["append", "roll_back", "commit", "reset"])
+def test_without_them_nothing_is_done(d, name):
+    d.quadrature.wanted, d.quadrature.count, d.quadrature.rate[:] = 0, 0, 0.0
+    before = d._record.tobytes()
+    getattr(dense, f"{name}_quadratures")(d)
+    assert d._record.tobytes() == before
+
+
+@pytest.mark.parametrize(
+    ("rigid", "impulses", "given"), [([1, 3], (2.5, -1e-17), (2.5, 0.0)), ([3], (7.0, 2.0), (0.0, 2.0))]
+)
+def test_rigid_walls_give_their_impulses_at_once_and_none_that_pulls(d, rigid, impulses, given):
+    """Contacts with a force are given none at once."""
+    make_rigid(d, np.isin(np.arange(d.candidates), rigid))
+    d.rigid.impulse[:2] = impulses
+    right = d.quadrature.total.copy()
+    right[TOUCHED] += given
+    dense.give_impulses(d)
+    assert d.quadrature.total.tolist() == right.tolist()

@@ -1,0 +1,43 @@
+"""The coefficients of Radau IIA with 5 stages."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.ode import radau
+
+C, MATRIX = np.array(radau.NODES), np.array(radau.Q)
+
+
+def test_each_stage_is_of_the_stage_order_and_the_result_of_its_order_and_no_more():
+    """Σ_j Q_ij c_j^(k−1) = c_i^k/k. It is stiffly accurate, and collocation at the end."""
+    for k in range(1, radau.RADAU_STAGES + 1):
+        np.testing.assert_allclose(MATRIX @ C ** (k - 1), C**k / k, rtol=0, atol=2e-16)
+    for k in range(1, radau.ORDER + 2):
+        assert (abs(MATRIX[-1] @ C ** (k - 1) - 1 / k) < 2e-16) == (k <= radau.ORDER)
+    assert radau.NODES[-1] == 1.0
+    assert np.linalg.matrix_rank(MATRIX) == radau.RADAU_STAGES
+
+
+def test_the_eigenvectors_are_those_of_its_eigenvalues():
+    blocks = np.zeros((radau.RADAU_STAGES, radau.RADAU_STAGES))
+    blocks[0, 0] = radau.REAL_EIGENVALUE
+    for pair, (real, imaginary) in enumerate(radau.COMPLEX_EIGENVALUES):
+        at = 1 + 2 * pair
+        blocks[at : at + 2, at : at + 2] = [[real, -imaginary], [imaginary, real]]
+    np.testing.assert_allclose(
+        np.array(radau.RIGHT) @ radau.LEFT, np.eye(radau.RADAU_STAGES), rtol=0, atol=3e-15
+    )
+    np.testing.assert_allclose(np.array(radau.LEFT) @ MATRIX @ radau.RIGHT, blocks, rtol=0, atol=1e-15)
+
+
+def test_all_shifts_lie_in_a_sector_in_which_no_pivot_vanishes():
+    """Sums of 1, s and s² with factors ≥ 0 are no zero as long as |arg s| < 90°."""
+    for real, imaginary in radau.COMPLEX_EIGENVALUES:
+        assert 0.0 < np.degrees(np.arctan2(imaginary, real)) < 61.0
+
+
+@pytest.mark.parametrize("k", range(radau.RADAU_STAGES))
+def test_the_polynomials_of_the_error_estimates(k):
+    assert np.dot(radau.AT_START, C**k) == pytest.approx(0.0**k, abs=3e-15)
+    if k < radau.RADAU_STAGES - 1:
+        assert np.dot(radau.AT_END, C[:-1] ** k) == pytest.approx(1.0, abs=3e-15)

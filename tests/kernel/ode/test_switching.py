@@ -1,0 +1,273 @@
+"""When implicit steps are taken for joints' damping, and that what is not stiff does without."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from chain_impact import simulate
+from chain_impact.kernel.chain.joints import joint_rate
+from chain_impact.kernel.forces.contact import contact_slopes
+from chain_impact.kernel.ode import control, methods
+from chain_impact.kernel.ode.control import AUTO, EXPLICIT, IMPLICIT
+from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS, STIFF, choose_method, suggests_switch
+from chain_impact.simulation.instance import Instance
+from tests.kernel.chains import chain, struck, touch
+from tests.plain import make_rigid
+from tests.problems import GRAVITY, build, contact_table, stiff_joint
+
+
+@pytest.mark.parametrize("last", [0.1, 10.0])
+@pytest.mark.parametrize("longer", [0.9, 1.1])
+def test_the_size_of_the_next_implicit_step_decides(longer, last):
+    """The last one may be a first step after an event, or cut short by an input."""
+    step = SimpleNamespace(method=IMPLICIT, explicit_size=2.0, start=1.0, end=1.0 + last)
+    step.next_size = longer * methods.LONGER * step.explicit_size
+    assert suggests_switch(SimpleNamespace(step=step)) == (longer < 1.0)
+
+
+@pytest.mark.parametrize("damping", [100.0, 1e4])
+def test_rigid_walls_have_implicit_steps_in_flight_and_at_rest(damping):
+    """Explicit steps take 13,000 for 100 N·m·s/rad, and for 1e4 more work than the limit allows."""
+    changes = {"contact.model": "newton_impact", "contact.restitution": 0.3}
+    instance = Instance(stiff_joint(damping).with_values(changes))
+    assert instance.advance(2.0) == 0
+    assert instance.record["touch"]["active_count"] > 0
+    assert instance.record["step"]["method"] == IMPLICIT
+    counts = instance.statistics
+    assert counts["implicit_steps"] > 30
+    assert counts["steps"] < 400
+    assert counts["rhs_evaluations"] < 6_000
+
+
+@pytest.mark.parametrize(("damping", "most"), [(1e4, 200), (1e6, 600)])
+def test_the_projection_onto_rigid_walls_makes_no_steps_short(damping, most):
+    """It leaves a fast motion of the joints, for which 2,000 to 5,000 steps were tried."""
+    changes = {"contact.model": "newton_impact", "contact.restitution": 0.0, "solver.tolerance": 1e-6}
+    instance = Instance(stiff_joint(damping).with_values(changes))
+    assert instance.advance(1.0) == 0
+    instance.observe()
+    counts, weight = instance.statistics, 0.1 * GRAVITY
+    assert counts["steps"] + counts["rejected_steps"] < most
+    assert instance.record["output"]["force"].sum() == pytest.approx(weight, rel=1e-5)
+
+
+@pytest.mark.parametrize("stiffness", [1e6, 1e8, 1e10])
+def test_a_contact_that_rings_for_long_has_implicit_steps(stiffness):
+    """A tip settles on a wall and swings there, hardly damped: 4,900 explicit steps at 1e10."""
+    links = [{"length": length, "mass": 1.0, "joint_damping": 0.5} for length in (0.5, 0.4)]
+    start = {"position": [0.0, 0.0], "angles": [-0.6, -0.9]}
+    contact = contact_table(model="flores", stiffness=stiffness, restitution=0.1, points=[2])
+    more = {"gravity": 9.81, "stop_time": 0.5, "base": "pinned", "tolerance": 1e-8}
+    scene = build("Tip", links, start, {"y_min": -0.6}, contact, **more)
+    result = simulate(scene)
+    assert len(result.impacts) > 0
+    assert result.statistics["implicit_steps"] > 5
+    assert result.statistics["steps"] < 200
+    exact = simulate(scene, tolerance=1e-12, method="explicit")
+    assert np.abs(result.angles[-1] - exact.angles[-1]).max() < 1e-7
+
+
+# --- the rates that decide on the next step, and what a phase of a motion begins with -----------------------
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(8)
+
+
+def jointed(rng, touching=False):
+    """Two pinned links with dampers and springs, in flight or with the tip at a wall; the joints' rate."""
+    _, d = chain(rng, 2, "pinned", springs=True, dampers=True)
+    tip = d.candidate.point.tolist().index(2)
+    if touching:
+        struck(rng, d, [tip])
+    return d, tip, joint_rate(d, d.step.state_end)
+
+
+@pytest.fixture
+def pressed(rng):
+    """A free link with both ends in contact, with a force, for long, and without any joint that resists."""
+    _, d = chain(rng, 1)
+    touched = [d.candidate.point.tolist().index(point) for point in (0, 1)]
+    struck(rng, d, touched)
+    d.touch.effective_mass[touched] = 1.0
+    assert not d.model.resisting
+    d.solver.method = AUTO
+    methods.begin_explicit(d)
+    d.touch.onset[touched] = 0.0
+    d.step.start, d.step.end, d.step.kept = 0.0, 3.0 * STIFF / methods.fastest_contact(d), 1.0
+    return d, touched
+
+
+def test_the_rate_of_joints_counts_where_its_bound_exceeds_what_is_stiff(rng):
+    d, _, rate = jointed(rng)
+    bound = d.model.joint_bound
+    assert rate < bound
+    # up to there the bound stands for the rate, which takes more work
+    for number, right in ((0.99 * STIFF, 0.99 * STIFF), (1.01 * STIFF, 1.01 * STIFF * rate / bound)):
+        assert methods.joints_over(d, number / bound) == pytest.approx(right)
+    assert methods.joints_over(d, 50.0) == pytest.approx(50.0 * rate)
+
+
+def test_the_rate_of_contacts_is_that_of_the_fastest(pressed):
+    d, touched = pressed
+    for slow, fast in (touched, touched[::-1]):
+        d.touch.effective_mass[slow], d.touch.effective_mass[fast] = 1e3, 1e-2
+        stiffness, damping = contact_slopes(d, fast)
+        right = max(damping / 1e-2, math.sqrt(stiffness / 1e-2))
+        assert methods.fastest_contact(d) == pytest.approx(right, rel=1e-13)
+        assert methods.stiffness_number(d, 0.3) == pytest.approx(0.3 * right, rel=1e-13)
+    make_rigid(d)
+    assert methods.fastest_contact(d) == 0.0
+
+
+def test_stiffness_is_that_of_joints_where_they_are_faster(rng):
+    d, _, rate = jointed(rng)
+    assert methods.stiffness_number(d, 100.0 / rate) == pytest.approx(100.0)
+    d, tip, rate = jointed(rng, touching=True)
+    d.touch.effective_mass[tip] = 1e-6
+    assert methods.stiffness_number(d, 1.0) == pytest.approx(methods.fastest_contact(d))
+    assert methods.fastest_contact(d) > rate
+    d.touch.effective_mass[tip] = 1e12
+    assert methods.stiffness_number(d, 100.0) == pytest.approx(100.0 * rate)
+
+
+def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
+    d, touched = pressed
+    d.touch.depth_scale[touched], d.touch.impact_speed[touched] = [1e-3, 4e-3], [0.5, 0.5]
+    d.step.end, slow = 2.0, methods.LASTS * 4e-3 / 0.5
+    # all of them must last; the first is four times as fast
+    for first, second, right in (
+        (1.01, 1.01, True),
+        (1.01, 0.99, False),
+        (0.3, 1.01, True),
+        (0.2, 1.01, False),
+    ):
+        d.touch.onset[touched] = 2.0 - first * slow, 2.0 - second * slow
+        assert methods.contacts_last(d) == right
+    touch(d, [])
+    assert not methods.contacts_last(d)
+
+
+@pytest.mark.parametrize("lasting", [False, True])
+def test_explicit_steps_suggest_a_switch_where_they_are_stiff(pressed, lasting):
+    d, touched = pressed
+    d.touch.depth_scale[touched], d.touch.impact_speed[touched] = 1e-3, 1.0
+    stiff, rings, rate = STIFF, methods.RINGS, methods.fastest_contact(d)
+    rows = (1.01 * stiff, True), (0.99 * stiff, lasting), (1.01 * rings, lasting), (0.99 * rings, False)
+    for number, right in rows:
+        d.step.end = number / rate
+        d.touch.onset[touched] = d.step.end - (1.1 if lasting else 0.9) * methods.LASTS * 1e-3
+        assert suggests_switch(d) == right
+
+
+def test_implicit_steps_do_where_nothing_is_known_and_they_are_not_stiff(pressed):
+    d, _ = pressed
+    d.step.method, d.step.explicit_size = IMPLICIT, 0.0
+    for part in (0.99, 1.01):
+        d.step.next_size = part * methods.NOT_STIFF / methods.fastest_contact(d)
+        assert suggests_switch(d) == (part < 1.0)
+
+
+def test_a_phase_begins_with_what_is_explicit_and_without_a_count(rng):
+    _, d = chain(rng, 1)
+    d.step.method = IMPLICIT
+    for begin, method in ((methods.reset_stiff_count, IMPLICIT), (methods.begin_explicit, EXPLICIT)):
+        d.step.stiff_count, d.step.explicit_size, d.step.switch_hysteresis = 2, 0.7, 48
+        begin(d)
+        assert (d.step.method, d.step.switch_hysteresis) == (method, MIN_SWITCH_STEPS)
+        assert (d.step.stiff_count, d.step.explicit_size) == (0, 0.0)
+
+
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+@pytest.mark.parametrize(("number", "depth"), [(0.9, 1e-6), (1.1, 1e-6), (2.0, 1e9)])
+def test_an_impact_is_explicit_unless_joints_are_stiff_in_its_first_step(rng, method, number, depth):
+    """With stiff joints it takes no longer step than before."""
+    d, tip, rate = jointed(rng, touching=True)
+    h = number * STIFF / (methods.IMPACT * rate)
+    d.step.method, d.step.stiff_count, d.step.next_size = method, 2, h
+    d.touch.depth_scale[tip], d.touch.impact_speed[tip] = depth, 1.0
+    methods.begin_impact(d, tip)
+    stiff, first = number > 1.0 and method == IMPLICIT, control.at_onset(d, tip, IMPLICIT)
+    assert d.step.method == (IMPLICIT if stiff else EXPLICIT)
+    assert (first < h) == (depth < 1.0)
+    assert d.step.next_size == (min(first, h) if stiff else h)
+    assert d.step.stiff_count == 0
+
+
+@pytest.mark.parametrize("number", [0.5, 1.5, 3.0, 6.0])
+def test_explicit_steps_of_a_flight_begin_stable(rng, number):
+    d, _, rate = jointed(rng)
+    h = number * STIFF / rate
+    limited = h * min(1.0, methods.STABLE / (h * rate))
+    assert methods.stable(d, h) == pytest.approx(limited, rel=1e-13)
+    for method in (EXPLICIT, IMPLICIT):
+        d.step.method, d.step.next_size, d.step.stiff_count = method, h, 2
+        methods.begin_flight(d)
+        explicit = method == EXPLICIT or number <= 1.0
+        assert d.step.method == (EXPLICIT if explicit else IMPLICIT)
+        assert d.step.next_size == pytest.approx(limited if explicit else h, rel=1e-13)
+        assert d.step.stiff_count == 0
+
+
+def test_a_method_changes_after_steps_in_a_row_and_later_the_next_time(pressed):
+    d, _ = pressed
+    for done in range(1, MIN_SWITCH_STEPS):
+        choose_method(d)
+        assert (d.step.method, d.step.stiff_count) == (EXPLICIT, done)
+    choose_method(d)
+    assert (d.step.method, d.step.stiff_count) == (IMPLICIT, 0)
+    assert d.step.explicit_size == d.step.end
+    assert d.step.switch_hysteresis == MIN_SWITCH_STEPS
+    # implicit steps that are no longer do not pay
+    d.step.next_size = d.step.end
+    for _ in range(MIN_SWITCH_STEPS):
+        assert d.step.method == IMPLICIT
+        choose_method(d)
+    assert (d.step.method, d.step.stiff_count) == (EXPLICIT, 0)
+    assert d.step.switch_hysteresis == 2 * MIN_SWITCH_STEPS
+
+
+def test_one_step_that_is_not_stiff_begins_the_count_anew(pressed):
+    d, _ = pressed
+    choose_method(d)
+    d.step.start = d.step.end * (1.0 - 1e-6)
+    choose_method(d)
+    assert d.step.stiff_count == 0
+    # one that was cut says nothing about the size of explicit ones
+    d.step.start, d.step.kept, d.step.stiff_count = 0.0, 0.5, MIN_SWITCH_STEPS - 1
+    choose_method(d)
+    assert (d.step.method, d.step.explicit_size) == (IMPLICIT, 0.0)
+
+
+def test_a_step_of_no_length_does_not_count(pressed):
+    d, _ = pressed
+    d.step.method, d.step.explicit_size, d.step.next_size = IMPLICIT, 1.0, 0.1
+    d.step.end = 1.0
+    for start, count in ((1.0, 1), (0.9, 2)):
+        d.step.start, d.step.stiff_count = start, 1
+        choose_method(d)
+        assert d.step.stiff_count == count
+
+
+def test_what_resists_nothing_is_explicit_if_the_solver_may_choose(pressed):
+    """Flight without joints that resist; of rigid walls also if it may not, unless another has a force."""
+    d, touched = pressed
+    touch(d, [])
+    d.step.method, d.step.end = IMPLICIT, 1.0
+    for asked, method in ((AUTO + 1 + IMPLICIT, IMPLICIT), (AUTO, EXPLICIT), (AUTO + 1 + EXPLICIT, EXPLICIT)):
+        d.solver.method, d.step.method = asked, IMPLICIT
+        choose_method(d)
+        assert d.step.method == method
+    touch(d, touched)
+    d.solver.method = AUTO + 1 + IMPLICIT
+    for rigid, method in (
+        (np.ones(d.candidates), EXPLICIT),
+        (np.arange(d.candidates) != touched[0], IMPLICIT),
+    ):
+        make_rigid(d, rigid)
+        d.step.method = 1 - method
+        choose_method(d)
+        assert d.step.method == method

@@ -1,0 +1,141 @@
+"""How the chain gives way to impulses at its contacts, against (M + Jᵀ D J + K) Δ = Jᵀ p + Gᵀ μ."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain import kinematics, tree
+from chain_impact.kernel.rows import compliance, geometry
+from tests.kernel.chain.test_elimination import relative_motion
+from tests.kernel.chains import (
+    chain,
+    free_coordinates,
+    gradients,
+    random_state,
+    stopped_chain,
+    stops_of,
+    touch,
+    vectors,
+)
+from tests.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
+
+# links, base, how many candidates are in contact; None for some of the walls and stops in the joints besides
+OF_WALLS = [(1, "free", 1), (1, "pinned", 2), (3, "free", 0), (3, "free", 5), (4, "pinned", 3)]
+OF_STOPS = [(2, "free", None), (4, "free", None), (1, "pinned", None), (3, "pinned", None)]
+CASES = pytest.mark.parametrize("case", OF_WALLS + OF_STOPS, ids=lambda case: "-".join(map(str, case)))
+
+
+def made(case, resist=True):
+    """A chain that touches walls of several directions: its record, M, all ∇g and those of what touches."""
+    count, base, touching = case
+    rng = np.random.default_rng([count, len(base), touching or 7])
+    more = {"springs": resist, "dampers": resist}
+    scene, d = stopped_chain(count, base, **more) if touching is None else chain(rng, count, base, **more)
+    y, stops, across = random_state(rng, d), stops_of(d), relative_motion(count)
+    kinematics.locate_points(d, y)
+    touch(
+        d, [0, 3, *stops[1::3], *stops[::4]] if stops else rng.choice(d.candidates, touching, replace=False)
+    )
+    # what an earlier problem has left
+    set_impedances(d.work.impedance, random_impedances(rng, count + 1, 5.0) + 0.3)
+    d.work.load.x[:] = d.work.load.y[:] = 9.0
+    walls = [c for c in range(d.candidates) if c not in stops]
+    of_walls = dict(zip(walls, gradients(scene, d, y[2 : count + 2], walls), strict=True))
+    rows = [
+        of_walls[c] if c in walls else d.candidate.stop[c] * d.model.size * across[d.candidate.point[c] - 1]
+        for c in range(d.candidates)
+    ]
+    touched = np.array([rows[c] for c in d.touch.active_index[: d.touch.active_count]]).reshape(-1, count + 2)
+    assert (touching or 3) <= len(touched) or touching == 0
+    return scene, d, y[2 : count + 2], rows, touched, rng
+
+
+def solved(d, matrix, right):
+    """The solution among the coordinates that can move."""
+    free, result = free_coordinates(d), np.zeros(len(right))
+    result[free] = np.linalg.solve(matrix[free, free], right[free])
+    return result
+
+
+def assert_moved(scene, d, angles, change):
+    """That the motion of points and joints is that of a change of the coordinates."""
+    count = d.links
+    moved = [point_jacobian(scene, angles, k) @ change for k in range(count + 1)]
+    np.testing.assert_allclose(vectors(d.work.motion), moved, rtol=0, atol=1e-9)
+    if d.model.stopped:
+        turns = d.model.size * (relative_motion(count) @ change)
+        np.testing.assert_allclose(d.work.motion.x[count + 1 :], turns, rtol=0, atol=1e-9)
+
+
+def assert_loads(scene, d, angles, added, work):
+    """That the loads and impedances of points and joints do that work, and add that to M."""
+    own, count = d.work.impedance, d.links
+    for k, load in enumerate(vectors(d.work.load)):
+        at = point_jacobian(scene, angles, k)
+        work = work - at.T @ load
+        added = added - at.T @ [[own.xx[k], own.xy[k]], [own.xy[k], own.yy[k]]] @ at
+    for i, turn in enumerate(d.model.size * relative_motion(count) if d.model.stopped else ()):
+        work = work - d.work.load.x[count + 1 + i] * turn
+        added = added - own.xx[count + 1 + i] * np.outer(turn, turn)
+    np.testing.assert_allclose(work, 0.0, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(added, 0.0, rtol=0, atol=1e-11)
+
+
+@CASES
+@pytest.mark.parametrize("time", [0.0, 0.3])
+@pytest.mark.parametrize("resist", [False, True])
+def test_it_gives_way_as_assembled(case, resist, time):
+    """K = s C + s² S, and impulses μ in the joints; at a time of 0 dampers and springs do not resist.
+
+    Also the loads and impedances: the virtual work is Jᵀ p, and the energy of impedances ½ Σ D (n·v)².
+    """
+    scene, d, angles, _, jacobian, rng = made(case, resist)
+    count, active, across = d.links, len(jacobian), relative_motion(d.links)
+    assert d.model.resisting == (resist and (count > 1 or d.model.pinned))
+    impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
+    compliance.factorize_contacts(d, tree.HELD, impedance)
+    compliance.solve_contacts(d, tree.HELD, impulse, d.rigid.change)
+    added, work = jacobian.T @ np.diag(impedance[:active]) @ jacobian, jacobian.T @ impulse[:active]
+    expected = solved(d, mass_matrix(scene, angles) + added, work)
+    np.testing.assert_allclose(d.rigid.change, expected, rtol=0, atol=1e-10)
+    assert_moved(scene, d, angles, expected)
+    assert_loads(scene, d, angles, added, work)
+    geometry.join(d, d.work.impedance, time)
+    with_joints = d.model.resisting or d.model.stopped
+    tree.factorize(d, d.work.link, d.work, tree.SHIFTED, with_joints)
+    joints = rng.normal(size=count) * with_joints
+    joints[0] *= d.model.pinned  # a free base is no joint
+    geometry.clear_loads_of(d, d.work.load)
+    for k in range(active):
+        geometry.add_along(geometry.normal(d, d.touch.active_index[k]), d.work.load, impulse[k])
+    d.work.load.joint[:] += joints
+    change = np.full(count + 2, np.nan)
+    compliance.solve_space(d, d.work.link, d.work, tree.SHIFTED, change)
+    links = scene.chain.links
+    resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
+    resistance[0] *= d.model.pinned
+    stiff = mass_matrix(scene, angles) + added + across.T @ np.diag(resistance) @ across
+    expected = solved(d, stiff, work + across.T @ joints)
+    np.testing.assert_allclose(change, expected, rtol=0, atol=1e-9)
+    assert_moved(scene, d, angles, expected)
+
+
+@CASES
+def test_the_effective_mass_is_what_an_impulse_along_the_normal_has_to_move(case):
+    """That of a stop is the inertia of its joint over the square of the arm."""
+    scene, d, angles, rows, _, _ = made(case)
+    for c, row in enumerate(rows):
+        expected = 1.0 / (row @ solved(d, mass_matrix(scene, angles), row))
+        assert compliance.effective_mass(d, c) == pytest.approx(expected, rel=1e-10)
+
+
+def test_where_nothing_moves_a_point_it_is_a_million_times_the_chain():
+    """The tip of a stretched, pinned chain does not move along the chain."""
+    scene, d = chain(np.random.default_rng(0), 3, "pinned")
+    angle = 0.3
+    y = np.zeros(len(d.step.state))
+    y[2:5] = angle
+    tip = d.candidate.point.tolist().index(3)
+    d.candidate.normal_x[tip], d.candidate.normal_y[tip] = -np.cos(angle), -np.sin(angle)
+    kinematics.locate_points(d, y)
+    mass = sum(link.mass for link in scene.chain.links)
+    assert compliance.effective_mass(d, tip) == pytest.approx(mass / compliance.LEAST_MOBILITY, rel=1e-9)

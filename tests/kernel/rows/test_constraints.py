@@ -1,0 +1,210 @@
+"""The impulses of constraints: who is pressed, what is missing, and who is wrong.
+
+They are compared with dense matrices and with every possible set of contacts.
+"""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.tree import HELD
+from chain_impact.kernel.forces import holding
+from chain_impact.kernel.rows import compliance, constraints, geometry
+from tests.kernel.chains import touch
+from tests.kernel.forces.pressed import CANDIDATES, problem
+from tests.reference import complementary_impulses
+
+POINTS, FAR = 5, 10.0
+
+
+@pytest.mark.parametrize("ratio", [1e-6, 1.0, 1e6])
+def test_masses_that_differ_by_a_million_are_no_hindrance(ratio):
+    d, *_ = problem(pressed=(1, 1, 1, 1), masses=(1.0, ratio, 1.0, 1.0))
+    constraints.factorize_free(d)
+    constraints.solve_equality(d, 1.0)
+    np.testing.assert_allclose(d.rigid.reached[:4], d.rigid.target[:4], atol=1e-10)
+
+
+@pytest.mark.full("more cases", but=28)
+@pytest.mark.parametrize("seed", range(40))
+def test_impulses_are_complementary(seed):
+    """Against all 2^k sets of contacts, from any guess."""
+    rng = np.random.default_rng(seed)
+    d, _, _, response, w = problem(pressed=rng.integers(0, 2, rng.integers(1, 5)), seed=seed)
+    own, count = d.rigid, len(w)
+    own.target[:count] = rng.choice([0.0, 0.5], count) * np.abs(own.start[:count])
+    expected = complementary_impulses(w, own.start[:count], own.target[:count])
+    constraints.factorize_free(d)
+    constraints.solve_lcp(d, np.abs(own.start[:count]).max())
+    scale = np.linalg.cond(w) * max(1.0, np.abs(expected).max())
+    np.testing.assert_allclose(own.impulse[:count], expected, atol=1e-14 * scale)
+    np.testing.assert_allclose(own.change, response @ expected, atol=1e-13 * scale)
+    assert ((own.impulse[:count] > 0.0) <= (own.in_active_set[:count] == 1)).all()
+
+
+def test_a_link_jammed_between_two_walls_has_a_solution_of_many():
+    """A point between opposite walls: W is singular, the motion unique, the squeeze is not."""
+    d, *_ = problem(pressed=(1, 1))
+    own, (first, second) = d.rigid, d.touch.active_index[:2]
+    d.candidate.place[second] = d.candidate.place[first]
+    for normal in (d.candidate.normal_x, d.candidate.normal_y):
+        normal[second] = -normal[first]
+    own.start[:2], own.target[:2] = (-1.0, 1.0), 0.0
+    constraints.factorize_free(d)
+    constraints.solve_lcp(d, 1.0)
+    np.testing.assert_allclose(own.reached[:2], 0.0, atol=1e-14)
+    assert (own.impulse[:2] >= 0.0).all()
+
+
+def test_only_the_pressed_have_an_impedance_and_miss_their_aims():
+    d, *_ = problem()
+    own = d.rigid
+    own.impedance[:] = own.residual[:] = own.impulse[:] = own.change[:] = 9.0
+    constraints.clear_impulses(d)
+    assert not own.change.any()
+    assert not own.impulse[:4].any()
+    assert (own.impulse[4:] == 9.0).all()
+    np.testing.assert_array_equal(own.reached[:4], own.start[:4])
+    own.target[1] = 1e3  # of one that is not pressed
+    for amount in (0.0, 4.5):
+        constraints.set_impedance(d, amount)
+        assert own.impedance[:5].tolist() == [amount, 0.0, amount, amount, 9.0]
+    for sign in (1.0, -1.0):
+        own.reached[:4] = own.target[:4] - sign * np.array([0.3, 7.0, 0.5, 0.1])
+        assert constraints.find_residual(d) == pytest.approx(0.5, rel=1e-9)
+        np.testing.assert_allclose(own.residual[:4], sign * np.array([0.3, 0.0, 0.5, 0.1]), atol=1e-9)
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
+    """An impulse p moves it by W/(1 + D W) p, some millionths of W p."""
+    d, _, _, _, w = problem(base)
+    amount = compliance.holding_impedance(d)
+    assert amount == pytest.approx(compliance.STIFF * d.model.mass.mean(), rel=1e-14)
+    for k, c in enumerate(d.touch.active_index[:4]):
+        touch(d, [c])
+        d.rigid.impedance[0] = amount
+        compliance.factorize_contacts(d, HELD, d.rigid.impedance)
+        compliance.solve_contacts(d, HELD, np.ones(len(d.rigid.impulse)), d.rigid.change)
+        moved = geometry.along(geometry.normal(d, c), d.work.motion)
+        assert moved == pytest.approx(w[k, k] / (1.0 + amount * w[k, k]), rel=1e-6)
+        assert moved < 1e-5 * w[k, k]
+        touch(d, CANDIDATES if base == "free" else [c - 1 for c in CANDIDATES])
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize(
+    "pressed", [(0, 0, 0, 0), (1, 1, 1, 1), (1, 0, 0, 1), (1, 0, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)]
+)
+def test_all_of_the_pressed_reach_their_aims_and_impulses_are_counted_as_work(base, pressed):
+    """One that is pressed alone takes one solution, and others a few sweeps."""
+    d, _, _, response, w = problem(base, pressed)
+    own, rows, before, alone = d.rigid, np.flatnonzero(pressed), d.limits.other_work, sum(pressed) == 1
+    assert constraints.only_active(d) == (rows[0] if alone else -1)
+    constraints.factorize_free(d)
+    constraints.solve_equality(d, 2.0)
+    expected, off = np.zeros(4), 1e-12 if alone else 1e-9
+    expected[rows] = np.linalg.solve(w[np.ix_(rows, rows)], (own.target - own.start)[rows])
+    np.testing.assert_allclose(own.impulse[:4], expected, rtol=off, atol=off * (not alone))
+    np.testing.assert_allclose(own.change, response @ expected, rtol=10 * off, atol=off)
+    np.testing.assert_allclose(own.reached[:4], own.start[:4] + w @ expected, rtol=10 * off, atol=off)
+    if alone:
+        assert d.limits.other_work == before + 1
+    elif any(pressed):
+        assert 2 <= d.limits.other_work - before <= 12
+
+
+def test_one_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
+    d, _, _, _, w = problem(pressed=[0, 1, 0, 0])
+    own = d.rigid
+    for part, iterates in ((1.01, True), (0.99, False)):
+        monkeypatch.setattr(constraints, "LEAST_SINGLE", part * w[1, 1] * compliance.mean_mass(d))
+        before = d.limits.other_work
+        constraints.factorize_free(d)
+        constraints.solve_equality(d, 2.0)
+        assert own.impulse[1] == pytest.approx((own.target - own.start)[1] / w[1, 1], rel=1e-12)
+        assert d.limits.other_work >= before + 4 if iterates else d.limits.other_work == before + 1
+
+
+def test_who_pulls_or_falls_short_is_wrong_but_for_round_off():
+    d, *_ = problem(pressed=(1, 1, 0, 0))
+    own = d.rigid
+    scale = 3.0
+    own.target[:4] = 0.5
+    for pull, short in ((2.0, 2.0), (0.5, 2.0), (2.0, 0.5), (0.5, 0.5)):
+        own.violated[:] = 7
+        own.impulse[:4] = 4.0, -pull * constraints.SIGN_TOLERANCE * 4.0, 0.0, 0.0
+        own.reached[:4] = -9.0, 0.5, 0.7, 0.5 - short * constraints.SIGN_TOLERANCE * scale
+        expected = [0, int(pull > 1.0), 0, int(short > 1.0)]
+        assert constraints.count_violations(d, scale) == sum(expected)
+        assert own.violated[:4].tolist() == expected
+    # the largest may be one that pulls
+    own.impulse[:4], own.reached[:4] = (1.0, -4.0, 0.0, 0.0), 1.0
+    assert constraints.count_violations(d, scale) == 1
+    assert holding.least_impulse(d) == -4.0
+    own.impulse[:4] = 1.0
+    assert holding.least_impulse(d) == 0.0
+
+
+def test_all_that_are_wrong_change_at_once_and_only_the_last_after_stalls(monkeypatch):
+    """The block pivots; those that fail to reduce the number of the wrong; and one at a time from then on."""
+    d, *_ = problem()
+    wrong, sets, own = [4, 4, 4, 4, 4, 4, 2, 2, 0], [], d.rigid
+
+    def told(_, __):
+        sets.append(own.in_active_set[:4].copy())
+        count = wrong.pop(0)
+        own.violated[:4] = [k < count for k in range(4)]
+        return count
+
+    monkeypatch.setattr(constraints, "solve_equality", lambda *_: None)
+    monkeypatch.setattr(constraints, "count_violations", told)
+    constraints.solve_lcp(d, 1.0)
+    changed = [np.flatnonzero(one != other).tolist() for one, other in itertools.pairwise(sets)]
+    assert changed == [[0, 1, 2, 3]] * (1 + constraints.MAX_STALLED_PIVOTS) + [[3], [3], [0, 1], [0, 1]]
+
+
+def test_a_chain_that_is_nearly_straight_is_held_by_a_smooth_force():
+    """The share of a motion that sweeps leave is (1 + D W)⁻ⁿ, also that which one element alone leaves."""
+    d, *_ = problem()
+    amount = compliance.holding_impedance(d)
+    for part in (0.0, 1e-6, 0.1, 1.0, 30.0, 1e6):
+        mobility = part / amount
+        left = 1.0 - mobility / compliance.held_mobility(d, mobility)
+        assert left == pytest.approx((1.0 + part) ** -compliance.SWEEPS, rel=1e-9, abs=1e-15)
+    least = compliance.held_mobility(d, 0.0)
+    assert compliance.held_mobility(d, -1e-30) == least == pytest.approx(1.0 / (compliance.SWEEPS * amount))
+
+
+def test_points_that_cannot_be_held_are_told_by_what_is_left():
+    """Two constraints on one motion that contradict each other: the search ends, and half of it is left."""
+    d, *_ = problem(pressed=(1, 1, 0, 0))
+    own = d.rigid
+    d.touch.active_index[1] = d.touch.active_index[0]
+    own.start[:2], own.target[:2] = 0.0, (1.0, -1.0)
+    before = d.limits.other_work
+    constraints.factorize_free(d)
+    assert constraints.solve_equality(d, 1.0) == pytest.approx(1.0, rel=1e-6)
+    assert d.limits.other_work - before <= 20
+    for tolerated, noted in ((2.0, constraints.SOLVED), (0.5, constraints.MOVING)):
+        constraints.clear_unsolved(d)
+        constraints.note_moving(d, tolerated)
+        assert d.rigid.unsolved == noted
+    constraints.note_unsolved(d)
+    constraints.note_moving(d, 0.5)
+    assert d.rigid.unsolved == constraints.UNSOLVED
+
+
+@pytest.mark.parametrize("part", [0.5, 1.0, 2.0])
+def test_a_point_that_hardly_moves_is_held_in_a_few_iterations(monkeypatch, part):
+    """Where D W is about 1 the residual would take 30 iterations and more to become round-off."""
+    d, _, _, _, w = problem(pressed=(0, 1, 0, 0))
+    monkeypatch.setattr(constraints, "LEAST_SINGLE", 1e9)
+    monkeypatch.setattr(constraints, "holding_impedance", lambda _: part / w[1, 1])
+    monkeypatch.setattr(constraints, "STIFFEST", 1e12 * part / w[1, 1] / compliance.mean_mass(d))
+    before = d.limits.other_work
+    constraints.factorize_free(d)
+    assert constraints.solve_equality(d, 2.0) <= 2e-15
+    assert d.limits.other_work - before <= 22
+    assert d.rigid.impulse[1] == pytest.approx((d.rigid.target - d.rigid.start)[1] / w[1, 1], rel=1e-12)

@@ -1,0 +1,271 @@
+"""Walls as the kernel finds them from the record, against NumPy."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain import kinematics, tree
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.rows.geometry import (
+    NORMALS,
+    WALLS,
+    add_along,
+    add_impedance,
+    along,
+    clear_loads_of,
+    clearance,
+    coordinates_size,
+    gap_acceleration,
+    join,
+    lever,
+    normal,
+    place_side,
+    place_slope,
+    place_walls,
+    speed_bound,
+    tangent,
+    tangential_rate,
+    to_joints,
+)
+from chain_impact.kernel.status import OK
+from chain_impact.scene.scene import with_values
+from tests.kernel.chains import random_state, stopped_chain, stops_of
+from tests.plain import record_of
+from tests.problems import default_scene
+
+# angle and point; the last angle is beyond what the kernel's own sines are for
+SLOPES = [
+    (-0.3, (-1.0, 0.2)),
+    (math.pi / 2, (40.0, 3.0)),
+    (3.0, (0.5, 30.0)),
+    (-1.9, (-9, -7)),
+    (1e7, (0, 30)),
+]
+
+
+def prepared(box, changes=None):
+    """The record of the default chain between walls at any angle, and in its box or without one."""
+    walls = [{"name": f"w{w}", "point": point, "angle": angle} for w, (angle, point) in enumerate(SLOPES)]
+    scene = with_values(
+        default_scene(), {("walls",): walls} | ({} if box else {("box",): {}}) | (changes or {})
+    )
+    return scene, record_of(scene)
+
+
+@pytest.fixture(params=[True, False], ids=["box", "no box"])
+def placed(request):
+    scene, d = prepared(request.param)
+    place_walls(d)
+    return scene, d
+
+
+def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
+    scene, d = placed
+    planes = list(scene.half_planes.values())
+    for c in range(d.candidates):
+        expected = planes[c % len(planes)]
+        np.testing.assert_allclose(normal(d, c)[1:], expected.normal, rtol=0, atol=3e-16)
+        assert d.candidate.offset[c] == pytest.approx(expected.offset, rel=1e-14, abs=1e-14)
+        wall = d.candidate.wall[c]
+        if wall < len(WALLS):  # of the box they are exact
+            assert normal(d, c)[1:] == NORMALS[wall]
+            assert abs(d.candidate.offset[c]) == abs(d.model.wall[wall])
+
+
+def test_a_clearance_and_its_rate_are_those_of_the_point(placed):
+    scene, d = placed
+    d.contact.radius = 0.07
+    y = np.random.default_rng(3).normal(size=len(d.work.y))
+    kinematics.locate_points(d, y)
+    names = list(scene.half_planes)
+    for c in range(d.candidates):
+        point, wall = d.candidate.point[c], scene.half_planes[names[c % len(names)]]
+        gap, rate = clearance(d, c)
+        place = d.work.position.x[point], d.work.position.y[point]
+        speed = np.array([d.work.velocity.x[point], d.work.velocity.y[point]])
+        assert gap == pytest.approx(wall.clearance(*place) - 0.07, abs=1e-14)
+        assert rate == pytest.approx(speed @ wall.normal, abs=1e-14)
+
+
+@pytest.mark.parametrize("c", [0, 3])
+def test_a_candidate_can_be_given_any_wall(c):
+    """Points on the wall have no clearance and those to its free side have their distance."""
+    scene, d = prepared(box=True)
+    planes = list(scene.half_planes.values())
+    for side in range(len(WALLS)):
+        place_side(d, c, side)
+        assert normal(d, c)[1:] == planes[side].normal
+        assert d.candidate.offset[c] == planes[side].offset
+    for w, (angle, point) in enumerate(SLOPES):
+        place_slope(d, c, w)
+        along, n = np.array([math.cos(angle), math.sin(angle)]), np.array(normal(d, c)[1:])
+        assert along[0] * n[1] - along[1] * n[0] == pytest.approx(1.0, abs=1e-15)  # n is to the left
+        for distance in (0.0, 0.7):
+            place = np.array(point) - 3.0 * along + distance * n
+            d.work.position.x[:], d.work.position.y[:] = place
+            gap, _ = clearance(d, c)
+            assert gap + d.contact.radius == pytest.approx(distance, abs=3e-14)
+
+
+@pytest.fixture(params=["free", "pinned"])
+def stopped(request):
+    """A chain of three links with stops in its joints, located in some state."""
+    d = stopped_chain(3, request.param)[1]
+    y = random_state(np.random.default_rng(7), d)
+    kinematics.locate_points(d, y)
+    return d, y
+
+
+def differenced(d, y, change):
+    """The changes of all clearances along a change of the coordinates, by central differences."""
+    gaps, h = [], 1e-6
+    for shift in (h, -h):
+        moved = y.copy()
+        moved[: d.links + 2] += shift * change
+        kinematics.locate_points(d, moved)
+        gaps.append(np.array([clearance(d, c)[0] for c in range(d.candidates)]))
+    kinematics.locate_points(d, y)
+    return (gaps[0] - gaps[1]) / (2 * h)
+
+
+def test_the_clearance_of_a_stop_is_that_of_the_angle_of_its_joint_at_the_arm(stopped):
+    """g = s (ψ − joint_min) or s (joint_max − ψ), and its rate by a difference along the motion."""
+    d, y = stopped
+    size, angles, joints = d.model.size, np.diff(y[2:5], prepend=0.0), [1, 2, 3] if d.model.pinned else [2, 3]
+    assert lever(d, 0) == 1.0
+    assert d.candidate.point[stops_of(d)].tolist() == list(np.repeat(joints, 2))
+    for c in stops_of(d):
+        joint, side = d.candidate.point[c] - 1, d.candidate.stop[c]
+        limit = (d.model.joint_min if side > 0 else d.model.joint_max)[joint]
+        assert clearance(d, c)[0] == pytest.approx(size * side * (angles[joint] - limit), rel=1e-13)
+        assert lever(d, c) == size
+        assert (d.candidate.place[c], d.candidate.normal_x[c]) == (d.links + joint + 1, side)
+    rates = np.array([clearance(d, c)[1] for c in range(d.candidates)])
+    np.testing.assert_allclose(rates, differenced(d, y, y[5:10]), rtol=0, atol=1e-6)
+
+
+def assert_adjoint(d, rows, change):
+    """F·(J v) = (Jᵀ F)·v for directions of points and joints; impedances have the energy D (J v)².
+
+    Also where loads and impedances of joints have become moments and those of the joints.
+    """
+    rng, motion, load, own = np.random.default_rng(9), d.work.motion, d.work.load, d.work.impedance
+    turns, points = np.diff(change[2:], prepend=0.0), slice(0, d.links + 1)
+    for row in rows:
+        speed, force = along(row, motion), rng.normal()
+        load.x[:] = load.y[:] = load.joint[:] = own.xx[:] = own.xy[:] = own.yy[:] = own.joint[:] = 9.0
+        clear_loads_of(d, load)
+        add_along(row, load, 0.25 * force)
+        add_along(row, load, 0.75 * force)
+        assert load.x @ motion.x + load.y @ motion.y == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
+        to_joints(d, load)
+        power = load.x[points] @ motion.x[points] + load.y[points] @ motion.y[points] + load.joint @ turns
+        assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
+        tree.no_impedance(d, own)
+        own.xy[d.links + 1 :] = own.yy[d.links + 1 :] = 0.0  # which nothing reads
+        add_impedance(row, own, 1.0)
+        add_impedance(row, own, 1.5)
+        energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2
+        assert energy == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
+        join(d, own, 0.0)
+        if row[0] > d.links:
+            assert own.joint @ turns**2 == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
+
+
+def any_change(d):
+    """Some change of the coordinates, along which the points and joints move."""
+    change = np.random.default_rng(8).normal(size=d.links + 2)
+    change[: 2 * d.model.pinned] = 0.0
+    kinematics.move_points(d, d.work.link, change, d.work.motion)
+    return change
+
+
+def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
+    d, y = stopped
+    change, bound = any_change(d), speed_bound(d, d.work.motion)
+    rows = [normal(d, c) for c in range(d.candidates)]
+    assert_adjoint(d, rows, change)
+    speeds = [along(row, d.work.motion) for row in rows]
+    assert np.abs(speeds).max() <= bound
+    np.testing.assert_allclose(speeds, differenced(d, y, change), rtol=0, atol=1e-6)
+
+
+def test_the_acceleration_of_a_joint_is_that_of_its_angle(stopped):
+    """g̈ of a stop, which has no centripetal part."""
+    d, y = stopped
+    rate = np.zeros(len(y))
+    rate[:5], rate[5:10] = y[5:10], np.random.default_rng(1).normal(size=5)
+    kinematics.accelerate_points(d, y, rate)
+    for c in stops_of(d):
+        joint = d.candidate.point[c] - 1
+        turn = rate[7 + joint] - (rate[6 + joint] if joint else 0.0)
+        expected = d.candidate.stop[c] * d.model.size * turn
+        assert gap_acceleration(d, c) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("place", range(1, 7))
+def test_any_place_may_be_the_fastest(place):
+    """Points 0 to 3, and the joints of three links."""
+    d = stopped_chain(3)[1]
+    for axis in "xy":
+        d.work.motion[axis][:] = 0.25
+    d.work.motion.x[place] = -4.0
+    assert speed_bound(d, d.work.motion) == (4.25 if place <= 3 else 4.0)
+    d.model.stopped = 0
+    assert speed_bound(d, d.work.motion) == (4.25 if place <= 3 else 0.5)
+
+
+def test_round_off_is_that_of_both_coordinates_of_a_point_or_of_both_angles_of_a_joint():
+    d = stopped_chain(3, "pinned")[1]
+    y, position, size = np.zeros(len(d.step.state)), d.work.position, d.model.size
+    position.x[:], position.y[:] = np.linspace(-3.0, 3.0, len(position.x)), 2.5
+    y[2:5] = 0.5, -1.5, 4.0
+    joints = {1: 0.5, 2: 2.0, 3: 5.5}
+    for c in range(d.candidates):
+        point = d.candidate.point[c]
+        right = size * joints[int(point)] if d.candidate.stop[c] else abs(position.x[point]) + 2.5
+        assert coordinates_size(d, c, y) == pytest.approx(right, rel=1e-13)
+    position.y[:] = -2.5
+    c = next(c for c in range(d.candidates) if not d.candidate.stop[c])
+    assert coordinates_size(d, c, y) == pytest.approx(abs(position.x[d.candidate.point[c]]) + 2.5, rel=1e-13)
+
+
+@pytest.fixture(params=["free", "pinned"])
+def rubbing(request):
+    """A chain of four links with dry joints between walls at any angle, located in some state."""
+    pinned = {("contact", "points"): [1, 2, 3, 4]} if request.param == "pinned" else {}
+    joints = {("chain", "links", i, "joint_friction"): 0.1 for i in range(1, 4)}
+    changes = {("chain", "base"): request.param, ("initial", "velocity"): [0, 0]} | joints | pinned
+    scene, d = prepared(True, changes | {("contact", "friction"): 0.3})
+    assert initialize(d, 0.0) == OK
+    y = random_state(np.random.default_rng(3), d)
+    kinematics.locate_points(d, y)
+    return scene, d, y
+
+
+def test_the_tangent_of_a_wall_is_its_normal_turned_backward(rubbing):
+    """t = (n_y, −n_x): to the right along a floor."""
+    scene, d, _ = rubbing
+    planes = scene.half_planes
+    for c in range(d.candidates):
+        place, *t = tangent(d, c)
+        assert place == d.candidate.point[c]
+        nx, ny = list(planes.values())[c % len(planes)].normal
+        assert t == pytest.approx([ny, -nx], abs=3e-16)
+        if d.candidate.wall[c] == WALLS.index("y_min"):
+            assert t == [1.0, 0.0]
+
+
+def test_the_tangent_of_a_joint_is_its_angle_at_the_arm(rubbing):
+    """J v by the angle's rate, ψ̇ = θ̇_i − θ̇_{i−1}; motions and loads along tangents are adjoint."""
+    _, d, y = rubbing
+    n = d.links
+    rates = np.diff(y[n + 4 : 2 * n + 4], prepend=0.0)
+    for i in range(n):
+        e = d.candidates + i
+        assert tangent(d, e) == (n + 1 + i, 1.0, 0.0)
+        speed = tangential_rate(d, e)
+        assert speed == pytest.approx(d.model.size * rates[i], rel=1e-12, abs=1e-14)
+    change = any_change(d)
+    assert_adjoint(d, [tangent(d, e) for e in range(d.elements)], change)

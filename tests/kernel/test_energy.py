@@ -1,0 +1,94 @@
+"""The energies of a chain with springs and contacts, and the ledger that no motion changes."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel import equations
+from chain_impact.kernel.chain import joints, kinematics
+from chain_impact.kernel.equations import energy_balance, mechanical_energy, stored_energy
+from chain_impact.kernel.forces import contact, contact_force
+from tests.kernel.chains import chain, press_in, struck, touch
+from tests.plain import make_rigid
+from tests.reference import centre_jacobian
+
+CASES = [("free", 1), ("free", 4), ("pinned", 1), ("pinned", 3)]
+BASES = pytest.mark.parametrize(("base", "count"), CASES)
+
+
+def prepared(base, count, **more):
+    """A chain with all that resists and drives, in contact with two walls by some depth; its state."""
+    rng = np.random.default_rng([count, len(base)])
+    scene, d = chain(rng, count, base, springs=True, dampers=True, inputs=True, **more)
+    candidates = [1, d.candidates - 1]
+    y = struck(rng, d, candidates)
+    for k, c in enumerate(candidates):
+        if not d.contact.any_rigid:
+            contact.begin_contact(d, c)
+        press_in(d, c, 1e-3 * (k + 1))
+    contact.set_kink_sides(d)
+    d.inputs.joint_torque[:], d.inputs.tip_force[:] = rng.normal(size=count), rng.normal(size=2)
+    return scene, d, y, candidates
+
+
+@BASES
+def test_kinetic_and_potential_energy_are_those_of_the_centres_of_mass(base, count):
+    """½ Σ (m v_C² + I ω²), and −Σ m g·p_C."""
+    scene, d, y, _ = prepared(base, count)
+    angles, rates = y[2 : count + 2], y[count + 2 : 2 * count + 4]
+    kinetic, potential = mechanical_energy(d, y)
+    speeds = [centre_jacobian(scene, angles, i) @ rates for i in range(count)]
+    twice = [
+        link.mass * v @ v + link.inertia * omega**2
+        for link, v, omega in zip(scene.chain.links, speeds, rates[2:], strict=True)
+    ]
+    assert kinetic == pytest.approx(0.5 * sum(twice), rel=1e-12)
+    place, expected = y[0] + 1j * y[1], 0.0
+    for link, angle in zip(scene.chain.links, angles, strict=True):
+        centre = place + link.center_of_mass * np.exp(1j * angle)
+        expected -= link.mass * (scene.gravity[0] * centre.real + scene.gravity[1] * centre.imag)
+        place += link.length * np.exp(1j * angle)
+    assert potential == pytest.approx(expected, rel=1e-12)
+
+
+@BASES
+def test_what_is_stored_is_that_of_the_springs_and_of_the_contacts_that_are_pressed(base, count):
+    _, d, y, (first, _second) = prepared(base, count)
+    assert d.model.sprung == (count > 1 or base == "pinned")
+    springs = joints.spring_energy(d, y)
+    contacts = [contact_force.elastic_energy(d, 0, depth) for depth in (1e-3, 2e-3)]
+    assert stored_energy(d, y) == pytest.approx(springs + sum(contacts), rel=1e-9)
+    press_in(d, first, -1e-3)  # it has left, and its end has not been found yet
+    assert stored_energy(d, y) == pytest.approx(springs + contacts[1], rel=1e-9)
+    d.model.sprung = 0
+    assert stored_energy(d, y) == pytest.approx(contacts[1], rel=1e-9)
+    make_rigid(d)
+    assert stored_energy(d, y) == 0.0
+    d.model.sprung = 1
+    make_rigid(d, 0)
+    touch(d, [])
+    assert stored_energy(d, y) == springs
+
+
+@BASES
+@pytest.mark.parametrize("law", ["zhang_sharf", "jankowski", "newton_impact"])
+def test_no_motion_changes_the_ledger(base, count, law):
+    """By a central difference along ẏ, under gravity, springs, dampers, inputs and contacts."""
+    _, d, y, _ = prepared(base, count, model=law, stiffness=1e5)
+    if d.contact.any_rigid:
+        touch(d, [])
+    rate, h, ends, scale = np.zeros(len(y)), 1e-6, [], []
+    equations.state_rate(d, y, rate)
+    for side in (h, -h):
+        moved = y + side * rate
+        kinematics.locate_points(d, moved)
+        ends.append(energy_balance(d, moved))
+        scale.append(sum(mechanical_energy(d, moved)))
+    assert (ends[0] - ends[1]) / (2 * h) == pytest.approx(0.0, abs=2e-5 * max(1.0, abs(ends[0])))
+    # of which the motion alone does change something
+    assert abs(scale[0] - scale[1]) / (2 * h) > 1e-2
+    y[2 * count + 4] += 3.0
+    y[2 * count + 5] += 10.0
+    before = energy_balance(d, y - 0.0)
+    y[2 * count + 4] += 3.0
+    y[2 * count + 5] += 10.0
+    assert energy_balance(d, y) - before == pytest.approx(3.0 - 10.0, abs=1e-8 * max(1.0, abs(before)))
