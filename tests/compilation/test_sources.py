@@ -26,7 +26,7 @@ def test_equal_sources_have_one_wherever_they_are(copy):
     assert fingerprint() == sources.fingerprint()
 
 
-KERNEL = [f"kernel/{name}.py" for name in ("model/contact", "events/search", "record/instance")]
+KERNEL = [f"kernel/{name}.py" for name in ("forces/contact", "events/search", "record/instance")]
 OURS = [f"compilation/{name}" for name in ("record_type.py", "law_file.py", "c_interface/common/states.c")]
 NOT_OURS = [f"compilation/{name}.py" for name in ("cache", "errors", "library", "places", "ready", "work")]
 NOT_OURS += ["results/plots/overview.py", "extras.py", "system.py"]

@@ -1,9 +1,8 @@
-"""Checks that a record from outside, such as a restored state of an FMU, is safe to compute with.
+"""The functions for callers of an instance; compilation/entry_points.py makes C functions of them.
 
-Checked is every number that the kernel uses as an index or as the number of iterations of a loop. Any other
-number may be wrong: it leads to a fault status, never to an access outside the record.
-
-The functions for callers of an instance; compilation/entry_points.py makes C functions of them.
+``sound`` checks that a record from outside, such as a restored state of an FMU, is safe to compute with:
+every number that the kernel uses as an index or as the number of iterations of a loop. Any other number may
+be wrong: it leads to a fault status, never to an access outside the record.
 """
 
 from chain_impact.kernel import hooks

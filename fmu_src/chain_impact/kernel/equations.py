@@ -1,6 +1,6 @@
-"""The energy of the chain, its springs and its contacts, and their balance, constant in the exact motion.
+"""The equations of motion ẏ = f(y), which combine all parts of the model, and the energy that they keep.
 
-The equations of motion ẏ = f(y), which combine all parts of the model; chain/state.py describes y.
+chain/state.py describes y.
 """
 
 from chain_impact.kernel.chain.joints import spring_energy, spring_stiffness, stretch

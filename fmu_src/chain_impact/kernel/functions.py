@@ -1,7 +1,4 @@
-"""Which functions the compiler has to inline.
-
-Makes one function of several: one that calls one of them, or all in turn.
-"""
+"""Functions of functions: a mark for those that are inlined, and one function made of several."""
 
 
 def inlined(function):

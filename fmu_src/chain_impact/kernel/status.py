@@ -1,6 +1,4 @@
-"""Status codes of the kernel, with the sentence that users read, and a name for tables.
-
-Bounds on work and on events per simulated time, so that every run ends.
+"""Status codes, with the sentence that users read, and the bounds on work and events by which every run ends.
 
 The unit of work is an evaluation of the right-hand side. To locate the points in the search for events costs
 about as much, and so does to solve for the response of the chain to impulses.

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.kernel.model.test_contact_force import MASS, SPEED, STIFFNESS, scaled_impact
 
 from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.kernel.advance import advance, advance_one_step
@@ -35,6 +34,7 @@ from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.model import Model
 from tests.coulomb_problems import braked_link, oblique_ball
 from tests.kernel.chains import chain, touch
+from tests.kernel.forces.test_contact_force import MASS, SPEED, STIFFNESS, scaled_impact
 from tests.kernel.rubbing import rubbing_chain
 from tests.kernel.steps import held_tip, set_step, translation, wall_at, walls_away
 from tests.plain import Plain

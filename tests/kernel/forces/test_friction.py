@@ -35,13 +35,13 @@ def test_contacts_are_listed_before_joints(base, contacts, joints):
     assert found[: own.contact_count] == [int(c) for c in d.touch.active_index[:contacts]]
     assert [friction.joint_of(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
     assert own.used
-    assert not friction.any_sticking(d)
+    assert not geometry.any_sticking(d)
     d.element.mode[found[-1]] = friction.STICKS
     friction.list_sticking(d)
     assert (own.stuck_count, int(d.element.stuck[0])) == (1, found[-1])
     assert own.stuck_joints == joints
     friction.suspend_sticking(d)
-    assert not friction.any_sticking(d)
+    assert not geometry.any_sticking(d)
     friction.list_friction(d)
     assert own.stuck_count == 1
     friction.clear_friction(d)

@@ -9,8 +9,8 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS, contact_law
 @pytest.mark.parametrize("options", [{}, {"allows_zero": False, "exponent": 1.5, "rate_exponent": 0.25}])
 def test_a_law_is_registered_under_the_name_of_its_function(options, monkeypatch):
     """In the order in which they come; its docstring tells its limits, on one line."""
-    laws = {}
-    monkeypatch.setattr(laws, "CONTACT_LAWS", laws)
+    registered = {}
+    monkeypatch.setattr(laws, "CONTACT_LAWS", registered)
 
     def one(e):
         """Good for
@@ -25,17 +25,17 @@ def test_a_law_is_registered_under_the_name_of_its_function(options, monkeypatch
     register = contact_law("Title", "2001, Source", "2e", (0.25, 0.75), "D", **options)
     assert register(one) is one
     contact_law("Other", "Others 2002, Source", "e", (0.0, 1.0), "E", impulsive=True)(other)
-    assert list(laws) == ["one", "other"]
-    law = laws["one"]
+    assert list(registered) == ["one", "other"]
+    law = registered["one"]
     assert (law.id, law.number, law.title, law.formula) == ("one", 1, "Title", "2e")
-    assert (law.source, laws["other"].source) == ("Title 2001, Source", "Others 2002, Source")
+    assert (law.source, registered["other"].source) == ("Title 2001, Source", "Others 2002, Source")
     assert (law.limits, law.evidence) == ("Good for nothing.", "D")
     assert (law.accurate_from, law.accurate_to, law.damping_factor) == (0.25, 0.75, one)
     assert law.allows_zero == ("allows_zero" not in options)
     assert (law.exponent, law.rate_exponent) == (options.get("exponent"), options.get("rate_exponent"))
     assert (law.mass_power, law.approach_only, law.impulsive) == (0.0, False, False)
-    assert laws["other"].number == 2
-    assert laws["other"].impulsive
+    assert registered["other"].number == 2
+    assert registered["other"].impulsive
 
 
 def test_the_force_of_a_law_is_told_with_its_exponents():

@@ -190,12 +190,12 @@ def test_a_course_that_falls_is_below_all_that_follows(d, kept):
     d.quadrature.dense[:, 0], d.step.kept = 0.0, kept
     d.quadrature.dense[:3, 0], d.quadrature.state[0] = (1.0, -1.9, 2.0), 3.0
     d.quadrature.state_end[0] = interpolate_component(d.quadrature, kept, 0)
-    dense = np.array([interpolate_component(d.quadrature, theta, 0) for theta in thetas])
+    at = np.array([interpolate_component(d.quadrature, theta, 0) for theta in thetas])
     course = np.array([dense.quadrature_within(d, theta, 0) for theta in thetas])
-    assert np.diff(dense).min() < -1e-3
+    assert np.diff(at).min() < -1e-3
     assert np.diff(course).min() >= 0.0
     assert (course[0], course[-1]) == (3.0, d.quadrature.state_end[0])
-    assert np.abs(course - np.maximum(3.0, dense)).max() <= np.abs(dense - dense.clip(3.0)).max()
+    assert np.abs(course - np.maximum(3.0, at)).max() <= np.abs(at - at.clip(3.0)).max()
 
 
 def test_a_new_phase_starts_from_the_totals(d):

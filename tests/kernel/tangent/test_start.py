@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from tests.kernel.laws.test_contact_laws import FACTORS
 
 from chain_impact import CONTACT_LAWS
 from chain_impact.kernel import advance
@@ -15,6 +14,7 @@ from chain_impact.kernel.tangent import duals, replay as starts, trust
 from tests.complex_laws import TINY
 from tests.derivative_scenes import Case
 from tests.kernel.chains import chain, press_in, random_state, touch, vectors
+from tests.kernel.forces.test_contact_laws import FACTORS
 from tests.kernel.tangent.dual import Dual, random_duals, started
 from tests.plain import Plain, make_rigid, record_of
 from tests.problems import ball, of_law

@@ -1,24 +1,23 @@
-"""Values that follow from others unless they are given, such as the inertia of a link.
+"""The inertia of a link where it is not given, and a check that the mass matrix is regular in every position.
 
-A scene derives them as it is read, and they stay derived: whoever changes a length changes the centre of mass
-and the inertia with it. So the record has a place for what is given, which holds DERIVED where nothing is,
-and a place for the value in use. The kernel fills the latter: at initialization, or, of a value that can be
-set at any time, when such values are applied. ``Chain.set`` and FMUs write a value that is set into both
-places, for example into ``given_inertia`` and ``inertia``: it is given from then on, and can be read at once.
-Sweeps and the page write only the place for what is given, as they read nothing before the run. So a changed
-parameter gives what the edited scene file gives, and a tangent instance has the derivatives through what is
-derived.
+A scene derives some values from others, such as the inertia, as it is read, and they stay derived: whoever
+changes a length changes the centre of mass and the inertia with it. So the record has a place for what is
+given, which holds DERIVED where nothing is, and a place for the value in use. The kernel fills the latter: at
+initialization, or, of a value that can be set at any time, when such values are applied. ``Chain.set`` and
+FMUs write a value that is set into both places, for example into ``given_inertia`` and ``inertia``: it is
+given from then on, and can be read at once. Sweeps and the page write only the place for what is given, as
+they read nothing before the run. So a changed parameter gives what the edited scene file gives, and a tangent
+instance has the derivatives through what is derived.
 
-A check that the mass matrix is regular in every position, so that the recursion never divides by zero.
-
-It is singular where the chain can move without kinetic energy: no centre of mass moves, and no link turns
-that has an inertia. A link without inertia can turn about its centre of mass. That moves its proximal joint,
-unless the centre of mass lies there, and its distal one, unless it lies there. A joint that moves turns the
-next link, which must be without inertia, too, and about its own centre of mass, which is possible while both
-links are on one line. So the motion continues along a sequence of links without inertia. It begins at a link
-whose proximal joint is the free base or its centre of mass, and it ends at a link whose distal joint is the
-tip or its centre of mass. If no sequence has such a beginning and such an end, every pivot of the recursion
-is positive: they are those of the elimination of a positive definite matrix.
+The recursion never divides by zero if the mass matrix is regular. It is singular where the chain can move
+without kinetic energy: no centre of mass moves, and no link turns that has an inertia. A link without inertia
+can turn about its centre of mass. That moves its proximal joint, unless the centre of mass lies there, and
+its distal one, unless it lies there. A joint that moves turns the next link, which must be without inertia,
+too, and about its own centre of mass, which is possible while both links are on one line. So the motion
+continues along a sequence of links without inertia. It begins at a link whose proximal joint is the free base
+or its centre of mass, and it ends at a link whose distal joint is the tip or its centre of mass. If no
+sequence has such a beginning and such an end, every pivot of the recursion is positive: they are those of the
+elimination of a positive definite matrix.
 """
 
 DERIVED = -1.0

@@ -1,13 +1,16 @@
-"""Cosines and sines of all angles at once, without branches: three times cheaper than the C library's.
-
-Those of the C library would take half the time of a right-hand side. These are the same on every machine, so
-results do not depend on its C library. Their errors are below 2e-16, see tests/kernel/chain/test_sincos.py.
-
-Kinematics of the chain: where its points are, how fast they move and how they accelerate.
+"""Kinematics of the chain: where its points are, how fast they move and how they accelerate.
 
 Vectors of all places are records with ``x, y``, shape (2N+1,). The first N + 1 places are the points 0…N. A
 scene with stops has N more, one for each joint 1…N. Their x is the joint's own angle θ_i − θ_{i−1} at a lever
 arm, the longest link, and their y is 0. So a stop is to all other modules what a wall is to a point.
+
+The cosines and sines of all angles are computed at once and without branches, three times cheaper than the C
+library's, which would take half the time of a right-hand side. They are the same on every machine, so results
+do not depend on its C library. Their errors are below 2e-16, see tests/kernel/chain/test_sincos.py.
+
+The cosines and sines of all angles are computed at once and without branches, three times cheaper than the C
+library's, which would take half the time of a right-hand side. They are the same on every machine, so results
+do not depend on its C library. Their errors are below 2e-16, see tests/kernel/chain/test_sincos.py.
 """
 
 import math

@@ -18,11 +18,10 @@ Source: the recursion after Ahmadizadeh, Shafei, Fooladi, *A recursive algorithm
 frictionless impact-contacts in open-loop robotic mechanisms*, Mechanism and Machine Theory; the
 elimination in this form is derived in docs/computation.md.
 
-The elimination: solutions with M + Jᵀ D J + K in O(N), for real, complex and dual numbers alike.
-
-D are impedances at the points. K = Σ κ_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}: each joint resists
-a change of its relative angular velocity by κ_i (Δ_i − Δ_{i−1}) − μ_i, with μ_i an impulse in the joint. The
-base has a damper only if it is pinned.
+``factorize`` and ``solve`` find solutions with M + Jᵀ D J + K in O(N), for real, complex and dual numbers
+alike. D are impedances at the points. K = Σ κ_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}: each joint
+resists a change of its relative angular velocity by κ_i (Δ_i − Δ_{i−1}) − μ_i, with μ_i an impulse in the
+joint. The base has a damper only if it is pinned.
 
 A joint that resists transmits a moment. The response of the outer part of the chain therefore depends on the
 motion a of the joint and on β, that of the next link inward:
@@ -30,7 +29,7 @@ motion a of the joint and on β, that of the next link inward:
     Z = ½ a·A a + β e·a + ½ p β² − b·a − t β,
 
 with A, e and p a symmetric 3×3 articulated inertia. To this, link i adds its own inertia and its damper,
-and is eliminated, Δ_i = α. With L, m c, x⊥ as in recursion.py and primes for the part outside of link i,
+and is eliminated, Δ_i = α. With L, m c, x⊥ as above and primes for the part outside of link i,
 whose β is α:
 
     h = m c⊥ + A' L⊥ + e',   H = I + m c² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t',
@@ -42,7 +41,7 @@ The result has the coefficients, with σ = κ/(H + κ) between 0 and 1,
     A = A' + m 1 − h hᵀ/(H + κ),   e = σ h,   p = σ H,
     b = b' − h (s + μ)/(H + κ),    t = σ s − (1 − σ) μ,
 
-in which nothing cancels, however large κ is. As in recursion.py two arms meet at the middle joint. Its damper
+in which nothing cancels, however large κ is. As above two arms meet at the middle joint. Its damper
 belongs to the outward arm, whose β is the α of the last link of the inward one: e, p and t of the outward arm
 add to h, H and s of that link. A light link at an end is eliminated before heavier ones, which
 would swallow its digits.
@@ -92,7 +91,7 @@ def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
 
 
 def eliminate_end(d, y, i, outward):
-    """As ``eliminate_inner``, for the link at a free end: A' = 0 and b' = 0, so 1/H depends on no other link."""
+    """As ``eliminate_inner``, for the link at a free end: A' = 0, b' = 0 and 1/H depends on no other link."""
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = _, _, sx, sy, inertia = arm(d, d.work.link, i, outward)
     dx, dy = -d.work.load.x[joint], -d.work.load.y[joint]
@@ -142,7 +141,7 @@ def accelerations(d, y, rate):
         rate: result, of which the accelerations of the base [m/s²], zero if it is pinned, and of the links
             [rad/s²] are set.
 
-    It leaves what ``take_factors`` in elimination.py takes for the response to other loads.
+    It leaves what ``take_factors`` takes for the response to other loads.
     """
     # two calls, so that in the first the middle joint is a constant for the compiler
     if d.model.pinned:

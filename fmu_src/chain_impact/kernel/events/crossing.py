@@ -1,6 +1,6 @@
-"""Events found by sampling a step: where a function of the motion first falls below zero.
+"""Where a function of the motion first falls through zero in a step: by bounds, or by samples.
 
-Crossings: where a clearance or a penetration φ falls through zero, located on the dense output.
+A clearance or a penetration φ is located on the dense output with bounds.
 
 A check for a sign change between the ends of a step alone misses a point that dips into a wall and returns.
 So a bound excludes that: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus A w²/8,

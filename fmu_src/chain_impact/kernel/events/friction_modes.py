@@ -17,7 +17,6 @@ from chain_impact.kernel.events.sampled import excess, rest_speed
 from chain_impact.kernel.forces.friction import (
     NO_FRICTION,
     STICKS,
-    any_sticking,
     joint_of,
     list_friction,
     list_sticking,
@@ -28,7 +27,7 @@ from chain_impact.kernel.forces.friction import (
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, ROUNDS, count_stalls, note_unsolved
-from chain_impact.kernel.rows.geometry import tangential_acceleration, tangential_rate
+from chain_impact.kernel.rows.geometry import any_sticking, tangential_acceleration, tangential_rate
 from chain_impact.kernel.status import count_evaluations
 
 # Of the largest acceleration, gravity and a link length per second squared: a sliding element at rest that

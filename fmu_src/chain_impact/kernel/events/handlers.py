@@ -3,7 +3,7 @@
 Crossings of clearances, ONSET and END, are found with bounds, so that none is missed (crossing.py); the other
 events by sampling a step, because to find one of them late does no harm (sampled.py, which lists them). A
 handler takes (d, c), with the points located, and returns whether a force has jumped. For rigid walls,
-handle_impact handles all simultaneous events together (impulses.py). If a point arrives at one, the
+handle_impact handles all simultaneous events together (impacts.py). If a point arrives at one, the
 simultaneous onsets of contacts with a force wait for the impulses.
 """
 

@@ -1,7 +1,7 @@
 """The marks of events that the search has found in the last step: ``touch.event`` and ``element.event``.
 
-Only this module sets them. They stay until the next step applies them (table.py, friction_modes.py).
-table.py and sampled.py describe the kinds.
+Only this module sets them. They stay until the next step applies them (handlers.py, friction_modes.py).
+handlers.py and sampled.py describe the kinds.
 """
 
 NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5

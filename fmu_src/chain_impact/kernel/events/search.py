@@ -2,7 +2,7 @@
 
 For most steps a test on their ends excludes any event (exclusion.py); then no dense output is needed. In the
 other steps the first crossing is located, and then the other kinds of event are searched for up to it.
-table.py lists all kinds of event.
+handlers.py lists all kinds of event.
 """
 
 import math

@@ -1,6 +1,6 @@
 """The force of a contact, F = max(0, K δⁿ + d δᵖ δ̇), its partial derivatives and its elastic energy.
 
-The damping d is latched: its value is fixed at the onset. The laws in contact_laws.py differ here only in d
+The damping d is latched: its value is fixed at the onset. The laws in laws.py differ here only in d
 and its exponents. A user's law (user_law.py) defines the whole force.
 
 The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. A step

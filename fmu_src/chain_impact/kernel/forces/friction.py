@@ -100,11 +100,6 @@ def suspend_sticking(d):
     d.friction.stuck_count, d.friction.stuck_joints = 0, 0
 
 
-def any_sticking(d):
-    """Whether any element sticks."""
-    return d.friction.stuck_count > 0
-
-
 def begin_friction(d, c):
     """Set the mode of a contact that begins at located points, until events/friction_modes.py chooses it."""
     speed = tangential_rate(d, c)

@@ -10,7 +10,7 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, largest, loc
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, velocity_at
 from chain_impact.kernel.chain.tree import FREE, take_factors
 from chain_impact.kernel.forces.contact import keep_force
-from chain_impact.kernel.forces.friction import any_sticking, keep_static_forces
+from chain_impact.kernel.forces.friction import keep_static_forces
 from chain_impact.kernel.rows.compliance import held_mobility, joints_loaded, mean_mass, solve_space
 from chain_impact.kernel.rows.constraints import (
     activate_all,
@@ -23,6 +23,7 @@ from chain_impact.kernel.rows.constraints import (
 from chain_impact.kernel.rows.geometry import (
     add_along,
     along,
+    any_sticking,
     clear_loads_of,
     clearance,
     constraint_acceleration,

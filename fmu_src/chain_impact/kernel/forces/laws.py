@@ -1,6 +1,4 @@
-"""The registry of contact laws: the properties of each, and the order of their numbers in the FMU.
-
-The contact laws.
+"""The contact laws: the force of each, its properties, and the order of their numbers in the FMU.
 
     F = max(0, K δⁿ + d δᵖ δ̇)
 

@@ -2,7 +2,7 @@
 
 The exact motion conserves the energy balance (equations.py), so any change of it in a step is an error.
 Steps that keep the tolerance change it by about the tolerance times a scale S, or less. To first order, with
-the scales of errors.py for the errors of the components of the state,
+the scales of control.py for the errors of the components of the state,
 
     S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| + Σ (K δⁿ s_δ + ½ m v₀²)
         + dissipated and supplied energy,

@@ -1,8 +1,8 @@
 """The implicit step of order 9, for sustained contact and stiff joints: Radau IIA (its data: radau.py).
 
 The step finds the polynomial of degree 5 that starts at z_0 and satisfies ż = f(z) at five nodes; its end is
-the result. The equations are in extended.py, newton.py solves them with the linear systems of
-linear_system.py.
+the result. The equations and their linear systems are in extended.py, and radau.py
+solves them.
 
 Two estimates of the error compare f with the polynomials through its values F at the nodes,
 

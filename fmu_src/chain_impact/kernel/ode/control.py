@@ -1,18 +1,16 @@
-"""The methods of integration, as data. Which function does what for them is in methods.py.
+"""Control of the step's size: the error of a tried step, and the size of the next one.
 
-Explicit steps are stable for equations that are not stiff; they evaluate the rate at their end, as the first
-stage of the next step. Implicit steps are stable however stiff the equations are. The end of an implicit step
-is more accurate than its dense output, so that it is repeated to end at an event, and its method finds a size
-for the first step after one.
-
-The outcome of a tried step, and the size of the next one: from its error, or where there is none yet.
+The methods of integration are data here; which function does what for them is in methods.py. Explicit steps
+are stable for equations that are not stiff; they evaluate the rate at their end, as the first stage of the
+next step. Implicit steps are stable however stiff the equations are. The end of an implicit step is more
+accurate than its dense output, so that it is repeated to end at an event, and its method finds a size for the
+first step after one.
 
 A method tries a step and concludes it with its error. If that is within the tolerance, the search for events
 and the energy check can still refuse the step: it is accepted if its error is at most 1 after them. A
 rejected step costs as much as an accepted one. So the sizes of the first step in flight and of the first step
-of a contact are estimated in advance.
-
-The size of an error: its components over the scales to which the tolerance refers.
+of a contact are estimated in advance. The size of an error is that of its components over the scales to which
+the tolerance refers.
 """
 
 import math
@@ -59,7 +57,7 @@ ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
 FAR_OFF = 1e6
 LEAST = 1e-16  # a smaller error, which may be 0, counts as this one
 # Rotation of the links [rad] in the first step of a flight at a tolerance of 1: the largest for which few of
-# them are rejected (tests/kernel/integration/test_control.py). ONSET_SIZE of the methods is chosen likewise.
+# them are rejected (tests/kernel/ode/test_control.py). ONSET_SIZE of the methods is chosen likewise.
 TURN = 2.8
 # In the place of ONSET_SIZE and ONSET_ORDER for an explicit step in time: there the force begins as a power
 # of the time since the onset, so errors are of a lower order than those of the method.

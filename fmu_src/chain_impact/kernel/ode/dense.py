@@ -1,15 +1,12 @@
 """The last accepted step and its dense output: y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + … + θ F₆))), 0 ≤ θ ≤ 1.
 
-Quadratures: integrals along the motion, such as the impulses of the walls. QUADRATURES lists them.
-
-They advance with the stages and the dense output of the state, do not act on the motion, and the error
+Quadratures are integrals along the motion, such as the impulses of the walls; QUADRATURES lists them. They
+advance with the stages and the dense output of the state, do not act on the motion, and the error
 control ignores them. The momentum of the chain changes in a step by what gravity, inputs and the impulses
 give, to the accuracy of the step. ``quadrature.total`` has a place for each, with its value at the time when
 contacts last began or ended. Those that are integrated in a step are packed: ``quadrature.state``,
 ``state_end``, ``tried``, ``stage`` and ``dense`` are for them what the same fields of the step are for y, and
 ``quadrature.index`` has their places. A scene that does not request them has no cost for them.
-
-The maximum of a function of the state inside the last step.
 """
 
 import numpy as np

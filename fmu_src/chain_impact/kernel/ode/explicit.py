@@ -1,4 +1,4 @@
-"""The coefficients of DOP853, as data.
+"""The explicit step of order 8, DOP853, for flight and impact: its coefficients as data, and its functions.
 
 Explicit Runge–Kutta method of order 8 with 12 stages, two embedded error estimates of orders 5 and 3, and
 dense output of order 7 by three further stages. The first stage of a step is the last one of the step
@@ -6,21 +6,18 @@ before. Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differen
 Springer 1993, section II.5 and the authors' code; J. R. Dormand and P. J. Prince 1981, J Comput Appl Math
 7:67 for the family.
 
-Each row maps the number of a stage to its coefficient; zeros are left out.
-
-The explicit step of order 8, for flight and impact (the method's data: dop853.py).
+Each row of coefficients maps the number of a stage to its coefficient; zeros are left out.
 """
 
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at
-from chain_impact.kernel.forces.friction import any_sticking
 from chain_impact.kernel.functions import sequence
 from chain_impact.kernel.ode.control import conclude, scaled_errors, set_gap_errors
 from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_stage_at_end
 from chain_impact.kernel.ode.sundman import NO_CONTACT, regularize, regularized_rate, root_curve, runs_back
-from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
+from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_acceleration
 from chain_impact.kernel.status import count_evaluations
 
 ORDER = 8

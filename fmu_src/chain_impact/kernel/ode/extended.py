@@ -9,12 +9,11 @@ except for the force law.
 A rigid wall has no force law and constrains its points as in all other steps (forces/holding.py): z has
 no entries for them.
 
-The linear systems of an implicit step, (1 − s A) x = r, for a real and for complex shifts s.
-
+The linear systems of an implicit step are (1 − s A) x = r, for a real and for complex shifts s.
 A is the stiff part of the Jacobian. A point resting on a stiff wall makes the equations stiff: the contact's
 own motions are far faster than the chain's, and decay. So do joints with dampers or springs; their moments
 are −C v − S q, up to constants, with C = Σ c_i g_i g_iᵀ, S = Σ k_i g_i g_iᵀ and g_i the gradient of
-ω_i − ω_{i−1}. All other terms are left out and treated by Newton's iteration. For z of extended.py
+ω_i − ω_{i−1}. All other terms are left out and treated by Newton's iteration. For z as above
 
     ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(ẋ, ġ)/∂(v, ġ) = 1,
 
@@ -32,10 +31,9 @@ J Δ = 0, has an impedance far larger than the mass of the chain.
 The functions take s, x and work ``space`` that are all real or all complex. The space has impedances, loads,
 factors, of which a ``row`` is used, and the resulting motion.
 
-The coordinates of an implicit step, projected onto the clearances that are integrated with them.
-
-The two differ by little, but on a stiff wall this would act as an impact. The difference before the
-projection counts as an error of the step.
+The coordinates are projected onto the clearances that are integrated with them. The two differ by little, but
+on a stiff wall this would act as an impact. The difference before the projection counts as an error of the
+step.
 """
 
 from chain_impact.kernel.chain.joints import joint_resistance, spring_stiffness

@@ -1,4 +1,4 @@
-"""The choice of the method for the next step.
+"""The choice of the method for the next step, and which function does what for each method.
 
 The explicit method is better as long as accuracy limits its step: in flight and in impacts. In sustained
 contact its stability limits the step, or its loss of order. The fastest motion of a contact has the rate
@@ -13,7 +13,7 @@ spring oscillates rather than decays. If the oscillation matters at the toleranc
 below STIFF; if they are longer, it is so small that implicit steps, which damp it, may lose it.
 Rigid walls cause no stiffness: with them only joints do.
 
-The functions of the methods. Those of a try take the size h of a step, in its integration variable.
+The functions of a try take the size h of a step, in its integration variable.
 """
 
 import math

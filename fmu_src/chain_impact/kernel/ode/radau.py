@@ -1,19 +1,18 @@
-"""The coefficients of Radau IIA with 5 stages, as data.
+"""Radau IIA with 5 stages: its coefficients as data, and the simplified Newton iteration for the stages.
 
 Collocation at the zeros c_i of P_4 − P_5, Legendre's polynomials shifted to [0, 1]: order 9, stage order 5,
 L-stable and stiffly accurate. Source: E. Hairer and G. Wanner 1996, *Solving Ordinary Differential Equations
 II*, 2nd ed., Springer, section IV.5; the same 1999, J Comput Appl Math 111:93 for 5 stages. They are verified
-in tests/kernel/integration/test_radau.py.
+in tests/kernel/ode/test_radau.py.
 
 The matrix Q has one real eigenvalue and two pairs of complex ones. LEFT has its left eigenvectors as rows,
 real and imaginary parts of a pair one below the other, and RIGHT the parts of the right ones as columns, such
 that RIGHT · LEFT = 1; the factor 2 of the real part, for both eigenvalues of a pair, is included in RIGHT.
 
-The simplified Newton iteration of a collocation step, in increments u_i = z_i − z_0 of the stages.
-
-The stages of a step of size h solve U = h Q F(z_0 + U). With A one approximate Jacobian for all of them, an
-iteration solves (1 − h Q ⊗ A) ΔU = R, R = h Q F − U. In the eigenvectors of Q, W = LEFT · R, these become
-systems (1 − h μ A) w = w', one for the real eigenvalue and one for each pair of complex ones; ΔU = RIGHT · W.
+In increments u_i = z_i − z_0 the stages of a step of size h solve U = h Q F(z_0 + U). With A one approximate
+Jacobian for all of them, an iteration solves (1 − h Q ⊗ A) ΔU = R, R = h Q F − U. In the eigenvectors of Q, W
+= LEFT · R, these become systems (1 − h μ A) w = w', one for the real eigenvalue and one for each pair of
+complex ones; ΔU = RIGHT · W.
 
 The terms that A leaves out cost iterations, but no accuracy: successive corrections fall by a factor θ of
 about h |∂f/∂z − A|. The iteration has converged when the remaining error, θ/(1 − θ) of the last correction,

@@ -1,6 +1,4 @@
-"""The part of the record with the outputs.
-
-The layout of an instance: one flat record that holds all data of a running simulation.
+"""The layout of an instance, and of its outputs: one flat record that holds all data of a running simulation.
 
 Parameters, inputs, the integrator's memory, statistics, outputs and work space are the fields of one NumPy
 record without pointers, so the state of an FMU is a copy of its bytes. Every scalar takes eight bytes (a

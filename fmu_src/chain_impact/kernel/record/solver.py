@@ -1,7 +1,4 @@
-"""The parts of the record with the solver's memory and work space.
-
-The part of the record with the data of implicit steps.
-"""
+"""The parts of the record with the solver's memory and work space."""
 
 import numpy as np
 

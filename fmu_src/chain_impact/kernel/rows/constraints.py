@@ -28,7 +28,6 @@ residual decided on the number, forces would jump by a part of it within a step.
 import math
 
 from chain_impact.kernel.chain.tree import FREE, HELD
-from chain_impact.kernel.forces.friction import any_sticking
 from chain_impact.kernel.rows.compliance import (
     SWEEPS,
     factorize_contacts,
@@ -37,7 +36,7 @@ from chain_impact.kernel.rows.compliance import (
     mean_mass,
     solve_contacts,
 )
-from chain_impact.kernel.rows.geometry import along, constraint, constraint_rows
+from chain_impact.kernel.rows.geometry import along, any_sticking, constraint, constraint_rows
 from chain_impact.kernel.status import count_other_work, work_exceeded
 
 # Near a toggle position 1/W is far more than the mass of a link. If an iteration leaves more than SLOW of the

@@ -88,6 +88,11 @@ def constraint_rows(d):
     return d.touch.active_count + d.friction.stuck_count
 
 
+def any_sticking(d):
+    """Whether any element sticks."""
+    return d.friction.stuck_count > 0
+
+
 def constraint(d, k):
     """The row of constraint k: the active contacts, packed, and after them what sticks."""
     if k < d.touch.active_count:

@@ -4,8 +4,7 @@ The primal instance is called d. The tangent instance t has the same layout, but
 The kernel's functions work on both. In the compiled kernel dual numbers are those of
 compilation/dual_numbers.py.
 
-Instances of dual numbers after an instance in memory: together they carry all requested directions.
-
+Instances of dual numbers stand after an instance in memory; together they carry all requested directions.
 The compiled versions of these functions are in compilation/record_type.py.
 """
 

@@ -1,14 +1,4 @@
-"""The start of a tangent instance: the derivatives of all that follows from the parameters.
-
-An implicit step in dual numbers: the same iteration, started from the stages that d has found.
-
-The result of the iteration does not depend on A, so each direction of the derivatives is solved for with the
-linear systems of d, in its work space. The derivatives of the stages are
-first extrapolated from the last step, and converge by a factor θ of their own: where d is at rest its
-iteration converges at once, however long the step is, but that of the derivatives does not. So they are
-iterated until they have converged themselves, relative to the state's derivatives in the same direction.
-
-Derivatives of a run: each step of the primal instance d is repeated by the tangent instance t.
+"""Derivatives of a run: each step of the primal instance d is repeated by the tangent instance t.
 
 t has the same layout as d, and its reals are dual numbers: they carry the derivatives in some directions of
 the parameters. Its values are those of d. After each step that d has accepted, t makes the same step with the
@@ -22,6 +12,13 @@ state there by ẏ times that. Time is part of the state, so nothing else has to
 change of the state is differentiated like everything else. At the kink of a force the rate is continuous,
 so the derivative of its time has no effect.
 
+An implicit step repeats the iteration, started from the stages that d has found. The result does not depend
+on A, so each direction of the derivatives is solved for with the linear systems of d, in its work space. The
+derivatives of the stages are first extrapolated from the last step, and converge by a factor θ of their own:
+where d is at rest its iteration converges at once, however long the step is, but that of the derivatives does
+not. So they are iterated until they have converged themselves, relative to the state's derivatives in the
+same direction.
+
 Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Appl Numer Math 31:17.
 """
 
@@ -34,7 +31,6 @@ from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.marks import END, ONSET, RELATCH, copy_marks, pending_changes
 from chain_impact.kernel.forces.contact import clear_loads
 from chain_impact.kernel.forces.contact_law import copy_law, set_parameters
-from chain_impact.kernel.forces.friction import any_sticking
 from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.forces.laws import ANY, LAW_COUNT, RATE_EXPONENTS, damping_factor
 from chain_impact.kernel.initialize import clear_run, derive_chain, set_start
@@ -70,7 +66,7 @@ from chain_impact.kernel.ode.methods import begin_explicit
 from chain_impact.kernel.ode.radau import RADAU_STAGES, REAL_EIGENVALUE
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START
 from chain_impact.kernel.rows.compliance import mean_mass
-from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
+from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_acceleration
 from chain_impact.kernel.tangent.duals import (
     DIRECTIONS,
     carried,
