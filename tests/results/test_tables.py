@@ -35,7 +35,9 @@ def test_impacts_are_a_table_with_the_names_of_walls(result):
     assert table.index.tolist() == [1, 2]
     assert table["wall"].tolist() == ["y_min", "y_min"]
     assert table["onset"].tolist() == result.impacts["onset"].tolist()
-    assert set(table.attrs["units"]) == set(IMPACT_DTYPE.names) - {"point", "wall"} == set(IMPACT_UNITS)
+    assert (
+        set(table.attrs["units"]) == set(IMPACT_DTYPE.names) - {"point", "wall", "joint"} == set(IMPACT_UNITS)
+    )
 
 
 def test_a_result_without_impacts_has_an_empty_table():

@@ -10,7 +10,7 @@ import math
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.equations import clear_stage_notes, state_rate
-from chain_impact.kernel.events.contact_log import update_extremes, update_to_output_time
+from chain_impact.kernel.events.contact_log import update_peaks, update_to_output_time
 from chain_impact.kernel.events.friction_modes import reinit_modes
 from chain_impact.kernel.events.handlers import apply_events, bends_force
 from chain_impact.kernel.events.impacts import end_changed_contacts, update_active_set
@@ -27,7 +27,6 @@ from chain_impact.kernel.forces.inputs import (
     withdraw_request,
 )
 from chain_impact.kernel.initialize import first_size
-from chain_impact.kernel.loads import update_load_peaks
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.balance import (
     check_balance,
@@ -359,10 +358,7 @@ def apply_pending_events(d):
     events += pending_changes(d)
 
     ensure_rate(d)
-    if d.touch.active_count > 0:
-        update_extremes(d)
-    if d.loads > 0:
-        update_load_peaks(d)
+    update_peaks(d)
 
     rate = d.work.rate_start
     for j in range(len(d.work.y)):

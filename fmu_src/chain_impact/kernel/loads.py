@@ -11,6 +11,8 @@ time, with p the momentum of these links, that is
 
 in which the impulses of rigid walls are contained. So the joints need no quadrature of their own. The peaks
 of |f_i| are found in the dense output of each step. An impulse of a rigid wall is no force, and in no peak.
+The largest force while a contact lasts is that of the steps in which it is active: it begins and ends at ends
+of steps.
 
 The record has a row for each joint, from 0 (that of the base), and after them one for each wall. A scene that
 does not request loads has none.
@@ -22,6 +24,7 @@ from chain_impact.kernel.chain.joints import joint_damping, spring_stiffness, st
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.equations import located_rate
+from chain_impact.kernel.forces.contact import set_joint_top
 from chain_impact.kernel.ode.dense import fraction, interpolate, maximum_of
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
 from chain_impact.kernel.rows.geometry import WALLS, lever, normal, tangent
@@ -35,7 +38,7 @@ def start_loads(d, time):
     """Start at ``time`` [s] without peaks, in the state at the end of the last step."""
     own = d.transmitted
     locate_points(d, d.step.state_end)
-    own.start_time = time
+    own.start_time, own.searched_start, own.searched_end = time, math.nan, math.nan
     link_momenta(d, own.start_x, own.start_y)
     for i in range(d.links):
         own.peak[i] = 0.0
@@ -47,23 +50,15 @@ def keep_tip_impulse(d, j, impulse):
 
 
 def link_momenta(d, x, y):
-    """Set x and y to the momentum [N·s] of links i…N, for the located points."""
-    velocity, px, py = d.work.velocity, 0.0, 0.0
-    for i in range(d.links - 1, -1, -1):
-        # Σ m_j v_Cj
-        px += d.model.mass[i] * at_center(d, velocity.x, i)
-        py += d.model.mass[i] * at_center(d, velocity.y, i)
-        x[i], y[i] = px, py
+    """Set x and y to the momentum [N·s] of each link, for the located points."""
+    for i in range(d.links):
+        x[i] = d.model.mass[i] * at_center(d, d.work.velocity.x, i)
+        y[i] = d.model.mass[i] * at_center(d, d.work.velocity.y, i)
 
 
 def at_center(d, values, i):
     """The value at the centre of mass of link i, from those at the points."""
     return values[i] + d.model.center_of_mass_ratio[i] * (values[i + 1] - values[i])
-
-
-def joint_of_point(point):
-    """The row of the innermost joint that carries a force at a point."""
-    return max(point, 1) - 1
 
 
 def joint_forces(d, contact_force, friction_force, x, y):
@@ -72,15 +67,24 @@ def joint_forces(d, contact_force, friction_force, x, y):
     for i in range(d.links):
         x[i] = d.model.mass[i] * (at_center(d, acceleration.x, i) - d.model.gravity[0])
         y[i] = d.model.mass[i] * (at_center(d, acceleration.y, i) - d.model.gravity[1])
-    x[d.links - 1] -= d.inputs.tip_force[0]
-    y[d.links - 1] -= d.inputs.tip_force[1]
     for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        if d.candidate.stop[c] == 0:
-            fx, fy = wall_force(d, c, contact_force, friction_force)
-            i = joint_of_point(d.candidate.point[c])
-            x[i] -= fx
-            y[i] -= fy
+        subtract_contact(d, d.touch.active_index[k], contact_force, friction_force, x, y)
+    sum_from_tip(d, d.inputs.tip_force, x, y)
+
+
+def subtract_contact(d, c, along_normal, along_tangent, x, y):
+    """Subtract the force, or impulse, of candidate c from what its link needs."""
+    if d.candidate.stop[c] == 0:
+        fx, fy = wall_force(d, c, along_normal, along_tangent)
+        i = max(d.candidate.point[c], 1) - 1
+        x[i] -= fx
+        y[i] -= fy
+
+
+def sum_from_tip(d, at_tip, x, y):
+    """Turn what each link needs into what its joint transmits, with a force or impulse at the tip."""
+    x[d.links - 1] -= at_tip[0]
+    y[d.links - 1] -= at_tip[1]
     for i in range(d.links - 2, -1, -1):
         x[i] += x[i + 1]
         y[i] += y[i + 1]
@@ -137,46 +141,67 @@ def load_wall(d, c):
 
 def fill_load_impulses(d):
     """Fill the outputs of the impulses in joints at the communication point, for the located points."""
-    out, own = d.output.load, d.transmitted
-    link_momenta(d, out.impulse_x, out.impulse_y)
-    lasted, mass = d.step.time - own.start_time, 0.0
-    for i in range(d.links - 1, -1, -1):
-        mass += d.model.mass[i]
-        out.impulse_x[i] -= own.start_x[i] + mass * d.model.gravity[0] * lasted
-        out.impulse_y[i] -= own.start_y[i] + mass * d.model.gravity[1] * lasted
-    for c in range(d.candidates):
-        if d.candidate.stop[c] == 0:
-            px, py = wall_force(d, c, d.output.impulse, d.output.friction.impulse)
-            for i in range(joint_of_point(d.candidate.point[c]) + 1):
-                out.impulse_x[i] -= px
-                out.impulse_y[i] -= py
+    out, own = d.output, d.transmitted
+    x, y, lasted = out.load.impulse_x, out.load.impulse_y, d.step.time - own.start_time
+    link_momenta(d, x, y)
     for i in range(d.links):
-        out.impulse_x[i] -= own.tip_impulse[0]
-        out.impulse_y[i] -= own.tip_impulse[1]
+        x[i] -= own.start_x[i] + d.model.mass[i] * d.model.gravity[0] * lasted
+        y[i] -= own.start_y[i] + d.model.mass[i] * d.model.gravity[1] * lasted
+    for c in range(d.candidates):
+        subtract_contact(d, c, out.impulse, out.friction.impulse, x, y)
+    sum_from_tip(d, own.tip_impulse, x, y)
 
 
 def fill_load_peaks(d):
     """Fill the outputs of the largest forces so far. Afterwards the points are located elsewhere."""
-    out, own = d.output.load, d.transmitted
+    out, own, rises = d.output.load, d.transmitted, False
+    find_step_peaks(d)
     for i in range(d.links):
         own.top[i] = max(own.peak[i], out.x[i] * out.x[i] + out.y[i] * out.y[i])
-    search_peaks(d, d.step.time)
+        rises = rises or own.step_top[i] > own.top[i]
+    if rises:
+        search_peaks(d, d.step.time)
     for i in range(d.links):
         out.peak[i] = math.sqrt(own.top[i]) if own.top[i] > 0.0 else 0.0
 
 
 def update_load_peaks(d):
-    """Update the largest forces in the joints over the last step; as for outputs, no work is counted."""
-    own, counted = d.transmitted, counted_work(d)
+    """Update the largest forces in the joints over the last step; as for outputs, no work is counted.
+
+    They are those so far, and those while each active contact has lasted.
+    """
+    own, touch, counted = d.transmitted, d.touch, counted_work(d)
     ensure_dense(d, OUTPUTS)
+    find_step_peaks(d)
     for i in range(d.links):
-        own.top[i] = own.peak[i]
-    search_peaks(d, d.step.end)
-    for i in range(d.links):
-        own.peak[i] = own.top[i]
+        own.peak[i] = max(own.peak[i], own.step_top[i])
+    for k in range(touch.active_count):
+        c = touch.active_index[k]
+        for i in range(0 if d.model.pinned else 1, d.links):
+            if own.step_top[i] > touch.joint_top[c]:
+                set_joint_top(d, c, own.step_top[i], i + 1)
     load_joints_at(d, fraction(d, d.step.end))  # so that forces, and what follows from them, are those there
     ensure_points(d)
     uncount_work(d, counted)
+
+
+def find_step_peaks(d):
+    """Set ``transmitted.step_top`` to the largest |f|² [N²] in the last step, unless it is known.
+
+    Where that raises neither the largest one so far nor that of an active contact, it is less than these.
+    """
+    own, touch = d.transmitted, d.touch
+    if own.searched_start == d.step.start and own.searched_end == d.step.end:
+        return
+    least = math.inf
+    for k in range(touch.active_count):
+        least = min(least, touch.joint_top[touch.active_index[k]])
+    for i in range(d.links):
+        own.top[i] = min(own.peak[i], least)
+    search_peaks(d, d.step.end)
+    for i in range(d.links):
+        own.step_top[i] = own.top[i]
+    own.searched_start, own.searched_end = d.step.start, d.step.end
 
 
 def search_peaks(d, time):

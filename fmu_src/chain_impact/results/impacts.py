@@ -20,14 +20,18 @@ IMPACT_DTYPE = np.dtype(
         ("max_penetration", np.float64),
         ("effective_mass", np.float64),
         ("impulse", np.float64),
+        ("joint_force", np.float64),
+        ("joint", np.int64),
     ]
 )
 """One contact: point 0…N; wall as index into ``scene.wall_names``; onset and end [s]; impact and separation
 speed [m/s]; peak force [N]; largest penetration [m]; effective mass at onset [kg]; impulse of the wall [N·s],
-as accurate as the momentum of the chain, NaN if the scene asks for no impulses. The end and the separation
-speed of a contact that lasts to the end of the simulation are NaN. Under the law ``newton_impact`` a bounce
-has no duration, and a peak force of 0, as an impulse has no peak; that of a contact that lasts is the largest
-force that held it.
+as accurate as the momentum of the chain, NaN if the scene asks for no impulses; the largest force in a joint
+while the contact lasts [N], and the number of this joint, 1…N, NaN and 0 if the scene asks for no loads. The
+end and the separation speed of a contact that lasts to the end of the simulation are NaN. Under the law
+``newton_impact`` a bounce has no duration, and peak forces of 0, in no joint, as an impulse has no peak;
+those of a contact that lasts are the largest forces while it is held. What a bounce gives to joint i is the
+jump of ``joint[i].impulse``.
 
 At a stop of a joint, the wall ``joint_min`` or ``joint_max``, the point is the number of the joint, 1…N, and
 the quantities are those of its angle: speeds [rad/s], moment [N·m], angle beyond the stop [rad], effective
@@ -62,10 +66,10 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any) -> np.ndarray:
             and those of `impact[j]`, j = 1 … M. A `Result` is taken as well.
 
     Returns:
-        A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. The FMU has no
-        effective mass, so it is NaN. So are the end and the separation speed of a contact that lasts to
-        the end of the record, and also its peak force, penetration and impulse if newer impacts took its
-        place in the list while it lasted.
+        A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. The FMU tells no
+        effective mass and no joint of an impact: they are NaN, and joint 0. NaN are also the end and the
+        separation speed of a contact that lasts to the end of the record, and its peak force, penetration
+        and impulse if newer impacts took its place in the list while it lasted.
 
     Raises:
         ValueError: when a column is missing.
@@ -85,7 +89,7 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any) -> np.ndarray:
     seen = counts[row] >= number
     number, row = number[seen], row[seen]
     table = np.zeros(len(number), IMPACT_DTYPE)
-    table["effective_mass"] = np.nan
+    table["effective_mass"], table["joint_force"] = np.nan, np.nan
     for field, name in COLUMNS.items():
         columns = np.array([_column(record, f"impact[{j}].{name}") for j in range(1, shown + 1)])
         table[field] = columns[counts[row] - number, row]
@@ -112,6 +116,7 @@ def impacts_shown(record: Any) -> np.ndarray:
     for field in ("point", "wall", "onset", "impact_speed"):
         table[field] = np.asarray(record[f"impact.last_{COLUMNS[field]}"])[rows]
     table["wall"] -= 1
+    table["joint"] = 0
     return table.astype(IMPACT_DTYPE)
 
 

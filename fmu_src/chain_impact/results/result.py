@@ -223,8 +223,8 @@ class Result(Recording):
         """As ``sensitivity``, of a quantity of the impacts, shape (len(impacts),).
 
         Args:
-            quantity: onset, end, impact_speed, separation_speed, peak_force, max_penetration, effective_mass
-                or impulse.
+            quantity: onset, end, impact_speed, separation_speed, peak_force, max_penetration, effective_mass,
+                impulse or joint_force.
             parameter: one of those given to ``simulate(sensitivities=…)``.
 
         Raises:

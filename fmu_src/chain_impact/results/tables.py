@@ -23,6 +23,7 @@ IMPACT_UNITS = {
     "max_penetration": "m",
     "effective_mass": "kg",
     "impulse": "N.s",
+    "joint_force": "N",
 }
 STOP_UNITS = {
     "impact_speed": "rad/s",

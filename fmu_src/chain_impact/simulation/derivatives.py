@@ -31,7 +31,7 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.table import BEHIND, WORD, first_word, word_index
 from chain_impact.variables.variable import Variable
 
-IMPACT_QUANTITIES = tuple(name for name in IMPACT_DTYPE.names or () if name not in ("point", "wall"))
+IMPACT_QUANTITIES = tuple(name for name in IMPACT_DTYPE.names or () if name not in ("point", "wall", "joint"))
 """The quantities of an impact that have derivatives."""
 AT_ONSET = ("onset", "impact_speed", "effective_mass")  # those that are known from its onset on
 

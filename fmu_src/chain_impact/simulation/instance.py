@@ -263,7 +263,7 @@ class Instance:
         return (int(log["count"]) + np.arange(int(self.record["touch"]["active_count"]))) % len(log["point"])
 
     def _impacts(self, places: np.ndarray) -> np.ndarray:
-        """The impacts at some places of the log, without impulses if these are not followed."""
+        """The impacts at some places of the log, without the impulses and forces that are not followed."""
         room, columns = len(self.record["finished"]["point"]), len(IMPACT_DTYPE.names or ())
         # the log has the columns of the table, in the same order, behind two counts
         first = first_word(self._block.dtype, "finished") + 2
@@ -272,6 +272,8 @@ class Instance:
         rows = np.ndarray(len(found), IMPACT_DTYPE, found)
         if not self.record["quadrature"]["wanted"]:
             rows["impulse"] = np.nan
+        if not self.record["loads"]:
+            rows["joint_force"] = np.nan
         return rows
 
     @property

@@ -30,6 +30,14 @@ from chain_impact.kernel.status import count_evaluations, counted_work, uncount_
 HELD_SAMPLES = 5  # samples of a constraint force over a step, its ends included
 
 
+def update_peaks(d):
+    """Update what is largest so far, of active contacts and of forces in joints, over the last step."""
+    if d.touch.active_count > 0:
+        update_extremes(d)
+    if d.loads > 0:
+        update_load_peaks(d)
+
+
 def update_extremes(d):
     """Update the peak force and the largest penetration of every active contact over the last step.
 
@@ -108,9 +116,7 @@ def update_own_to_output_time(d):
     counted = counted_work(d)
     end_at_output_time(d)
     ensure_rate(d)
-    update_extremes(d)
-    if d.loads > 0:
-        update_load_peaks(d)
+    update_peaks(d)
     commit_quadratures(d)
     log_active(d)
     uncount_work(d, counted)
@@ -278,3 +284,5 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
     log.max_penetration[place] = max_penetration / arm
     log.effective_mass[place] = touch.effective_mass[c] * arm * arm
     log.impulse[place] = (impulse - d.quadrature.onset[c]) * arm
+    log.joint_force[place] = math.sqrt(touch.joint_top[c]) if touch.joint_top[c] > 0.0 else 0.0
+    log.joint[place] = touch.joint[c]

@@ -87,6 +87,7 @@ def begin_contact(d, c):
     touch.impact_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
     set_rates(d, c, -gap_rate, 1.0)  # the force rises
     set_extremes(d, c, 0.0, 0.0)
+    set_joint_top(d, c, 0.0, 0)
     touch.effective_mass[c] = effective_mass(d, c)
     latch(d, c)
     touch.active[c] = 1
@@ -139,6 +140,11 @@ def set_rates(d, c, speed, force_rate):
 def set_extremes(d, c, peak_force, max_penetration):
     """Set the peak force [N] and the largest penetration [m] of candidate c so far."""
     d.touch.peak_force[c], d.touch.max_penetration[c] = peak_force, max_penetration
+
+
+def set_joint_top(d, c, top, joint):
+    """Set the largest |f|² [N²] of a joint while candidate c has been active, and its joint, 1…N or 0."""
+    d.touch.joint_top[c], d.touch.joint[c] = top, joint
 
 
 def cross_kink(d, c):

@@ -48,6 +48,8 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("number", INTEGER, (candidates,)),  # of its onset among all onsets, counted from 1
         ("peak_force", REAL, (candidates,)),  # N
         ("max_penetration", REAL, (candidates,)),  # m
+        ("joint_top", REAL, (candidates,)),  # N², the largest square of a force in a joint, …
+        ("joint", INTEGER, (candidates,)),  # … and the joint, 1…N; 0 for none
         # m, of two error estimates of a tried step, in the clearances of the active contacts, packed
         ("gap_error", REAL, (2, candidates)),
     )
@@ -134,6 +136,8 @@ def finished_dtype(candidates: int) -> np.dtype:
         ("max_penetration", REAL, (log,)),  # m
         ("effective_mass", REAL, (log,)),  # kg
         ("impulse", REAL, (log,)),  # N·s
+        ("joint_force", REAL, (log,)),  # N, the largest in a joint, …
+        ("joint", INTEGER, (log,)),  # … and the joint, 1…N; 0 for none
         ("number", INTEGER, (log,)),  # of its onset, as in `touch`
     )
 

@@ -96,11 +96,8 @@ def friction_output_dtype(elements: int) -> np.dtype:
 def load_output_dtype(loads: int) -> np.dtype:
     """The outputs of loads: a row for each joint, then one for each wall, without impulses and peaks."""
     return record(
-        (
-            "x",
-            REAL,
-            (loads,),
-        ),  # N, on the link of each joint, of the link before or the ground; or on the wall
+        # N, on the link of each joint, of the link before or the ground; or on the wall
+        ("x", REAL, (loads,)),
         ("y", REAL, (loads,)),
         ("moment", REAL, (loads,)),  # N·m, on the link of each joint, or on the wall about its point
         ("impulse_x", REAL, (loads,)),  # N·s, since the start
@@ -115,10 +112,13 @@ def transmitted_dtype(loads: int) -> np.dtype:
     return record(
         ("start_time", REAL),  # s
         ("tip_impulse", REAL, (2,)),  # N·s, of the force at the tip since the start
-        ("start_x", REAL, (loads,)),  # N·s, momentum of the links from each on, at the start
+        ("start_x", REAL, (loads,)),  # N·s, momentum of the link, at the start
         ("start_y", REAL, (loads,)),
         ("peak", REAL, (loads,)),  # N², the largest square of a force until the start of the last step
         ("top", REAL, (loads,)),  # N², likewise, while it is searched for
+        ("searched_start", REAL),  # s, the ends of the step …
+        ("searched_end", REAL),
+        ("step_top", REAL, (loads,)),  # N², … with this largest square
         ("x", REAL, (loads,)),  # N, forces at a sample, …
         ("y", REAL, (loads,)),
         ("before", REAL, (loads,)),  # N², … and the squares of three in sequence

@@ -85,6 +85,7 @@ def layout(record: np.dtype) -> dict[str, Any]:
         "status": word("statistics", "status"),
         "time": word("step", "time"),
         "impulses": word("quadrature", "wanted"),
+        "loads": word("loads"),
         "finished": {
             "count": word("finished", "count"),
             "collected": word("finished", "collected"),

@@ -10,17 +10,17 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, matching, shown
 from chain_impact.scene.scene import Scene
+from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
 from chain_impact.studies.fit.table import Source, Table, read_table
 from chain_impact.variables.model import Model
 
 TIME, IMPACT, POINT, WALL, DURATION = "time", "impact", "point", "wall", "duration"
 WHICH = (IMPACT, POINT, WALL)
 """The columns that tell which impact a row is about."""
-QUANTITIES = (*(name for name in IMPACT_DTYPE.names or () if name not in WHICH), DURATION)
+QUANTITIES = (*IMPACT_QUANTITIES, DURATION)
 """What can be measured of an impact: the fields of ``Result.impacts``, and the duration, end − onset [s]."""
 SIGMA = "sigma({})"
 PERCENT = "%"

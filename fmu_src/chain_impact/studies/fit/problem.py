@@ -222,12 +222,12 @@ def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.nda
 def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray]:
     """A quantity of an impact of the model, and its derivatives, shape (P,); NaN while the contact lasts.
 
-    The peak force of an impulse is NaN, too: it has none.
+    The peak forces of an impulse are NaN, too: it has none.
     """
     if name == DURATION:
         end, onset = quantity(run, at, "end"), quantity(run, at, "onset")
         return end[0] - onset[0], end[1] - onset[1]
     ended = np.isfinite(run.impacts["end"][at]) or name in AT_ONSET
     value = float(run.impacts[name][at])
-    known = ended and not (name == "peak_force" and value == 0.0)
+    known = ended and not (name in ("peak_force", "joint_force") and value == 0.0)
     return (value if known else math.nan), run.impact_slopes[name][at]

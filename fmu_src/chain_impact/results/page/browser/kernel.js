@@ -178,10 +178,10 @@ export class Kernel {
 
   /** Rows of the log of contacts. */
   #logged(count, rowOf) {
-    const { reals, integers, scene: { layout: { finished, impulses } } } = this;
-    const unknown = integers[impulses] === 0n ? { impulse: NaN } : {};
+    const { reals, integers, scene: { layout: { finished, impulses, loads } } } = this;
+    const unknown = { ...(integers[impulses] === 0n && { impulse: NaN }), ...(integers[loads] === 0n && { joint_force: NaN }) };
     return Array.from({ length: count }, (_, index) => {
-      const read = ([name, word]) => [name, ["point", "wall"].includes(name) ? Number(integers[word + rowOf(index)]) : reals[word + rowOf(index)]];
+      const read = ([name, word]) => [name, ["point", "wall", "joint"].includes(name) ? Number(integers[word + rowOf(index)]) : reals[word + rowOf(index)]];
       return { ...Object.fromEntries(Object.entries(finished.fields).map(read)), ...unknown };
     });
   }
