@@ -20,6 +20,7 @@ CASES = {
     "pinned": ("pinned_arm", {}),
     "driven, stops": ("four_link_box", GEAR),
     "friction": ("four_link_box", ROUGH | GEAR),
+    "armatures": ("four_link_box", GEAR | {"link[2].joint_armature": 0.1, "link[4].joint_armature": 0.02}),
     "slope": ("four_link_box", SLOPE),
     "held": ("ramp", {}),
 }

@@ -3,7 +3,7 @@
 chain/state.py describes y.
 """
 
-from chain_impact.kernel.chain.joints import spring_energy, spring_stiffness, stretch
+from chain_impact.kernel.chain.joints import joint_armature, spring_energy, spring_stiffness, stretch
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
 from chain_impact.kernel.chain.state import (
     coordinate_count,
@@ -20,6 +20,7 @@ from chain_impact.kernel.forces.contact_force import clear_crossings, elastic_en
 from chain_impact.kernel.forces.friction import clear_margins
 from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces
 from chain_impact.kernel.forces.inputs import ensure_inputs
+from chain_impact.kernel.rows.compliance import geared_accelerations
 from chain_impact.kernel.rows.constraints import any_constraint, clear_unsolved
 from chain_impact.kernel.rows.geometry import clearance
 
@@ -52,13 +53,16 @@ def stored_energy(d, y):
 def mechanical_energy(d, y):
     """Kinetic and potential energy [J] of the chain, for the located points."""
     n = d.links
-    kinetic, potential = 0.0, 0.0
+    kinetic, potential, before = 0.0, 0.0, 0.0
     for i in range(n):
         m, ratio, omega = d.model.mass[i], d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
         # centre of mass: p_C = p_i + c, v_C = v_i + ω c⊥
         vx = d.work.velocity.x[i] - omega * ratio * d.work.link.y[i]
         vy = d.work.velocity.y[i] + omega * ratio * d.work.link.x[i]
         kinetic += 0.5 * m * (vx * vx + vy * vy) + 0.5 * d.model.inertia[i] * omega * omega
+        if d.model.geared:
+            kinetic += 0.5 * joint_armature(d, i) * (omega - before) ** 2
+            before = omega
         x = d.work.position.x[i] + ratio * d.work.link.x[i]
         y_ = d.work.position.y[i] + ratio * d.work.link.y[i]
         potential -= m * (d.model.gravity[0] * x + d.model.gravity[1] * y_)
@@ -99,7 +103,10 @@ def loaded_rate(d, y, dissipated, rate):
 
     for j in range(coordinate_count(n)):
         rate[j] = y[velocity_at(n) + j]
-    accelerations(d, y, rate)
+    if d.model.geared:
+        geared_accelerations(d, y, rate)
+    else:
+        accelerations(d, y, rate)
     rate[dissipated_at(n)] = dissipated
     rate[supplied_at(n)] = supplied
     rate[sundman_u_at(n)] = 0.0

@@ -4,7 +4,13 @@ import math
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.inertia import in_use, inertia_of_rod, loose_links, middle
-from chain_impact.kernel.chain.joints import joint_bound, joint_damping, resists, spring_stiffness
+from chain_impact.kernel.chain.joints import (
+    joint_armature,
+    joint_bound,
+    joint_damping,
+    resists,
+    spring_stiffness,
+)
 from chain_impact.kernel.chain.kinematics import clear_joints, locate_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, velocity_at
 from chain_impact.kernel.equations import clear_moments, mechanical_energy, state_rate, stored_energy
@@ -138,10 +144,12 @@ def derive_chain(d):
             model.damped = 1
         if resists(spring_stiffness(d, i)):
             model.sprung = 1
-    total = 0.0
+    total, armatures = 0.0, 0.0
     for i in range(len(model.length)):
         total += model.mass[i]
-    model.energy = total * model.size * model.size
+        armatures += joint_armature(d, i)
+    model.energy = total * model.size * model.size + armatures
+    model.geared = 1 if resists(armatures) else 0
     model.gravity_size = math.sqrt(model.gravity[0] * model.gravity[0] + model.gravity[1] * model.gravity[1])
     model.resisting = max(model.damped, model.sprung)
     model.joint_bound = joint_bound(d)
@@ -210,6 +218,7 @@ def check_links(d):
             d.model.joint_damping[i],
             d.model.joint_stiffness[i],
             d.model.joint_friction[i],
+            d.model.joint_armature[i],
         ):
             if not (value >= 0.0 and math.isfinite(value)):
                 return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)

@@ -20,7 +20,7 @@ does not request loads has none.
 
 import math
 
-from chain_impact.kernel.chain.joints import joint_damping, spring_stiffness, stretch
+from chain_impact.kernel.chain.joints import joint_armature, joint_damping, spring_stiffness, stretch
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.equations import located_rate
@@ -101,19 +101,25 @@ def wall_force(d, c, along_normal, along_tangent):
     return fx, fy
 
 
-def fill_loads(d, y):
-    """Fill the outputs of forces and moments, for the accelerated points, from those of the contacts."""
+def fill_loads(d, y, rate):
+    """Fill the outputs of forces and moments, for the accelerated points, from those of the contacts.
+
+    The moment of a joint is all that it transmits to its outer link: of its drive it is the torque less that
+    which accelerates the armature. So each link obeys Euler's law with these moments.
+    """
     out = d.output
     joint_forces(d, out.force, out.friction.force, out.load.x, out.load.y)
-    before = 0.0
+    before, accelerated = 0.0, 0.0
     for i in range(d.links):
-        omega = y[omega_at(d.links) + i]
+        omega, alpha = y[omega_at(d.links) + i], rate[omega_at(d.links) + i]
         # u − c (ω_i − ω_{i−1}) − k φ
         out.load.moment[i] = d.inputs.joint_torque[i] - joint_damping(d, i) * (omega - before)
         out.load.moment[i] -= spring_stiffness(d, i) * stretch(d, y, i)
+        # −I_a (α_i − α_{i−1})
+        out.load.moment[i] -= joint_armature(d, i) * (alpha - accelerated)
         if d.elements > 0:
             out.load.moment[i] += out.friction.joint_moment[i]
-        before = omega
+        before, accelerated = omega, alpha
     for row in range(d.links, d.loads):
         out.load.x[row], out.load.y[row], out.load.moment[row] = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):

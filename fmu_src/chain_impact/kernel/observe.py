@@ -81,7 +81,7 @@ def fill_motion(d, theta):
     if d.elements > 0:
         fill_friction(d)
     if d.loads > 0:
-        fill_loads(d, y)
+        fill_loads(d, y, rate)
     out.kinetic, out.potential = mechanical_energy(d, y)
     out.elastic = stored_energy(d, y)
     out.dissipated = y[dissipated_at(n)]

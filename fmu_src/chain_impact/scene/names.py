@@ -78,10 +78,12 @@ def parameter_hint(name: str, links: int) -> str | None:
     return f"links count from 1 to {links}" if link and not 1 <= int(link[1]) <= links else None
 
 
-def friction_hint(name: str) -> str | None:
-    """What to do about the name of a parameter that only the FMU of a scene with dry friction has."""
+def absent_hint(name: str) -> str | None:
+    """What to do about the name of a parameter that only the FMU of a scene with such a part has."""
     if re.fullmatch(r"(contact|wall\.\w+)\.(static_)?friction|link\[\d+\]\.joint_friction", name):
         return "it is a parameter where the scene has dry friction: give it a value there first"
+    if re.fullmatch(r"link\[\d+\]\.joint_armature", name):
+        return "it is a parameter where the scene has one: give it a value there first"
     return None
 
 

@@ -81,6 +81,9 @@ class Link:
     joint_friction: float = quantity(
         "N.m", "moment of dry friction in the joint nearer to the base", 0.0, minimum=0.0
     )
+    joint_armature: float = quantity(
+        "kg.m2", "inertia of the rotor of the joint's drive, reflected through its gear", 0.0, minimum=0.0
+    )
     joint_min: float | None = quantity("rad", "stop of the joint nearer to the base: its least angle", None)
     joint_max: float | None = quantity("rad", "stop of the joint nearer to the base: its largest angle", None)
 

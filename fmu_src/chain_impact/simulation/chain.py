@@ -19,7 +19,7 @@ from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.results.text import plural
 from chain_impact.scene.angles import in_radians, or_degrees
-from chain_impact.scene.names import friction_hint, input_key
+from chain_impact.scene.names import absent_hint, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.instance import Instance, SimulationError, fault_text, in_order, spans_of
@@ -316,7 +316,7 @@ class Chain:
         """Of an input or a friction that the scene does not have: the key that makes it."""
         key = input_key(name)
         if key is None or getattr(self.scene.inputs, key):
-            return friction_hint(name)
+            return absent_hint(name)
         return f"[inputs] {key} = true in the scene makes this input"
 
     @cached_property

@@ -27,7 +27,7 @@ from chain_impact.variables.table import BEHIND, WORD
 
 LINK_PARAMETERS = (
     *("length", "mass", "center_of_mass", "inertia"),
-    *("joint_damping", "joint_stiffness", "joint_rest_angle", "joint_friction"),
+    *("joint_damping", "joint_stiffness", "joint_rest_angle", "joint_friction", "joint_armature"),
 )
 Sizes = tuple[int, int, int, int]
 
@@ -95,7 +95,8 @@ def _kind_of_contact(scene: Scene) -> tuple[Any, ...]:
 def _kind_of_chain(scene: Scene) -> tuple[Any, ...]:
     """Values on which the layout of the record or the variables depend."""
     links = scene.chain.links
-    return scene.chain.base, [(link.joint_friction, link.joint_min, link.joint_max) for link in links]
+    asked = [(link.joint_friction, link.joint_min, link.joint_max, link.joint_armature) for link in links]
+    return scene.chain.base, asked
 
 
 def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:

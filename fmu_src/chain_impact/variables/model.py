@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.names import Place, friction_hint, input_key, parameter_hint
+from chain_impact.scene.names import Place, absent_hint, input_key, parameter_hint
 from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.filling import changed_numbers, new_record, with_tangents
@@ -179,7 +179,7 @@ class Model:
                 return "it is a choice, or a setting of the solver, of which the motion is no smooth function"
             if key := input_key(name):
                 return f"the scene does not have this input: it needs inputs.{key} = true"
-            return friction_hint(name) or parameter_hint(name, len(self.scene.chain.links))
+            return absent_hint(name) or parameter_hint(name, len(self.scene.chain.links))
 
         wanted = (names,) if isinstance(names, str) else tuple(names)
         if not wanted:

@@ -22,7 +22,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.limits import keys
-from chain_impact.scene.names import AXES, STOPS, Place, name_of, sensitivity_name
+from chain_impact.scene.names import AXES, Place, name_of, sensitivity_name
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Box, Contact, Initial, Link, Material, Solver, Stops, Wall
 from chain_impact.variables.units import quotient
@@ -137,7 +137,8 @@ def parameters(scene: Scene) -> Iterator[Variable]:
         yield _parameter(rules["gravity"], ("model", *path), path, f"{axis} of the {{}}")
     for i in range(len(scene.chain.links)):
         for key, rule in _rules(Link).items():
-            if key in STOPS and getattr(scene.chain.links[i], key) is None:
+            value = getattr(scene.chain.links[i], key)
+            if value is None or (key == "joint_armature" and value == 0.0):
                 continue
             if key == "joint_friction" and i + 1 not in rubbing:
                 continue

@@ -35,6 +35,11 @@ def spring_stiffness(d, i):
     return d.model.joint_stiffness[i] if i > 0 or d.model.pinned else 0.0
 
 
+def joint_armature(d, i):
+    """I_a [kg·m²] of the drive in joint i, 0 at a free base, which has no joint."""
+    return d.model.joint_armature[i] if i > 0 or d.model.pinned else 0.0
+
+
 def joint_resistance(d, i, time):
     """κ_i = s c_i + s² k_i [kg·m²] of the damper and the spring in joint i, for a ``time`` s [s]."""
     return time * (joint_damping(d, i) + time * spring_stiffness(d, i))
@@ -85,7 +90,8 @@ def joint_rate(d, y):
     link_vectors(d, y)
     work, fastest = d.work, 0.0
     no_impedance(d, work.impedance)
-    clear_joints(work.impedance)
+    for i in range(d.links):
+        work.impedance.joint[i] = joint_armature(d, i)
     factorize(d, work.link, work, FREE, True)
     zero(d, work.load)
     clear_joints(work.load)

@@ -268,7 +268,12 @@ def factorize(d, links, space, row, coupled):
 
 
 def take_factors(d, coupled):
-    """Take the factors of M that ``accelerations`` has found; ``coupled`` as for ``factorize``."""
+    """Take the factors of M that ``accelerations`` has found; ``coupled`` as for ``factorize``.
+
+    With armatures, ``geared_accelerations`` in rows/compliance.py has left them in their place.
+    """
+    if d.model.geared:
+        return
     found, factors = d.work.elimination, d.work.factors
     set_middle(d, factors, FREE, found.middle_xx, found.middle_xy, found.middle_yy)
     factors.coupled[FREE] = 1 if coupled else 0

@@ -80,7 +80,7 @@ def start_balance(d, time):
         total += model.mass[i]
         reach += model.length[i]
         # ½ m (s + Σ L)² + ½ I, twice, of the stretched chain
-        square += model.mass[i] * reach * reach + model.inertia[i]
+        square += model.mass[i] * reach * reach + (model.inertia[i] + model.joint_armature[i])
     balance.unit_motion = math.sqrt(square)
     balance.weight = total * model.gravity_size
     balance.unit_scale = balance.weight * reach + model.energy

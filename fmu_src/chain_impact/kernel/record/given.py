@@ -31,6 +31,7 @@ def model_dtype(links: int) -> np.dtype:
         ("joint_stiffness", REAL, (links,)),  # N·m/rad, likewise
         ("joint_rest_angle", REAL, (links,)),  # rad, at which the spring is slack
         ("joint_friction", REAL, (links,)),  # N·m, dry friction at the proximal joint
+        ("joint_armature", REAL, (links,)),  # kg·m², acts on the relative rotation in the joint
         ("joint_min", REAL, (links,)),  # rad, stops of the joint's own angle; −∞ …
         ("joint_max", REAL, (links,)),  # rad, … and ∞ where there is none
         ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
@@ -44,6 +45,7 @@ def model_dtype(links: int) -> np.dtype:
         ("stopped", INTEGER),  # 1: some joint has a stop, …
         ("rubbing", INTEGER),  # … 1: some joint has dry friction, …
         ("jointed", INTEGER),  # … and 1: some has either, so that all joints have places
+        ("geared", INTEGER),  # 1: some joint has an armature
         ("resisting", INTEGER),  # 1: some joint has damping or a spring …
         ("joint_bound", REAL),  # 1/s, … and an upper bound on the rates of the motions that this causes
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length

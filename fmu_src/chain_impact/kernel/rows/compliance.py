@@ -11,6 +11,7 @@ impedance, is one more term of the elimination (chain/tree.py). No matrix is for
 """
 
 from chain_impact.kernel.chain.kinematics import move_points
+from chain_impact.kernel.chain.state import coordinate_count, omega_at, velocity_at
 from chain_impact.kernel.chain.tree import FREE, factorize, no_impedance, solve
 from chain_impact.kernel.rows.geometry import (
     add_along,
@@ -69,8 +70,8 @@ def factorize_contacts(d, row, impedance):
 
 
 def joints_loaded(d):
-    """Whether constraints act in joints: at stops, or by what sticks."""
-    return d.touch.stop_count + d.friction.stuck_joints > 0
+    """Whether joints transmit moments: by armatures, or constraints at stops or by what sticks."""
+    return d.model.geared != 0 or d.touch.stop_count + d.friction.stuck_joints > 0
 
 
 def solve_space(d, links, space, row, change):
@@ -96,12 +97,47 @@ def solve_contacts(d, row, impulse, change):
     solve_space(d, d.work.link, d.work, row, change)
 
 
+def geared_accelerations(d, y, rate):
+    """As ``accelerations`` in chain/tree.py, for a chain with armatures, whose M is not that of links.
+
+    The ends of each link share the force m (g − a_C), with the a_C of constant velocities, as its centre of
+    mass divides it. The loads at the points are afterwards as before; the factors of M stay in their row.
+    """
+    work, n = d.work, d.links
+    load, link, before = work.load, work.link, work.motion
+    for k in range(n + 1):
+        before.x[k], before.y[k] = load.x[k], load.y[k]
+    ax, ay, moment = 0.0, 0.0, 0.0
+    for i in range(n):
+        ratio, omega = d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
+        w2x, w2y = omega * omega * link.x[i], omega * omega * link.y[i]
+        # a_C = a − ω² c
+        fx = d.model.mass[i] * (d.model.gravity[0] - (ax - ratio * w2x))
+        fy = d.model.mass[i] * (d.model.gravity[1] - (ay - ratio * w2y))
+        load.x[i] += (1.0 - ratio) * fx
+        load.y[i] += (1.0 - ratio) * fy
+        load.x[i + 1] += ratio * fx
+        load.y[i + 1] += ratio * fy
+        ax, ay = ax - w2x, ay - w2y
+    for i in range(n - 1, -1, -1):
+        moment += work.moment[i]
+        load.joint[i] = moment
+    no_impedance(d, work.impedance)
+    join(d, work.impedance, 0.0)
+    factorize(d, link, work, FREE, True)
+    solve(d, link, work, FREE, work.change)
+    for j in range(coordinate_count(n)):
+        rate[velocity_at(n) + j] = work.change[j]
+    for k in range(n + 1):
+        load.x[k], load.y[k] = before.x[k], before.y[k]
+
+
 def effective_mass(d, c):
     """Effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, at the located points."""
     work, row = d.work, normal(d, c)
     no_impedance(d, work.impedance)
     join(d, work.impedance, 0.0)
-    factorize(d, work.link, work, FREE, d.candidate.stop[c] != 0)
+    factorize(d, work.link, work, FREE, d.model.geared != 0 or d.candidate.stop[c] != 0)
     clear_loads_of(d, work.load)
     add_along(row, work.load, 1.0)
     solve_space(d, work.link, work, FREE, work.change)

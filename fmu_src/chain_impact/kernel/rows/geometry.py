@@ -16,7 +16,7 @@ longest link s as a lever arm (chain/kinematics.py), and the stop is a wall ther
 and masses of stops have the units and the scales of those at walls, and a force F has the moment ±s F.
 """
 
-from chain_impact.kernel.chain.joints import joint_resistance
+from chain_impact.kernel.chain.joints import joint_armature, joint_resistance
 from chain_impact.kernel.chain.kinematics import clear_joints, polar, zero
 from chain_impact.kernel.chain.state import ANGLES
 
@@ -160,11 +160,11 @@ def to_joints(d, load):
 
 
 def join(d, impedance, time):
-    """Set the resistances of joints: that of their places, and κ_i of dampers and springs for a time [s]."""
-    if d.model.jointed or d.model.resisting:
+    """Set the resistances of joints: armatures, κ_i of dampers and springs for a time [s], their places."""
+    if d.model.jointed or d.model.resisting or d.model.geared:
         square = d.model.size * d.model.size
         for i in range(d.links):
-            impedance.joint[i] = joint_resistance(d, i, time)
+            impedance.joint[i] = joint_armature(d, i) + joint_resistance(d, i, time)
             if d.model.jointed:
                 impedance.joint[i] += square * impedance.xx[d.links + 1 + i]
 
@@ -172,7 +172,7 @@ def join(d, impedance, time):
 def clear_loads_of(d, load):
     """Set the loads at all places and, if they are used, the moments in all joints to zero."""
     zero(d, load)
-    if d.model.jointed or d.model.resisting:
+    if d.model.jointed or d.model.resisting or d.model.geared:
         clear_joints(load)
 
 

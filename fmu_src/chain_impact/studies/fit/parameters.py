@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.scene.angles import in_radians
-from chain_impact.scene.names import friction_hint, nearest
+from chain_impact.scene.names import absent_hint, nearest
 from chain_impact.scene.reading import SceneError, UnknownNameError, shown
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model
@@ -92,7 +92,7 @@ def parameters_of(
     for k, name in enumerate(names):
         if name not in known:
             what = "no parameter that can be fitted"
-            raise UnknownNameError(scene.name, name, known, what, friction_hint(name))
+            raise UnknownNameError(scene.name, name, known, what, absent_hint(name))
         if name in names[:k]:
             raise SceneError(f"{scene.name}: {name} is named twice among the free parameters")
     for name in bounds:
