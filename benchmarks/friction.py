@@ -1,9 +1,14 @@
-"""Dry friction beside MuJoCo: ``python benchmarks/friction.py [--quick]``.
+"""MuJoCo with dry friction: ``python benchmarks/friction.py [--quick]``.
 
 A rod that rests on a slope by friction: how fast does it creep, and what does that cost? Two links that are
-thrown onto a floor with friction: the error of the state in motion and at rest against the cost, and how much
-energy errors add. MuJoCo's contact is another one than ours, so each is judged by its own converged run.
-Without damping, MuJoCo's integrators Euler, implicit and implicitfast are the same; so it is Euler and RK4.
+thrown onto a floor with friction: the error of the state in motion and at rest against the cost. MuJoCo's
+contact is another one than ours, so each is judged by its own converged run. Without damping, MuJoCo's
+integrators Euler, implicit and implicitfast are the same; so it is Euler and RK4.
+
+In MuJoCo a chain has slides and hinges in the x–z plane, hinge angles relative; points that may touch are
+small spheres, the walls planes set back by their radius. The chain can also slide along y, though nothing
+moves it there: MuJoCo's friction at a point has two directions, and ``noslip_iterations`` have no effect on a
+contact that cannot move along one of them.
 """
 
 from __future__ import annotations
@@ -11,234 +16,291 @@ from __future__ import annotations
 import common  # isort: skip
 
 import math
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
-import peers
-from equal_error import seconds_at
-from friction_chart import SIZE, draw
+from looks import BLUE, GREEN, INK, OURS, PURPLE, SKY, headline, strong
 from peers.ours import Kernel
-from race import ROUNDS, Entries, ours_at, race_settings
+from race import ROUNDS, Entries, race, seconds_at
 
+from chain_impact import simulate
+from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
-from chain_impact.simulation.simulate import simulate
 from tests.friction import SLOPE, sled, thrown
 
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)
-FINE = 1e-12  # tolerance of our own converged run
+FINE, FINEST = 1e-12, 1e-6  # tolerance, and step of MuJoCo [s], of runs that count as exact
 SETTLED, STOP, HOUR = 10.0, 60.0, 3600.0  # s, on the slope
-SLOPE_STEPS = (1e-2, 1e-3, 1e-4)  # s
-SLOPE_RK4_STEPS = (1e-2, 1e-3)  # s
+SLOPE_STEPS = (1e-2, 1e-3)  # s
 AT_REST = {"contact.friction": 0.6, "initial.vx": 0.0, "initial.vy": 0.0}
-IMPEDANCE = (0.95, 0.95, 0.001)  # of the contact that is as stiff at rest as ours
-NOSLIP = 10  # iterations
-MOVING, RESTING = 0.3, 1.5  # s, of the thrown chain
+TIMES = {"moving": 0.3, "resting": 1.5}  # s, of the thrown chain
 THROWN_STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5)  # s
-FINEST_ENERGY = 1e-4  # s, the least step of runs whose energy is watched
 PATIENCE = 60.0  # s
+UNSTABLE = 10.0  # m, rad, m/s, rad/s: an error that is no longer one
+RADIUS = 1e-6  # m, of MuJoCo's spheres: friction acts at the surface of a sphere and not at its centre
+# balls touch walls and nothing else
+BALL, WALL = (f'contype="{a}" conaffinity="{1 - a}"' for a in (1, 0))
+
+
+# --- a scene in MuJoCo ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Contact:
+    """How MuJoCo models contacts and friction; the defaults are MuJoCo's own, but for the elliptic cones.
+
+    Attributes:
+        solref: time constant [s] and damping ratio.
+        solimp: least and largest impedance, and the penetration [m] at which the largest is reached.
+        impratio: how many times as hard friction is as the contact along its normal.
+        noslip: iterations of the solver that takes slip away afterwards.
+        refsafe: whether time constants below two steps are raised to two steps.
+    """
+
+    solref: tuple[float, float] = (0.02, 1.0)
+    solimp: tuple[float, float, float] = (0.9, 0.95, 0.001)
+    impratio: float = 1.0
+    noslip: int = 0
+    refsafe: bool = True
+
+
+DEFAULTS = Contact()
+NOSLIP = replace(DEFAULTS, noslip=10)
+
+
+def _planes(scene: Scene) -> str:
+    """The walls; the normal of a plane is its z axis."""
+    planes = ""
+    for name, wall in scene.half_planes.items():
+        (nx, nz), back = wall.normal, wall.offset - RADIUS
+        own = scene.contact.wall[name].friction
+        friction = scene.contact.friction if own is None else own
+        turn = math.degrees(math.atan2(nx, nz))
+        place = f'pos="{nx * back} 0 {nz * back}" axisangle="0 1 0 {turn}"'
+        planes += f'<geom type="plane" size="9 9 1" {place} friction="{friction} 0 0" {WALL}/>'
+    return planes
+
+
+def _bodies(scene: Scene) -> str:
+    """The links, each in the one before."""
+    links, points = scene.chain.links, {point for point, _ in candidates(scene)}
+
+    def ball(point: int, along: float) -> str:
+        if point not in points:
+            return ""
+        return f'<geom type="sphere" size="{RADIUS}" pos="{along} 0 0" friction="0 0 0" {BALL} mass="0"/>'
+
+    inner = ball(len(links), links[-1].length)
+    for i in range(len(links) - 1, -1, -1):
+        link = links[i]
+        slides = "".join(f'<joint type="slide" axis="{axis}"/>' for axis in ("1 0 0", "0 0 1", "0 1 0"))
+        dry = f'frictionloss="{link.joint_friction}"' if i and link.joint_friction else ""
+        place = f"{links[i - 1].length} 0 0" if i else "0 0 0"
+        inertia = " ".join([str(link.inertia)] * 3)
+        inner = (
+            f'<body pos="{place}">{"" if i else slides}<joint type="hinge" axis="0 -1 0" {dry}/>'
+            f'<inertial pos="{link.center_of_mass} 0 0" mass="{link.mass}" diaginertia="{inertia}"/>'
+            f"{ball(i, 0.0)}{inner}</body>"
+        )
+    return inner
+
+
+def model_text(scene: Scene, integrator: str, dt: float, contact: Contact) -> str:
+    """MJCF."""
+    ref, imp = (" ".join(map(str, values)) for values in (contact.solref, contact.solimp))
+    gx, gy = scene.gravity
+    return f"""<mujoco><compiler angle="degree" inertiafromgeom="false" boundmass="0"/>
+<option timestep="{dt}" integrator="{integrator}" gravity="{gx} 0 {gy}" iterations="50" tolerance="1e-12"
+ cone="elliptic" impratio="{contact.impratio}" noslip_iterations="{contact.noslip}">
+<flag refsafe="{"enable" if contact.refsafe else "disable"}"/></option>
+<default><geom condim="3" solref="{ref}" solimp="{imp}"/>
+<joint solreffriction="{ref}" solimpfriction="{imp}"/></default>
+<worldbody>{_planes(scene)}{_bodies(scene)}</worldbody></mujoco>"""
+
+
+class Engine:
+    """One model; set back to the start for each run."""
+
+    def __init__(self, scene: Scene, integrator: str, dt: float, contact: Contact) -> None:
+        import mujoco  # which the chart does not need
+
+        self.mujoco = mujoco
+        self.first, self.dt = scene.initial, dt
+        self.model = mujoco.MjModel.from_xml_string(model_text(scene, integrator, dt, contact))
+        self.data = mujoco.MjData(self.model)
+        self.plane = np.delete(np.arange(self.model.nq), 2)  # all but the slide along y
+
+    def run(self, stop: float) -> None:
+        """From the start to ``stop`` [s]."""
+        self.mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[self.plane] = [*self.first.position, *np.diff([0.0, *self.first.angles])]
+        self.data.qvel[self.plane] = [*self.first.velocity, *np.diff([0.0, *self.first.angular_velocities])]
+        self.mujoco.mj_step(self.model, self.data, nstep=round(stop / self.dt))
+
+    def state(self, stop: float) -> np.ndarray:
+        """As that of the kernel at ``stop`` [s]: x₀, y₀, angles, and their rates."""
+        self.run(stop)
+        q, v = self.data.qpos[self.plane], self.data.qvel[self.plane]
+        return np.concatenate([q[:2], np.cumsum(q[2:]), v[:2], np.cumsum(v[2:])])
+
+    @property
+    def unstable(self) -> bool:
+        """Whether the run has left what numbers can hold, so that MuJoCo began anew."""
+        return any(warning.number for warning in self.data.warning)
 
 
 # --- a rod at rest on a slope -----------------------------------------------------------------------------
 
 
-def depth(state: np.ndarray) -> float:
-    """How deep the first point of the rod is in the slope [m]."""
-    return float(-state[0] * math.sin(SLOPE) - state[1] * math.cos(SLOPE))
-
-
 def drift(early: np.ndarray, late: np.ndarray, stop: float) -> dict[str, float]:
-    """The mean speed along the slope [µm/s] since the rod has settled, and the depth of penetration [m]."""
+    """The mean speed along the slope [µm/s] since the rod has settled."""
     moved = (late - early)[:2] @ (math.cos(SLOPE), -math.sin(SLOPE))
-    return {
-        "drift": common.rounded(1e6 * abs(moved) / (stop - SETTLED)),
-        "penetration": common.rounded(depth(late)),
-    }
+    return {"drift": common.rounded(1e6 * abs(moved) / (stop - SETTLED))}
 
 
-def contacts_at_rest(deep: float) -> dict[str, Any]:
-    """Names of MuJoCo's settings → the contact at a step [s].
-
-    Args:
-        deep: the penetration of ours [m], which one of them shall have.
-    """
-    from peers.mujoco import DEFAULTS, Contact, Engine
-
-    def stiff(stiffness: float) -> Contact:  # 1/s², with critical damping
-        return Contact((-stiffness, -2.0 * math.sqrt(stiffness)), IMPEDANCE)
-
-    trial = Engine(sled(**AT_REST), "Euler", 1e-3, stiff(1e4))
-    trial.run(SETTLED)
-    # with an impedance that is constant, penetration goes with the inverse of the stiffness
-    like_ours = stiff(1e4 * depth(trial.state()) / deep)
-
-    def stiffest(dt: float) -> Contact:  # the least time constant and the largest impedance that it accepts
-        return Contact((2.0 * dt, 1.0), (0.9999, 0.9999, 0.001))
-
-    return {
-        "defaults": lambda _: DEFAULTS,
-        "defaults, pyramidal cones": lambda _: replace(DEFAULTS, cone="pyramidal"),
-        "defaults, impratio 10": lambda _: replace(DEFAULTS, impratio=10.0),
-        "defaults, impratio 100": lambda _: replace(DEFAULTS, impratio=100.0),
-        "defaults, noslip": lambda _: replace(DEFAULTS, noslip=NOSLIP),
-        "defaults, in the plane only": lambda _: replace(DEFAULTS, sideways=False),
-        "defaults, in the plane only, noslip": lambda _: replace(DEFAULTS, sideways=False, noslip=NOSLIP),
-        "stiffness of ours": lambda _: like_ours,
-        "stiffness of ours, impratio 100": lambda _: replace(like_ours, impratio=100.0),
-        "stiffness of ours, noslip": lambda _: replace(like_ours, noslip=NOSLIP),
-        "stiffest": stiffest,
-        "stiffest, impratio 100": lambda dt: replace(stiffest(dt), impratio=100.0),
-    }
+def stiffest(dt: float) -> Contact:
+    """The least time constant and the largest impedance that MuJoCo accepts, and hard friction."""
+    return Contact((2.0 * dt, 1.0), (0.9999, 0.9999, 0.001), impratio=100.0)
 
 
-def ours_at_rest() -> dict:
-    """Our kernel for as long as MuJoCo at some tolerances, and for an hour."""
-    found = {}
+ON_THE_SLOPE: dict[str, Callable[[float], Contact]] = {
+    "defaults": lambda _: DEFAULTS,
+    "defaults, impratio 100": lambda _: replace(DEFAULTS, impratio=100.0),
+    "stiffest, impratio 100": stiffest,
+    "defaults, noslip": lambda _: NOSLIP,
+}
+"""MuJoCo's settings: name → the contact at a step [s]."""
+
+
+def at_rest() -> Entries:
+    """Our kernel at some tolerances, also for an hour; and MuJoCo with each setting and step."""
+    found: dict[tuple[str, float], Any] = {}
     for name, stop in (("ours", STOP), ("ours, an hour", HOUR)):
         for tolerance in TOLERANCES:
             scene = sled(**AT_REST | {"solver.tolerance": tolerance})
             early, kernel = Kernel(scene, SETTLED).outcome(), Kernel(scene, stop)
             late = kernel.outcome()
-            found[name, tolerance] = (
-                kernel.run,
-                drift(early.state, late.state, stop) | {"steps": late.steps},
-            )
-    return found
-
-
-def mujoco_at_rest(deep: float) -> dict:
-    """MuJoCo with each setting and step."""
-    from peers.mujoco import Engine
-
-    found, contacts = {}, contacts_at_rest(deep)
-    cases = [("Euler", name, dt) for name in contacts for dt in SLOPE_STEPS]
-    cases += [("RK4", name, dt) for name in ("defaults", "defaults, noslip") for dt in SLOPE_RK4_STEPS]
-    for integrator, name, dt in cases:
-        engine = Engine(sled(**AT_REST), integrator, dt, contacts[name](dt))
-        engine.run(SETTLED)
-        early = engine.state()
-        engine.run(STOP)
-        figures = drift(early, engine.state(), STOP) | {"steps": round(STOP / dt)}
-        found[f"MuJoCo {integrator}, {name}", dt] = (lambda e=engine: e.run(STOP), figures)
+            figures = {"failed": late.failed} if late.failed else drift(early.state, late.state, stop)
+            found[name, tolerance] = kernel.run, figures
+    for integrator in ("Euler", "RK4"):
+        for name, contact in ON_THE_SLOPE.items():
+            for dt in SLOPE_STEPS:
+                engine = Engine(sled(**AT_REST), integrator, dt, contact(dt))
+                figures = drift(engine.state(SETTLED), engine.state(STOP), STOP)
+                found[f"MuJoCo {integrator}, {name}", dt] = partial(engine.run, STOP), figures
     return found
 
 
 # --- a thrown chain ---------------------------------------------------------------------------------------
 
 
-def contacts_when_thrown() -> dict[str, Any]:
-    """Names of MuJoCo's settings → integrator and contact: defaults, and the first impact as long as ours."""
-    from peers.mujoco import DEFAULTS, bouncing, damping_ratio
-
+def duration_of_ours() -> Contact:
+    """A linear contact as long as our first impact, which would rebound alike if it were allowed to pull."""
     scene = thrown(**{"solver.tolerance": 1e-10})
-    first, restitution = simulate(scene).impacts[0], scene.contact.restitution
-    ratio = damping_ratio(restitution)
-    duration = float(first["end"] - first["onset"])
-    like_ours = bouncing(duration * math.sqrt(1.0 - ratio**2) / (math.pi * ratio), restitution)
-    return {
-        "MuJoCo Euler, defaults": ("Euler", DEFAULTS),
-        "MuJoCo Euler, defaults, noslip": ("Euler", replace(DEFAULTS, noslip=NOSLIP)),
-        "MuJoCo RK4, defaults": ("RK4", DEFAULTS),
-        "MuJoCo Euler, duration of ours": ("Euler", like_ours),
-        "MuJoCo RK4, duration of ours": ("RK4", like_ours),
-    }
+    first, slope = simulate(scene).impacts[0], math.log(scene.contact.restitution)
+    ratio, duration = -slope / math.hypot(math.pi, slope), float(first["end"] - first["onset"])
+    constant = duration * math.sqrt(1.0 - ratio**2) / (math.pi * ratio)
+    return Contact((constant, ratio), (0.99, 0.99, 0.001), refsafe=False)
 
 
-def ours_when_thrown(stop: float) -> tuple[Entries, np.ndarray]:
-    """Our kernel at each tolerance: run and error; and the state of the converged run."""
-
-    def scene(tolerance: float) -> Scene:
-        return thrown(**{"solver.tolerance": tolerance})
-
-    truth = Kernel(scene(FINE), stop).outcome().state
-    return ours_at(TOLERANCES, scene, stop, truth), truth
-
-
-def mujoco_when_thrown(stop: float, contacts: dict) -> tuple[Entries, dict[str, list[float]]]:
-    """MuJoCo at each step: run and error; and the states of the converged runs."""
-    from peers.mujoco import runs_at
-
-    found, truths = {}, {}
-    for name, case in contacts.items():
-        runs, truth = runs_at(name, (thrown(), *case), THROWN_STEPS, stop)
-        found |= runs
-        truths[name] = truth.tolist()
-    return found, truths
-
-
-def throw(stop: float, contacts: dict, rounds: int) -> dict:
-    """Errors and cost at a time [s]."""
-    mine, truth = ours_when_thrown(stop)
-    theirs, truths = mujoco_when_thrown(stop, contacts)
-    rows = race_settings(mine | theirs, rounds, PATIENCE)
-    own = [row for row in rows if row["name"] == "ours"]
+def throw(stop: float, rounds: int) -> list[dict[str, Any]]:
+    """Errors against each program's own converged run, and cost, at a time [s]."""
+    found: dict[tuple[str, float], Any] = {}
+    scenes = {tolerance: thrown(**{"solver.tolerance": tolerance}) for tolerance in (FINE, *TOLERANCES)}
+    truth = Kernel(scenes[FINE], stop).outcome().state
+    for tolerance in TOLERANCES:
+        kernel = Kernel(scenes[tolerance], stop)
+        found["ours", tolerance] = kernel.run, {"error": off(kernel.outcome().state, truth)}
+    contacts = {"defaults": DEFAULTS, "defaults, noslip": NOSLIP, "duration of ours": duration_of_ours()}
+    for integrator in ("Euler", "RK4"):
+        for name, contact in contacts.items():
+            truth = Engine(thrown(), integrator, FINEST, contact).state(stop)
+            for dt in THROWN_STEPS:
+                engine = Engine(thrown(), integrator, dt, contact)
+                error = off(engine.state(stop), truth)
+                if not engine.unstable and error < UNSTABLE:
+                    found[f"MuJoCo {integrator}, {name}", dt] = partial(engine.run, stop), {"error": error}
+    rows = race(found, "ours", rounds, PATIENCE)
+    mine = [row for row in rows if row["name"] == "ours"]
     for row in rows:
-        if row["name"] != "ours":
-            equal = seconds_at(row["error"], own)
-            row["times ours at equal error"] = equal and common.rounded(row["seconds"] / equal)
-    return {"rows": rows, "converged": {"ours": truth.tolist(), **truths}}
-
-
-def own_changes(tolerance: float) -> dict[str, float]:
-    """Changes of the energy of our run by errors; and its balance, which has what walls and friction take."""
-    result = simulate(thrown(**{"solver.tolerance": tolerance}), output_step=1e-4)
-    energy = result["energy.kinetic"] + result["energy.potential"]
-    total = result["energy.total"] + result["energy.dissipated"]
-    flights = np.where(result["energy.elastic"] == 0.0, energy, np.nan)
-    return changes(flights) | {"balance": common.rounded(np.abs(total - total[0]).max())}
-
-
-def changes(energies: np.ndarray) -> dict[str, float]:
-    """Of energies in flight: what is lost before the first impact, and by how much they rise later [J].
-
-    Nothing but impacts and friction can change the energy, and these can only take some.
-    """
-    first = energies[: np.isnan(energies).argmax()]
-    known = energies[~np.isnan(energies)]
-    lost, risen = first[0] - first[-1], (known - np.minimum.accumulate(known)).max()
-    return {"lost before the first impact": common.rounded(lost), "rise": common.rounded(risen)}
-
-
-def balance(contacts: dict) -> list[dict]:
-    """Changes of the energy by errors."""
-    from peers.mujoco import Engine
-
-    rows = [{"name": "ours", "setting": tolerance, **own_changes(tolerance)} for tolerance in TOLERANCES]
-    for name, (integrator, contact) in contacts.items():
-        for dt in THROWN_STEPS:
-            if dt < FINEST_ENERGY:
-                continue
-            engine = Engine(thrown(), integrator, dt, contact)
-            energies = engine.energies_in_flight(RESTING)
-            if not engine.unstable:
-                rows.append({"name": name, "setting": dt, **changes(energies)})
-    for row in rows:
-        print(row, flush=True)
+        equal = seconds_at(row["error"], mine, "error")
+        row["times ours"] = equal and common.rounded(row["seconds"]["median"] / equal, 3)
     return rows
+
+
+def off(state: np.ndarray, truth: np.ndarray) -> float:
+    """The largest error of a component (m, rad, m/s, rad/s)."""
+    return common.rounded(np.abs(state - truth).max())
+
+
+# --- the chart ----------------------------------------------------------------------------------------------
+
+SIZE = (12.5, 5.0)  # inches
+LEAST = 1e-6  # µm/s: what drifts less is drawn there
+CREEPS, SHOWN = "MuJoCo Euler, defaults", 1e-3  # the setting and the step [s] of the headline
+LOOKS = {
+    "ours": (OURS, "o"),
+    CREEPS: (BLUE, "s"),
+    "MuJoCo Euler, defaults, noslip": (GREEN, "v"),
+    "MuJoCo Euler, defaults, impratio 100": (SKY, "^"),
+    "MuJoCo Euler, stiffest, impratio 100": (INK, "D"),
+    "MuJoCo RK4, defaults": (SKY, "s", "--"),
+    "MuJoCo Euler, duration of ours": (PURPLE, "v"),
+    "MuJoCo RK4, duration of ours": (INK, "D", "--"),
+}
+
+
+def draw(page: Any, record: Any) -> None:
+    """Drift and errors against CPU time."""
+    results, panels = record["results"], page.subplots(1, 3)
+    for axes, (key, rows) in zip(panels, results.items(), strict=True):
+        value = "drift" if key == "slope" else "error"
+        for name, drawn in LOOKS.items():
+            mine = [row for row in rows if row["name"] == name and "seconds" in row]
+            times = [1e3 * row["seconds"]["median"] for row in mine]
+            values = [max(row[value], LEAST) if key == "slope" else row[value] for row in mine]
+            axes.loglog(
+                times, values, label=name.replace("ours", "chain-impact"), **strong(name == "ours", *drawn)
+            )
+        axes.set(xlabel="CPU time [ms]", ylabel="error of the state (m, rad, m/s, rad/s)")
+        axes.set_title(f"thrown chain, {key}" if key != "slope" else f"rod at rest on a slope, {STOP:g} s")
+        axes.minorticks_off()
+    panels[0].set_ylabel("drift [µm/s]")
+    panels[0].set_yticks([LEAST, 1e-4, 1e-2, 1.0, 1e2, 1e4], ["none", "0.0001", "0.01", "1", "100", "10,000"])
+    creep = next(row["drift"] for row in results["slope"] if row["name"] == CREEPS)
+    factors = [
+        row["times ours"]
+        for key in TIMES
+        for row in results[key]
+        if (row["name"], row["setting"]) == (CREEPS, SHOWN) and row["times ours"]
+    ]
+    headline(
+        page,
+        f"MuJoCo creeps on a slope by {creep / 1e3:.2g} mm/s, with noslip not at all; "
+        f"for a thrown chain it takes {min(factors):.2g} to {max(factors):.2g} times our time at equal error",
+        f"elliptic cones  ·  factors: {CREEPS.removeprefix('MuJoCo ')}, steps of {1e3 * SHOWN:g} ms  ·  "
+        "errors: each against its own converged run",
+    )
+    handles = {
+        label: line for axes in panels for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    page.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=4)
 
 
 def main() -> None:
     """Measure and draw."""
     rounds = common.rounds(__doc__, ROUNDS)
     common.needed("mujoco")
-    from peers.mujoco import CONVERGED
-
-    started = common.environment(peers.PACKAGES)
-    mine, contacts = ours_at_rest(), contacts_when_thrown()
-    deep = mine["ours", min(TOLERANCES)][1]["penetration"]
-    results = {
-        "slope": race_settings(mine | mujoco_at_rest(deep), rounds, PATIENCE),
-        "moving": throw(MOVING, contacts, rounds),
-        "resting": throw(RESTING, contacts, rounds),
-        "energy": balance(contacts),
-    }
+    started = common.environment(("mujoco",))
+    results = {"slope": race(at_rest(), "ours", rounds, PATIENCE)}
+    results |= {key: throw(stop, rounds) for key, stop in TIMES.items()}
     settings = {
         "rounds": rounds, "slope [rad]": SLOPE, "friction at the slope": AT_REST["contact.friction"],
-        "drift from [s]": SETTLED, "to [s]": STOP, "thrown, until [s]": [MOVING, RESTING],
-        "converged step [s]": CONVERGED, "converged tolerance": FINE,
-        "duration of ours": str(contacts["MuJoCo Euler, duration of ours"][1]),
-        "defaults": str(contacts["MuJoCo Euler, defaults"][1]),
-        "stiffness of ours": str(contacts_at_rest(deep)["stiffness of ours"](0.0)),
+        "drift from [s]": SETTLED, "to [s]": STOP, "thrown, until [s]": TIMES, "converged step [s]": FINEST,
+        "converged tolerance": FINE, "duration of ours": str(duration_of_ours()), "defaults": str(DEFAULTS),
     }  # fmt: skip
     common.save("friction", started, settings, results)
     common.picture("friction", draw, SIZE)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_values
+from chain_impact.scene.scene import Scene, load_scene, scene_from_dict
 
 STEEL = 2.145e10  # N/m^1.5, a steel sphere of 20 mm on a steel wall
+Onsets = list[tuple[int, float]]
+"""Candidate and time [s] of each."""
 
 
 @dataclass(frozen=True)
@@ -19,57 +19,53 @@ class Problem:
 
     name: str
     title: str
-    model: str
     times: tuple[float, ...]
-    changes: Mapping[tuple[str | int, ...], Any] = field(default_factory=dict)
+    base: Scene
 
     def scene(self, tolerance: float | None = None) -> Scene:
         """The scene, with a tolerance."""
-        changes = dict(self.changes)
-        if tolerance is not None:
-            changes["solver", "tolerance"] = tolerance
-        return with_values(load_scene(self.model), changes)
+        return self.base if tolerance is None else self.base.with_values({"solver.tolerance": tolerance})
 
-    def start(self) -> np.ndarray:
-        """The state at 0 s: x₀, y₀, angles, and their rates."""
-        first = self.scene().initial
-        return np.array([*first.position, *first.angles, *first.velocity, *first.angular_velocities])
+    def tip(self, state: np.ndarray) -> np.ndarray:
+        """Where the tip is [m] in a state: x₀, y₀, angles, and their rates."""
+        lengths = np.array([link.length for link in self.base.chain.links])
+        angles = state[2 : 2 + len(lengths)].astype(float)
+        return np.array([lengths @ np.cos(angles), lengths @ np.sin(angles)]) + state[:2].astype(float)
 
 
-_NO_WALLS = {("box", name): None for name in ("x_min", "x_max", "y_min", "y_max")}
-
-PROBLEMS = {
-    problem.name: problem
-    for problem in (
-        Problem("box", "four_link_box, K = 1e8", "four_link_box", (0.6, 1.2)),
-        Problem(
-            "steel",
-            "four_link_box, K = 2.145e10",
-            "four_link_box",
-            (0.6, 1.2),
-            {("contact", "stiffness"): STEEL},
-        ),
-        Problem("rod", "rod_drop, ten bounces", "rod_drop", (1.2,)),
-        Problem("flight", "flight", "four_link_box", (2.0,), _NO_WALLS | {("contact", "points"): []}),
-    )
-}
-
-
-def flight(links: int) -> Scene:
-    """A chain in flight, folded and turning."""
+def chain(links: int) -> Scene:
+    """A chain of 2 m and 4 kg that falls into a box, folded and turning."""
     wave = np.arange(links)
     return scene_from_dict(
         {
-            "name": "Flight",
+            "name": "Chain",
             "gravity": [0.0, -9.81],
-            "chain": {"base": "free", "links": [{"length": 0.5, "mass": 1.0}] * links},
-            "box": {},
-            "contact": {"points": []},
+            "chain": {"base": "free", "links": [{"length": 2.0 / links, "mass": 4.0 / links}] * links},
+            "box": {"x_min": 0.0, "x_max": 3.0, "y_min": 0.0, "y_max": 2.5},
+            "contact": {"stiffness": 1e8, "restitution": 0.7},
             "initial": {
-                "position": [0.6, 1.4],
+                "position": [0.6, 1.0],
                 "angles": list(0.8 * np.sin(1.0 + 1.7 * wave)),
+                "velocity": [0.5, -1.0],
                 "angular_velocities": list(1.5 * np.cos(2.3 * wave)),
             },
         },
         "chain",
     )
+
+
+_BOX = load_scene("four_link_box")
+PROBLEMS = {
+    problem.name: problem
+    for problem in (
+        Problem("four", "4 links", (1.2,), _BOX),
+        Problem("ten", "10 links", (0.4,), chain(10)),
+        Problem("thirty", "30 links", (0.4,), chain(30)),
+        Problem(
+            "steel",
+            "four_link_box, K = 2.145e10",
+            (0.6, 1.2),
+            _BOX.with_values({"contact.stiffness": STEEL}),
+        ),
+    )
+}

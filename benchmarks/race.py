@@ -5,89 +5,70 @@ from __future__ import annotations
 import common  # isort: skip
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from peers import Contender, Outcome
-from peers.ours import Kernel
+from peers import Outcome
+from problems import Problem
 
-from chain_impact.scene.scene import Scene
-
-ROUNDS, SPAN, FAST = 5, 0.02, 5
+ROUNDS, SPAN = 5, 0.02
 Entries = Mapping[tuple[str, float], tuple[Callable[[], object], dict[str, Any]]]
-"""Name and setting (tolerance or step) → a run and what it comes to."""
+"""Name and setting (tolerance, or step [s]) → a run and what it comes to; with ``failed`` it is not timed."""
 
 
-def judge(found: Outcome, expected: dict, stop: float) -> dict:
-    """Largest error of the state (m, rad, m/s, rad/s alike) and of the onsets [s]."""
-    row = {"steps": found.steps, "rhs": found.rhs, "onsets": len(found.onsets)}
-    if found.failed:
-        return {**row, "failed": found.failed}
+def judge(found: Outcome, problem: Problem, expected: dict, stop: float) -> dict[str, Any]:
+    """Errors of the tip [mm] and of the onsets [µs]; none of onsets where other impacts were found."""
+    row: dict[str, Any] = {"steps": found.steps, "rhs": found.rhs, "onsets": len(found.onsets)}
+    true = [(one["candidate"], one["onset"]) for one in expected["impacts"] if one["onset"] < stop]
+    row["right"] = [c for c, _ in found.onsets] == [c for c, _ in true]
     truth = np.array(expected["states"][expected["times"].index(stop)])
-    true = [(i["candidate"], i["onset"]) for i in expected["impacts"] if i["onset"] < stop]
-    right = [c for c, _ in found.onsets] == [c for c, _ in true]
-    error = float(np.abs(found.state - truth).max())
-    if not math.isfinite(error):
-        return {**row, "failed": "not finite"}
-    late = [abs(a - b) for (_, a), (_, b) in zip(found.onsets, true, strict=False)]
-    return {
-        **row,
-        "error": common.rounded(error),
-        "onset_error": common.rounded(max(late)) if right and late else None,
-        "onsets_right": right,
-    }
+    error = float(np.linalg.norm(problem.tip(found.state) - problem.tip(truth)))
+    if found.failed or not math.isfinite(error):
+        return row | {"failed": found.failed or "not finite"}
+    row["tip"] = common.rounded(1e3 * error)
+    if row["right"] and true:
+        late = [abs(a - b) for (_, a), (_, b) in zip(found.onsets, true, strict=True)]
+        row["onset"] = common.rounded(1e6 * max(late))
+    return row
 
 
-def race(
-    case: dict,
-    contenders: Mapping[str, Contender],
-    judged: Callable[[Contender], dict],
-    rounds: int,
-    patience: float = 1.0,
-) -> list[dict]:
-    """The rows of a case: what each contender comes to, and the times of those that do not fail.
+def race(entries: Entries, base: str, rounds: int, patience: float = 5.0) -> list[dict[str, Any]]:
+    """The rows of all entries: what each comes to and its time [s], with the range over the rounds.
 
-    Args:
-        case: what each row begins with.
-        contenders: name → contender; ours is one of them.
-        judged: runs a contender once and tells, under ``failed``, why it failed if it did.
-        rounds: how often each is timed; those that are fast, ``FAST`` times as often.
-        patience: see ``common.interleave``.
+    ``ratio`` is the time over that of ``base`` at the same setting, if that is timed.
     """
-    rows = {name: judged(contender) for name, contender in contenders.items()}
-    able = {name: contenders[name].run for name, row in rows.items() if "failed" not in row}
-    timings = common.interleave(able, rounds, SPAN, patience, FAST)
-    for name, values in timings.items():
-        rows[name] |= {
-            "seconds": common.median(values),
-            "rounds": len(values),
-            "times_ours": common.ratio(timings, name, "ours"),
-        }
-    table = [{**case, "name": name, **row} for name, row in rows.items()]
-    for row in table:
-        print({key: value for key, value in row.items() if key != "times_ours"}, flush=True)
-    return table
-
-
-def race_settings(entries: Entries, rounds: int, patience: float) -> list[dict]:
-    """The rows of some runs at their settings, timed in turn."""
-    timings = common.interleave({key: run for key, (run, _) in entries.items()}, rounds, SPAN, patience)
+    timings = common.interleave(
+        {key: run for key, (run, figures) in entries.items() if "failed" not in figures},
+        rounds,
+        SPAN,
+        patience,
+    )
     rows = []
     for (name, setting), (_, figures) in entries.items():
-        seconds = common.median(timings[name, setting])
-        rows.append({"name": name, "setting": setting, "seconds": seconds, **figures})
-        print(rows[-1], flush=True)
+        row = {"name": name, "setting": setting, **figures}
+        if (name, setting) in timings:
+            row["seconds"] = common.spread(timings[name, setting])
+            if (base, setting) in timings:
+                row["ratio"] = common.ratio(timings, (name, setting), (base, setting))
+        rows.append(row)
+        print({key: value for key, value in row.items() if key != "ratio"}, flush=True)
     return rows
 
 
-def ours_at(
-    tolerances: Iterable[float], scene: Callable[[float], Scene], stop: float, truth: np.ndarray
-) -> Entries:
-    """Our kernel at some tolerances: runs, and the errors of their states at the end."""
-    found = {}
-    for tolerance in tolerances:
-        kernel = Kernel(scene(tolerance), stop)
-        error = np.abs(kernel.outcome().state - truth).max()
-        found["ours", tolerance] = (kernel.run, {"error": common.rounded(error)})
-    return found
+def seconds_at(error: float, rows: list[dict[str, Any]], key: str = "tip") -> float | None:
+    """How long a contender takes to reach an error [s], on straight lines between its runs in the chart.
+
+    Where even its loosest run errs less, that run; None where none of its runs comes that close.
+    """
+    points = [
+        (row[key], row["seconds"]["median"])
+        for row in rows
+        if row.get("right", True) and "seconds" in row and row.get(key, 0.0) > 0.0
+    ]
+    # a run that is beaten by another in both is no part of the front
+    front = [(x, y) for x, y in points if not any(a < x and b < y for a, b in points)]
+    line = sorted((math.log(x), math.log(y)) for x, y in front)
+    if not line or error <= 0.0 or math.log(error) < line[0][0]:
+        return None
+    return math.exp(np.interp(math.log(error), *zip(*line, strict=True)))

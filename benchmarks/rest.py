@@ -106,22 +106,6 @@ def compare(scene: Scene) -> dict:
     return row
 
 
-def table(results: list[dict]) -> str:
-    """The table that is printed: ours | CVODE careful | CVODE as users have it."""
-    lines = ["| e | K | time [ms] | time / ours | steps | evaluations | onsets | energy drift [mJ] |"]
-    lines.append("|---|---|---|---|---|---|---|---|")
-    names = ("ours", CAREFUL, USERS)
-    for row in results:
-        ratios = " · ".join(f"{row[name]['time / ours']['median']:.1f}" for name in names[1:])
-        cells = [f"{row['restitution']:g}", f"{row['stiffness']:.0e}".replace("e+", "e")]
-        cells += [" · ".join(f"{row[name]['milliseconds']:.1f}" for name in names), ratios]
-        cells += [" · ".join(f"{row[name][key]}" for name in names) for key in ("steps", "rhs", "onsets")]
-        cells[-1] += f" ({row[FINE_ONSETS]})"
-        cells.append(" · ".join(f"{1e3 * row[name]['energy drift']:.2g}" for name in names))
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines)
-
-
 SIZE = (10.5, 5.6)  # inches, of the chart
 
 
@@ -180,7 +164,6 @@ def main() -> None:
     settings |= {"careful": {"position error": POSITION_ERROR, "margin": MARGIN}}
     common.save("rest", started, settings, results)
     common.picture("rest", draw, SIZE)
-    print(table(results))
 
 
 if __name__ == "__main__":

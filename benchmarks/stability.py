@@ -2,7 +2,7 @@
 
 A uniform rod (1 m, 1 kg, 0.3 rad) falls 0.1 m onto a floor, clatters and, for e < 1, settles: free flight,
 impacts and sustained contact in 3 s. Each cell of the map is one run with a budget of CPU time. The peers are
-those of peers/. ``--ours`` keeps their cells and runs ours only, after a change of the kernel.
+those of peers/.
 """
 
 from __future__ import annotations
@@ -10,22 +10,26 @@ from __future__ import annotations
 import common  # isort: skip
 
 import math
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable
 from multiprocessing import get_context
+from typing import Any
 
 import numpy as np
+from looks import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, headline
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.patches import Patch
 from peers.on_kernel import OnKernel
 from peers.scipy import Scipy
-from stability_chart import ADAPTIVE, METHODS, SIZE, draw
 
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.instance import Instance, SimulationError
 
 STIFFNESSES = tuple(10.0**k for k in range(4, 13))
 RESTITUTIONS = (0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
+ADAPTIVE = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
+METHODS = ("explicit", "implicit", "auto")
 FIXED = {f"{name} {dt:g} s": (name, dt) for name in ("Euler", "RK4") for dt in (1e-3, 1e-4, 1e-5, 1e-6)}
 TOLERANCE = 1e-8
 STOP = 3.0  # s
@@ -35,15 +39,16 @@ HEIGHT, TILT, LENGTH = 0.1, 0.3, 1.0  # m, rad, m
 GAIN, DEEPEST = 1e-3, 0.06  # of the energy at the start above rest; of the rod's length
 OUTSIDE = 1e-9  # m, a point this deep without a contact: the onset was missed
 
-OUTCOMES = (
-    "completed",
-    "over budget",
-    "gained energy",
-    "tunnelled",
-    "not finite",
-    "missed an onset",
-    "gave up",
-)
+OUTCOMES = {
+    "completed": GREEN,
+    "over budget": SKY,
+    "gained energy": VERMILLION,
+    "tunnelled": PURPLE,
+    "not finite": "black",
+    "missed an onset": ORANGE,
+    "gave up": BLUE,
+}
+"""What a run may come to, and its colour in the chart."""
 
 
 class OverBudgetError(Exception):
@@ -203,27 +208,67 @@ def cell(task: tuple[str, float, float]) -> dict:
     return {"method": method, "stiffness": stiffness, "restitution": restitution, **found, **numbers}
 
 
+SIZE = (9.5, 8.2)  # inches, of the chart
+
+
+def title_of(method: str) -> str:
+    """A method's name in the chart."""
+    return f"SciPy {method}" if method in ADAPTIVE else method.replace("ours", "chain-impact")
+
+
+def draw(page: Any, record: Any) -> None:
+    """One map for each method: stiffness to the right, restitution upwards, coloured by the outcome."""
+    settings, tally = record["settings"], record["results"]["tally"]
+    stiffnesses, restitutions = settings["stiffnesses"], settings["restitutions"]
+    cells, done = len(stiffnesses) * len(restitutions), {m: tally[m].get("completed", 0) for m in tally}
+    full = [title_of(method) for method in ("ours auto", *ADAPTIVE) if done[method] == cells]
+    headline(
+        page,
+        f"{', '.join(full)} complete all {cells} cells, RK4 with steps of 1 ms only {done['RK4 0.001 s']}",
+        f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  counts: completed cells",
+    )
+    names, shades = list(OUTCOMES), ListedColormap(list(OUTCOMES.values()))
+    norm = BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names))
+    panels = page.subplots(4, 4, sharex=True, sharey=True).ravel()
+    for axes, method in zip(panels, settings["methods"], strict=True):
+        found = np.zeros((len(restitutions), len(stiffnesses)))
+        for row in (row for row in record["results"]["cells"] if row["method"] == method):
+            place = restitutions.index(row["restitution"]), stiffnesses.index(row["stiffness"])
+            found[place] = names.index(row["outcome"])
+        edges = (np.arange(len(one) + 1) - 0.5 for one in (stiffnesses, restitutions))
+        axes.pcolormesh(*edges, found, cmap=shades, norm=norm, edgecolors="white", linewidth=1.0, alpha=0.8)
+        axes.set_title(f"{title_of(method)}: {done[method]} of {cells}", fontsize=9)
+        axes.set_xticks(range(len(stiffnesses)), [f"{round(np.log10(k))}" for k in stiffnesses], fontsize=7.5)
+        axes.set_yticks(range(len(restitutions)), [f"{e:g}" for e in restitutions], fontsize=7.5)
+        axes.grid(visible=False)
+        axes.tick_params(length=0)
+    for axes in panels[-4:]:
+        axes.set_xlabel("log₁₀ of K [N/m$^{1.5}$]")
+    for axes in panels[::4]:
+        axes.set_ylabel("restitution e")
+    keys = [
+        Patch(color=shade, label=name, alpha=0.8)
+        for name, shade in OUTCOMES.items()
+        if any(name in tally[m] for m in tally)
+    ]
+    page.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+
+
 def main() -> None:
     """Run the map and draw it."""
     started, begin = common.environment(), time.time()
-    kept, peers_run = [], {key: started[key] for key in ("date", "commit")}
-    everyone = [*(f"ours {method}" for method in METHODS), *ADAPTIVE, *FIXED]
-    todo = everyone
-    if "--ours" in sys.argv:
-        todo, last = everyone[: len(METHODS)], common.load("stability")
-        kept = [row for row in last["results"]["cells"] if row["method"] not in todo]
-        peers_run = last["settings"]["peers run"]
-    tasks = [(m, k, e) for m in todo for k in STIFFNESSES for e in RESTITUTIONS]
+    methods = [*(f"ours {method}" for method in METHODS), *ADAPTIVE, *FIXED]
+    tasks = [(m, k, e) for m in methods for k in STIFFNESSES for e in RESTITUTIONS]
     with get_context("spawn").Pool(2) as pool:
-        cells = pool.map(cell, tasks, chunksize=len(RESTITUTIONS)) + kept
-    tally = {m: dict(Counter(c["outcome"] for c in cells if c["method"] == m)) for m in everyone}
+        cells = pool.map(cell, tasks, chunksize=len(RESTITUTIONS))
+    tally = {m: dict(Counter(c["outcome"] for c in cells if c["method"] == m)) for m in methods}
     for method, counts in tally.items():
         print(f"{method:16} {counts}")
     print(f"{len(tasks)} cells in {time.time() - begin:.0f} s")
     settings = {
-        "stiffnesses": STIFFNESSES, "restitutions": RESTITUTIONS, "methods": everyone,
+        "stiffnesses": STIFFNESSES, "restitutions": RESTITUTIONS, "methods": methods,
         "budget [s CPU]": BUDGET, "stop [s]": STOP, "tolerance": TOLERANCE,
-        "energy gain": GAIN, "deepest": DEEPEST, "peers run": peers_run,
+        "energy gain": GAIN, "deepest": DEEPEST,
     }  # fmt: skip
     common.save("stability", started, settings, {"tally": tally, "cells": cells})
     common.picture("stability", draw, SIZE)

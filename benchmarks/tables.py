@@ -1,168 +1,180 @@
-"""Write the tables of benchmarks into pages of the docs: ``python benchmarks/tables.py``.
+"""Fill docs/benchmarks.md and docs/stability.md with tables: ``python benchmarks/tables.py [--charts]``.
 
 They come from benchmarks/results. What stands between ``<!-- name -->`` and ``<!-- end -->`` in a page is
-replaced by what the function ``name`` returns.
+replaced by what the function ``name`` returns. ``--charts``: draws all charts anew, too.
 """
 
 from __future__ import annotations
 
-import common
-import sensitivities
-from fidelity import GRID
-from peer_tables import TABLES
-from problems import STEEL
-from stability import ADAPTIVE, OUTCOMES
-from table import fill, run, table
+import common  # isort: skip
 
-SHOWN = 1e-8  # tolerance of the stiffnesses in the table of fidelity.py
-# what the table of fidelity.py shows
-STIFFNESSES = (1e5, 1e8, 1e10)
-TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-8)
+import re
+import sys
+from collections.abc import Iterable
+from typing import Any
+
+import fidelity
+import friction
+import peers
+import rest
+import stability
+import work_precision
+from problems import PROBLEMS, STEEL
+
+CHARTS = (fidelity, friction, rest, stability, work_precision)
+NO_DRIFT = 1e-9  # µm/s: less is round-off
+# what the tables show: tolerances, steps of MuJoCo [s], and choices of fidelity.py
+WORK, OURS, THROWN, STEPS = (1e-4, 1e-6, 1e-8), (1e-4, 1e-8), (1e-2, 1e-4, 1e-8), (1e-2, 1e-3, 1e-4)
+STIFFNESSES, TOLERANCES = (1e5, 1e8, 1e10), (1e-4, 1e-5, 1e-6, 1e-8)
 LAWS = ("lankarani_nikravesh", "flores", "carvalho_martins", "newton_impact")
-PAGES = ("benchmarks.md", "explore.md", "impacts.md", "sensitivities.md", "stability.md")
 
 
-def span(ratio: dict) -> str:
-    """A ratio, with its range over the rounds."""
-    return f"**{ratio['median']:.3g}** ({ratio['least']:.3g}–{ratio['largest']:.3g})"
+def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    """A Markdown table."""
+    head = list(head)
+    lines = ["| " + " | ".join(map(str, row)) + " |" for row in (head, *rows)]
+    return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
 
 
-def importers() -> str:
-    """How many impacts of a scene each importer's record holds, and how exactly; equal rows are joined."""
-    cases: dict[tuple[str, int, str], list[dict]] = {}
-    for row in common.load("importers")["results"]:
-        cases.setdefault((row["scene"], row["shown"], row["master"]), []).append(row)
-    masters: dict[tuple, list[str]] = {}
-    for (scene, shown, master), found in cases.items():
-        cells = (
-            *(f"{row['matched']} of {row['expected']}" for row in found),
-            *(f"{max(row[name] for row in found):.1g}" for name in ("onset", "peak_force", "impulse")),
-        )
-        masters.setdefault((scene, shown, *cells), []).append(master)
-    everyone = len({master for _, _, master in cases})
+def run(name: str, packages: Iterable[str] = ()) -> str:
+    """When and on what a benchmark ran, and with which versions of the packages that matter."""
+    record = common.load(name)
+    changed = ", with uncommitted changes" if record["sources_changed_since"] else ""
+    versions = "".join(f", {key} {record['versions'][key]}" for key in packages if key in record["versions"])
+    where = f"{record['machine']['processor']}, {record['machine']['cores']} cores"
+    return f"Run {record['date'][:10]} at commit `{record['commit'][:7]}`{changed}; {where}{versions}.\n\n"
+
+
+def digits(value: float | None) -> str:
+    """Three digits, and no exponent for what is large; a dash for nothing."""
+    if value is None:
+        return "–"
+    return f"{value:.3g}" if value < 1e3 else f"{float(f'{value:.3g}'):.0f}"
+
+
+def find(rows: list[dict], **key: object) -> dict[str, Any]:
+    """The first row that has these values, or an empty one."""
+    return next((row for row in rows if all(row.get(k) == v for k, v in key.items())), {})
+
+
+def milliseconds(row: dict[str, Any]) -> str:
+    """The time of a row [ms]."""
+    return digits(1e3 * row["seconds"]["median"] if "seconds" in row else None)
+
+
+def works() -> str:
+    """Times and errors of ours, and how many times as long peers take at equal error."""
+    results = common.load("work_precision")["results"]
+    others = [name for name, family in peers.FAMILIES.items() if family != "ours"]
     rows = []
-    for (scene, shown, *cells), names in masters.items():
-        most = "all" if len(names) == everyone else "all others"
-        rows.append((f"`{scene}`", shown, most if len(names) > everyone / 2 else "; ".join(names), *cells))
-    steps = [f"{1e3 * step:g} ms" for step in common.load("importers")["settings"]["steps"]]
-    head = ("scene", "shown", "importer", *steps, "onset [s]", "peak force", "impulse")
-    return run("importers", ("fmpy", "libcosimpy", "ecospy")) + "\n\n" + table(head, rows)
+    for problem in work_precision.NAMES:
+        for tolerance in WORK:
+            key = {"problem": problem, "setting": tolerance}
+            ours = [find(results["rows"], name=name, **key) for name in list(peers.FAMILIES)[:3]]
+            errors = (f"{ours[0][name]:.1e}" if name in ours[0] else "–" for name in ("tip", "onset"))
+            times = find(results["at equal error"], **key).get("times as long", {})
+            rows.append(
+                (
+                    PROBLEMS[problem].title if tolerance == WORK[0] else "",
+                    f"{tolerance:g}",
+                    *map(milliseconds, ours),
+                    *errors,
+                    *(digits(times.get(name)) for name in others),
+                )
+            )
+    head = ("", "tolerance", "`simulate()` [ms]", "FMU [ms]", "kernel alone [ms]", "tip [mm]", "onset [µs]")
+    return run("work_precision", ("scipy", *peers.PACKAGES)) + table((*head, *others), rows)
 
 
-def fmu_native() -> str:
-    """Costs of the native FMU in C, and against that of pythonfmu in fmpy."""
-    found = common.load("fmu_native")["results"]
+def slope() -> str:
+    """How fast a rod at rest on a slope drifts with each setting, and what that costs."""
+    results = common.load("friction")["results"]["slope"]
     rows = []
-    for tool in ("C", "fmpy"):
-        for name, values in found[tool].items():
-            if isinstance(values, dict):
-                texts = (f"{values[who]:.3g}" for who in ("native", "pythonfmu"))
-                rows.append((f"in {tool}: {name}", *texts, span(values["pythonfmu / native"])))
-    return run("fmu_native") + "\n\n" + table(("", "native", "pythonfmu", "pythonfmu / native"), rows)
+    for name in dict.fromkeys(row["name"] for row in results if row["name"] != "ours, an hour"):
+        found = [find(results, name=name, setting=one) for one in (OURS if name == "ours" else STEPS[:2])]
+        drifts = ("none" if row["drift"] < NO_DRIFT else digits(row["drift"]) for row in found)
+        tolerances = " and ".join(f"{value:g}" for value in OURS)
+        shown = f"chain-impact, tolerances {tolerances}" if name == "ours" else name
+        rows.append((shown, *drifts, *map(milliseconds, found)))
+    head = ("", "drift [µm/s], 10 ms", "1 ms", "CPU time of 60 s [ms], 10 ms", "1 ms")
+    return run("friction", ("mujoco",)) + table(head, rows)
 
 
-def derivatives() -> str:
-    """How exact derivatives are, and what they cost."""
-    return run("sensitivities", ()) + "\n\n" + sensitivities.show(common.load("sensitivities")["results"])
+def thrown_chain() -> str:
+    """Errors of a thrown chain, moving and at rest, and the time at equal error over ours."""
+    results = common.load("friction")["results"]
+    rows = []
+    for name in dict.fromkeys(row["name"] for row in results["moving"]):
+        mine = name == "ours"
+        for setting in THROWN if mine else STEPS:
+            cells: list[str] = []
+            for key in friction.TIMES:
+                row = find(results[key], name=name, setting=setting)
+                factor = f"{milliseconds(row)} ms" if mine else digits(row.get("times ours"))
+                cells += [f"{row['error']:.1e}", factor] if row else ["unstable", "–"]
+            how = f"tolerance {setting:g}" if mine else f"{1e3 * setting:g} ms"
+            rows.append(("chain-impact" if mine else name, how, *cells))
+    head = ("", "step", "error, moving", "time / ours", "error, at rest", "time / ours")
+    return table(head, rows)
 
 
-def fits() -> str:
-    """Time of a fit, and how many searches and intervals are right."""
-    found = common.load("fit")["results"]
-    clock, converged = found["milliseconds of a fit"], found["converged"]
-    cost = f"{span(clock)} ms of CPU time, {found['runs with derivatives, median']:g} runs with derivatives"
-    held = found["part of the intervals of 95 % that hold the true value"]
-    rows = [("a fit", cost)]
-    rows += [
-        (f"converged: {name}", f"**{count}** of {converged['of']} starts")
-        for name, count in converged.items()
-        if name != "of"
-    ]
-    rows += [
-        (f"intervals that hold the true {name}", f"**{100 * part:.1f} %**") for name, part in held.items()
-    ]
-    rows += [
-        (f"the same of the stiffness, by the path and {count} peak forces", f"**{100 * part:.1f} %**")
-        for count, part in found["the same for the stiffness, with few peak forces"].items()
-    ]
-    return run("fit") + "\n\n" + table(("", ""), rows)
-
-
-def stability() -> str:
+def cells() -> str:
     """How many cells of each outcome."""
     record = common.load("stability")
     tally = record["results"]["tally"]
-    shown = [name for name in OUTCOMES if any(name in counts for counts in tally.values())]
+    shown = [name for name in stability.OUTCOMES if any(name in counts for counts in tally.values())]
     rows = (
-        (
-            f"scipy {method}" if method in ADAPTIVE else method,
-            *(tally[method].get(name, "") for name in shown),
-        )
+        (stability.title_of(method), *(tally[method].get(name, "") for name in shown))
         for method in record["settings"]["methods"]
     )
-    return run("stability") + "\n\n" + table(("method", *shown), rows)
+    return run("stability") + table(("method", *shown), rows)
 
 
-def fidelity_shown(row: dict) -> bool:
-    """Whether the table has a choice: some stiffnesses, some tolerances at that of steel, some laws."""
-    if row["choice"] != GRID:
-        return row["choice"] == "law" and row["law"] in LAWS
-    if row["stiffness"] == STEEL:
-        return row["tolerance"] in TOLERANCES
-    return row["stiffness"] in STIFFNESSES and row["tolerance"] == SHOWN
-
-
-def fidelity() -> str:
-    """What each choice of a model errs by and costs, at both times."""
-    record = common.load("fidelity")
+def choices() -> str:
+    """What some choices of a model err by and cost, at both times."""
+    record, rows = common.load("fidelity"), {}
     early, late = record["settings"]["stop [s]"]
-    rows: dict[str, dict] = {}
     for row in record["results"]:
-        if not fidelity_shown(row):
-            continue
-        name = f"`{row['law']}` | {row['stiffness']:.4g} | {row['tolerance']:.0e}"
-        rows.setdefault(name, {})[row["stop"]] = row
+        shown = row["choice"] == "law" and row["law"] in LAWS
+        if row["choice"] == fidelity.GRID:
+            at_steel = row["stiffness"] == STEEL and row["tolerance"] in TOLERANCES
+            shown = at_steel or (row["stiffness"] in STIFFNESSES and row["tolerance"] == fidelity.TIGHT)
+        if shown:
+            name = f"`{row['law']}` | {row['stiffness']:.4g} | {row['tolerance']:.0e}"
+            rows.setdefault(name, {})[row["stop"]] = row
     lines = []
     for name, at in rows.items():
-        if "error" not in at[late]:
-            continue
-        first = at[late]["first impact"]
-        parts = ("" if part is None else f"{part:.4g}" for part in first.values())
-        errors = [
-            f"{r['error']:.1e}" if r["onsets_right"] else "other impacts" for r in (at[early], at[late])
-        ]
+        parts = ("" if part is None else f"{part:.4g}" for part in at[late]["first impact"].values())
+        errors = (
+            f"{at[stop]['tip']:.2g}" if at[stop]["right"] else "other impacts" for stop in (early, late)
+        )
         lines.append((name, *parts, *errors, f"{1e6 * at[late]['seconds']:.0f}"))
     head = ("law", "K", "tolerance", "rebound", "peak force", "depth")
-    head += (f"error at {early} s", f"error at {late} s", "time [µs]")
-    return run("fidelity") + "\n\n" + table(head, lines)
+    head += (f"tip at {early} s [mm]", f"tip at {late} s [mm]", "time [µs]")
+    return run("fidelity") + table(head, lines)
 
 
-def browser() -> str:
-    """The page that simulates: its size and its times beside the native kernel's."""
-    results, rows = common.load("browser")["results"], []
-    for name, found in results["models"].items():
-        times = [
-            found["first_picture_ms"],
-            found["slider_ms"]["median"],
-            found["native_ms"],
-            found["browser_ms"],
-        ]
-        ratios = [f"{found[key]['median']:.2g}" for key in ("ratio", "ratio_with_columns")]
-        texts = [f"{one:.3g} ms" for one in times]
-        rows.append((f"`{name}`", f"{found['page_bytes'] / 1e6:.2f} MB", *texts, *ratios))
-    head = ("scene", "page", "first picture", "slider to picture", "a run, native", "in the browser", "ratio")
-    grid = results["map"]
-    said = f"The {grid['runs']} runs of a map of `four_link_box` take {grid['browser_s']:.2g} s, "
-    said += f"{span(grid['ratio'])} times as long as the same sweep by as many threads."
-    return "\n\n".join([run("browser", ("playwright",)), table((*head, "with columns"), rows), said])
+TABLES = {function.__name__: function for function in (works, choices, slope, thrown_chain, cells)}
+
+
+def fill(page: str) -> None:
+    """Put the tables into a page of the docs."""
+    path = common.ROOT / "docs" / page
+    text = re.sub(
+        r"<!-- (?!end )(\w+) -->\n.*?<!-- end -->",
+        lambda found: f"<!-- {found[1]} -->\n\n{TABLES[found[1]]()}\n\n<!-- end -->",
+        path.read_text(encoding="utf-8"),
+        flags=re.DOTALL,
+    )
+    path.write_text(text, encoding="utf-8")
 
 
 def main() -> None:
     """Fill the pages."""
-    functions = (browser, fidelity, fmu_native, importers, derivatives, fits, stability, *TABLES)
-    tables = {function.__name__: function for function in functions}
-    for name in PAGES:
-        fill(name, tables)
+    for page in ("benchmarks.md", "stability.md"):
+        fill(page)
+    for module in CHARTS if "--charts" in sys.argv else ():
+        common.picture(module.__name__, module.draw, module.SIZE)
 
 
 if __name__ == "__main__":

@@ -1,103 +1,163 @@
-"""Work against precision of all peers: ``python benchmarks/work_precision.py [--quick] [problem …]``.
+"""Speed against accuracy: ``python benchmarks/work_precision.py [--quick]``.
 
-Each contender at tolerances from 1e-2 to 1e-12 on the problems of problems.py, judged by the references of
-reference.py. Peers that are not installed are named and left out. ``--quick``: two rounds. With problems
-named, the others keep the rows that are stored.
+Chains of 4, 10 and 30 links that hit walls, at tolerances from 1e-2 to 1e-12, judged by the references of
+reference.py: how far off the tip is at the end, and the onsets of impacts. *chain-impact* is a call of
+``simulate()`` with another tolerance; beside it are the steps of the FMU and the bare kernel. Beside the
+times is what a new process takes to its first result, which compiles where a peer compiles. Peers that are
+not installed are named and left out. ``--quick``: two rounds, and no kernel is compiled to time that.
 """
 
 from __future__ import annotations
 
 import common  # isort: skip
 
-import argparse
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
 
 import peers
-from equal_error import at_equal_error, usable
-from peers.ours import Kernel
-from problems import PROBLEMS, Problem
-from race import FAST, ROUNDS, judge, race
-from work_precision_chart import SIZE, draw
+from looks import INK, LOOKS, headline, look, number
+from matplotlib.lines import Line2D
+from problems import PROBLEMS
+from race import ROUNDS, judge, race, seconds_at
 
+NAMES = ("four", "ten", "thirty")
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-PATIENCE = 5.0  # s
+DEFAULT = 1e-8  # tolerance of a scene
+PUBLIC = "chain-impact"
+FIRST = """import sys; sys.path.insert(0, {folder!r})
+import common, peers
+from problems import PROBLEMS
+peers.contenders(PROBLEMS["four"], 1e-8, 1.2, [{family!r}])[0][{name!r}].run()
+"""
+SIZE = (13.0, 7.6)  # inches, of the chart
 
 
-def measure(
-    problem: Problem, tolerance: float, stop: float, expected: dict, rounds: int
-) -> tuple[list, dict]:
-    """All contenders at one tolerance up to one time; and who is missing."""
-    contenders, missing = peers.contenders(problem, tolerance, stop)
-    case = {"problem": problem.name, "stop": stop, "tolerance": tolerance}
-    return race(case, contenders, lambda one: judge(one.outcome(), expected, stop), rounds, PATIENCE), missing
+def measured(name: str, rounds: int) -> tuple[list[dict[str, Any]], dict[str, str]]:
+    """The rows of a problem, all contenders and tolerances timed in turn; and who is missing."""
+    problem, expected = PROBLEMS[name], common.load("reference")["results"][name]
+    stop, missing, entries = problem.times[-1], {}, {}
+    for tolerance in TOLERANCES:
+        found, missing = peers.contenders(problem, tolerance, stop)
+        for who, contender in found.items():
+            entries[who, tolerance] = contender.run, judge(contender.outcome(), problem, expected, stop)
+    return [{"problem": name, **row} for row in race(entries, PUBLIC, rounds)], missing
 
 
-def levelled(rows: list[dict]) -> list[dict]:
-    """The rows with times as if all of them had been timed at once."""
-    keys = ("problem", "stop", "tolerance")
-    cases = dict.fromkeys(tuple(row[key] for key in keys) for row in rows)
-    ours = {case: Kernel(PROBLEMS[case[0]].scene(case[2]), case[1]).run for case in cases}
-    return common.levelled(rows, keys, ours)
+def start_up(name: str, cache: str = "") -> float:
+    """CPU time [s] of a new process to its first result; with an empty cache it compiles the kernel."""
+    program = FIRST.format(folder=str(Path(__file__).parent), family=peers.FAMILIES[name], name=name)
+    environment = os.environ | ({"CHAIN_IMPACT_CACHE": cache} if cache else {})
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([sys.executable, "-c", program], env=environment, check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return common.rounded(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, 3)
 
 
-def compared(rows: list[dict]) -> list[dict]:
-    """For each of our runs the peers' times at equal error, as multiples of ours, and the best of them."""
-    names = list(dict.fromkeys(r["name"] for r in rows if not r["name"].startswith("ours")))
+def at_equal_error(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """For each public run, how many times as long the others take to the same error of the tip."""
     found = []
-    for mine in (r for r in rows if r["name"] == "ours" and "seconds" in r and r["onsets_right"]):
-        problem, stop = mine["problem"], mine["stop"]
-        ratios = {name: at_equal_error(mine, usable(rows, problem, stop, name)) for name in names}
-        ratios = {name: value for name, value in ratios.items() if value is not None}
-        found.append(
-            {
-                "problem": problem,
-                "stop": stop,
-                "tolerance": mine["tolerance"],
-                "error": mine["error"],
-                "best scipy": best(ratios, ("scipy",)),
-                "best compiled": best(ratios, peers.COMPILED),
-                "all": ratios,
-            }
-        )
+    for mine in rows:
+        if mine["name"] != PUBLIC or "seconds" not in mine or not mine["right"]:
+            continue
+        times = {}
+        for name in peers.FAMILIES:
+            theirs = [r for r in rows if (r["problem"], r["name"]) == (mine["problem"], name)]
+            seconds = seconds_at(mine["tip"], theirs)
+            if seconds and name != PUBLIC:
+                times[name] = common.rounded(seconds / mine["seconds"]["median"], 3)
+        found.append({"problem": mine["problem"], "setting": mine["setting"], "times as long": times})
     return found
 
 
-def best(ratios: dict[str, float], families: tuple[str, ...]) -> dict | None:
-    """The fastest peer of some families."""
-    those = {name: value for name, value in ratios.items() if name.split()[0] in families}
-    name = min(those, key=those.__getitem__, default=None)
-    return {"name": name, "times ours": those[name]} if name else None
+def message(equal: list[dict[str, Any]]) -> str:
+    """What the chart says: how many times as long the peers take at the default tolerance."""
+    at = [row["times as long"] for row in equal if row["setting"] == DEFAULT]
+    parts = []
+    for name in LOOKS:
+        factors = [times[name] for times in at if name in times]
+        if factors and peers.FAMILIES[name] != "ours":
+            low, high = number(min(factors), 2), number(max(factors), 2)
+            parts.append(f"{name} {low if low == high else f'{low} to {high}'}")
+    return f"At equal error, times as long as simulate(): {', '.join(parts) or 'nothing to compare with'}"
+
+
+def draw(page: Any, record: Any) -> None:
+    """CPU time over the errors of the tip and of the onsets for each chain, and the start-up beside it."""
+    results = record["results"]
+    grid = page.add_gridspec(2, 4, width_ratios=(1, 1, 1, 0.8))
+    for column, name in enumerate(NAMES):
+        rows = [row for row in results["rows"] if row["problem"] == name and "seconds" in row]
+        for line, (key, label) in enumerate((("tip", "error of the tip [mm]"), ("onset", "of onsets [µs]"))):
+            axes = page.add_subplot(grid[line, column])
+            draw_runs(axes, [row for row in rows if row.get(key, 0.0) > 0.0], key)
+            axes.set(xlabel=label, ylabel="" if column else "CPU time [ms]")
+            if not line:
+                impacts = max((row["onsets"] for row in rows if row["right"]), default=0)
+                axes.set_title(f"{PROBLEMS[name].title}, {PROBLEMS[name].times[-1]:g} s, {impacts} impacts")
+    draw_start_up(page.add_subplot(grid[:, 3]), results["start-up [s]"])
+    shown = [name for name in LOOKS if any(row["name"] == name for row in results["rows"])]
+    keys = [Line2D([], [], label=name, **look(name)) for name in shown]
+    keys.append(Line2D([], [], color=INK, marker="x", linestyle="", label="other impacts"))
+    page.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+    headline(
+        page,
+        message(results["at equal error"]),
+        f"factors at the default tolerance, {number(DEFAULT)}  ·  numbers: tolerances  ·  bars: all rounds",
+    )
+
+
+def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> None:
+    """A curve for each contender, its range over the rounds, and crosses where other impacts were found."""
+    for name in LOOKS:
+        mine = [row for row in rows if row["name"] == name]
+        right = [row for row in mine if row["right"]]
+        axes.loglog([r[key] for r in right], [1e3 * r["seconds"]["median"] for r in right], **look(name))
+        for row in mine:
+            ends = (1e3 * row["seconds"][end] for end in ("least", "largest"))
+            axes.vlines(row[key], *ends, color=LOOKS[name][0], linewidth=3.0, alpha=0.3)
+            if not row["right"]:
+                axes.loglog(row[key], 1e3 * row["seconds"]["median"], "x", color=LOOKS[name][0])
+            elif name == PUBLIC:
+                text = number(row["setting"]) + (" (default)" if row["setting"] == DEFAULT else "")
+                place = row[key], 1e3 * row["seconds"]["median"]
+                axes.annotate(text, place, (0, 5), textcoords="offset points", ha="center", fontsize=7)
+    axes.minorticks_off()
+
+
+def draw_start_up(axes: Any, start: dict[str, float]) -> None:
+    """A bar for each contender."""
+    names = list(start)[::-1]
+    axes.barh(names, [start[name] for name in names], color=[LOOKS[name][0] for name in names], alpha=0.4)
+    axes.set(title="new process to first result", xlabel="CPU time [s]", yticks=[])
+    for place, name in enumerate(names):
+        axes.text(0.03 * max(start.values()), place, f"{name}: {start[name]:.2g} s", va="center", fontsize=8)
+    axes.grid(visible=False)
 
 
 def main() -> None:
     """Measure and draw."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("problems", nargs="*", help="of problems.py")
-    parser.add_argument("--quick", action="store_true", help="two rounds")
-    chosen = parser.parse_args()
-    names = chosen.problems or list(PROBLEMS)
-    started = common.environment(peers.PACKAGES)
-    references = common.load("reference")["results"]
-    rows: list[dict] = []
-    if chosen.problems and (common.RESULTS / "work_precision.json").exists():
-        rows = [r for r in common.load("work_precision")["results"]["rows"] if r["problem"] not in names]
-    missing: dict[str, str] = {}
-    rounds = 2 if chosen.quick else ROUNDS
-    for name in names:
-        for stop in PROBLEMS[name].times:
-            for tolerance in TOLERANCES:
-                found, absent = measure(PROBLEMS[name], tolerance, stop, references[name], rounds)
-                rows += found
-                missing |= absent
+    rounds = common.rounds(__doc__, ROUNDS)
+    started, rows, missing = common.environment(peers.PACKAGES), [], {}
+    for name in NAMES:
+        found, absent = measured(name, rounds)
+        rows += found
+        missing |= absent
     for family, reason in missing.items():
         print(f"left out: {family}: {reason}")
-    settings = {
-        "tolerances": TOLERANCES, "rounds": rounds, "rounds of fast ones": rounds * FAST, "left out": missing,
-        "tolerance of peers": "rtol = atol; see peers/ for everything else",
-    }  # fmt: skip
-    rows = levelled(rows)
-    results = {"rows": rows, "at equal error": compared(rows)}
+    results = {"rows": rows, "at equal error": at_equal_error(rows)}
+    results["start-up [s]"] = {name: start_up(name) for name in dict.fromkeys(row["name"] for row in rows)}
+    if rounds == ROUNDS:
+        with tempfile.TemporaryDirectory() as cache:
+            results["compiling the kernel [s]"] = start_up(PUBLIC, cache) - results["start-up [s]"][PUBLIC]
     for row in results["at equal error"]:
-        print({key: value for key, value in row.items() if key != "all"})
+        print(row)
+    print(results["start-up [s]"], results.get("compiling the kernel [s]"))
+    settings = {"tolerances": TOLERANCES, "rounds": rounds, "left out": missing}
     common.save("work_precision", started, settings, results)
     common.picture("work_precision", draw, SIZE)
 

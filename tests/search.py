@@ -4,11 +4,17 @@
 its CPU time is killed by the timer of its process (SIGPROF, whose default ends it: no code of Python has to
 run, nor of the kernel); the parent sees the pipe close, says how far the run came, and starts another
 process.
+
+``python -m tests.search --count 20000`` searches further than the tests, and prints what it finds by kind,
+with its seeds. Special kinds of scenes begin at whole millions (``--first``), which random_scenes.py lists.
 """
 
 from __future__ import annotations
 
+import argparse
+import os
 import signal
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -19,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.library import kernel_library
-from chain_impact.kernel.status import OK
+from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import load_kernel
 from chain_impact.variables.model import model_of
@@ -30,7 +36,7 @@ from tests.random_scenes import scene as scene_of
 MEMORY = 200_000  # numbers, room for the record of any scene
 SLOWEST = 1e4  # evaluations in a second of CPU time; fewer tell of a loop that makes none
 CONTEXT = get_context("forkserver")
-CONTEXT.set_forkserver_preload(["tests.search"])
+CONTEXT.set_forkserver_preload([__name__])
 
 
 @dataclass
@@ -161,3 +167,28 @@ def _judged(scene: Scene, seed: int, cpu: float, memory: Any) -> Verdict:
     closeness = {kind: value / bound for kind, value, bound, _ in rows if bound > 0.0}
     law, method = scene.contact.model, scene.solver.method
     return Verdict(seed, law, method, oracle.findings(rows), run.status, run.cpu, closeness)
+
+
+def main() -> None:
+    """Search, and print what was found."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--count", type=int, default=20000, help="scenes")
+    parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument("--cores", type=int, default=os.cpu_count(), help="processes at a time")
+    parser.add_argument("--cpu", type=float, default=CPU, help="CPU time that a run may take [s]")
+    options = parser.parse_args()
+    ends: Counter[str] = Counter()
+    found: dict[str, list[str]] = defaultdict(list)
+    for one in verdicts(range(options.first, options.first + options.count), options.cpu, options.cores):
+        ends["ended by the timer" if one.status is None else STATUS_TEXT[one.status]] += 1
+        for kind in one.kinds:
+            found[kind].append(str(one))
+    for title, texts in [
+        ("ends", [f"{count} runs: {text}" for text, count in ends.most_common()]),
+        *found.items(),
+    ]:
+        print(f"{title}: {len(texts)}", *texts, sep="\n  ")
+
+
+if __name__ == "__main__":
+    main()

@@ -82,7 +82,6 @@ def message(module, record):
 
 
 @pytest.mark.full("more cases, which need compilers", but=1)
-@pytest.mark.parametrize("name", ["stability", "scaling", "fidelity", "rest"])
+@pytest.mark.parametrize("name", ["work_precision", "stability", "fidelity", "friction", "rest"])
 def test_a_chart_is_drawn_with_a_message(charts, name):
-    module = charts(name if name != "stability" else "stability_chart")
-    assert re.search(r"\d", message(module, stored(name))[0])
+    assert re.search(r"\d", message(charts(name), stored(name))[0])

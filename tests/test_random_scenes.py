@@ -1,7 +1,7 @@
 """A random search over scenes: no run hangs, gains or loses energy, or lets a point through a wall.
 
 ``scene(seed)`` of tests/random_scenes.py makes the scene of a failure again, ``verdict(scene(seed), seed)``
-of tests/search.py judges it again, and benchmarks/random_search.py searches further. Nor does
+of tests/search.py judges it again, and ``python -m tests.search`` searches further. Nor does
 a run depend on when it is observed; and a fold takes no energy beyond Newton's law.
 """
 

@@ -13,12 +13,19 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from problems import Problem
+from problems import Onsets, Problem
 
-FAMILIES = ("ours", "scipy", "numbalsoda", "cvode", "heyoka")
+FAMILIES = {
+    "chain-impact": "ours",
+    "chain-impact, FMU": "ours",
+    "kernel alone": "ours",
+    "SciPy DOP853": "scipy",
+    "numbalsoda DOP853": "numbalsoda",
+    "CVODE Adams": "cvode",
+    "heyoka": "heyoka",
+}
+"""Contenders and their modules; *chain-impact* is what users call."""
 PACKAGES = ("numbalsoda", "heyoka", "mujoco")
-# driven by compiled code from event to event, on a right-hand side compiled with it
-COMPILED = ("numbalsoda", "CVODE", "heyoka")
 
 
 class MissingError(RuntimeError):
@@ -30,7 +37,7 @@ class Outcome:
     """What a run came to."""
 
     state: np.ndarray  # x₀, y₀, angles, and their rates
-    onsets: list[tuple[int, float]] = field(default_factory=list)  # candidate, time [s]
+    onsets: Onsets = field(default_factory=list)
     steps: int | None = None
     rhs: int | None = None  # evaluations
     failed: str = ""
@@ -47,12 +54,12 @@ class Contender(Protocol):
 
 
 def contenders(
-    problem: Problem, tolerance: float, stop: float, families: Iterable[str] = FAMILIES
+    problem: Problem, tolerance: float, stop: float, families: Iterable[str] = tuple(FAMILIES.values())
 ) -> tuple[dict[str, Contender], dict[str, str]]:
     """All that can take part, and why others cannot."""
     found: dict[str, Contender] = {}
     missing = {}
-    for name in families:
+    for name in dict.fromkeys(families):
         try:
             family = importlib.import_module(f"peers.{name}")
             found |= family.contenders(problem, tolerance, stop)

@@ -1,14 +1,25 @@
-"""The kernel itself, and ``simulate()`` around it."""
+"""The kernel itself, and around it what users call: ``simulate()`` and the steps of the FMU."""
 
 from __future__ import annotations
 
-import numpy as np
-from problems import Problem
+import atexit
+import shutil
+import tempfile
+from ctypes import c_double, c_uint
+from functools import cache
 
+import fmpy.fmi2
+import numpy as np
+from problems import PROBLEMS, Onsets, Problem
+
+from chain_impact import build_fmu
+from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.simulate import simulate
 from peers import Contender, Outcome
+
+STEP = 1e-3  # s, of the FMU
 
 
 class OnInstance:
@@ -21,7 +32,7 @@ class OnInstance:
         self.fresh = self.block.copy()
         self.kernel, self.address = self.instance._kernel, self.instance._address
 
-    def observed(self) -> tuple[np.ndarray, list[tuple[int, float]]]:
+    def observed(self) -> tuple[np.ndarray, Onsets]:
         """State, and onsets by candidate."""
         self.kernel.observe(self.address)
         record = self.instance.record
@@ -41,37 +52,81 @@ class OnInstance:
 class Kernel(OnInstance):
     """``initialize`` and ``advance``."""
 
-    def run(self) -> None:
-        """From parameters to the end."""
+    def run(self) -> object:
+        """From parameters to the end; the status."""
         self.block[:] = self.fresh
         self.kernel.initialize(self.address, 0.0)
-        assert self.kernel.advance(self.address, self.stop) == 0
+        return self.kernel.advance(self.address, self.stop)
 
     def outcome(self) -> Outcome:
         """State, onsets and the counts of the statistics."""
-        self.run()
-        counts = self.instance.statistics
-        state, onsets = self.observed()
-        return Outcome(state, onsets, counts["steps"], counts["rhs_evaluations"])
+        status, counts = self.run(), self.instance.statistics
+        failed = STATUS_TEXT[int(status)] if status else ""
+        return Outcome(*self.observed(), counts["steps"], counts["rhs_evaluations"], failed)
 
 
 class Simulate(Kernel):
-    """``simulate()``, with its validation and a row of outputs for each millisecond."""
+    """``simulate()`` of a scene with another tolerance, and a row of outputs for each millisecond."""
 
-    def __init__(self, scene: Scene, stop: float) -> None:
-        super().__init__(scene, stop)
-        self.scene = scene
+    def __init__(self, problem: Problem, tolerance: float, stop: float) -> None:
+        super().__init__(problem.scene(tolerance), stop)
+        self.base, self.values = problem.base, {"solver.tolerance": tolerance}
 
     def run(self) -> None:
         """One call."""
-        simulate(self.scene, stop_time=self.stop)
+        simulate(self.base.with_values(self.values), stop_time=self.stop)
 
     def outcome(self) -> Outcome:
         """That of the kernel, which it is."""
-        return Kernel.outcome(Kernel(self.scene, self.stop))
+        return Kernel.outcome(Kernel(self.base.with_values(self.values), self.stop))
+
+
+class Fmu(Simulate):
+    """The native FMU in FMPy: a reset, then steps of 1 ms, after each of which the tip is read."""
+
+    def __init__(self, problem: Problem, tolerance: float, stop: float) -> None:
+        super().__init__(problem, tolerance, stop)
+        folder = unpacked(problem.name)
+        description = fmpy.read_model_description(folder)
+        numbers = {variable.name: variable.valueReference for variable in description.modelVariables}
+        tip = f"point[{len(problem.base.chain.links)}]"
+        self.read = (c_uint * 2)(numbers[f"{tip}.x"], numbers[f"{tip}.y"])
+        self.place = (c_double * 2)()
+        self.tolerance = [numbers["solver.tolerance"]], [tolerance]
+        self.fmu = fmpy.fmi2.FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=folder,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+        )
+        self.fmu.instantiate()
+
+    def run(self) -> None:
+        """From the parameters to the end."""
+        self.fmu.reset()
+        self.fmu.setupExperiment(startTime=0.0)
+        self.fmu.setReal(*self.tolerance)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+        step, get = self.fmu._functions["fmi2DoStep"], self.fmu._functions["fmi2GetReal"]
+        bad = 0
+        for k in range(round(self.stop / STEP)):
+            bad |= step(self.fmu.component, k * STEP, STEP, 1)
+            bad |= get(self.fmu.component, self.read, 2, self.place)
+        assert bad == 0
+
+
+@cache
+def unpacked(name: str) -> str:
+    """The folder of a problem's FMU, which is removed when the process ends."""
+    folder = tempfile.mkdtemp()
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return str(fmpy.extract(build_fmu(PROBLEMS[name].base, folder, target="native"), folder))
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
-    """Both."""
-    scene = problem.scene(tolerance)
-    return {"ours": Kernel(scene, stop), "ours, simulate()": Simulate(scene, stop)}
+    """What users call, and the kernel beside it."""
+    return {
+        "chain-impact": Simulate(problem, tolerance, stop),
+        "chain-impact, FMU": Fmu(problem, tolerance, stop),
+        "kernel alone": Kernel(problem.scene(tolerance), stop),
+    }
