@@ -138,6 +138,12 @@ def test_simulate_prints_the_same_of_a_scene_and_of_its_fmu(run, fmu):
     assert len(impact_lines(scene[1])) == 14
 
 
+def test_simulate_prints_the_largest_force_in_a_joint(run):
+    said = run("simulate", "pinned_arm", "--set", "outputs.loads=true")[1]
+    assert re.search(r"^loads +at most 669\.89\d N in joint\[2\]$", said, re.M)
+    assert "loads" not in run("simulate", "pinned_arm")[1]
+
+
 def test_simulate_runs_once_and_writes_nothing_unless_asked(run, here, monkeypatch):
     told, found = [], instance.kernel_for
 

@@ -231,11 +231,13 @@ def test_a_wall_bears_what_its_points_press_on_it(name):
 def test_a_sweep_has_those_of_the_end():
     names = ["joint[3].impulse.y", "joint[3].peak_force", "wall.y_min.load.y"]
     scene = loaded("driven, stops", **{"simulation.stop_time": 0.6})
-    found, right = (
-        sweep(scene, {"link[4].mass": [scene.values["link[4].mass"]]}, outputs=names),
-        simulate(scene),
-    )
-    assert [float(found[name][0]) for name in names] == [right[name][-1] for name in names]
+    masses = [scene.values["link[4].mass"], 1.5]
+    found = sweep(scene, {"link[4].mass": masses, "contact.stiffness": [1e6, 1e8]}, outputs=names)
+    for row in found.table:
+        varied = {name: row[name] for name in ("link[4].mass", "contact.stiffness")}
+        right = simulate(scene.with_values(varied), output_step=0.6)
+        assert [row[name] for name in names] == [right[name][-1] for name in names]
+    assert len(set(found["joint[3].peak_force"])) == 4
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -16,7 +16,7 @@ from rich.table import Table
 from chain_impact.compilation.cache import LINKER, Entry
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import phase_cells
-from chain_impact.results.summary import energy_lines, impact_cells
+from chain_impact.results.summary import energy_lines, impact_cells, load_lines
 from chain_impact.results.text import plural
 from chain_impact.scene.tables import Box
 from chain_impact.studies.compare import Comparison
@@ -88,6 +88,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
         yield table
     yield from meanings(recording)
     yield from stick_slip_table(recording)
+    yield from load_lines(recording)
     yield from energy_lines(recording.energies)
 
 

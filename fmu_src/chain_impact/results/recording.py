@@ -92,6 +92,16 @@ class Recording:
         return self._of("energy").get((0, ""), {})
 
     @cached_property
+    def loads(self) -> dict[int, np.ndarray]:
+        """The force on the link of each joint, shape (T, 2) [N]; none where they are not known."""
+        forces = {joint: parts for (joint, kind), parts in self._of("joint").items() if kind == "force"}
+        return {
+            joint: np.stack([parts[axis] for axis in "xy"], axis=-1)
+            for joint, parts in forces.items()
+            if parts.keys() >= {"x", "y"}
+        }
+
+    @cached_property
     def touches(self) -> list[Touch]:
         """What points and walls, and joints and their stops, do to each other; joints with dry friction."""
         found = [

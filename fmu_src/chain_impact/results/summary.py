@@ -35,7 +35,7 @@ def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
 
 def text(result: Recording, outputs: int, facts: list[str]) -> str:
     """A result in a few lines: how many outputs it has, and facts of its scene and solver."""
-    lines = (_impact_lines(result), _friction_lines(result), _load_lines(result), facts)
+    lines = (_impact_lines(result), _friction_lines(result), load_lines(result), facts)
     return "\n".join([_headline(result, outputs), *chain.from_iterable(lines)])
 
 
@@ -50,7 +50,7 @@ def html(result: Recording, outputs: int, facts: list[str]) -> str:
     more = len(result.impacts) - LISTED
     table = f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>" if rows else ""
     table += f"<p>… and {plural(more, 'more impact')}</p>" if more > 0 else ""
-    lines = "\n".join(map(escape, [*_friction_lines(result), *_load_lines(result), *facts]))
+    lines = "\n".join(map(escape, [*_friction_lines(result), *load_lines(result), *facts]))
     return f"<div><b>{escape(_headline(result, outputs))}</b>{table}<pre>{lines}</pre></div>"
 
 
@@ -79,7 +79,7 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, str, str, str
     return f"{impact['onset']:.6f}", point, wall, f"{impact['impact_speed']:.4f}{unit}"
 
 
-def _load_lines(result: Recording) -> Iterator[str]:
+def load_lines(result: Recording) -> Iterator[str]:
     """The largest force in a joint, where the scene asks for loads."""
     peaks = {
         name.split(".")[0]: values[-1]

@@ -143,6 +143,13 @@ def test_positions_alone_make_a_page(show):
     assert page.inner_text("#impacts") == "none"
 
 
+def test_energies_below_zero_have_as_many_digits_as_those_above(show):
+    time = np.linspace(0.0, 1.0, 20)
+    columns = {f"point[{k}].{axis}": k + 0 * time for k in (0, 1) for axis in "xy"}
+    columns |= {"energy.potential": -1234.5 + time}
+    assert show(Recording("Deep", time, columns)).inner_text("#energies dd") in ("-1234", "-1235")
+
+
 def test_impacts_between_two_rows_are_in_the_list(show):
     coarse = simulate(load_scene("four_link_box"), output_step=5e-3)
     page = show(coarse)
@@ -327,6 +334,22 @@ def test_arrows_lean_against_the_motion_and_a_bar_shows_what_sticks(show):
     assert told == pytest.approx([0.5 * WEIGHT] * 2, abs=0.01)
     assert page.text_content("#close-what").endswith("brown: friction")
     assert "friction" in page.text_content("#energies")
+
+
+def test_forces_in_joints_are_arrows_with_a_key(show):
+    recording = record_slowly(load_scene("pinned_arm").with_values({"outputs.loads": True}))
+    page, forces = show(recording), np.array(list(recording.loads.values()))
+    sizes = np.hypot(forces[..., 0], forces[..., 1])
+    joint, row = np.unravel_index(sizes.argmax(), sizes.shape)
+    go_to(page, recording.time[row])
+    assert page.locator(".key").all_text_contents() == ["➝ joint", "➝ wall"]
+    assert page.locator("line.arrow.load").count() == len(recording.loads) == 2
+    told = page.text_content(".force-text.load")
+    assert float(re.match(r"[\d.]+", told)[0]) == pytest.approx(sizes.max(), rel=0.02)
+    arrow = page.locator("line.arrow.load").nth(joint)
+    x1, y1, x2, y2 = (float(arrow.get_attribute(name)) for name in ("x1", "y1", "x2", "y2"))
+    along, up = forces[joint, row]
+    assert math.atan2(y1 - y2, x2 - x1) == pytest.approx(math.atan2(up, along), abs=0.02)
 
 
 def test_a_full_dot_shows_a_joint_that_sticks(show):

@@ -57,6 +57,15 @@ def test_a_slider_and_a_law_give_another_motion_and_reset_the_first_one(show):
     assert "Flores, Machado, Silva & Martins 2011" in page.locator(".sentence").inner_text()
 
 
+def test_a_logarithmic_slider_has_its_start_in_the_middle_of_the_decades(show):
+    page = show()
+    slider = page.get_by_role("slider", name="Stiffness")
+    assert slider.evaluate("slider => slider.valueAsNumber / slider.max") == 0.5
+    for key, value in (("Home", 1e5), ("End", 1e11)):
+        slider.press(key)
+        assert float(page.evaluate("chainImpact.parameters['contact.stiffness']")) == value
+
+
 def test_a_refused_value_is_marked_and_told_until_it_is_changed(show):
     page = show()
     field = page.get_by_role("textbox", name="contact.stiffness")

@@ -185,8 +185,9 @@ def motions(worker):
             """async ([text, scene]) => {
               const kernel = await Kernel.load(await compiled(text), scene);
               const { parts, status } = runThrough(motion(kernel, {}));
-              const { time, view, anchor, pin, energies, forces, stops, radius, peakForce } = parts;
+              const { time, view, anchor, pin, energies, forces, stops, radius, peakForce, loads } = parts;
               return { status, time: [...time], view, anchor, pin, energies: Object.keys(energies), radius,
+                loads: loads.map(({ joint, x, y }) => [joint, Math.min(...x), Math.max(...y)]),
                 stops, peakForce, forces: forces.map(({ point, wall }) => [point, wall]) };
             }""",
             [packed_module(), given(scene)],
@@ -201,7 +202,7 @@ def motions(worker):
         load_scene(name)
         for name in ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "sliding_rod", "bouncing_ball")
     ]
-    + [knee()],
+    + [knee(), load_scene("pinned_arm").with_values({"name": "Loads", "outputs.loads": True})],
     ids=lambda scene: scene.name,
 )
 def test_the_page_shows_what_an_animation_shows(motions, scene):
@@ -216,6 +217,8 @@ def test_the_page_shows_what_an_animation_shows(motions, scene):
     assert set(found["energies"]) == {name for name, energy in known.energies.items() if energy.any()}
     forces = {(one.point, one.wall) for one in known.touches if one.force is not None and one.force.any()}
     assert {(point, wall) for point, wall in found["forces"]} == forces
+    loads = [(joint, *force.min(axis=0)[:1], *force.max(axis=0)[1:]) for joint, force in known.loads.items()]
+    np.testing.assert_allclose(found["loads"], loads, rtol=0.02)
     assert found["radius"] == pytest.approx(radius, abs=1e-9)
     assert [one["joint"] for one in found["stops"]] == list(known.stops)
     # of walls only: moments of stops are drawn on a scale of their own

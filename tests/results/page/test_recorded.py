@@ -86,6 +86,15 @@ def test_friction_and_what_sticks():
     assert [set(unpacked(one["sticking"])) for one in joints] == [{1.0}, {1.0}]
 
 
+def test_forces_in_joints():
+    recording = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
+    packed = {one["joint"]: [unpacked(one[axis]) for axis in "xy"] for one in data(recording)["loads"]}
+    assert packed.keys() == {1, 2}
+    for joint, force in packed.items():
+        known = np.transpose([recording[f"joint[{joint}].force.{axis}"] for axis in "xy"])
+        np.testing.assert_allclose(np.transpose(force), known, atol=0.01)
+
+
 def test_the_page_has_the_ranges_and_tells_stops_from_walls():
     packed = data(simulate(knee()))
     assert packed["stops"] == [{"joint": 2, "arc": (0.0, 2.0), "marks": [0.0, 2.0]}]

@@ -68,6 +68,18 @@ def test_what_is_dragged_changes_what_it_stands_for(show, grip, by, signs):
     )
 
 
+def test_the_view_fits_again_when_a_wall_is_let_go(show):
+    page, aspect = show(), "document.querySelector('#view').style.getPropertyValue('--aspect')"
+    before = page.evaluate(aspect)
+    page.mouse.move(*middle(page, "wall x_max"))
+    page.mouse.down()
+    page.mouse.move(*(middle(page, "wall x_max") + np.array([30.0, 0.0])), steps=4)
+    settle(page)
+    assert page.evaluate(aspect) == before
+    page.mouse.up()
+    until(page, f"{aspect} !== '{before}'")
+
+
 def test_joints_at_rest_are_given_velocities(show):
     page = show("four_link_box", AT_REST)
     for joint in range(5):

@@ -14,6 +14,7 @@ from chain_impact.results.plots.film import (
     CHAIN,
     ENERGIES,
     FORCE,
+    LOAD,
     RATES,
     STYLE,
     Film,
@@ -115,6 +116,17 @@ def test_an_arrow_is_there_while_there_is_a_force(recording):
     assert red[0] == 0
     assert red[1] > 10
     assert red[2] == 0
+
+
+def test_forces_in_joints_are_arrows_of_a_colour_of_their_own_with_a_key():
+    recording = record_slowly(load_scene("pinned_arm").with_values({"outputs.loads": True}))
+    sizes = sum(np.hypot(*force.T) for force in recording.loads.values())
+    key, arrows = 10, 60
+    for time, least, most in ((0.0, key, arrows), (recording.time[sizes.argmax()], arrows, 1000)):
+        (picture,) = pictures(recording, time)
+        assert least < coloured(picture, LOAD) < most
+    (picture,) = pictures(record_slowly("pinned_arm"), recording.time[sizes.argmax()])
+    assert coloured(picture, LOAD) == 0
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.quiver import Quiver
 
+from chain_impact import load_scene, simulate
 from chain_impact.results.plots import draw_chain
 from chain_impact.results.plots.motion import STRONG, by_speed, strongest
 from tests.results.plots.pictures import boxes, crowd, drawn, hit, recorded, swing, texts
@@ -102,6 +104,19 @@ def test_numbers_stand_outside_of_the_room_and_off_the_rings(model):
             all(wall.clearance(*corner) < 0.0 for corner in corners) for wall in recording.walls.values()
         )
         assert not any(box.contains(*ring) for ring in rings)
+
+
+def test_the_largest_force_in_each_joint_is_an_arrow_where_the_joint_was_then():
+    recording = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
+    _, motion, *_ = drawn(recording)
+    (arrows,) = (one for one in motion.collections if isinstance(one, Quiver))
+    peaks = [recording[f"joint[{joint}].peak_force"][-1] for joint in (1, 2)]
+    assert np.hypot(arrows.U, arrows.V) == pytest.approx(peaks)
+    np.testing.assert_array_equal(arrows.XY[0], [0.0, 0.0])
+    row = np.hypot(*recording.loads[2].T).argmax()
+    np.testing.assert_array_equal(arrows.XY[1], recording.points[row, 1])
+    assert arrows.V[1] / arrows.U[1] == pytest.approx(recording.loads[2][row, 1] / recording.loads[2][row, 0])
+    assert motion.get_legend().get_texts()[-1].get_text() == "joint forces, ≤ 670 N"
 
 
 def test_the_hardest_impact_is_numbered():

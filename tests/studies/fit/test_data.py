@@ -78,6 +78,17 @@ def test_the_table_of_impacts_of_a_result_is_one():
     found = read({name: table[name].tolist() for name in table.columns}, columns=["peak_force", "onset"])
     assert set(found.quantity) == {"peak_force", "onset"}
     assert len(found.impacts) == len(table) == 2
+    assert "joint" in table
+    every = read({name: table[name].tolist() for name in table.columns})
+    assert "impulse" in every.quantity
+    assert "joint_force" not in every.quantity  # which is not known without loads
+
+
+def test_a_force_in_a_joint_needs_a_scene_with_loads():
+    assert refusal(read, {"impact": [1], "joint_force": [100.0]}) == (
+        "data: row 0: joint_force = 100 needs the forces in joints: "
+        "FourLinkBox: outputs.loads = false must be true"
+    )
 
 
 def test_standard_deviations():

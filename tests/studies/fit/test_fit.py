@@ -37,6 +37,24 @@ def test_values_and_their_errors(found):
     assert high - low == pytest.approx(2 * 1.959964 * found.standard_errors[FREE[1]], rel=1e-6)
 
 
+def test_forces_in_joints_tell_mass_stiffness_and_restitution():
+    true = {"link[2].mass": 1.1, "contact.stiffness": 1.2e7, "contact.restitution": 0.55}
+    arm = load_scene("pinned_arm").with_values({"outputs.loads": True, "simulation.stop_time": 0.8})
+    result = simulate(arm.with_values(true), output_step=0.02)
+    names = ["joint[1].force.x", "joint[1].impulse.y", "joint[2].moment"]
+    samples = {"time": result.time[1:]} | {name: result[name][1:] for name in names}
+    impact = {
+        "impact": [1],
+        "joint_force": result.impacts["joint_force"],
+        "peak_force": result.impacts["peak_force"],
+    }
+    sigma = dict.fromkeys(names, 1e-3) | dict.fromkeys(("joint_force", "peak_force"), 0.1)
+    found = fit(arm, [[samples, impact]], list(true), sigma=sigma)
+    assert found.converged
+    for name, value in true.items():
+        assert found.values[name] == pytest.approx(value, rel=1e-5)
+
+
 def test_what_else_it_tells(found):
     assert found.freedom == 397
     assert 0.8 < found.reduced_chi_squared < 1.2

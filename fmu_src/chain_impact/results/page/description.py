@@ -185,6 +185,10 @@ def drawn(model: Model) -> dict[str, Any]:
             }
             for one in rows.touches
         ],
+        "loads": [
+            {"joint": joint, "x": int(force[0, 0]), "y": int(force[0, 1])}
+            for joint, force in rows.loads.items()
+        ],
     }
 
 

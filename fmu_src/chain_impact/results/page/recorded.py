@@ -111,6 +111,10 @@ def data(recording: Recording) -> dict[str, Any]:
         "y": _packed(points[:, :, 1]),
         "energies": {name: _packed(energy) for name, energy in recording.energies.items()},
         "touches": [found for one in touches if (found := _touch(one))],
+        "loads": [
+            {"joint": joint, "x": _packed(force[:, 0]), "y": _packed(force[:, 1])}
+            for joint, force in recording.loads.items()
+        ],
         "impacts": impacts(recording),
         "walls": free_sides(recording.walls),
         "stops": [_range(joint, one) for joint, one in recording.stops.items()],

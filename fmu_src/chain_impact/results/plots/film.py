@@ -13,9 +13,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import EngFormatter
 
 from chain_impact.extras import require
 from chain_impact.progress import Progress
@@ -23,13 +23,13 @@ from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.pacing import frame_times, slow_spans
 from chain_impact.results.plots.over_time import ENERGY_COLOURS
 from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_pin, draw_room
-from chain_impact.results.plots.style import BLUE, BROWN, INK, PALE
+from chain_impact.results.plots.style import BLUE, BROWN, INK, PALE, force_text
 from chain_impact.results.recording import Recording
 from chain_impact.results.view import framed, pin_mark, radius_of
 
-MUTED, CHAIN, TIP, FORCE = "#566076", "#2b4a9f", "#c2255c", "#d9480f"
+MUTED, CHAIN, TIP, FORCE, LOAD = "#566076", "#2b4a9f", "#c2255c", "#d9480f", "#0b7285"
 ENERGIES = {**ENERGY_COLOURS, "elastic": BLUE, "friction": BROWN}
-COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, *ENERGIES.values())
+COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())
 """All colours of a film, but white and their shades."""
 SHADES = 6  # of each colour of a gif, towards white
 WHITISH = 0.96  # in all of red, green and blue: a shade that Pillow takes white for
@@ -155,12 +155,9 @@ class Film:
         """Draw what does not move."""
         self.recording, self.times = recording, times
         self.points = np.stack(
-            [
-                np.stack([np.interp(times, recording.time, column) for column in point.T], axis=-1)
-                for point in recording.points.transpose(1, 0, 2)
-            ],
-            axis=1,
+            [self._over_frames(point) for point in recording.points.transpose(1, 0, 2)], axis=1
         )
+        self.loads = {joint: self._over_frames(force) for joint, force in recording.loads.items()}
         self.rows = np.searchsorted(recording.time, times, side="right") - 1
         self.touches, self.moving = recording.touches, list[Any]()
         wide = bool((figure.get_size_inches() > 0.99 * np.array(ROOM)).all())
@@ -194,7 +191,22 @@ class Film:
         (self.tip,) = self.scene.plot([], [], color=TIP, markeredgecolor="white", markersize=7, **look)
         peaks = recording.impacts["peak_force"][~recording.at_stops]
         seen = [one.force.max(initial=0.0) for one in self.touches if one.at_wall and one.force is not None]
+        seen += [np.hypot(*force.T).max() for force in recording.loads.values()]
         self.peak = max([np.nanmax(peaks, initial=0.0), *seen])
+        if self.loads:
+            self._draw_key(figure, 0.99 if not wide else SCENE[0] + SCENE[2])
+
+    def _over_frames(self, vectors: np.ndarray) -> np.ndarray:
+        """Vectors at the times of the frames, shape (F, 2)."""
+        return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
+
+    def _draw_key(self, figure: Figure, right: float) -> None:
+        """What the two kinds of arrows are."""
+        arrow: dict[str, Any] = {"marker": ">", "linewidth": 2.2, "markersize": 5}
+        kinds = {"wall forces": FORCE, "joint forces": LOAD}
+        place: dict[str, Any] = {"loc": "center right", "bbox_to_anchor": (right, 0.94), "borderaxespad": 0.0}
+        handles = [Line2D([], [], color=colour, label=name, **arrow) for name, colour in kinds.items()]
+        figure.legend(handles=handles, ncols=2, fontsize=8, handlelength=1.4, columnspacing=1.0, **place)
 
     def _draw_ground(self, radius: float) -> None:
         view, anchor = framed(self.points, self.recording.walls, radius)
@@ -271,46 +283,58 @@ class Film:
             sticks = one.sticking is not None and one.sticking[self.rows[frame]] > 0.0
             if one.at_wall and force > 0.0:
                 along = 0.0 if one.friction is None else self._at(one.friction, frame)
-                self._add_arrow(self.points[frame, one.point], one.wall, (force, along), sticks)
+                self._add_contact(self.points[frame, one.point], one.wall, (force, along), sticks)
             elif not one.wall and sticks:
                 self._add_line(self.points[frame, one.point - 1], "o", markeredgecolor=CHAIN, markersize=7)
             elif force > 0.0:
                 place, (dx, dy) = touching_place(self.points[frame], one.point)
                 self._add_line(place, "o", markersize=9)
                 self._add_text(force_text(force, "N m"), place + 0.11 * self.side * np.array([dy, -dx]))
+        self._add_loads(frame)
         yield from self.moving
+
+    def _add_loads(self, frame: int) -> None:
+        """The forces in the joints that are not too small to be seen, with the size of the largest one."""
+        forces = {joint: force[frame] for joint, force in self.loads.items()}
+        largest = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)
+        for joint, force in forces.items():
+            whole = float(np.hypot(*force))
+            if whole > self.peak * LEAST / LONGEST:
+                place = self.points[frame, joint - 1]
+                self._add_arrow(place, force / whole, whole, LOAD, told=joint == largest)
 
     def _at(self, column: np.ndarray, frame: int) -> float:
         return float(np.interp(self.times[frame], self.recording.time, column))
 
-    def _add_arrow(self, place: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
+    def _add_contact(self, place: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
         """The force on a point, normal and along the wall; a bar along the wall where it sticks."""
         plane = self.recording.walls[wall]
         normal = np.array(plane.normal)
         tangent = np.array([normal[1], -normal[0]])
         foot, whole = place - plane.clearance(*place) * normal, float(np.hypot(*force))
-        direction = (force[0] * normal + force[1] * tangent) / whole
-        head = foot + self.side * max(LEAST, LONGEST * whole / self.peak) * direction
         if sticks:
             bar = np.stack([foot - BAR * self.side * tangent, foot + BAR * self.side * tangent])
             self._add_line(bar.T, linewidth=5.0, solid_capstyle="butt")
+        self._add_arrow(foot, (force[0] * normal + force[1] * tangent) / whole, whole, FORCE)
+
+    def _add_arrow(
+        self, foot: np.ndarray, direction: np.ndarray, whole: float, colour: str, told: bool = True
+    ) -> None:
+        """The arrow of a force [N] from a place in a direction, and how large it is if that is told."""
+        head = foot + self.side * max(LEAST, LONGEST * whole / self.peak) * direction
         style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
-        arrow = FancyArrowPatch(tuple(foot), tuple(head), color=FORCE, linewidth=2.2, **style)
+        arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)
         self.moving.append(self.scene.add_patch(arrow))
-        self._add_text(force_text(whole, "N"), head + 0.035 * self.side * direction)
+        if told:
+            self._add_text(force_text(whole, "N"), head + 0.035 * self.side * direction, colour)
 
     def _add_line(self, place: np.ndarray, *marker: str, **look: Any) -> None:
         self.moving += self.scene.plot(*place, *marker, color=FORCE, **look)
 
-    def _add_text(self, words: str, place: np.ndarray) -> None:
-        look: dict[str, Any] = {"color": FORCE, "fontweight": "bold", "ha": "center", "va": "center"}
+    def _add_text(self, words: str, place: np.ndarray, colour: str = FORCE) -> None:
+        look: dict[str, Any] = {"color": colour, "fontweight": "bold", "ha": "center", "va": "center"}
         outline = [withStroke(linewidth=3.0, foreground="white")]
         self.moving.append(self.scene.text(place[0], place[1], words, path_effects=outline, **look))
-
-
-def force_text(value: float, unit: str) -> str:
-    """A force or a moment above zero, with a prefix and three digits: 12.3 kN."""
-    return EngFormatter(unit, places=2 - int(np.floor(np.log10(value))) % 3)(value)
 
 
 def rate_text(rate: float) -> str:

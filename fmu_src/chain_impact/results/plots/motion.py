@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.plots.labels import Label, place_labels
-from chain_impact.results.plots.room import draw_walls
-from chain_impact.results.plots.style import INK, TIME_COLOURS, VERMILLION
+from chain_impact.results.plots.room import draw_walls, view_of
+from chain_impact.results.plots.style import INK, PURPLE, TIME_COLOURS, VERMILLION, force_text
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import JOINT
 
@@ -25,6 +25,7 @@ FEW = 6  # points: of a longer chain the paths are fainter
 RING = 6.5  # points, the size of the mark of an impact
 SQUARE = 4.0  # points, the size of the mark of what sticks
 NEAR_PLACE = 0.03  # of the view's width, within which impacts at a wall share a ring
+LONGEST_LOAD = 0.3  # of the smaller side of the view, the arrow of the largest force in a joint
 LISTED = 2  # numbers at a ring with more than three impacts
 ABOVE: dict[str, Any] = {
     "loc": "lower left",
@@ -52,9 +53,10 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
         axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))
     draw_rings(axes, recording)
     sticks = draw_sticking(axes, recording)
+    loaded = draw_loads(axes, recording)
     axes.set_aspect("equal")
     axes.set(xlabel="x [m]", ylabel="y [m]")
-    axes.legend(**ABOVE, ncols=5 if recording.stops or sticks else 4, handlelength=1.2)
+    axes.legend(**ABOVE, ncols=5 if recording.stops or sticks or loaded else 4, handlelength=1.2)
 
 
 def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
@@ -133,6 +135,35 @@ def draw_sticking(axes: Axes, recording: Recording) -> bool:
         look: dict[str, Any] = {"marker": "s", "markersize": SQUARE, "linestyle": "", "color": VERMILLION}
         axes.plot(*np.transpose(places), **look, zorder=5.5, label="sticks")
     return bool(places)
+
+
+def draw_loads(axes: Axes, recording: Recording) -> bool:
+    """Draw the largest force in each joint, where the joint was then; return whether there is one.
+
+    The largest forces are those between the rows, too, if the recording has these peaks. The direction and
+    the place are those of the row with the largest force.
+    """
+    arrows = []
+    for joint, force in recording.loads.items():
+        sizes = np.hypot(*force.T)
+        row = sizes.argmax()
+        peak = recording.columns.get(f"joint[{joint}].peak_force", sizes).max()
+        if sizes[row] > 0.0:
+            arrows.append((*recording.points[row, joint - 1], *(peak / sizes[row] * force[row])))
+    if arrows:
+        x, y, along, up = np.transpose(arrows)
+        most = np.hypot(along, up).max()
+        view = min(np.ptp(view_of(recording)[0], axis=0))
+        axes.quiver(
+            *(x, y, along, up),
+            angles="xy",
+            scale_units="xy",
+            scale=most / (LONGEST_LOAD * view),
+            color=PURPLE,
+            zorder=6,
+            label=f"joint forces, ≤ {force_text(most, 'N')}",
+        )
+    return bool(arrows)
 
 
 def number_rings(axes: Axes, recording: Recording) -> None:

@@ -15,6 +15,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
+from matplotlib.ticker import EngFormatter
 
 from chain_impact.system import written_whole
 
@@ -129,6 +130,11 @@ def save(
         fill(page)
         told = words_of(page) if Path(path).suffix == ".png" else None
         page.savefig(fresh, dpi="figure", metadata=told)
+
+
+def force_text(value: float, unit: str) -> str:
+    """A force or a moment above zero, with a prefix and three digits: 12.3 kN."""
+    return EngFormatter(unit, places=2 - int(np.floor(np.log10(value))) % 3)(value)
 
 
 def number(value: float, digits: int = 4) -> str:

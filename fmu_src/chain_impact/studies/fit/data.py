@@ -17,11 +17,12 @@ from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
 from chain_impact.studies.fit.table import Source, Table, read_table
 from chain_impact.variables.model import Model
 
-TIME, IMPACT, POINT, WALL, DURATION = "time", "impact", "point", "wall", "duration"
+TIME, IMPACT, POINT, WALL, JOINT, DURATION = "time", "impact", "point", "wall", "joint", "duration"
 WHICH = (IMPACT, POINT, WALL)
 """The columns that tell which impact a row is about."""
 QUANTITIES = (*IMPACT_QUANTITIES, DURATION)
 """What can be measured of an impact: the fields of ``Result.impacts``, and the duration, end − onset [s]."""
+JOINT_FORCE = "joint_force"
 SIGMA = "sigma({})"
 PERCENT = "%"
 
@@ -281,6 +282,11 @@ class _Book:
         """Add one value, if it was measured."""
         value = table.number(row, name)
         if not math.isnan(value):
+            if name == JOINT_FORCE and not self._scene.outputs.loads:
+                raise SceneError(
+                    f"{table.where(row, name)} = {value:g} needs the forces in joints: "
+                    f"{self._scene.name}: outputs.loads = false must be true"
+                )
             self._found.append((name, value, self._sigma_of(table, row, name, value), place, of_impact))
 
     def _sigma_of(self, table: Table, row: int, name: str, value: float) -> float:
@@ -318,5 +324,5 @@ def _is_sigma(name: str) -> bool:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """The columns that are no time, no impact's place, and no standard deviation."""
-    return [name for name in table.names if name not in (TIME, *WHICH) and not _is_sigma(name)]
+    """The columns that are no time, no impact's place or joint, and no standard deviation."""
+    return [name for name in table.names if name not in (TIME, *WHICH, JOINT) and not _is_sigma(name)]

@@ -65,8 +65,8 @@ function largest(values) {
  * What a `Recording` is made of.
  *
  * @param rows name, links, time, x and y of all points in rows, energies by name, touches { point, wall, force, friction,
- *   sticking } at the rows (of a joint with dry friction without wall and force), contacts, walls, stops, radius,
- *   touching, pinned.
+ *   sticking } at the rows (of a joint with dry friction without wall and force), loads { joint, x, y } likewise, the forces
+ *   in joints if they are known, contacts, walls, stops, radius, touching, pinned.
  * @param frames their times, and how many there are in a second on the screen; those are the rows if they have as many.
  */
 export function framesOf(rows, { times, frameRate }) {
@@ -82,15 +82,17 @@ export function framesOf(rows, { times, frameRate }) {
   const stuckJoints = rows.touches
     .filter(({ wall }) => !wall)
     .map(({ point, sticking }) => ({ joint: point, spans: held(sticking) }));
+  const loads = rows.loads.map(({ joint, x: along, y: up }) => ({ joint, x: at(along), y: at(up) }));
   const energies = ENERGIES.filter((key) => rows.energies[key]?.some((value) => value !== 0))
     .map((key) => [key, at(rows.energies[key])]);
   const peaks = [
     ...contacts.filter(({ atStop }) => !atStop).map(({ peak }) => peak ?? 0),
     ...forces.filter(({ wall }) => wall in walls).map(({ values }) => largest(values)),
+    ...loads.map((force) => largest(force.x.map((along, frame) => Math.hypot(along, force.y[frame])))),
   ];
   return {
-    name, links, time: times, frameRate, x, y, energies: Object.fromEntries(energies), forces, stuckJoints, contacts, walls,
-    stops, radius, touching,
+    name, links, time: times, frameRate, x, y, energies: Object.fromEntries(energies), forces, loads, stuckJoints, contacts,
+    walls, stops, radius, touching,
     peakForce: Math.max(largest(peaks), 1e-300),
     ...viewOf(x, y, links + 1, walls, radius, rows.pinned),
   };

@@ -55,8 +55,9 @@ export function* motion(kernel, values) {
   if (first.time.length === 0 || !(end > 0)) return { ...ending, parts: null };
   const contacts = contactsOf(listed(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
   const { times, frameRate } = timesOf(contacts, 0, end, scene.links, IMPACT_TIME);
-  const { points, energies, touches } = scene.drawn;
-  const words = [...points.flat(), ...Object.values(energies), ...touches.flatMap(({ force, friction, sticking }) => [force, friction, sticking])]
+  const { points, energies, touches, loads } = scene.drawn;
+  const ofTouches = touches.flatMap(({ force, friction, sticking }) => [force, friction, sticking]);
+  const words = [...points.flat(), ...Object.values(energies), ...ofTouches, ...loads.flatMap((force) => [force.x, force.y])]
     .filter((word) => word !== null);
   const { time, columns } = yield* half(kernel.run(values, times, words.map((word) => ({ word }))), 0.5);
   if (time.length < 2) return { ...ending, parts: null };
@@ -79,6 +80,7 @@ export function* motion(kernel, values) {
       friction: column(friction),
       sticking: column(sticking),
     })),
+    loads: loads.map(({ joint, x: along, y: up }) => ({ joint, x: column(along), y: column(up) })),
     contacts,
     walls,
     stops: rangesOf(scene, valueOf),

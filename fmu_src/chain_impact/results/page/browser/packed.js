@@ -32,5 +32,6 @@ export function unpack(packed) {
     const known = Object.entries(columns).map(([name, values]) => [name, whole(values, places, time.length)]);
     return { point, wall, ...Object.fromEntries(known) };
   });
-  return { ...packed, time, x, y, energies: Object.fromEntries(energies), touches };
+  const loads = packed.loads.map(({ joint, ...force }) => ({ joint, x: numbers(force.x), y: numbers(force.y) }));
+  return { ...packed, time, x, y, energies: Object.fromEntries(energies), touches, loads };
 }

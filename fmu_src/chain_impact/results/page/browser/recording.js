@@ -94,6 +94,11 @@ export class Recording {
       .filter(({ force }) => force > 0);
   }
 
+  /** The forces in the joints at a frame: joint, and force on its link [N]; none where they are not known. */
+  loadsAt(frame) {
+    return this.loads.map(({ joint, x, y }) => ({ joint, force: [this.between(x, frame), this.between(y, frame)] }));
+  }
+
   /** The joints that stick at a frame. */
   stuckJointsAt(frame) {
     return this.stuckJoints.filter(({ spans }) => isWithin(spans, frame)).map(({ joint }) => joint);

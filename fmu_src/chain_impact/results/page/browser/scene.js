@@ -1,4 +1,4 @@
-// The scene: walls, chain, trace of the tip, force arrows; drawn by SVG.js, coloured by the style sheet.
+// The scene: walls, chain, trace of the tip, arrows of forces; drawn by SVG.js, coloured by the style sheet.
 
 import { forceText, unitsOf } from "./format.js";
 import { lastBefore } from "./recording.js";
@@ -11,6 +11,7 @@ const LABEL_FROM = 22; // pixels: shorter arrows have no label
 const TAIL = 0.3; // s of simulated time in which the trace's bright end fades
 const TAIL_PARTS = 10;
 const RING_TIME = 0.25; // s of simulated time for which the place of an impact is marked
+const KEY = 64; // pixels of each kind of arrow that is told
 const STRIP = 30; // pixels at the top for the scale bar, where the chain never comes
 const STOP_DOT = 11; // pixels, the mark of a joint at its stop
 const STICK_BAR = 12; // pixels, half the bar along the wall where a contact sticks
@@ -77,6 +78,7 @@ export class Scene {
     edges.forEach((ends) => this.ground.polyline(places(ends)).addClass("wall"));
     this.recording.pin.forEach((line) => this.ground.polyline(places(line)).addClass("pin"));
     this.#drawScaleBar(width);
+    if (this.recording.loads.length) this.#drawKey(width);
     this.discs.forEach(([, disc]) => disc.radius(this.recording.radius * this.camera.scale));
     ({ frames: this.traceFrames, places: this.tracePlaces } = traceOf(this.recording, this.camera));
   }
@@ -94,6 +96,13 @@ export class Scene {
     this.ground.plain(text).attr({ x: left - 8, y: y + 4 }).addClass("bar-text");
   }
 
+  /** What the two kinds of arrows are. */
+  #drawKey(width) {
+    [["joint", "load"], ["wall", "force"]].forEach(([name, kind], place) => {
+      this.ground.plain(`➝ ${name}`).attr({ x: width - 8 - KEY * place, y: 0.6 * STRIP + 4 }).addClass(`key ${kind}`);
+    });
+  }
+
   /** Draw a frame. */
   draw(frame) {
     const { recording, camera } = this;
@@ -106,6 +115,7 @@ export class Scene {
     this.#drawTrace(frame, places.at(-1));
     this.#drawRings(frame);
     this.#drawArrows(frame);
+    this.#drawLoads(frame);
   }
 
   #drawTrace(frame, tip) {
@@ -191,24 +201,43 @@ export class Scene {
       if (sticks) {
         this.arrows.line([-STICK_BAR, STICK_BAR].map((along) => [x - along * ny, y + along * nx])).addClass("stick-bar");
       }
-      const length = Math.max(LEAST_ARROW, (this.longest * force) / recording.peakForce);
-      const head = Math.min(14, 0.6 * length);
-      const at = (along, across) => [x + dx * along - dy * across, y + dy * along + dx * across];
-      this.arrows.line([at(0, 0), at(length - head, 0)]).addClass("arrow");
-      this.arrows.polygon([at(length, 0), at(length - head, 0.45 * head), at(length - head, -0.45 * head)])
-        .addClass("arrow-head");
-      if (length >= LABEL_FROM) {
-        this.#label(...at(length + 14, 0), dx, forceText(force));
-      }
+      this.#arrow([x, y], [dx, dy], force, "force");
     });
     recording.stuckJointsAt(frame).forEach((joint) => {
       this.arrows.circle(STUCK_DOT).center(...this.camera.place(...recording.pointAt(frame, joint - 1))).addClass("stuck-joint");
     });
   }
 
+  /** The forces in joints that are not too small to be seen; only the largest one has its size beside. */
+  #drawLoads(frame) {
+    const { recording, camera } = this;
+    const sized = recording.loadsAt(frame).map(({ joint, force: [x, y] }) => ({ joint, x, y, size: Math.hypot(x, y) }));
+    const most = Math.max(...sized.map(({ size }) => size));
+    sized.filter(({ size }) => this.#lengthOf(size) > LEAST_ARROW).forEach(({ joint, x, y, size }) => {
+      const place = camera.place(...recording.pointAt(frame, joint - 1));
+      this.#arrow(place, [x / size, -y / size], size, "load", size === most);
+    });
+  }
+
+  /** How long the arrow of a force [N] is [pixels]. */
+  #lengthOf(force) {
+    return (this.longest * force) / this.recording.peakForce;
+  }
+
+  /** The arrow of a force [N] from a place on the screen in a direction, and how large it is if that is told. */
+  #arrow([x, y], [dx, dy], force, kind, told = true) {
+    const length = Math.max(LEAST_ARROW, this.#lengthOf(force));
+    const head = Math.min(14, 0.6 * length);
+    const at = (along, across) => [x + dx * along - dy * across, y + dy * along + dx * across];
+    this.arrows.line([at(0, 0), at(length - head, 0)]).addClass(`arrow ${kind}`);
+    this.arrows.polygon([at(length, 0), at(length - head, 0.45 * head), at(length - head, -0.45 * head)])
+      .addClass(`arrow-head ${kind}`);
+    if (told && length >= LABEL_FROM) this.#label(...at(length + 14, 0), dx, forceText(force), kind);
+  }
+
   /** A text at a place, on the side of it to which `dx` points. */
-  #label(x, y, dx, text) {
+  #label(x, y, dx, text, kind = "force") {
     const anchor = Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
-    this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": anchor }).addClass("force-text");
+    this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": anchor }).addClass(`force-text ${kind}`);
   }
 }
