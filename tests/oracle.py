@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
@@ -23,6 +23,7 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import SimulationError
 from tests.kernel_calls import move
+from tests.load_checks import load_checks
 from tests.random_scenes import drive, started
 
 CPU = 2.0  # s, that a run may take
@@ -134,8 +135,17 @@ class Account:
     statistics: dict[str, int]
     cpu: float  # s
     refused: bool = False  # it did not even start
-    push: float = 0.0  # N, on the tip
+    tip: np.ndarray = field(default_factory=lambda: np.zeros(2))  # N, the force of an input on the tip
     torque: float = 0.0  # N·m, in all joints together
+
+    @property
+    def push(self) -> float:
+        return float(np.linalg.norm(self.tip))
+
+    def centres(self, name: str) -> np.ndarray:
+        """A vector of the points, at the centres of mass."""
+        points, ratio = self.outputs[name], self.chain.ratio[:, None]
+        return points[:, :-1] + ratio * np.diff(points, axis=1)
 
     @property
     def status(self) -> int:
@@ -175,8 +185,8 @@ def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Ac
     impacts.append(instance.open_contacts())
     statistics, cpu = instance.statistics, time.process_time() - begin
     rows = np.concatenate(impacts)
-    push, turn = float(np.linalg.norm(force)), float(np.abs(torque).sum())
-    return Account(scene, times[:done], outputs[:done], rows, statistics, cpu, push=push, torque=turn)
+    turn = float(np.abs(torque).sum())
+    return Account(scene, times[:done], outputs[:done], rows, statistics, cpu, tip=force, torque=turn)
 
 
 def judge(run: Account, cpu: float = CPU) -> list[Finding]:
@@ -226,6 +236,7 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[Row]:
     yield from speeds(run)
     yield from moments(run)
     yield from falls(run.scene, outputs)
+    yield from load_checks(run)
 
 
 # --- energy ------------------------------------------------------------------------------------------------
@@ -271,19 +282,13 @@ def energy_scale(run: Account) -> float:
     base = chain.size + share * np.linalg.norm(outputs["point_velocity"][:, :1], axis=2)
     omega = share * np.abs(outputs["angular_velocity"])
     error = base + np.cumsum(chain.length * (1.0 + omega), axis=1)
-    speed = share * np.linalg.norm(centres(run, "point_velocity"), axis=2)
+    speed = share * np.linalg.norm(run.centres("point_velocity"), axis=2)
     kinetic = (chain.mass * speed * error + chain.inertia * omega * (1.0 + omega)).sum(axis=1).max()
     gravity = np.linalg.norm(run.scene.gravity)
     potential = gravity * (chain.mass * (chain.size + np.cumsum(chain.length))).sum()
     supplied = np.abs(outputs["supplied"]).max()
     walls_and_springs = elastic_scale(run) + float(spring_moments(run).sum())
     return float(kinetic + potential + supplied + dissipated_scale(run) + walls_and_springs)
-
-
-def centres(run: Account, name: str) -> np.ndarray:
-    """A vector of the points, at the centres of mass."""
-    points, ratio = run.outputs[name], run.chain.ratio[:, None]
-    return points[:, :-1] + ratio * np.diff(points, axis=1)
 
 
 def spring_moments(run: Account) -> np.ndarray:

@@ -76,8 +76,12 @@ class Draw:
 
 
 def scene(seed: int) -> Scene:
-    """The scene of a seed, of the kind that the last of the first seeds up to it stands for."""
-    return _KINDS[max(first for first in _KINDS if first <= seed)](seed)
+    """The scene of a seed, of the kind that the last of the first seeds up to it stands for.
+
+    Every third one asks for loads, which changes nothing of the motion.
+    """
+    found = _KINDS[max(first for first in _KINDS if first <= seed)](seed)
+    return found if seed % 3 else with_values(found, {("outputs", "loads"): True})
 
 
 def sprung(scene: Scene, draw: Draw, weakest: float = 1e-3, stiffest: float = 1e6) -> Scene:

@@ -94,6 +94,21 @@ def test_a_run_that_takes_too_long_is_ended_and_found():
     assert not verdict(default_scene(), 7).findings
 
 
+@pytest.mark.parametrize(
+    ("field", "factor", "kinds"),
+    [
+        ("x", 1.0 + 1e-8, {"newton"}),
+        ("impulse_y", 1.0 + 1e-7, {"momentum"}),
+        ("peak", 0.99, {"peak"}),
+    ],
+)
+def test_a_wrong_load_is_found(field, factor, kinds):
+    run = account(scene(51), 51)
+    assert not judge(run)
+    run.outputs["load"][field] *= factor
+    assert {finding.kind for finding in judge(run)} >= kinds
+
+
 # --- a run does not depend on when it is observed ----------------------------------------------------------
 
 EACH = 65  # scenes of each kind

@@ -38,7 +38,7 @@ def start_loads(d, time):
     """Start at ``time`` [s] without peaks, in the state at the end of the last step."""
     own = d.transmitted
     locate_points(d, d.step.state_end)
-    own.start_time, own.searched_start, own.searched_end = time, math.nan, math.nan
+    own.start_time, own.seen_end = time, math.nan
     link_momenta(d, own.start_x, own.start_y)
     for i in range(d.links):
         own.peak[i] = 0.0
@@ -159,12 +159,19 @@ def fill_load_impulses(d):
 
 
 def fill_load_peaks(d):
-    """Fill the outputs of the largest forces so far. Afterwards the points are located elsewhere."""
+    """Fill the outputs of the largest forces so far. Afterwards the points are located elsewhere.
+
+    Most steps raise none of them: then their rows need no search of their own.
+    """
     out, own, rises = d.output.load, d.transmitted, False
-    find_step_peaks(d)
+    if own.seen_breaks != d.step.breaks or own.seen_end != d.step.end:
+        search_step(d)
+        for i in range(d.links):
+            own.seen[i] = own.top[i]
+        own.seen_breaks, own.seen_end = d.step.breaks, d.step.end
     for i in range(d.links):
         own.top[i] = max(own.peak[i], out.x[i] * out.x[i] + out.y[i] * out.y[i])
-        rises = rises or own.step_top[i] > own.top[i]
+        rises = rises or own.seen[i] > own.top[i]
     if rises:
         search_peaks(d, d.step.time)
     for i in range(d.links):
@@ -178,36 +185,30 @@ def update_load_peaks(d):
     """
     own, touch, counted = d.transmitted, d.touch, counted_work(d)
     ensure_dense(d, OUTPUTS)
-    find_step_peaks(d)
+    search_step(d)
     for i in range(d.links):
-        own.peak[i] = max(own.peak[i], own.step_top[i])
+        own.peak[i] = max(own.peak[i], own.top[i])
     for k in range(touch.active_count):
         c = touch.active_index[k]
         for i in range(0 if d.model.pinned else 1, d.links):
-            if own.step_top[i] > touch.joint_top[c]:
-                set_joint_top(d, c, own.step_top[i], i + 1)
+            if own.top[i] > touch.joint_top[c]:
+                set_joint_top(d, c, own.top[i], i + 1)
     load_joints_at(d, fraction(d, d.step.end))  # so that forces, and what follows from them, are those there
     ensure_points(d)
     uncount_work(d, counted)
 
 
-def find_step_peaks(d):
-    """Set ``transmitted.step_top`` to the largest |f|² [N²] in the last step, unless it is known.
+def search_step(d):
+    """Set ``transmitted.top`` to the largest |f|² [N²] in the last step.
 
     Where that raises neither the largest one so far nor that of an active contact, it is less than these.
     """
-    own, touch = d.transmitted, d.touch
-    if own.searched_start == d.step.start and own.searched_end == d.step.end:
-        return
-    least = math.inf
-    for k in range(touch.active_count):
-        least = min(least, touch.joint_top[touch.active_index[k]])
+    own, least = d.transmitted, math.inf
+    for k in range(d.touch.active_count):
+        least = min(least, d.touch.joint_top[d.touch.active_index[k]])
     for i in range(d.links):
         own.top[i] = min(own.peak[i], least)
     search_peaks(d, d.step.end)
-    for i in range(d.links):
-        own.step_top[i] = own.top[i]
-    own.searched_start, own.searched_end = d.step.start, d.step.end
 
 
 def search_peaks(d, time):
