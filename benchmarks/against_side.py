@@ -7,22 +7,12 @@ from __future__ import annotations
 
 import pickle
 import sys
-from pathlib import Path
 
 import numpy as np
 
-try:
-    from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_values
-    from chain_impact.variables.model import Model
-
-    def new_instance(scene: Scene) -> np.ndarray:
-        """An instance that is not yet initialized."""
-        return Model(scene).new_instance()
-
-except ImportError:  # before the package had rooms
-    from chain_impact.instance import new_instance
-
-    from chain_impact.scene import Scene, load_scene, scene_from_dict, with_values
+from chain_impact.compilation.library import kernel_library
+from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_values
+from chain_impact.variables.model import Model
 
 
 def chain(height: float) -> Scene:
@@ -66,26 +56,15 @@ def scenes() -> dict[str, tuple[Scene, float]]:
     }
 
 
-def library(links: int, candidates: int) -> Path:
-    """The kernel."""
-    try:
-        from chain_impact.compilation.library import kernel_library
-    except ImportError:  # before there was one for all numbers of candidates
-        from chain_impact.fmu.aot import kernel_library
-
-        return kernel_library(links, candidates)
-    return kernel_library(links)
-
-
 def main() -> None:
     """Name → stop time, kernel, bytes of a new instance, and where in these are the records to compare."""
     sides = {}
     for name, (scene, stop) in scenes().items():
-        block = new_instance(scene)
+        block = Model(scene).new_instance()
         places = [block.dtype.fields[record] for record in ("output", "statistics")]
         sides[name] = {
             "stop": stop,
-            "library": str(library(len(scene.chain.links), len(block[0]["touch"]["active"]))),
+            "library": str(kernel_library(len(scene.chain.links))),
             "instance": block.tobytes(),
             "compared": [(offset, offset + kind.itemsize) for kind, offset in places],
         }

@@ -18,7 +18,6 @@ from chain_impact.results.plots.style import STYLE
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 FILES = sorted([*BENCHMARKS.glob("*.py"), *BENCHMARKS.glob("peers/*.py")])
-OTHER_REVISION = "against_side.py"  # also imports what only other revisions have
 
 
 def names_of(module):
@@ -38,7 +37,6 @@ def test_what_benchmarks_import_is_there():
     asked = {
         (file.name, node.module, alias.name)
         for file in FILES
-        if file.name != OTHER_REVISION
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
         if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in ("chain_impact", "tests")
         for alias in node.names

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, is_dataclass
 from numbers import Integral, Real
 from typing import Any, get_args, get_origin
@@ -77,21 +77,13 @@ def matching(
     """
     found = [name] if name in names else []
     if not found and isinstance(name, str) and "*" in name:
-        first, *parts = name.split("*")
-        found = [one for one in names if one.startswith(first) and _has(one, len(first), parts)]
+        first, *parts, last = map(re.escape, name.split("*"))
+        # each part is taken where it comes first, so that the time does not grow with the number of ways
+        like = re.compile("".join([first, *(f"(?>.*?{part})" for part in parts), ".*", last]))
+        found = [one for one in names if like.fullmatch(one)]
     if not found:
         raise UnknownNameError(source, name, names, what, hint(name) if isinstance(name, str) else None)
     return found
-
-
-def _has(text: str, start: int, parts: Sequence[str]) -> bool:
-    """Whether the text has the parts one after the other from ``start`` on, the last of them at its end."""
-    *between, last = parts
-    for part in between:
-        start = text.find(part, start) + len(part)
-        if start < len(part):
-            return False
-    return len(text) >= start + len(last) and text.endswith(last)
 
 
 def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
