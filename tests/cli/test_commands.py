@@ -1,11 +1,13 @@
 """The command line: what each command does, and what it says when that goes wrong on the way."""
 
 import csv
+import json
 import os
 import re
 import subprocess
 import sys
 import zipfile
+from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
@@ -13,7 +15,7 @@ import matplotlib as mpl
 import pytest
 from matplotlib import pyplot
 
-from chain_impact import CONTACT_LAWS, load_scene
+from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.cli import report
 from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu.run import record_fmu
@@ -169,6 +171,52 @@ def test_csv_has_time_and_the_outputs_of_the_fmu_to_the_last_bit(run, here, fmu)
     recording = record_fmu(fmu, {})
     columns = [recording.time, *recording.columns.values()]
     assert rows == [list(row) for row in zip(*(column.tolist() for column in columns), strict=True)]
+
+
+def test_output_chooses_the_columns_of_the_table(run, here):
+    code, *_ = run("simulate", "rod_drop", "--csv", "out.csv", "--output", "point[*].x,energy.total")
+    assert code == 0
+    names, rows = read_csv(here / "out.csv")
+    result = simulate(load_scene("rod_drop"))
+    assert names == ["time", "point[0].x", "point[1].x", "energy.total"]
+    assert [row[3] for row in rows] == result["energy.total"].tolist()
+
+
+@pytest.mark.parametrize(
+    "suffix", [".csv", ".json", pytest.param(".parquet", marks=pytest.mark.full("needs pyarrow"))]
+)
+def test_the_list_of_impacts_is_written(run, here, suffix):
+    file = here / f"list{suffix}"
+    code, said, _ = run("simulate", "rod_drop", "--impacts", file)
+    assert (code, said.splitlines()[0]) == (0, f"impacts  {file}")
+    impacts = simulate(load_scene("rod_drop")).impacts
+    if suffix == ".csv":
+        with file.open(newline="", encoding="utf-8") as lines:
+            rows = list(csv.DictReader(lines))
+        assert {row["joint_force"] for row in rows} == {""}  # not known
+    else:
+        read = json.loads(file.read_text("utf-8")) if suffix == ".json" else None
+        rows = read or import_module("pyarrow.parquet").read_table(file).to_pylist()
+        assert {row["joint_force"] for row in rows} == {None}
+    assert [*rows[0]] == list(impacts.dtype.names)
+    assert {row["wall"] for row in rows} == {"y_min"}
+    for name in ("point", "onset", "peak_force", "impulse"):
+        assert [float(row[name]) for row in rows] == impacts[name].tolist()
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (("--impacts", "list.txt"), "--impacts list.txt: must end in .csv, .json, .parquet"),
+        (("--output", "point[1].x"), "--output: the columns are those of a table: give --csv FILE too"),
+        (("--csv", "a.csv", "--output", "pt[1].x"), "pt[1].x is no column; the nearest is point[1].x"),
+    ],
+)
+def test_a_list_or_columns_that_cannot_be_written_are_refused(run, here, options, expected):
+    code, _, errors = run("simulate", "rod_drop", *options)
+    assert code == 2
+    assert expected in errors
+    assert list(here.iterdir()) == []
 
 
 @pytest.mark.full("takes long")

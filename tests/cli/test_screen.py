@@ -2,6 +2,7 @@
 
 import io
 import math
+import re
 from dataclasses import replace
 
 import pytest
@@ -11,7 +12,6 @@ from chain_impact import CONTACT_LAWS, compare, load_scene
 from chain_impact.cli.report import show
 from chain_impact.cli.screen import law_table, plain_lines, summary, table_of, variable_table
 from chain_impact.simulation.record_scene import record_scene
-from chain_impact.studies.compare_text import told
 from chain_impact.variables.model import Model
 from tests.problems import default_scene
 
@@ -30,18 +30,20 @@ def test_an_impulse_and_a_law_without_a_result_have_a_row():
     assert second.endswith("  –  cannot start")
 
 
-def test_the_list_of_impacts_has_their_peak_forces():
+def test_the_list_of_impacts_has_their_peak_forces_and_impulses():
     recording = record_scene(load_scene("kneed_leg"), {})
     _, table, *_ = summary(recording)
     head, *rows = plain_lines(table)
-    assert head.split("  ")[-1].strip() == "peak force"
+    assert [name.strip() for name in head.split("  ") if name][-2:] == ["peak force", "impulse"]
     for row, impact in zip(rows, recording.impacts, strict=True):
         unit = "N·m" if recording.is_stop(impact["wall"]) else "N"
-        assert row.endswith(f"  {told(impact['peak_force'], '.4g')} {unit}")
+        force, impulse = (f"{impact[name]:.4g}" for name in ("peak_force", "impulse"))
+        assert re.search(rf"  {force} {unit} +{impulse} {unit}·s$", row)
     free = record_scene(default_scene(), {})
     head, first, *_ = plain_lines(list(summary(free))[1])
-    assert head.endswith("peak force, N")
-    assert float(first.split()[-1]) == pytest.approx(free.impacts[0]["peak_force"], rel=1e-3)
+    assert head.endswith("peak force, N  impulse, N·s")
+    for cell, name in zip(first.split()[-2:], ("peak_force", "impulse"), strict=True):
+        assert float(cell) == pytest.approx(free.impacts[0][name], rel=1e-3)
 
 
 def test_the_walls_that_were_hit_are_explained():

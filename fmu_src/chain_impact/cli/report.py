@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ from chain_impact.cli.options import UsageError, check_csv, check_outputs, is_fm
 from chain_impact.cli.progress import complain, out, progress, say
 from chain_impact.cli.screen import plain_lines, sensitivity_tables, summary
 from chain_impact.fmu.run import record_fmu
+from chain_impact.results.impact_file import SUFFIXES
 from chain_impact.results.recording import Recording
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import RunError, record_scene, with_settings
@@ -24,11 +26,29 @@ if TYPE_CHECKING:
 ROWS = 1000  # of a picture, at least
 
 
+@dataclass(frozen=True)
+class Files:
+    """What is written: a table of outputs, a picture, a list of impacts; and the columns of the table."""
+
+    csv: Path | None = None
+    picture: Path | None = None
+    impacts: Path | None = None
+    columns: Sequence[str] = ()
+
+    def check(self, source: str) -> None:
+        """Refuse files that cannot be written, and columns without a table, before any work is done."""
+        check_outputs(self.csv, self.picture, self.impacts, inputs=[source])
+        check_csv(self.csv)
+        if self.impacts and self.impacts.suffix.lower() not in SUFFIXES:
+            raise UsageError(f"--impacts {self.impacts}: must end in {', '.join(SUFFIXES)}")
+        if self.columns and not self.csv:
+            raise UsageError("--output: the columns are those of a table: give --csv FILE too")
+
+
 def report(
     source: str,
     settings: Sequence[str],
-    csv: Path | None,
-    picture: Path | None,
+    files: Files,
     sensitivities: Sequence[str] = (),
     *,
     window: Figure | None = None,
@@ -37,8 +57,7 @@ def report(
 
     The picture is drawn into a file, into an empty window, or both.
     """
-    check_outputs(csv, picture, inputs=[source])
-    check_csv(csv)
+    files.check(source)
     fault = None
     try:
         recording = record(source, settings, sensitivities)
@@ -46,12 +65,15 @@ def report(
         if error.recording is None:
             raise
         recording, fault = error.recording, error
-    if csv:
-        recording.save_csv(csv)
-        say(f"results  {csv}")
-    if picture or window:
+    if files.csv:
+        recording.save_csv(files.csv, files.columns or None)
+        say(f"results  {files.csv}")
+    if files.impacts:
+        recording.save_impacts(files.impacts)
+        say(f"impacts  {files.impacts}")
+    if files.picture or window:
         shown = recording if sensitivities or fault else with_rows(recording, source, settings)
-        draw(shown, picture, window, sensitivities)
+        draw(shown, files.picture, window, sensitivities)
     show(summary(recording))
     if sensitivities:
         show(sensitivity_tables(recording))

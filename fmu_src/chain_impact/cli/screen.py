@@ -16,7 +16,7 @@ from rich.table import Table
 from chain_impact.compilation.cache import LINKER, Entry
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import phase_cells
-from chain_impact.results.summary import energy_lines, impact_cells, load_lines
+from chain_impact.results.summary import energy_lines, impact_cells, impact_heads, load_lines
 from chain_impact.results.text import plural
 from chain_impact.scene.tables import Box
 from chain_impact.studies.compare import Comparison
@@ -72,13 +72,9 @@ def variable_table(variables: Iterable[Any]) -> Iterator[RenderableType]:
 
 def summary(recording: Recording) -> Iterator[RenderableType]:
     """Impacts and energy balance."""
-    values = ("speed", "peak force") if recording.stops else ("speed, m/s", "peak force, N")
-    table = table_of(("#", "time, s", "point", "wall", *values))
+    table = table_of(("#", *impact_heads(recording)))
     for number, impact in enumerate(recording.impacts, start=1):
-        force = told(impact["peak_force"], ".4g")
-        if recording.stops:
-            force += f" {'N·m' if recording.is_stop(impact['wall']) else 'N'}"
-        table.add_row(str(number), *impact_cells(recording, impact), force)
+        table.add_row(str(number), *impact_cells(recording, impact))
     count, listed = recording.impact_count, len(recording.impacts)
     impacts = plural(count, "impact")
     if listed < count:

@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chain_impact.cli.options import Verbs, add_csv, add_plot, add_repeated, add_scene, add_set, names_in
-from chain_impact.cli.report import report
+from chain_impact.cli.options import (
+    Once,
+    Verbs,
+    add_csv,
+    add_plot,
+    add_repeated,
+    add_scene,
+    add_set,
+    names_in,
+)
+from chain_impact.cli.report import Files, report
+from chain_impact.results.impact_file import SUFFIXES
 from chain_impact.simulation.record_scene import RunError
 
 if TYPE_CHECKING:
@@ -28,6 +39,16 @@ def add(verbs: Verbs) -> None:
     simulate.add_argument("--show", action="store_true", help="open a window with the picture")
     add_plot(simulate, "motion, energy and impacts")
     add_csv(simulate, "the outputs over time")
+    add_repeated(
+        simulate, "--output", "NAMES", "the columns of the table: point[*].x,energy.total; default: all"
+    )
+    simulate.add_argument(
+        "--impacts",
+        action=Once,
+        metavar="FILE",
+        type=Path,
+        help=f"write the list of impacts ({', '.join(one[1:] for one in SUFFIXES)})",
+    )
     simulate.set_defaults(run=run)
 
 
@@ -35,7 +56,8 @@ def run(options: argparse.Namespace) -> int:
     """Simulate a scene or an FMU; print a summary, and write what was asked for."""
     window = open_window() if options.show else None
     chosen = names_in(*options.sensitivity)
-    report(options.source, options.set, options.csv, options.plot, chosen, window=window)
+    files = Files(options.csv, options.plot, options.impacts, names_in(*options.output))
+    report(options.source, options.set, files, chosen, window=window)
     if window:
         from matplotlib import pyplot
 

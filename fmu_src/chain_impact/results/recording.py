@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from itertools import count, takewhile
+from itertools import chain, count, takewhile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from chain_impact.results.equality import same
+from chain_impact.results.impact_file import save_impacts
 from chain_impact.results.impacts import NO_IMPACTS
 from chain_impact.results.joint_stops import JointRange, touching_place
 from chain_impact.results.sensitivity import Sensitivities
@@ -22,6 +23,7 @@ from chain_impact.results.text import plural
 from chain_impact.results.touches import Touch
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import STOPS
+from chain_impact.scene.reading import matching
 from chain_impact.system import written_whole
 
 ROWS_AT_ONCE = 10_000  # that are written
@@ -183,10 +185,33 @@ class Recording:
         """The free side of the wall of an impact, or of a phase of dry friction."""
         return self.walls[self.wall_names[row["wall"]]]
 
-    def save_csv(self, path: Path | str) -> None:
-        """Write time and columns as CSV, derivatives too, numbers in full precision."""
+    def save_impacts(self, path: Path | str) -> None:
+        """Write the list of impacts, with the names of walls, as CSV, JSON or Parquet, as the suffix says.
+
+        Raises:
+            ValueError: when the file has another suffix.
+            MissingExtraError: for Parquet, when pyarrow is not there: the extra ``sweep``.
+            OSError: when the file cannot be written.
+        """
+        save_impacts(Path(path), self.impacts, self.wall_names)
+
+    def save_csv(self, path: Path | str, output: str | Iterable[str] | None = None) -> None:
+        """Write time and columns as CSV, derivatives too, numbers in full precision.
+
+        Args:
+            path: the file.
+            output: the columns, by their names, in which ``*`` stands for any text; by default all.
+
+        Raises:
+            UnknownNameError: when there is no column of a name.
+            OSError: when the file cannot be written.
+        """
         slopes = self.sensitivities.named if self.sensitivities else {}
         columns = {"time": self.time, **self.columns, **slopes}
+        if output is not None:
+            wanted = [output] if isinstance(output, str) else list(output)
+            found = (matching(self.name, one, columns, "no column", lambda _: None) for one in wanted)
+            columns = {name: columns[name] for name in ("time", *chain.from_iterable(found))}
         with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(columns)

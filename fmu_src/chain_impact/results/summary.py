@@ -41,8 +41,7 @@ def text(result: Recording, outputs: int, facts: list[str]) -> str:
 
 def html(result: Recording, outputs: int, facts: list[str]) -> str:
     """The same for a notebook: with a table of its impacts."""
-    speed = "speed" if result.stops else "speed, m/s"
-    head = "".join(f"<th>{name}</th>" for name in ("", "time, s", "point", "wall", speed))
+    head = "".join(f"<th>{name}</th>" for name in ("", *impact_heads(result)))
     rows = [
         "".join(f"<td>{escape(cell)}</td>" for cell in (str(number), *impact_cells(result, impact)))
         for number, impact in enumerate(result.impacts[:LISTED], 1)
@@ -64,19 +63,32 @@ def _impact_lines(result: Recording) -> Iterator[str]:
     ends = {"first": result.impacts[:1], "last": result.impacts[1:][-1:]}
     for word, rows in ends.items():
         for row in rows:
-            time, _, wall, speed = impact_cells(result, row)
+            time, _, wall, speed, *_ = impact_cells(result, row)
             stop = result.is_stop(row["wall"])
             hit = f"{what(row['point'], stop)} hits {wall} at {speed.split()[0]} {speed_unit(stop)}"
             yield f"{word:9}impact at {time} s: {hit}"
 
 
-def impact_cells(result: Recording, impact: np.void) -> tuple[str, str, str, str]:
-    """An impact in words: time, point, wall and speed, with its unit where there are two."""
+def impact_heads(result: Recording) -> tuple[str, ...]:
+    """The heads of the columns of ``impact_cells``, with units where all impacts have the same."""
+    values = {"speed": "m/s", "peak force": "N", "impulse": "N·s"}
+    told = (name if result.stops else f"{name}, {unit}" for name, unit in values.items())
+    return ("time, s", "point", "wall", *told)
+
+
+def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
+    """An impact in words: time, point, wall, speed, peak force and impulse, with units if they differ."""
     stop = result.is_stop(impact["wall"])
     point = what(impact["point"], True) if stop else str(impact["point"])
-    unit = f" {speed_unit(stop)}" if result.stops else ""
-    wall = result.wall_names[impact["wall"]]
-    return f"{impact['onset']:.6f}", point, wall, f"{impact['impact_speed']:.4f}{unit}"
+    units = [speed_unit(stop), *(("N·m", "N·m·s") if stop else ("N", "N·s"))]
+    values = (f"{impact['impact_speed']:.4f}", _digits(impact["peak_force"]), _digits(impact["impulse"]))
+    cells = (f"{one} {unit}" if result.stops else one for one, unit in zip(values, units, strict=True))
+    return (f"{impact['onset']:.6f}", point, result.wall_names[impact["wall"]], *cells)
+
+
+def _digits(value: float) -> str:
+    """A number in four digits; a dash where there is none."""
+    return "—" if np.isnan(value) else f"{value:.4g}"
 
 
 def load_lines(result: Recording) -> Iterator[str]:
