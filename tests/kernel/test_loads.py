@@ -281,3 +281,25 @@ def test_derivatives_are_those_of_differences(name, output):
     quiet = np.abs(right) < 50.0 * np.median(np.abs(right))  # a row just at an impact says nothing
     assert quiet.sum() > 20
     assert np.abs(found - right)[quiet].max() < 1e-5 * np.abs(right[quiet]).max()
+
+
+@pytest.mark.parametrize(
+    ("name", "wall", "parameter", "stop"),
+    [
+        ("box", "y_min", "link[4].mass", 0.505),
+        ("friction", "y_min", "link[4].mass", 0.505),
+        ("held", "ramp", "link[1].mass", 0.36),
+    ],
+)
+def test_derivatives_of_the_load_of_a_wall_in_an_impact_are_those_of_differences(name, wall, parameter, stop):
+    scene, change = loaded(name, **{"solver.tolerance": 1e-11}), 1e-5
+    value, inputs = scene.values[parameter], PUSHED if scene.inputs.tip_force else {}
+    asked = {"stop_time": stop, "output_step": 1e-4, "inputs": inputs}
+    result = simulate(scene, sensitivities=[parameter], **asked)
+    low, high = (simulate(scene.with_values({parameter: value + d}), **asked) for d in (-change, change))
+    names = [f"wall.{wall}.load.x", f"wall.{wall}.load.y", f"wall.{wall}.load_moment"]
+    assert sum(result[one].any() for one in names) == (2 if name == "box" else 3)
+    for one in names:
+        right = (high[one] - low[one]) / (2.0 * change)
+        found = result.sensitivity(one, parameter)
+        assert np.abs(found - right).max() <= 2e-6 * np.abs(right).max()
