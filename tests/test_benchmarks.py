@@ -83,3 +83,15 @@ def message(module, record):
 @pytest.mark.parametrize("name", ["work_precision", "stability", "fidelity", "friction", "rest"])
 def test_a_chart_is_drawn_with_a_message(charts, name):
     assert re.search(r"\d", message(charts(name), stored(name))[0])
+
+
+def test_a_peer_without_a_time_is_a_gap(charts):
+    module, record = charts("work_precision"), stored("work_precision")
+    results = record["results"]
+    for row in results["rows"]:
+        if row["name"] == "CVODE Adams" or row["setting"] == module.DEFAULT:
+            row.pop("seconds", None)
+    results["at equal error"] = module.at_equal_error(results["rows"])
+    del results["start-up [s]"]["CVODE Adams"]
+    assert not [row for row in results["at equal error"] if "CVODE Adams" in row["times as long"]]
+    assert "nothing to compare with" in message(module, record)[0]
