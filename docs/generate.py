@@ -133,10 +133,15 @@ def variable_patterns() -> str:
     more = {"inputs.joint_torques": True, "inputs.tip_force": True, "link[2].joint_min": -2.0}
     more |= {"link[2].joint_max": 2.0, "wall.y_min.stiffness": 1e7, "wall.y_min.restitution": 0.3}
     more |= {"contact.friction": 0.3, "wall.y_min.friction": 0.3, "wall.y_min.static_friction": 0.3}
-    more |= {"link[2].joint_friction": 0.1, "link[2].joint_armature": 0.1, "outputs.loads": True}
+    more |= {
+        "link[2].joint_friction": 0.1,
+        "link[2].joint_armature": 0.1,
+        "link[2].joint_torque_limit": 9.0,
+        "outputs.loads": True,
+    }
     everything = with_values(load_scene("four_link_box"), more)
     rows: dict[str, Variable] = {}
-    for scene in (everything, *scenes):
+    for scene in (everything, *scenes, with_values(everything, {"inputs.joint_targets": True})):
         for variable in Model(scene).variables:
             rows.setdefault(_pattern(variable.name), variable)
     found = [(scene, {_pattern(v.name) for v in Model(scene).variables}) for scene in scenes]
@@ -168,7 +173,13 @@ KINDS = {
 }
 # variables of one wall, stop or input, which are there with it
 NAMED_AFTER = ("box.", "wall.", "stop.", "joint[", "tip.")
-NAMED_AFTER += ("link[i].joint_min", "link[i].joint_max", "link[i].joint_friction", "link[i].joint_armature")
+NAMED_AFTER += (
+    "link[i].joint_min",
+    "link[i].joint_max",
+    "link[i].joint_friction",
+    "link[i].joint_armature",
+    "link[i].joint_torque_limit",
+)
 
 
 def _where(pattern: str, found: list[tuple[Any, set[str]]]) -> str:

@@ -139,7 +139,8 @@ def all_parameters(scene: Scene, inputs: Mapping[str, float]) -> tuple[str, ...]
     if not scene.has_contact_friction:
         left_out += [f"contact.{key}" for key in ("friction", "static_friction")]
     links = enumerate(scene.chain.links, 1)
-    left_out += [f"link[{i}].joint_friction" for i, link in links if link.joint_friction == 0.0]
+    only_there = ("joint_friction", "joint_armature")
+    left_out += [f"link[{i}].{key}" for i, link in links for key in only_there if not getattr(link, key)]
     names = [
         name
         for name, value in scene.values.items()

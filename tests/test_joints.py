@@ -158,7 +158,7 @@ def test_springs_that_are_taken_away_leave_nothing_behind():
     without = with_values(with_springs, {("chain", "links", i, "joint_stiffness"): 0.0 for i in range(2)})
     used, fresh = Instance(with_springs), Instance(without)
     used.advance(0.1)
-    used.record["model"]["joint_stiffness"] = 0.0
+    used.record["given"]["joint_stiffness"] = 0.0
     used.initialize()
     for one in (used, fresh):
         one.advance(0.2)

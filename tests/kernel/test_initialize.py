@@ -14,6 +14,7 @@ from chain_impact.kernel.initialize import (
     check_start,
     clear_run,
     derive_chain,
+    derive_resistance,
     first_size,
     initialize,
     set_initial_state,
@@ -79,7 +80,7 @@ def test_joints_resist_that_have_a_damper_or_a_spring(dampers, springs, base):
     for count in (1, 3):
         _, d = prepared(count, base, springs=springs, dampers=dampers)
         d.model.damped = d.model.sprung = d.model.resisting = 7
-        derive_chain(d)
+        derive_resistance(d)
         joints = count > 1 or base == "pinned"
         expected = dampers and joints, springs and joints, (dampers or springs) and joints
         assert (d.model.damped, d.model.sprung, d.model.resisting) == expected
@@ -153,7 +154,7 @@ def test_the_initial_values_are_the_state():
 def test_the_first_step_is_as_long_as_links_turn_and_joints_allow(method):
     """Not for implicit steps, which are stable however fast dampers are."""
     _, d = prepared(springs=True, dampers=True)
-    d.model.joint_damping[:] = 1e4
+    d.given.joint_damping[:] = 1e4
     d.solver.method = list(SOLVER_METHODS).index(method) + 1
     assert initialize(d, 0.0) == OK
     size = in_flight(d, d.step.state, d.work.rate_start)
@@ -164,9 +165,10 @@ def test_the_first_step_is_as_long_as_links_turn_and_joints_allow(method):
 
 POSITIVE = [("solver", "tolerance"), ("solver", "work_limit"), ("contact", "minimum_impact_speed")]
 POSITIVE += [("contact", "exponent"), ("model", "length"), ("model", "mass")]
-NOT_NEGATIVE = [("model", name) for name in ("inertia", "joint_damping", "joint_stiffness")]
+NOT_NEGATIVE = [("model", "inertia"), ("model", "joint_armature")]
+NOT_NEGATIVE += [("given", name) for name in ("joint_damping", "joint_stiffness")]
 NOT_NEGATIVE += [("contact", "radius")]
-FINITE = [("model", name) for name in ("joint_rest_angle", "center_of_mass", "wall")]
+FINITE = [("given", "joint_target_angle"), ("model", "center_of_mass"), ("model", "wall")]
 FINITE += [("walls", name) for name in ("x", "y", "angle")]
 
 
@@ -251,7 +253,7 @@ def test_a_start_that_is_not_finite_also_in_its_energy_is_refused(place, value):
 def test_a_spring_that_stores_no_finite_energy_is_refused():
     _, d = prepared(springs=True)
     assert check_start(d) == OK
-    d.model.joint_stiffness[1], d.model.joint_rest_angle[1] = 1e300, 1e10
+    d.inputs.joint_stiffness[1], d.inputs.joint_target_angle[1] = 1e300, 1e10
     assert check_start(d) == NOT_FINITE
 
 

@@ -14,7 +14,15 @@ from chain_impact.kernel.events.contact_log import update_peaks, update_to_outpu
 from chain_impact.kernel.events.friction_modes import reinit_modes
 from chain_impact.kernel.events.handlers import apply_events, bends_force
 from chain_impact.kernel.events.impacts import end_changed_contacts, update_active_set
-from chain_impact.kernel.events.marks import KINK, NONE, drop_events, ends_in_onset, pending_changes
+from chain_impact.kernel.events.marks import (
+    KINK,
+    NONE,
+    drop_events,
+    ends_in_onset,
+    pending_changes,
+    pending_saturations,
+)
+from chain_impact.kernel.events.saturation import choose_saturation
 from chain_impact.kernel.events.search import find_event, onset_fraction
 from chain_impact.kernel.forces.contact import clear_loads, latch, set_kink_sides
 from chain_impact.kernel.forces.contact_law import laws_in_use, update_laws
@@ -26,7 +34,7 @@ from chain_impact.kernel.forces.inputs import (
     limit_to_piece,
     withdraw_request,
 )
-from chain_impact.kernel.initialize import first_size
+from chain_impact.kernel.initialize import derive_resistance, first_size
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.balance import (
     check_balance,
@@ -210,6 +218,7 @@ def apply_pending_inputs(d):
     """
     clear_unsolved(d)
     apply_inputs(d)
+    derive_resistance(d)
     status = update_laws(d)
     if status == OK:
         apply_laws(d)
@@ -226,6 +235,7 @@ def apply_laws(d):
     """Set what is latched, what is held, modes and sides of kinks for laws that may have changed."""
     latch_again(d)
     recompute_active_set(d)
+    choose_saturation(d)
     reinit_modes(d, False)
     set_kink_sides(d)
 
@@ -351,7 +361,8 @@ def begin_step(d):
 
 def apply_pending_events(d):
     """Apply the events and set the rate after them; returns their number, and whether any is a kink."""
-    events, kinked = 0, False
+    events = pending_saturations(d)
+    kinked = events > 0
     for c in range(d.candidates):
         events += d.touch.event[c] != NONE
         kinked = kinked or d.touch.event[c] == KINK

@@ -3,7 +3,16 @@
 chain/state.py describes y.
 """
 
-from chain_impact.kernel.chain.joints import joint_armature, spring_energy, spring_stiffness, stretch
+from chain_impact.kernel.chain.joints import (
+    clear_mode_margins,
+    elastic_stiffness,
+    is_drive,
+    joint_armature,
+    joint_torque,
+    note_mode_margin,
+    spring_energy,
+    stretch,
+)
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
 from chain_impact.kernel.chain.state import (
     coordinate_count,
@@ -119,6 +128,8 @@ def clear_stage_notes(d):
     clear_crossings(d)
     clear_least_forces(d)
     clear_margins(d)
+    if d.model.limited:
+        clear_mode_margins(d)
 
 
 def clear_moments(d):
@@ -131,7 +142,7 @@ def joint_moments(d, y):
     """Set the net joint moment on each link; return the power [W] dissipated and supplied.
 
     The proximal joint of link i carries τ_i = u_i − c_i (ω_i − ω_{i−1}) − k_i φ_i: +τ_i on link i, −τ_i on
-    link i − 1. A free base has no joint to carry τ_1.
+    link i − 1. A free base has no joint to carry τ_1. In a drive all power of τ_i is supplied.
     """
     dissipated = 0.0
     # force on the tip
@@ -142,10 +153,16 @@ def joint_moments(d, y):
         torque, omega = 0.0, y[omega_at(d.links) + i]
         if i > 0 or d.model.pinned:
             relative = omega - before
-            damping = d.model.joint_damping[i] * relative
-            torque = d.inputs.joint_torque[i] - damping
-            dissipated += damping * relative
-            supplied += d.inputs.joint_torque[i] * relative
+            if is_drive(d, i):
+                torque = joint_torque(d, y, i)
+                supplied += torque * relative
+            else:
+                damping = d.inputs.joint_damping[i] * relative
+                torque = d.inputs.joint_torque[i] - damping
+                dissipated += damping * relative
+                supplied += d.inputs.joint_torque[i] * relative
+            if d.model.limited:
+                note_mode_margin(d, y, i)
         d.work.moment[i] = torque
         if i > 0:
             d.work.moment[i - 1] -= torque
@@ -167,10 +184,10 @@ def add_place_moments(d):
 
 
 def add_spring_moments(d, y):
-    """Add the moments of the joint springs: −k_i φ_i on link i, and +k_i φ_i on link i − 1."""
+    """Add the moments of springs that are no drives: −k_i φ_i on link i, and +k_i φ_i on link i − 1."""
     for i in range(d.links):
         # −k (θ_i − θ_{i−1} − φ₀)
-        torque = -spring_stiffness(d, i) * stretch(d, y, i)
+        torque = -elastic_stiffness(d, i) * stretch(d, y, i)
         d.work.moment[i] += torque
         if i > 0:
             d.work.moment[i - 1] -= torque

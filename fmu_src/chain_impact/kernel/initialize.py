@@ -18,6 +18,7 @@ from chain_impact.kernel.events.contact_log import clear_log, clear_peaks
 from chain_impact.kernel.events.exclusion import NOTHING, remember_clearances
 from chain_impact.kernel.events.friction_modes import clear_changes, reinit_modes
 from chain_impact.kernel.events.marks import drop_events
+from chain_impact.kernel.events.saturation import choose_saturation, clear_saturation
 from chain_impact.kernel.forces.contact import clear_contacts, clear_loads
 from chain_impact.kernel.forces.contact_law import start_laws
 from chain_impact.kernel.forces.friction import clear_friction
@@ -63,6 +64,7 @@ def initialize(d, time):
     clear_fault(d)
     clear_run(d, time)
     apply_inputs(d)
+    derive_resistance(d)
     if set_status(d, check_parameters(d)) != OK or set_status(d, start_laws(d)) != OK:
         return d.statistics.status
     set_start(d, time)
@@ -84,6 +86,7 @@ def set_start(d, time):
     clear_loads(d)
     if d.loads > 0:
         start_loads(d, time)
+    choose_saturation(d)
     reinit_modes(d, True)
 
 
@@ -123,10 +126,9 @@ def clear_run(d, time):
 
 
 def derive_chain(d):
-    """Derive what is not given, the recursion's constants of each link, scales, and how joints resist."""
+    """Derive what is not given, the recursion's constants of each link, scales, and what joints have."""
     model = d.model
     d.stops.exponent = in_use(d.stops.given_exponent, d.contact.exponent)
-    model.damped, model.sprung = 0, 0
     model.middle = 0 if model.pinned else len(model.length) // 2  # as in `accelerations`
     model.size, model.reach = 0.0, 0.0
     for i in range(len(model.length)):
@@ -140,10 +142,6 @@ def derive_chain(d):
         model.distal_inertia[i] = model.inertia[i] + model.mass[i] * rest * rest
         model.size = max(model.size, model.length[i])
         model.reach += model.length[i]
-        if resists(joint_damping(d, i)):
-            model.damped = 1
-        if resists(spring_stiffness(d, i)):
-            model.sprung = 1
     total, armatures = 0.0, 0.0
     for i in range(len(model.length)):
         total += model.mass[i]
@@ -151,16 +149,30 @@ def derive_chain(d):
     model.energy = total * model.size * model.size + armatures
     model.geared = 1 if resists(armatures) else 0
     model.gravity_size = math.sqrt(model.gravity[0] * model.gravity[0] + model.gravity[1] * model.gravity[1])
-    model.resisting = max(model.damped, model.sprung)
-    model.joint_bound = joint_bound(d)
-    model.stopped, model.rubbing = 0, 0
+    model.stopped, model.rubbing, model.limited = 0, 0, 0
     for i in range(0 if model.pinned else 1, len(model.length)):
         if model.joint_friction[i] > 0.0:
             model.rubbing = 1
+        if model.joint_torque_limit[i] < math.inf:
+            model.limited = 1
     for c in range(d.candidates):
         if d.candidate.stop[c] != 0:
             model.stopped = 1
     model.jointed = max(model.stopped, model.rubbing)
+
+
+def derive_resistance(d):
+    """Derive how joints resist by the dampers and springs in use; at first no drive is at its limit."""
+    clear_saturation(d)
+    model = d.model
+    model.damped, model.sprung = 0, 0
+    for i in range(d.links):
+        if resists(joint_damping(d, i)):
+            model.damped = 1
+        if resists(spring_stiffness(d, i)):
+            model.sprung = 1
+    model.resisting = max(model.damped, model.sprung)
+    model.joint_bound = joint_bound(d)
 
 
 def check_parameters(d):
@@ -215,14 +227,16 @@ def check_links(d):
                 return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
         for value in (
             d.model.inertia[i],
-            d.model.joint_damping[i],
-            d.model.joint_stiffness[i],
+            d.given.joint_damping[i],
+            d.given.joint_stiffness[i],
             d.model.joint_friction[i],
             d.model.joint_armature[i],
         ):
             if not (value >= 0.0 and math.isfinite(value)):
                 return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
-        if not math.isfinite(d.model.joint_rest_angle[i] + d.model.center_of_mass[i]):
+        if not d.model.joint_torque_limit[i] >= 0.0:
+            return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
+        if not math.isfinite(d.given.joint_target_angle[i] + d.model.center_of_mass[i]):
             return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
     first, _ = loose_links(d.model)
     return OK if first < 0 else refuse_link(d, first, MASS_MATRIX_SINGULAR)

@@ -20,7 +20,7 @@ does not request loads has none.
 
 import math
 
-from chain_impact.kernel.chain.joints import joint_armature, joint_damping, spring_stiffness, stretch
+from chain_impact.kernel.chain.joints import joint_armature, joint_torque
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.equations import located_rate
@@ -109,17 +109,14 @@ def fill_loads(d, y, rate):
     """
     out = d.output
     joint_forces(d, out.force, out.friction.force, out.load.x, out.load.y)
-    before, accelerated = 0.0, 0.0
+    before = 0.0
     for i in range(d.links):
-        omega, alpha = y[omega_at(d.links) + i], rate[omega_at(d.links) + i]
-        # u − c (ω_i − ω_{i−1}) − k φ
-        out.load.moment[i] = d.inputs.joint_torque[i] - joint_damping(d, i) * (omega - before)
-        out.load.moment[i] -= spring_stiffness(d, i) * stretch(d, y, i)
-        # −I_a (α_i − α_{i−1})
-        out.load.moment[i] -= joint_armature(d, i) * (alpha - accelerated)
+        alpha = rate[omega_at(d.links) + i]
+        # τ − I_a (α_i − α_{i−1})
+        out.load.moment[i] = joint_torque(d, y, i) - joint_armature(d, i) * (alpha - before)
         if d.elements > 0:
             out.load.moment[i] += out.friction.joint_moment[i]
-        before, accelerated = omega, alpha
+        before = alpha
     for row in range(d.links, d.loads):
         out.load.x[row], out.load.y[row], out.load.moment[row] = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):

@@ -196,9 +196,8 @@ class Result(Recording):
         total + dissipated − supplied is constant.
         """
         energy = np.zeros(len(self.time), [(name, np.float64) for name in ENERGIES])
-        driven = self.scene.inputs.joint_torques or self.scene.inputs.tip_force
         for name in ENERGIES:
-            if self._has_all or name != "supplied" or driven:
+            if self._has_all or name != "supplied" or self.scene.is_driven:
                 energy[name] = self.outputs[name] if self._has_all else self[f"energy.{name}"]
         return energy
 

@@ -58,6 +58,8 @@ def input_key(name: str) -> str | None:
     """The key of `[inputs]` that makes the input of a name; None if it is not the name of one."""
     if re.fullmatch(r"joint\[\d+\]\.torque", name):
         return "joint_torques"
+    if re.fullmatch(r"joint\[\d+\]\.target_(angle|velocity)", name):
+        return "joint_targets"
     return "tip_force" if name in ("tip.force.x", "tip.force.y") else None
 
 
@@ -82,8 +84,10 @@ def absent_hint(name: str) -> str | None:
     """What to do about the name of a parameter that only the FMU of a scene with such a part has."""
     if re.fullmatch(r"(contact|wall\.\w+)\.(static_)?friction|link\[\d+\]\.joint_friction", name):
         return "it is a parameter where the scene has dry friction: give it a value there first"
-    if re.fullmatch(r"link\[\d+\]\.joint_armature", name):
+    if re.fullmatch(r"link\[\d+\]\.joint_(armature|torque_limit)", name):
         return "it is a parameter where the scene has one: give it a value there first"
+    if re.fullmatch(r"link\[\d+\]\.joint_rest_angle", name):
+        return "with inputs.joint_targets the target angle takes its place, whose start value it is"
     return None
 
 

@@ -107,6 +107,11 @@ class Scene:
         return tuple(joints)
 
     @property
+    def is_driven(self) -> bool:
+        """Whether energy may be supplied: by inputs, or by springs and motors whose torque is limited."""
+        return self.inputs.any or any(link.joint_torque_limit is not None for link in self.chain.links)
+
+    @property
     def has_friction(self) -> bool:
         """Whether a contact or a joint may have dry friction."""
         return self.has_contact_friction or bool(self.friction_joints)

@@ -84,6 +84,9 @@ class Link:
     joint_armature: float = quantity(
         "kg.m2", "inertia of the rotor of the joint's drive, reflected through its gear", 0.0, minimum=0.0
     )
+    joint_torque_limit: float | None = quantity(
+        "N.m", "limit of the torque of motor, spring and damper together", None, minimum=0.0
+    )
     joint_min: float | None = quantity("rad", "stop of the joint nearer to the base: its least angle", None)
     joint_max: float | None = quantity("rad", "stop of the joint nearer to the base: its largest angle", None)
 
@@ -225,7 +228,15 @@ class Inputs:
     """The inputs that the FMU shall have."""
 
     joint_torques: bool = quantity("", "torques at the joints between links and at a pinned base", False)
+    joint_targets: bool = quantity(
+        "", "angles and angular velocities that these joints follow by their springs and dampers", False
+    )
     tip_force: bool = quantity("", "force on the tip", False)
+
+    @property
+    def any(self) -> bool:
+        """Whether there are inputs."""
+        return self.joint_torques or self.joint_targets or self.tip_force
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

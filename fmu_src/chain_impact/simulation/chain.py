@@ -74,7 +74,7 @@ class Chain:
 
         Args:
             scene: what to simulate: a scene, or what ``load_scene`` takes. The FMU has inputs
-                when the scene asks for them: ``inputs.tip_force``, ``inputs.joint_torques``.
+                when the scene asks for them: ``inputs.tip_force``, ``joint_torques``, ``joint_targets``.
 
         Raises:
             SimulationError: when the scene cannot start.

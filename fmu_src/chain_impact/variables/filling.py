@@ -23,11 +23,11 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.names import Place
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.places import layout_of
-from chain_impact.variables.table import BEHIND, WORD
+from chain_impact.variables.table import BEHIND, GIVEN_OF_JOINTS, WORD
 
 LINK_PARAMETERS = (
     *("length", "mass", "center_of_mass", "inertia"),
-    *("joint_damping", "joint_stiffness", "joint_rest_angle", "joint_friction", "joint_armature"),
+    *("joint_friction", "joint_armature"),
 )
 Sizes = tuple[int, int, int, int]
 
@@ -95,8 +95,8 @@ def _kind_of_contact(scene: Scene) -> tuple[Any, ...]:
 def _kind_of_chain(scene: Scene) -> tuple[Any, ...]:
     """Values on which the layout of the record or the variables depend."""
     links = scene.chain.links
-    asked = [(link.joint_friction, link.joint_min, link.joint_max, link.joint_armature) for link in links]
-    return scene.chain.base, asked
+    names = ("joint_friction", "joint_armature", "joint_torque_limit", "joint_min", "joint_max")
+    return scene.chain.base, [[getattr(link, name) for name in names] for link in links]
 
 
 def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
@@ -111,7 +111,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     if pairs:
         d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
     model["pinned"] = scene.chain.base == "pinned"
-    model["driven"] = scene.inputs.joint_torques or scene.inputs.tip_force
+    model["driven"], model["followed"] = scene.inputs.any, scene.inputs.joint_targets
 
     d["latest"]["kept"] = scene.outputs.impacts
     asked = scene.outputs
@@ -134,6 +134,10 @@ def _write_links(d: Any, scene: Scene) -> None:
     model, links, derived = d["model"], scene.chain.links, scene.derived_places
     for name in LINK_PARAMETERS:
         model[name] = [getattr(link, name) for link in links]
+    for name, place in GIVEN_OF_JOINTS.items():
+        d["given"][place] = [getattr(link, name) for link in links]
+    limits = [link.joint_torque_limit for link in links]
+    model["joint_torque_limit"] = [math.inf if limit is None else limit for limit in limits]
     for name in ("center_of_mass", "inertia"):
         model[f"given_{name}"] = [
             DERIVED if ("chain", "links", i, name) in derived else getattr(link, name)

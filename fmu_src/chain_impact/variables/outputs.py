@@ -11,7 +11,7 @@ from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_S
 from chain_impact.scene.candidates import point_wall_pairs, stop_pairs
 from chain_impact.scene.names import AXES
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.tables import Inputs, Outputs
+from chain_impact.scene.tables import Outputs
 from chain_impact.variables.variable import OBSERVED, Variable
 
 SHAPES = 64  # of scenes, whose outputs are kept
@@ -65,7 +65,7 @@ class Shape:
         contact_friction: whether a contact may have dry friction.
         friction_joints: the joints with dry friction.
         asked: which outputs the scene asks for.
-        inputs: which inputs it has.
+        is_driven: whether energy may be supplied.
     """
 
     links: int
@@ -76,7 +76,7 @@ class Shape:
     contact_friction: bool
     friction_joints: tuple[int, ...]
     asked: Outputs
-    inputs: Inputs
+    is_driven: bool
 
     @property
     def has_friction(self) -> bool:
@@ -95,7 +95,7 @@ def shape_of(scene: Scene) -> Shape:
         contact_friction=scene.has_contact_friction,
         friction_joints=scene.friction_joints,
         asked=scene.outputs,
-        inputs=scene.inputs,
+        is_driven=scene.is_driven,
     )
 
 
@@ -232,10 +232,10 @@ def _energies(shape: Shape) -> Iterator[Variable]:
         "potential": "potential energy of gravity, zero at the origin",
         "elastic": "energy stored in the contacts and in the springs of joints",
         "dissipated": "energy lost in contacts and joint damping since the start",
-        "supplied": "energy supplied by the inputs since the start",
+        "supplied": "energy supplied by the inputs and by drives of joints since the start",
         "total": "kinetic, potential and elastic energy",
     }
-    if not (shape.inputs.joint_torques or shape.inputs.tip_force):
+    if not shape.is_driven:
         del texts["supplied"]
     if shape.has_friction:
         texts["dissipated"] = "energy lost in contacts, joint damping and dry friction since the start"
@@ -253,7 +253,7 @@ def _joint_loads(shape: Shape) -> Iterator[Variable]:
         of = f"of {'the link before' if i > 0 else 'the ground'} on link {i + 1}"
         quantities = [
             *((f"force.{axis}", "N", f"{axis} of the force {of}", axis) for axis in AXES),
-            ("moment", "N.m", f"moment {of}: motor, spring, damper, friction and stops", "moment"),
+            ("moment", "N.m", f"moment {of}: drive, spring, damper, friction and stops", "moment"),
             *(
                 (f"impulse.{axis}", "N.s", f"{axis} of the impulse {of} since the start", f"impulse_{axis}")
                 for axis in AXES

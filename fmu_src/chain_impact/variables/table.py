@@ -38,6 +38,12 @@ GIVEN_PLACES: dict[Place, Place] = {
     ("stops", "restitution"): ("given", "stop_restitution"),
 }
 """Where the value in use of a parameter that may be derived is, and where what is given of it."""
+GIVEN_OF_JOINTS = {
+    "joint_damping": "joint_damping",
+    "joint_stiffness": "joint_stiffness",
+    "joint_rest_angle": "joint_target_angle",
+}
+"""Keys of a link whose values have their places among what can be set at any time."""
 UNLESS_SET = "; unless set: "
 """In the description of a parameter that the scene derives: the rule stands behind it."""
 FRICTION = ("friction", "static_friction")
@@ -142,8 +148,15 @@ def parameters(scene: Scene) -> Iterator[Variable]:
                 continue
             if key == "joint_friction" and i + 1 not in rubbing:
                 continue
-            path = ("chain", "links", i, key)
-            yield _parameter(rule, ("model", key, i), path, f"link {i + 1}: {{}}", derived=derived)
+            follows = scene.inputs.joint_targets and (i > 0 or scene.chain.base == "pinned")
+            if key == "joint_rest_angle" and follows:
+                continue  # the start value of an input
+            path, place = ("chain", "links", i, key), ("model", key, i)
+            if key in GIVEN_OF_JOINTS:
+                place = ("given", GIVEN_OF_JOINTS[key], i)
+            variability = "tunable" if follows and key in GIVEN_OF_JOINTS else "fixed"
+            of_link = f"link {i + 1}: {{}}"
+            yield _parameter(rule, place, path, of_link, derived=derived, variability=variability)
     for w, wall in enumerate(WALLS):
         if getattr(scene.box, wall) is not None:
             yield _parameter(rules[wall], ("model", "wall", w), ("box", wall), "position of the {}")
@@ -252,10 +265,17 @@ def inputs(scene: Scene) -> Iterator[Variable]:
             place=("given", *place),
         )
 
+    joints = range(0 if scene.chain.base == "pinned" else 1, len(scene.chain.links))
     if scene.inputs.joint_torques:
-        for i in range(0 if scene.chain.base == "pinned" else 1, len(scene.chain.links)):
+        for i in joints:
             of = f"torque on link {i + 1} from " + (f"link {i}" if i > 0 else "the base")
             yield entry(f"joint[{i + 1}].torque", "N.m", of, "joint_torque", i)
+    if scene.inputs.joint_targets:
+        for i in joints:
+            name, of = f"joint[{i + 1}].target", f"that the spring of joint {i + 1} follows"
+            yield entry(f"{name}_angle", "rad", f"angle {of}", "joint_target_angle", i)
+            of = f"that the damper of joint {i + 1} follows"
+            yield entry(f"{name}_velocity", "rad/s", f"angular velocity {of}", "joint_target_velocity", i)
     if scene.inputs.tip_force:
         for j, axis in enumerate(AXES):
             yield entry(f"tip.force.{axis}", "N", f"{axis} of the force on the tip", "tip_force", j)

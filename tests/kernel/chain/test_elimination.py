@@ -15,7 +15,8 @@ from chain_impact.kernel.chain.tree import (
     solve,
     take_factors,
 )
-from chain_impact.kernel.initialize import derive_chain
+from chain_impact.kernel.forces.inputs import apply_inputs
+from chain_impact.kernel.initialize import derive_chain, derive_resistance
 from chain_impact.scene.scene import scene_from_dict
 from tests.kernel.chains import chain, random_links, random_state, stopped_chain
 from tests.plain import record_of
@@ -43,6 +44,8 @@ def prepared(scene, angles):
     """The record of a chain, as plain Python takes it, with its link vectors."""
     d = record_of(scene)
     derive_chain(d)
+    apply_inputs(d)
+    derive_resistance(d)
     link_vectors(d, np.array([0.0, 0.0, *angles]))
     return d
 

@@ -13,7 +13,6 @@ from chain_impact.kernel.chain.joints import (
     spring_stiffness,
     stretch,
 )
-from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import with_values
 from tests.kernel.chain.test_elimination import prepared, random_chain, relative_motion
 from tests.kernel.chains import chain, random_state
@@ -103,8 +102,7 @@ def test_it_is_that_of_the_fastest_joint_alone_and_near_the_largest_eigenvalue(c
         d = prepared(sprung, angles)
         assert 0.63 * exact <= joint_rate(d, y) <= 1.0001 * exact
         assert joint_bound(d) >= exact * (1.0 - 1e-12)
-        d.model.joint_damping[:] = damping
-        derive_chain(d)
+        d.inputs.joint_damping[:] = damping
         upper = np.eye(count, 2 * count, k=count)
         companion = np.vstack([upper, np.hstack([-mobility * stiffness, -mobility * damping])])
         assert joint_bound(d) >= np.abs(np.linalg.eigvals(companion)).max() * (1.0 - 1e-9)

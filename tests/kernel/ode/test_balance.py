@@ -200,11 +200,11 @@ def test_the_scale_is_that_of_errors_in_speeds_and_in_heights(springs):
     others = abs(y[dissipated_at(LINKS)]) + abs(y[supplied_at(LINKS)])
     scale = (math.sqrt(2.0 * kinetic) + own.unit_motion) ** 2 + own.unit_scale + others
     known = own.weight * (abs(y[0]) + abs(y[1])) + abs(potential) + kinetic + others
-    turns = np.diff(y[2 : LINKS + 2], prepend=0.0) - d.model.joint_rest_angle
-    moments = springs * d.model.joint_stiffness * abs(turns)
+    turns = np.diff(y[2 : LINKS + 2], prepend=0.0) - d.inputs.joint_target_angle
+    moments = springs * d.inputs.joint_stiffness * abs(turns)
     moments[0] = 0.0  # a free base has no joint
     scale += sum(moments)
-    known += moments @ (abs(y[2 : LINKS + 2]) + abs(d.model.joint_rest_angle))
+    known += moments @ (abs(y[2 : LINKS + 2]) + abs(d.inputs.joint_target_angle))
     assert balance.scales(d, y) == pytest.approx((scale, known), rel=1e-13)
     allowed = 3.0 * TOLERANCE * scale + balance.ROUND_OFF * known
     assert balance.allowance(d, y) == pytest.approx(allowed, rel=1e-13)

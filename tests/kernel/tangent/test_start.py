@@ -38,13 +38,14 @@ def test_the_factor_of_a_law_varies_with_the_restitution(law, e):
 PARAMETERS = {
     "model": (
         *("gravity", "length", "mass", "given_center_of_mass", "given_inertia", "wall"),
-        *("joint_damping", "joint_stiffness", "joint_rest_angle", "joint_friction"),
+        *("joint_friction", "joint_armature"),
     ),
     "walls": ("x", "y", "angle"),
     "initial": ("position", "velocity", "angle", "angular_velocity"),
     "contact": ("exponent", "radius"),
 }
 GIVEN = ("stiffness", "restitution", "friction", "static_friction", "joint_torque", "tip_force")
+GIVEN += ("joint_damping", "joint_stiffness", "joint_target_angle", "joint_target_velocity")
 
 
 @pytest.fixture
@@ -55,6 +56,8 @@ def both():
     for record, names in PARAMETERS.items():
         for name in names:
             d[record]._record[name] = rng.uniform(0.5, 2.0, np.shape(d[record][name]))
+    for name in GIVEN[6:]:
+        d["given"]._record[name] = rng.uniform(0.5, 2.0, np.shape(d["given"][name]))
     t = random_duals(rng, d._record.dtype)
     t.links, t.candidates = d.links, d.candidates
     return d, t
@@ -96,6 +99,7 @@ def test_the_inputs_that_hold_are_the_constants_of_their_course(both):
     own = t.inputs
     assert list(own.joint_torque) == list(own.course.joint_torque[0])
     assert list(own.tip_force) == list(own.course.tip_force[0])
+    assert list(own.joint_target_angle) == list(own.course.joint_target_angle[0])
     assert (values(own.joint_torque) == 7.0).all()
     assert (values(own.tip_force) == 8.0).all()
 

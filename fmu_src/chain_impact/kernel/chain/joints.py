@@ -3,6 +3,10 @@
 A spring stores ½ k φ², φ = θ_i − θ_{i−1} − φ₀ from its rest angle φ₀. The angles of links include full turns,
 and so does φ. The base of a pinned chain has θ₀ = 0; a free base has no joint, no spring and no damper.
 
+With targets the spring and the damper are a servo: φ₀, and the relative angular velocity at which the damper
+has no moment, are inputs. The torque of motor, spring and damper together may have a limit. Then it is in one
+of three modes, which only events change (events/saturation.py): below the limit, or at it in one direction.
+
 With C = Σ c_i g_i g_iᵀ, g_i the gradient of ω_i − ω_{i−1}, damped motions decay with the eigenvalues of
 M⁻¹ C. The largest is at least the rate of one joint whose damper is the only one,
 
@@ -21,18 +25,21 @@ without inertia makes it infinite.
 import math
 
 from chain_impact.kernel.chain.kinematics import clear_joints, link_vectors, zero
-from chain_impact.kernel.chain.state import ANGLES
+from chain_impact.kernel.chain.state import ANGLES, omega_at
 from chain_impact.kernel.chain.tree import FREE, factorize, no_impedance, solve
+
+# Of the limit of a torque, and of the moments whose difference a spring has: an excess that is round-off.
+EXCESS, ROUND_OFF = 1e-12, 1e-14
 
 
 def joint_damping(d, i):
-    """c_i [N·m·s/rad], 0 at a free base, which has no joint."""
-    return d.model.joint_damping[i] if i > 0 or d.model.pinned else 0.0
+    """c_i [N·m·s/rad], 0 at a free base, which has no joint, and while the torque is at its limit."""
+    return d.inputs.joint_damping[i] if (i > 0 or d.model.pinned) and d.drive.mode[i] == 0 else 0.0
 
 
 def spring_stiffness(d, i):
-    """k_i [N·m/rad], 0 at a free base, which has no joint."""
-    return d.model.joint_stiffness[i] if i > 0 or d.model.pinned else 0.0
+    """k_i [N·m/rad], likewise."""
+    return d.inputs.joint_stiffness[i] if (i > 0 or d.model.pinned) and d.drive.mode[i] == 0 else 0.0
 
 
 def joint_armature(d, i):
@@ -51,9 +58,19 @@ def resists(constant):
 
 
 def stretch(d, y, i):
-    """φ_i [rad], the angle of the joint of link i relative to the rest angle of its spring."""
+    """φ_i [rad], the angle of the joint of link i relative to the rest or target angle of its spring."""
     before = y[ANGLES + i - 1] if i > 0 else 0.0
-    return y[ANGLES + i] - before - d.model.joint_rest_angle[i]
+    return y[ANGLES + i] - before - d.inputs.joint_target_angle[i]
+
+
+def is_drive(d, i):
+    """Whether the work of spring, damper and motor in joint i is that of a drive: supplied energy."""
+    return d.model.followed != 0 or d.model.joint_torque_limit[i] < math.inf
+
+
+def elastic_stiffness(d, i):
+    """k_i [N·m/rad] of a spring that stores energy, 0 in a drive."""
+    return 0.0 if is_drive(d, i) else spring_stiffness(d, i)
 
 
 def spring_energy(d, y):
@@ -61,8 +78,49 @@ def spring_energy(d, y):
     energy = 0.0
     for i in range(d.links):
         angle = stretch(d, y, i)
-        energy += 0.5 * spring_stiffness(d, i) * angle * angle
+        energy += 0.5 * elastic_stiffness(d, i) * angle * angle
     return energy
+
+
+def wanted_torque(d, y, i):
+    """u_i − c_i (ω_i − ω_{i−1} − ω_t) − k_i φ_i [N·m] of motor, damper and spring, before a limit."""
+    if i == 0 and not d.model.pinned:
+        return 0.0
+    own, first = d.inputs, omega_at(d.links)
+    turning = y[first + i] - (y[first + i - 1] if i > 0 else 0.0)
+    torque = own.joint_torque[i] - own.joint_damping[i] * (turning - own.joint_target_velocity[i])
+    return torque - own.joint_stiffness[i] * stretch(d, y, i)
+
+
+def joint_torque(d, y, i):
+    """The torque [N·m] of motor, damper and spring in joint i, at its limit while its mode says so.
+
+    Beyond the end of a mode it continues smoothly, until an event ends the step there.
+    """
+    mode = d.drive.mode[i]
+    return wanted_torque(d, y, i) if mode == 0 else float(mode) * d.model.joint_torque_limit[i]
+
+
+def mode_margin(d, y, i):
+    """By how much [N·m] the drive in joint i is from the end of its mode, plus round-off; ∞ without end."""
+    limit, mode = d.model.joint_torque_limit[i], d.drive.mode[i]
+    if not 0.0 < limit < math.inf:
+        return math.inf
+    torque = wanted_torque(d, y, i)
+    margin = limit - abs(torque) if mode == 0 else float(mode) * torque - limit
+    size = abs(y[ANGLES + i]) + abs(y[ANGLES + i - 1] if i > 0 else 0.0) + abs(d.inputs.joint_target_angle[i])
+    return margin + EXCESS * limit + ROUND_OFF * d.inputs.joint_stiffness[i] * size
+
+
+def clear_mode_margins(d):
+    """Begin to record how near the modes of drives are to their ends."""
+    for i in range(d.links):
+        d.drive.margin[i] = 0.0
+
+
+def note_mode_margin(d, y, i):
+    """Record how near the mode of the drive in joint i is to its end."""
+    d.drive.margin[i] = min(d.drive.margin[i], mode_margin(d, y, i))
 
 
 def joint_bound(d):

@@ -13,7 +13,18 @@ from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.friction_modes import update_modes
 from chain_impact.kernel.events.impacts import handle_impact, rigid_onset
-from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE, mark, pending_changes
+from chain_impact.kernel.events.marks import (
+    END,
+    KINK,
+    NONE,
+    ONSET,
+    RELATCH,
+    RELEASE,
+    mark,
+    pending_changes,
+    pending_saturations,
+)
+from chain_impact.kernel.events.saturation import choose_saturation
 from chain_impact.kernel.forces.contact import clear_loads, cross_kink, list_touching, relatch, start_contact
 from chain_impact.kernel.forces.contact_force import may_jump
 from chain_impact.kernel.functions import dispatch
@@ -83,7 +94,8 @@ def apply_events(d):
     Returns:
         Whether a force may have jumped: a contact begins or ends, a v₀ was latched again, a mode changes.
     """
-    touch, onset, jumped, goes_on = d.touch, -1, False, pending_changes(d) > 0
+    touch, onset, jumped = d.touch, -1, False
+    goes_on = pending_changes(d) + pending_saturations(d) > 0
     rigid, rigid_impact = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
     if d.friction.count > 0:
@@ -108,6 +120,7 @@ def apply_events(d):
         late = handle_impact(d)
         onset = late if late >= 0 else onset
     list_touching(d)
+    choose_saturation(d)
     if d.friction.used:
         update_modes(d, False)
     if rigid and touch.compliant_count == 0:
@@ -116,7 +129,7 @@ def apply_events(d):
         begin_flight(d)
     else:
         choose_size(d, onset, goes_on)
-    return jumped or rigid or d.friction.used != 0
+    return jumped or rigid or d.friction.used != 0 or d.model.limited != 0
 
 
 def choose_size(d, onset, goes_on):

@@ -28,6 +28,7 @@ from chain_impact.kernel.events.exclusion import (
 )
 from chain_impact.kernel.events.marks import END, NONE, ONSET, mark
 from chain_impact.kernel.events.sampled import find_force_event, find_mode_change, find_release
+from chain_impact.kernel.events.saturation import find_saturation
 from chain_impact.kernel.ode.control import FAR_OFF, IMPLICIT, accepted, refuse
 from chain_impact.kernel.ode.dense import interpolate, interpolate_component
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
@@ -87,7 +88,8 @@ def find_event_without_crossing(d):
     if any_point_held(d):
         ensure_dense(d, SOLVER)  # `update_held_extremes` needs it, too
         return find_sampled_event(d, -1.0)
-    return find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
+    theta = find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
+    return find_saturation(d, theta) if d.model.limited else theta
 
 
 def find_sampled_event(d, theta):
@@ -100,6 +102,8 @@ def find_sampled_event(d, theta):
         theta = find_force_event(d, theta)
     if d.friction.count > 0 and accepted(d):
         theta = find_mode_change(d, theta)
+    if d.model.limited and accepted(d):
+        theta = find_saturation(d, theta)
     return theta
 
 

@@ -20,9 +20,17 @@ def apply_inputs(d):
     own.order, own.change_rate, own.until = course.order, course.change_rate, course.until
     own.middle, own.scale = course.middle, course.scale
     for i in range(d.links):
+        d.inputs.joint_damping[i], d.inputs.joint_stiffness[i] = (
+            given.joint_damping[i],
+            given.joint_stiffness[i],
+        )
         d.inputs.joint_torque[i] = own.joint_torque[0, i] = given.joint_torque[i]
+        d.inputs.joint_target_angle[i] = own.joint_target_angle[0, i] = given.joint_target_angle[i]
+        d.inputs.joint_target_velocity[i] = own.joint_target_velocity[0, i] = given.joint_target_velocity[i]
         for m in range(1, own.order + 1):
             own.joint_torque[m, i] = course.joint_torque[m, i]
+            own.joint_target_angle[m, i] = course.joint_target_angle[m, i]
+            own.joint_target_velocity[m, i] = course.joint_target_velocity[m, i]
     for j in range(2):
         d.inputs.tip_force[j] = own.tip_force[0, j] = given.tip_force[j]
         for m in range(1, own.order + 1):
@@ -40,7 +48,13 @@ def inputs_in_use(d):
     if given.course.order > 0 or own.course.order > 0:
         return False
     for i in range(d.links):
-        if given.joint_torque[i] != own.joint_torque[i]:
+        if (
+            given.joint_torque[i] != own.joint_torque[i]
+            or given.joint_target_angle[i] != own.joint_target_angle[i]
+            or given.joint_target_velocity[i] != own.joint_target_velocity[i]
+            or given.joint_damping[i] != own.joint_damping[i]
+            or given.joint_stiffness[i] != own.joint_stiffness[i]
+        ):
             return False
     return given.tip_force[0] == own.tip_force[0] and given.tip_force[1] == own.tip_force[1]
 
@@ -57,6 +71,9 @@ def set_inputs(d, time):
     x = (time - course.middle) * course.scale
     for i in range(d.links):
         d.inputs.joint_torque[i] = polynomial(course.joint_torque, course.order, i, x)
+        if d.model.followed:
+            d.inputs.joint_target_angle[i] = polynomial(course.joint_target_angle, course.order, i, x)
+            d.inputs.joint_target_velocity[i] = polynomial(course.joint_target_velocity, course.order, i, x)
     for j in range(2):
         d.inputs.tip_force[j] = polynomial(course.tip_force, course.order, j, x)
 

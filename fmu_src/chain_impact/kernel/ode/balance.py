@@ -249,7 +249,7 @@ def scales(d, y):
         for i in range(d.links):
             moment = spring_stiffness(d, i) * abs(stretch(d, y, i))
             scale += moment
-            known += moment * (abs(y[ANGLES + i]) + abs(d.model.joint_rest_angle[i]))
+            known += moment * (abs(y[ANGLES + i]) + abs(d.inputs.joint_target_angle[i]))
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         gap, _ = clearance(d, c)

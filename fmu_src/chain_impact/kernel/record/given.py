@@ -27,16 +27,15 @@ def model_dtype(links: int) -> np.dtype:
         # m from the proximal joint, and kg·m² about the centre of mass, as they are given; or DERIVED
         ("given_center_of_mass", REAL, (links,)),
         ("given_inertia", REAL, (links,)),
-        ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
-        ("joint_stiffness", REAL, (links,)),  # N·m/rad, likewise
-        ("joint_rest_angle", REAL, (links,)),  # rad, at which the spring is slack
         ("joint_friction", REAL, (links,)),  # N·m, dry friction at the proximal joint
         ("joint_armature", REAL, (links,)),  # kg·m², acts on the relative rotation in the joint
+        ("joint_torque_limit", REAL, (links,)),  # N·m, of motor, spring and damper together; ∞: none
         ("joint_min", REAL, (links,)),  # rad, stops of the joint's own angle; −∞ …
         ("joint_max", REAL, (links,)),  # rad, … and ∞ where there is none
         ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
         ("pinned", INTEGER),  # 1: the base cannot move
         ("driven", INTEGER),  # 1: there are inputs
+        ("followed", INTEGER),  # 1: all joints have servos, whose targets are inputs
         # derived at initialization
         ("center_of_mass", REAL, (links,)),  # m from the proximal joint
         ("inertia", REAL, (links,)),  # kg·m² about the centre of mass
@@ -46,6 +45,7 @@ def model_dtype(links: int) -> np.dtype:
         ("rubbing", INTEGER),  # … 1: some joint has dry friction, …
         ("jointed", INTEGER),  # … and 1: some has either, so that all joints have places
         ("geared", INTEGER),  # 1: some joint has an armature
+        ("limited", INTEGER),  # 1: some joint has a limit of its torque
         ("resisting", INTEGER),  # 1: some joint has damping or a spring …
         ("joint_bound", REAL),  # 1/s, … and an upper bound on the rates of the motions that this causes
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
@@ -126,6 +126,8 @@ def course_dtype(links: int) -> np.dtype:
         ("until", REAL),  # s, the end of the piece
         ("change_rate", REAL),  # 1/s, the rate at which the inputs change
         ("joint_torque", REAL, (DEGREE + 1, links)),  # N·m, coefficients of the powers of x
+        ("joint_target_angle", REAL, (DEGREE + 1, links)),  # rad
+        ("joint_target_velocity", REAL, (DEGREE + 1, links)),  # rad/s
         ("tip_force", REAL, (DEGREE + 1, 2)),  # N
     )
 
@@ -146,7 +148,11 @@ def given_dtype(links: int) -> np.dtype:
         ("static_friction", REAL),  # … and of static friction; 0 for that of sliding
         ("stop_stiffness", REAL),  # N·m/rad^exponent
         ("stop_restitution", REAL),  # or DERIVED: that of the walls
-        ("joint_torque", REAL, (links,)),  # as in `inputs`
+        ("joint_damping", REAL, (links,)),  # as in `inputs`
+        ("joint_stiffness", REAL, (links,)),
+        ("joint_torque", REAL, (links,)),
+        ("joint_target_angle", REAL, (links,)),
+        ("joint_target_velocity", REAL, (links,)),
         ("tip_force", REAL, (2,)),
         ("course", course_dtype(links)),
     )
@@ -154,9 +160,17 @@ def given_dtype(links: int) -> np.dtype:
 
 @written_by("forces/inputs.py")
 def inputs_dtype(links: int) -> np.dtype:
-    """The inputs in use."""
+    """The inputs in use, and what else of joints can be set at any time."""
     return record(
+        ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
+        ("joint_stiffness", REAL, (links,)),  # N·m/rad, likewise
         ("joint_torque", REAL, (links,)),  # N·m
+        (
+            "joint_target_angle",
+            REAL,
+            (links,),
+        ),  # rad, at which the spring is slack: the rest angle, or an input
+        ("joint_target_velocity", REAL, (links,)),  # rad/s, at which the damper is without moment
         ("tip_force", REAL, (2,)),  # N
         ("course", course_dtype(links)),
     )

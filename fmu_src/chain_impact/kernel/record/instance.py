@@ -17,6 +17,7 @@ import numpy as np
 
 from chain_impact.kernel.record.contacts import (
     changes_dtype,
+    drive_dtype,
     element_dtype,
     finished_dtype,
     friction_dtype,
@@ -157,6 +158,7 @@ def instance_dtype(links: int, candidates: int, elements: int = 0, loads: int = 
         ("limits", limits_dtype()),
         ("balance", balance_dtype()),
         ("work", work_dtype(links)),
+        ("drive", drive_dtype(links)),
         ("friction", friction_dtype()),
         ("touch", touch_dtype(candidates)),
         ("candidate", candidate_dtype(candidates)),

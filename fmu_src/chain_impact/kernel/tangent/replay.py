@@ -33,7 +33,7 @@ from chain_impact.kernel.forces.contact import clear_loads
 from chain_impact.kernel.forces.contact_law import copy_law, set_parameters
 from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.forces.laws import ANY, LAW_COUNT, RATE_EXPONENTS, damping_factor
-from chain_impact.kernel.initialize import clear_run, derive_chain, set_start
+from chain_impact.kernel.initialize import clear_run, derive_chain, derive_resistance, set_start
 from chain_impact.kernel.ode import explicit
 from chain_impact.kernel.ode.collocation import (
     LAST,
@@ -94,6 +94,7 @@ def start_tangent(d, t):
     derive_chain(t)
     clear_run(t, d.step.time)
     apply_given_of(d, t)
+    derive_resistance(t)
     trust(t)
     copy_modes(d, t)
     set_start(t, d.step.time)
@@ -108,6 +109,7 @@ def reinit_tangent(d, t):
     if t.trust.time > value(t.step.end):
         trust(t)
     apply_given_of(d, t)
+    derive_resistance(t)
     copy_modes(d, t)
     apply_laws(t)
     check_coefficients(t)
@@ -122,9 +124,12 @@ def apply_given_of(d, t):
 
 
 def copy_modes(d, t):
-    """Copy the modes of dry friction of d to t, which takes them where it would choose (rules.py)."""
+    """Copy the modes of friction and drives of d to t, which takes them where it would choose (rules.py)."""
     for e in range(d.elements):
         t.element.chosen[e] = d.element.mode[e]
+    if d.model.limited:
+        for i in range(d.links):
+            t.drive.chosen[i] = d.drive.mode[i]
 
 
 def copy_inputs(d, t):
@@ -133,6 +138,8 @@ def copy_inputs(d, t):
     copy_values(d.inputs.course, own.course)
     for i in range(t.links):
         own.joint_torque[i] = own.course.joint_torque[0, i]
+        own.joint_target_angle[i] = own.course.joint_target_angle[0, i]
+        own.joint_target_velocity[i] = own.course.joint_target_velocity[0, i]
     for j in range(2):
         own.tip_force[j] = own.course.tip_force[0, j]
 

@@ -8,7 +8,7 @@ import math
 
 from chain_impact.kernel.chain import joints, kinematics
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.events import friction_modes
+from chain_impact.kernel.events import friction_modes, saturation
 from chain_impact.kernel.forces import contact_force, holding, user_law
 from chain_impact.kernel.ode import dense
 from chain_impact.kernel.rows import constraints
@@ -47,6 +47,12 @@ def polar(radius, y, first, horizontal, vertical):
 def resists(constant):
     """Whether a constant has an effect: one with derivatives has even if its value is 0."""
     return value(constant) != 0.0 or varies(constant)
+
+
+def choose_saturation(t):
+    """Take the modes of drives that the primal instance has chosen."""
+    for i in range(t.links):
+        t.drive.mode[i], t.drive.event[i] = t.drive.chosen[i], 0
 
 
 def fraction(t, time):
@@ -124,6 +130,7 @@ RULES = {
     contact_force.power: power,
     friction_modes.choose_modes: choose_modes,
     contact_force.user_force: user_force,
+    saturation.choose_saturation: choose_saturation,
     dense.fraction: fraction,
     kinematics.polar: polar,
     joints.resists: resists,
