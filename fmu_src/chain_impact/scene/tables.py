@@ -184,7 +184,7 @@ class Contact:
     points: tuple[int, ...] = quantity("", "points that may touch, base (0) to tip (N)", _MOVABLE)
     minimum_impact_speed: float = quantity(
         "m/s",
-        "slower impacts are damped as at this speed; on rigid walls they do not rebound",
+        "an impact slower than this is damped as one at this speed; on a rigid wall it does not rebound",
         1e-3,
         above=0.0,
     )
