@@ -250,9 +250,9 @@ def carvalho_martins(e):
     allows_zero=False,
 )
 def kelvin_voigt(e):
-    """Spring and dashpot: the force jumps at the onset. Its f is that of a contact that can pull.
+    """Spring and dashpot: the force jumps at the onset. The formula of f assumes that a contact can pull.
 
-    Cut off at 0, it realises e^(1 − (2/π) arctan(−ln e/π)).
+    A wall cannot pull: the force is cut off at 0. The realised restitution is e^(1 − (2/π) arctan(−ln e/π)).
     """
     return _logarithmic_damping(2.0, e)
 
