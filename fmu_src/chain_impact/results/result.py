@@ -283,7 +283,13 @@ class Result(Recording):
         """
         return tables.stick_slip_table(self.stick_slip, self.wall_names)
 
-    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure | None:
+    def plot(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        size: tuple[float, float] | None = None,
+        panels: Sequence[str] = (),
+    ) -> Figure | None:
         """Draw motion, energy and impacts.
 
         The picture shows the rows of this result and nothing between them: with a coarse ``output_step``
@@ -293,15 +299,20 @@ class Result(Recording):
         Args:
             path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
                 which a notebook shows.
+            size: width and height [inches]. On a page narrower than 6 inches the motion is above the rest.
+            panels: which of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all there are.
 
         Raises:
+            ValueError: when there is no panel of a name, or a page is smaller than 2 by 2 inches.
             UnknownNameError: when ``simulate(output=…)`` left out what is drawn.
             OSError: when the file cannot be written.
         """
+        from functools import partial
+
         from chain_impact.results import plots  # a second to load, so not at the top
 
         self._all("kinetic")  # refused here, if it was left out
-        return plots.drawn(self, path)
+        return plots.drawn(self, path, partial(plots.fill, panels=panels), plots.page_size(size))
 
     def plot_sensitivities(
         self, path: str | os.PathLike[str] | None = None, outputs: Sequence[str] = ()

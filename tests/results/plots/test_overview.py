@@ -119,3 +119,37 @@ def test_the_colours_of_the_motion_are_those_of_the_axis_of_time():
         shade = strip.cmap(strip.norm(strip.get_array()[0, round(time / 2.0 * 255)]))
         np.testing.assert_allclose(path.get_colors()[row], shade, atol=0.02)
     assert strip.get_extent() == [0.0, 2.0, 0, 1]
+
+
+@pytest.mark.full("more cases", but=3)
+@pytest.mark.parametrize("width", [3.31, 4.72, 7.48])
+@pytest.mark.parametrize("model", ["sliding_rod", *MODELS])
+def test_nothing_is_cut_off_a_page_of_any_width(model, width):
+    """84, 120 and 190 mm, as journals have them: laid out anew, not scaled."""
+    result = recorded(model)
+    page = result.plot(size=(width, 6.5))
+    page.draw_without_rendering()
+    assert tuple(page.get_size_inches()) == (width, 6.5)
+    motion, *others = (axes.get_position(original=True) for axes in page.axes)
+    assert all((one.y1 <= motion.y0) == (width < 6.0) for one in others)
+    box = page.get_tightbbox()
+    assert min(box.x0, box.y0, width - box.x1, 6.5 - box.y1) > -0.02
+
+
+def test_panels_are_chosen():
+    page = recorded("sliding_rod").plot(size=(4.0, 3.0), panels=["energy", "friction"])
+    assert [axes.get_ylabel() for axes in page.axes] == ["", "energy [J]", ""]
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ({"panels": ["speed"]}, "'speed' is no panel; must be of motion, energy, impacts, friction"),
+        ({"size": (1.0, 5.0)}, "must be width and height in inches, each at least 2"),
+        ({"size": 5.0}, "must be width and height in inches"),
+        ({"size": (float("nan"), 3.0)}, "must be width and height in inches"),
+    ],
+)
+def test_a_page_that_cannot_be_is_refused(options, expected):
+    with pytest.raises(ValueError, match=expected):
+        recorded("rod_drop").plot(**options)

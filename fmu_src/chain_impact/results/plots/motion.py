@@ -14,7 +14,7 @@ from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.plots.labels import Label, place_labels
 from chain_impact.results.plots.room import draw_walls, view_of
-from chain_impact.results.plots.style import INK, PURPLE, TIME_COLOURS, VERMILLION, force_text
+from chain_impact.results.plots.style import INK, PURPLE, TIME_COLOURS, VERMILLION, columns, force_text
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import JOINT
 
@@ -56,7 +56,8 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
     loaded = draw_loads(axes, recording)
     axes.set_aspect("equal")
     axes.set(xlabel="x [m]", ylabel="y [m]")
-    axes.legend(**ABOVE, ncols=5 if recording.stops or sticks or loaded else 4, handlelength=1.2)
+    most = 5 if recording.stops or sticks or loaded else 4
+    axes.legend(**ABOVE, ncols=columns(axes, most), handlelength=1.2)
 
 
 def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:

@@ -23,6 +23,8 @@ from chain_impact.results.plots.style import (
     PURPLE,
     TIME_COLOURS,
     VERMILLION,
+    columns,
+    is_full,
 )
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import place_of
@@ -44,9 +46,8 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
     start, end = recording.time[0], max(recording.time[-1], recording.time[0] + 1e-9)
     axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
     margin = 0.015 * (end - start)
-    axes.set(
-        xlabel="time [s]; the same colours as in the motion", yticks=[], xlim=(start - margin, end + margin)
-    )
+    told = "time [s]; the same colours as in the motion" if is_full(axes) else "time [s]"
+    axes.set(xlabel=told, yticks=[], xlim=(start - margin, end + margin))
     axes.spines[:].set_visible(False)
 
 
@@ -62,7 +63,7 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
             axes.plot(recording.time, energy, "--", color=colour, label=name, linewidth=1)
     axes.set_ylabel("energy [J]")
     narrow = {"handlelength": 1.1, "columnspacing": 0.7} if len(axes.lines) > FEW_ENERGIES else {}
-    axes.legend(**(ABOVE | {"handlelength": 1.6} | narrow), ncols=6)
+    axes.legend(**(ABOVE | {"handlelength": 1.6} | narrow), ncols=columns(axes, 6))
 
 
 def draw_stick_slip(axes: Axes, recording: Recording) -> None:
@@ -116,7 +117,7 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
         right.set_ylabel("at stops [rad/s]")
         axes.spines["right"].set_visible(True)
     if len(times):
-        axes.legend(**ABOVE, ncols=7, handlelength=0.8)
+        axes.legend(**ABOVE, ncols=columns(axes, 7), handlelength=0.8)
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=GREY)
 

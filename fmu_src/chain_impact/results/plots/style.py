@@ -11,6 +11,7 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -43,6 +44,8 @@ STYLE: Any = {
 }
 """Settings of matplotlib for every picture, for `matplotlib.rc_context`."""
 DPI = 160
+FULL, WIDE = 10.0, 6.0  # inches, the width of a page; the least for two columns of axes
+MARGIN, ENTRY = 0.9, 1.0  # inches, beside axes on a narrow page; an entry of a legend
 LEFT, TOP = 0.12, 0.08  # inches from the left and the upper edge of the page to the headline
 LINES = (0.3, 0.24)  # inches, the heights of its first line and of the first one below it …
 MORE_LINES = (0.21, 0.15)  # … and of each further one of the two
@@ -57,6 +60,23 @@ class Page(Figure):
         file = BytesIO()
         self.savefig(file, format="png", dpi="figure")
         return file.getvalue()
+
+
+def is_full(axes: Axes) -> bool:
+    """Whether axes stand on a page of full width."""
+    page = axes.get_figure(root=True)
+    return page is None or page.get_figwidth() >= FULL
+
+
+def columns(axes: Axes, most: int) -> int:
+    """How many columns a legend above axes can have, of at most so many."""
+    page = axes.get_figure(root=True)
+    assert page is not None
+    width = page.get_figwidth()
+    if is_full(axes):
+        return most
+    room = width if width < WIDE else 0.5 * width
+    return max(1, min(most, int((room - MARGIN) / ENTRY)))
 
 
 def headline(page: Figure, message: str, conditions: str = "") -> None:
