@@ -33,7 +33,8 @@ UNEVEN = 5 * 10**6  # rigid walls and masses over six decades,
 LONG = 6 * 10**6  # more links than others,
 HARSH = 7 * 10**6  # all that is hard, and the default limit of work (``python -m tests.search`` only),
 STOPPED = 8 * 10**6  # stops in joints, walls of different materials, and often springs,
-RUBBED = 9 * 10**6  # dry friction at walls and in joints, and often stops.
+RUBBED = 9 * 10**6  # dry friction at walls and in joints, and often stops,
+DRIVEN = 10 * 10**6  # drives in joints: armatures, servos, limits of torque; and dry friction or stops.
 MOST_LINKS, LONG_LINKS = 10, (11, 60)
 HARD_WORK = 2e4  # evaluations, for a scene that asks for much, …
 DRY_WORK = 2e5  # … and for one with dry friction that does not
@@ -256,6 +257,14 @@ def drive(scene: Scene, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return torque, force
 
 
+def targets(scene: Scene, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """The constant target angles [rad] and velocities [rad/s] of the joints of the scene of a seed."""
+    draw, count = Draw(seed, 10), len(scene.chain.links)
+    moves = np.array([draw.real(-1.0, 1.0) * draw.chance(0.6) for _ in range(count)])
+    speeds = np.array([draw.real(-5.0, 5.0) * draw.chance(0.3) for _ in range(count)])
+    return np.diff(scene.initial.angles, prepend=0.0) + moves, speeds
+
+
 def started(scene: Scene, seed: int) -> Instance:
     """An instance of a scene at its start, with the inputs of a seed.
 
@@ -263,9 +272,11 @@ def started(scene: Scene, seed: int) -> Instance:
         SimulationError: when it cannot start.
     """
     instance = Instance(scene)
-    if scene.inputs.joint_torques or scene.inputs.tip_force:
+    if scene.inputs.any:
         given = instance.record["given"]
         given["joint_torque"], given["tip_force"] = drive(scene, seed)
+        if scene.inputs.joint_targets:
+            given["joint_target_angle"], given["joint_target_velocity"] = targets(scene, seed)
         given["changed"] = 1
     return instance
 
@@ -517,6 +528,35 @@ def rubbed_of(seed: int) -> Scene:
     return rubbed(scene, draw, HARD_WORK if demanding else DRY_WORK)
 
 
+def driven(scene: Scene, draw: Draw) -> Scene:
+    """The scene with armatures, limits of torque and servos, each in some joints of a share of scenes.
+
+    The rates of servos are within 1 and 1e4 1/s, most of them with a damping that is not far from critical.
+    """
+    links, follow = [asdict(link) for link in scene.chain.links], draw.chance(0.6)
+    geared, limited, pace = draw.chance(0.6), draw.chance(0.6), draw.power(1.0, 1e4)
+    for link in links:
+        size = link["mass"] * link["length"] ** 2
+        if geared and draw.chance(0.7):
+            link["joint_armature"] = size * draw.power(1e-4, 1e2)
+        inertia = size / 3 + link["joint_armature"]
+        if follow or draw.chance(0.5):
+            link["joint_stiffness"] = inertia * (pace * draw.power(0.3, 3.0)) ** 2
+            link["joint_damping"] = inertia * pace * draw.power(0.03, 10.0) * draw.chance(0.9)
+        if limited and draw.chance(0.7):
+            link["joint_torque_limit"] = inertia * draw.power(1.0, 1e3) * draw.chance(0.95)
+    solver, stop = asdict(scene.solver), min(1.0, scene.simulation.stop_time)
+    solver["work_limit"] = min(solver["work_limit"], DRY_WORK / stop)
+    changes = {("chain", "links"): links, ("solver",): solver, ("simulation", "stop_time"): stop}
+    return with_values(scene, changes | {("inputs", "joint_targets"): follow})
+
+
+def driven_of(seed: int) -> Scene:
+    """A chain with drives in its joints: upright, or with all that chains with stops or dry friction have."""
+    draw = Draw(seed, 9)
+    return driven(draw.one((upright, stopped_of, rubbed_of), (0.5, 0.2, 0.3))(seed), draw)
+
+
 _KINDS: dict[int, Callable[[int], Scene]] = {
     0: upright,
     SLANTED: lambda seed: slanted(upright(seed), Draw(seed, 2)),
@@ -528,4 +568,5 @@ _KINDS: dict[int, Callable[[int], Scene]] = {
     HARSH: harsh,
     STOPPED: stopped_of,
     RUBBED: rubbed_of,
+    DRIVEN: driven_of,
 }

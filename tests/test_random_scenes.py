@@ -18,6 +18,7 @@ from tests.folds import faults
 from tests.oracle import account, judge
 from tests.problems import GRAVITY, build, default_scene
 from tests.random_scenes import (
+    DRIVEN,
     FOLDED,
     LENGTH,
     LONG,
@@ -35,7 +36,8 @@ from tests.search import verdict, verdicts
 
 BLOCK = 250  # seeds
 BLOCKS = [range(first, first + BLOCK) for first in range(0, 6 * BLOCK, BLOCK)]
-BLOCKS += [range(first, first + BLOCK) for first in (SLANTED, SPRUNG, FOLDED, TAUT, STOPPED, UNEVEN, RUBBED)]
+BLOCKS += [range(first, first + BLOCK) for first in (SLANTED, SPRUNG, FOLDED, TAUT, STOPPED, UNEVEN)]
+BLOCKS += [range(first, first + BLOCK) for first in (RUBBED, DRIVEN)]
 BLOCKS.append(range(LONG, LONG + BLOCK // 2))
 
 
@@ -123,6 +125,7 @@ SEEDS = {
         "stops": STOPPED,
         "rigid walls": UNEVEN,
         "friction": RUBBED,
+        "drives": DRIVEN,
     }.items()
 }
 OBSERVED = ("output", "latest", "step", "quadrature.dense", "limits", "finished")

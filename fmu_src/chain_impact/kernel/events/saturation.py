@@ -21,17 +21,16 @@ def clear_saturation(d):
 
 
 def choose_saturation(d):
-    """Choose the modes of drives for the end of the last step: one that an event ends changes."""
+    """Choose the modes of drives for the end of the last step, which is past the end of those it marks."""
     if not d.model.limited:
         return
     ensure_inputs(d, d.step.state_end)
     for i in range(d.links):
         torque, limit = wanted_torque(d, d.step.state_end, i), d.model.joint_torque_limit[i]
-        sign = 1 if torque > 0.0 else -1
-        if d.drive.event[i]:
-            d.drive.mode[i] = sign if d.drive.mode[i] == 0 else 0
+        if abs(torque) > limit or limit == 0.0:
+            d.drive.mode[i] = 1 if torque > 0.0 else -1
         else:
-            d.drive.mode[i] = sign if abs(torque) > limit or limit == 0.0 else 0
+            d.drive.mode[i] = 0
     drop_saturations(d)
 
 
