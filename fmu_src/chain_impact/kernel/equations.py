@@ -62,20 +62,27 @@ def stored_energy(d, y):
 def mechanical_energy(d, y):
     """Kinetic and potential energy [J] of the chain, for the located points."""
     n = d.links
-    kinetic, potential, before = 0.0, 0.0, 0.0
+    kinetic, potential = 0.0, 0.0
     for i in range(n):
         m, ratio, omega = d.model.mass[i], d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
         # centre of mass: p_C = p_i + c, v_C = v_i + ω c⊥
         vx = d.work.velocity.x[i] - omega * ratio * d.work.link.y[i]
         vy = d.work.velocity.y[i] + omega * ratio * d.work.link.x[i]
         kinetic += 0.5 * m * (vx * vx + vy * vy) + 0.5 * d.model.inertia[i] * omega * omega
-        if d.model.geared:
-            kinetic += 0.5 * joint_armature(d, i) * (omega - before) ** 2
-            before = omega
         x = d.work.position.x[i] + ratio * d.work.link.x[i]
         y_ = d.work.position.y[i] + ratio * d.work.link.y[i]
         potential -= m * (d.model.gravity[0] * x + d.model.gravity[1] * y_)
-    return kinetic, potential
+    return kinetic + rotor_energy(d, y) if d.model.geared else kinetic, potential
+
+
+def rotor_energy(d, y):
+    """Kinetic energy [J] of the armatures, ½ I_a (ω_i − ω_{i−1})² of each."""
+    energy, before = 0.0, 0.0
+    for i in range(d.links):
+        omega = y[omega_at(d.links) + i]
+        energy += 0.5 * joint_armature(d, i) * (omega - before) ** 2
+        before = omega
+    return energy
 
 
 def state_rate(d, y, rate):
