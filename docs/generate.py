@@ -113,7 +113,12 @@ def _allowed(kind: Any, rule: Any) -> str:
         return text
     if rule["per_link"]:
         return f"a list, for each link {text}"
-    return f"a list of any length, each {text}" if ... in rest else f"a list of {1 + len(rest)}, each {text}"
+    true = "`true`, or " if rule["or_true"] else ""
+    return (
+        f"{true}a list of any length, each {text}"
+        if ... in rest
+        else f"a list of {1 + len(rest)}, each {text}"
+    )
 
 
 def _readable(text: str) -> str:
@@ -138,10 +143,12 @@ def variable_patterns() -> str:
         "link[2].joint_armature": 0.1,
         "link[2].joint_torque_limit": 9.0,
         "outputs.loads": True,
+        "inputs.wall_motion": True,
     }
     everything = with_values(load_scene("four_link_box"), more)
+    mounted = with_values(load_scene("pinned_arm"), {"inputs.base_motion": True})
     rows: dict[str, Variable] = {}
-    for scene in (everything, *scenes, with_values(everything, {"inputs.joint_targets": True})):
+    for scene in (everything, mounted, *scenes, with_values(everything, {"inputs.joint_targets": True})):
         for variable in Model(scene).variables:
             rows.setdefault(_pattern(variable.name), variable)
     found = [(scene, {_pattern(v.name) for v in Model(scene).variables}) for scene in scenes]
@@ -172,7 +179,7 @@ KINDS = {
     "; with dry friction": lambda scene: scene.has_friction,
 }
 # variables of one wall, stop or input, which are there with it
-NAMED_AFTER = ("box.", "wall.", "stop.", "joint[", "tip.")
+NAMED_AFTER = ("box.", "wall.", "stop.", "joint[", "tip.", "base.")
 NAMED_AFTER += (
     "link[i].joint_min",
     "link[i].joint_max",

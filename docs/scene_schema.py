@@ -102,4 +102,4 @@ def _list(kind: Any, rule: Any) -> dict[str, Any]:
         rules["minItems"], rules["maxItems"] = rule["entries"]
     elif ... not in rest:
         rules["minItems"] = rules["maxItems"] = 1 + len(rest)
-    return rules
+    return {"anyOf": [{"type": "boolean"}, rules]} if rule["or_true"] else rules

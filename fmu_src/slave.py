@@ -30,8 +30,8 @@ from xml.etree import ElementTree
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-# bytes at the start of the block: numbers of links, candidates, elements, loads, instances of dual numbers
-SIZES = 40
+# bytes at the start of the block: numbers of links, candidates, elements, loads, channels, dual instances
+SIZES = 48
 PAUSED = -2  # of the kernel's functions: there is more to do, see chain_impact/kernel/status.py
 INSTANTIATED, INITIALIZING, STEPPING, TERMINATED = range(4)
 PHASES = ("before initialization", "in initialization mode", "after initialization", "after terminate")

@@ -276,13 +276,13 @@ def test_a_step_cut_by_a_kink_says_nothing_about_the_method(monkeypatch):
 @pytest.mark.parametrize("status", [OK, STEP_TOO_SMALL])
 def test_the_status_after_the_onsets_at_a_communication_point_is_told(monkeypatch, status):
     d, due = at_end_of_a_step(), [True, True, False]
-    monkeypatch.setattr(loop, "reinit_if_changed", lambda _: OK)
+    monkeypatch.setattr(loop, "reinit_if_changed", lambda *_: OK)
     monkeypatch.setattr(loop, "onset_due", lambda _: due.pop(0))
     monkeypatch.setattr(loop, "advance_one_step", lambda _: status)
     assert loop.event_update(d) == status
     assert len(due) == (0 if status == OK else 2)
     # a change that is refused ends it
-    monkeypatch.setattr(loop, "reinit_if_changed", lambda _: STEP_TOO_SMALL)
+    monkeypatch.setattr(loop, "reinit_if_changed", lambda *_: STEP_TOO_SMALL)
     assert loop.event_update(d) == STEP_TOO_SMALL
 
 
@@ -315,7 +315,7 @@ def test_a_change_is_applied_at_the_communication_point_unless_it_is_no_jump(
     d.statistics.status, (d.given.joint_torque[0], d.given.changed) = status, given
     monkeypatch.setattr(loop, "inputs_continue", lambda _: goes_on)
     monkeypatch.setattr(loop, "reinit", lambda _: 77)
-    assert loop.reinit_if_changed(d) == d.statistics.status == right
+    assert loop.reinit_if_changed(d, 0.0) == d.statistics.status == right
 
 
 @pytest.mark.parametrize("held", [(False,), (True, False), (True, True)])

@@ -13,7 +13,7 @@ from chain_impact.kernel.tangent.entry import HOOKS
 from chain_impact.scene.scene import load_scene
 from tests.plain import record_of
 
-SIZES = {"links": 4, "candidates": 20, "elements": 24, "loads": 8}
+SIZES = {"links": 4, "candidates": 20, "elements": 24, "loads": 8, "channels": 4}
 FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]
 # what each does with every instance of dual numbers: the functions of the kernel, in their order
 DONE = {

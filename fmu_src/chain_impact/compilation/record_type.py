@@ -1,9 +1,9 @@
 """The instance as a numba type: one lowering of the kernel serves every number of links and candidates.
 
-numba's own record types have all sizes in them. Code for this type asks for four numbers, N links, C
-candidates, F elements that may have dry friction and L loads, by calling functions that are defined when a
-kernel is linked (compilers.py): as constants, or as numbers that the instance holds. All sizes and offsets
-are a + bN + cC + dF + eL, worked out from the layout.
+numba's own record types have all sizes in them. Code for this type asks for five numbers, N links, C
+candidates, F elements that may have dry friction, L loads and K channels, by calling functions that are
+defined when a kernel is linked (compilers.py): as constants, or as numbers that the instance holds. All sizes
+and offsets are a + bN + cC + dF + eL + fK, worked out from the layout.
 
 A value is the address of the instance. Which record or field of it is meant, the type tells; and whether its
 reals are plain numbers or dual ones, which carry derivatives (dual_numbers.py).
@@ -37,29 +37,37 @@ from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
-# field of the instance → the function that tells its number for an instance: N, C, F and L
-COUNTERS = {name: f"chain_{name}" for name in ("links", "candidates", "elements", "loads")}
+# field of the instance → the function that tells its number for an instance: N, C, F, L and K
+COUNTERS = {name: f"chain_{name}" for name in ("links", "candidates", "elements", "loads", "channels")}
 WORD = 8  # bytes of every scalar
-# N, C, F and L from which all sizes and offsets are worked out; the last ones are a check
-SAMPLES = ((5, 7, 4, 3), (6, 7, 4, 3), (5, 8, 4, 3), (5, 7, 5, 3), (5, 7, 4, 4), (7, 10, 9, 8))
+# N, C, F, L and K from which all sizes and offsets are worked out; the last ones are a check
+SAMPLES = (
+    (5, 7, 4, 3, 2),
+    *((6, 7, 4, 3, 2), (5, 8, 4, 3, 2), (5, 7, 5, 3, 2), (5, 7, 4, 4, 2), (5, 7, 4, 3, 3)),
+    (7, 10, 9, 8, 5),
+)
 
 Path = tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Affine:
-    """The number ``constant + per_link N + per_candidate C + per_element F + per_load L``."""
+    """The number ``constant + per_link N + per_candidate C + per_element F + per_load L + per_channel K``."""
 
     constant: int
     per_link: int
     per_candidate: int
     per_element: int
     per_load: int
+    per_channel: int
 
     def built(self, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
         """The number, computed for an instance."""
         total: ir.Value = cgutils.intp_t(self.constant)
-        factors = (self.per_link, self.per_candidate, self.per_element, self.per_load)
+        factors = (
+            *(self.per_link, self.per_candidate, self.per_element, self.per_load),
+            self.per_channel,
+        )
         for factor, name in zip(factors, COUNTERS.values(), strict=True):
             if factor:
                 count = builder.call(_counter(builder, name), [instance])
@@ -94,7 +102,7 @@ def _affine(numbers: Sequence[int]) -> Affine:
     slopes = [number - first for number in others[: len(COUNTERS)]]
     constant = first - sum(slope * count for slope, count in zip(slopes, SAMPLES[0], strict=True))
     if constant + sum(slope * count for slope, count in zip(slopes, SAMPLES[-1], strict=True)) != last:
-        raise ValueError(f"{numbers}: no size a + bN + cC + dF + eL")
+        raise ValueError(f"{numbers}: no size a + bN + cC + dF + eL + fK")
     return Affine(constant, *slopes)
 
 

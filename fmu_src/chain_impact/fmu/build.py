@@ -18,7 +18,7 @@ from chain_impact.fmu.references import reference_files
 from chain_impact.progress import log
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.system import HOST, PLATFORMS, nowhere, written_whole
-from chain_impact.variables.model import Model
+from chain_impact.variables.model import Model, kernel_size
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
@@ -91,7 +91,7 @@ def build_fmu(
         raise BuildError(f"platforms = {list(platforms)} must be some of {', '.join(known)}{other}")
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
-    links, law, varied = len(scene.chain.links), scene.contact.law_file, bool(scene.outputs.sensitivities)
+    links, law, varied = kernel_size(scene), scene.contact.law_file, bool(scene.outputs.sensitivities)
     kernels = {
         platform: kernel_library(links, platform, law_file=law, derivatives=varied) for platform in platforms
     }

@@ -29,6 +29,8 @@ from chain_impact.kernel.forces.contact_law import laws_in_use, update_laws
 from chain_impact.kernel.forces.inputs import (
     AT_ONCE,
     apply_inputs,
+    belts_jump,
+    follow_motion,
     inputs_continue,
     inputs_in_use,
     limit_to_piece,
@@ -63,6 +65,7 @@ from chain_impact.kernel.ode.last_step import (
 from chain_impact.kernel.ode.methods import attempt, choose_method, prepare
 from chain_impact.kernel.ode.sundman import regularize, time_rate_now
 from chain_impact.kernel.rows.constraints import SOLVED, UNSOLVED, any_point_held, clear_unsolved
+from chain_impact.kernel.rows.geometry import check_base
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
     LOG_FULL,
@@ -101,7 +104,7 @@ def advance(d, time, log_capacity, work):
         friction are collected; and after PAUSED, which is returned when the work since the start exceeds
         ``work`` evaluations.
     """
-    status = reinit_if_changed(d)
+    status = reinit_if_changed(d, time)
     while status == OK and d.step.end < time:
         if log_is_full(d, log_capacity):
             return LOG_FULL
@@ -128,7 +131,7 @@ def advance_to_onset(d, time):
     Returns:
         A status; ONSET_DUE where contacts begin at the time reached.
     """
-    status, fresh = reinit_if_changed(d), False
+    status, fresh = reinit_if_changed(d, time), False
     while status == OK and d.step.end < time:
         if (fresh or d.step.end > d.step.time) and ends_in_onset(d):
             time = d.step.end
@@ -145,7 +148,7 @@ def event_update(d):
 
     The state right after them is then the start of the next step.
     """
-    status = reinit_if_changed(d)
+    status = reinit_if_changed(d, d.step.time)
     while status == OK and onset_due(d):
         status = advance_one_step(d)
     if status == OK:
@@ -158,8 +161,10 @@ def onset_due(d):
     return d.step.end == d.step.time and ends_in_onset(d)
 
 
-def reinit_if_changed(d):
-    """Re-initialize at the communication point if an input or parameter has changed; returns a status."""
+def reinit_if_changed(d, time):
+    """Re-initialize if an input or parameter has changed; what moves goes on to ``time`` [s]; a status."""
+    if d.channels > 0 and d.statistics.status == OK:
+        set_status(d, follow_motion(d, time))
     if d.statistics.status == OK and must_reinit(d):
         set_status(d, reinit(d))
     return d.statistics.status
@@ -236,7 +241,7 @@ def apply_laws(d):
     latch_again(d)
     recompute_active_set(d)
     choose_saturation(d)
-    reinit_modes(d, False)
+    reinit_modes(d, belts_jump(d))
     set_kink_sides(d)
 
 
@@ -259,6 +264,8 @@ def take_step(d):
     if status == OK:
         count_step(d, d.step.last_method == IMPLICIT)
         status = check_balance(d)
+    if status == OK and d.channels > 0:
+        status = check_base(d)
     return status if status != OK else check_work(d)
 
 

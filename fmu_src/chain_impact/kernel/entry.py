@@ -58,6 +58,7 @@ def within_bounds(d):
     fits = fits and within(d.touch.active_count, 0, d.candidates)
     fits = fits and within(d.touch.compliant_count, 0, d.touch.active_count)
     fits = fits and friction_within_bounds(d)
+    fits = fits and within(d.model.base_moves, 0, d.channels // 2)
     fits = fits and within(d.quadrature.count, 0, len(d.quadrature.index))
     for k in range(len(d.quadrature.index)):
         fits = fits and within(d.quadrature.index[k], 0, len(d.quadrature.index) - 1)
@@ -71,6 +72,7 @@ def within_bounds(d):
             # those of stops have the two numbers after those of walls
             and within(d.candidate.wall[c], 0, len(WALLS) + d.candidates - 1 + 2 * abs(d.candidate.stop[c]))
         )
+        fits = fits and within(d.shift.channel[c], -1, max(-1, d.channels - 2))
         fits = fits and within(d.law.number[c], least_law(d), laws)
         fits = fits and within(d.law.same_as[c], 0, c)
         fits = fits and within(d.touch.number[c], 0, d.impact.count)

@@ -27,7 +27,7 @@ from chain_impact.kernel.chain.tree import accelerations
 from chain_impact.kernel.forces.contact import apply_contacts
 from chain_impact.kernel.forces.contact_force import clear_crossings, elastic_energy
 from chain_impact.kernel.forces.friction import clear_margins
-from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces
+from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.rows.compliance import geared_accelerations
 from chain_impact.kernel.rows.constraints import any_constraint, clear_unsolved
@@ -102,6 +102,8 @@ def located_rate(d, y, rate):
     free_rate(d, y, rate)
     if any_constraint(d):
         add_constraint_forces(d, y, rate)
+    if d.channels > 0:
+        rate[supplied_at(d.links)] += power_of_motion(d, y, rate)
 
 
 def free_rate(d, y, rate):

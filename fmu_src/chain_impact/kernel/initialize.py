@@ -22,7 +22,7 @@ from chain_impact.kernel.events.saturation import choose_saturation, clear_satur
 from chain_impact.kernel.forces.contact import clear_contacts, clear_loads
 from chain_impact.kernel.forces.contact_law import start_laws
 from chain_impact.kernel.forces.friction import clear_friction
-from chain_impact.kernel.forces.inputs import apply_inputs
+from chain_impact.kernel.forces.inputs import apply_inputs, begin_motion
 from chain_impact.kernel.loads import start_loads
 from chain_impact.kernel.ode.balance import start_balance
 from chain_impact.kernel.ode.control import (
@@ -38,8 +38,9 @@ from chain_impact.kernel.ode.dense import clear_quadratures
 from chain_impact.kernel.ode.last_step import clear_breaks, reset_step, reset_times
 from chain_impact.kernel.ode.methods import begin_explicit, stable
 from chain_impact.kernel.rows.constraints import UNSOLVED, clear_unsolved
-from chain_impact.kernel.rows.geometry import clearance, place_walls
+from chain_impact.kernel.rows.geometry import check_base, clearance, place_walls
 from chain_impact.kernel.status import (
+    BASE_BEYOND_WALL,
     FORCES_NOT_FOUND,
     MASS_MATRIX_SINGULAR,
     NOT_FINITE,
@@ -63,6 +64,8 @@ def initialize(d, time):
     derive_chain(d)
     clear_fault(d)
     clear_run(d, time)
+    if d.channels > 0:
+        begin_motion(d, time)
     apply_inputs(d)
     derive_resistance(d)
     if set_status(d, check_parameters(d)) != OK or set_status(d, start_laws(d)) != OK:
@@ -94,7 +97,8 @@ def set_initial_state(d, y):
     """Set y to the state that the initial values describe."""
     n = d.links
     for j in range(2):
-        y[j] = d.initial.position[j]
+        # a base that moves has no part in the state
+        y[j] = 0.0 if d.channels > 0 and d.model.base_moves else d.initial.position[j]
         y[velocity_at(n) + j] = d.initial.velocity[j]
     for i in range(n):
         y[ANGLES + i] = d.initial.angle[i]
@@ -261,4 +265,6 @@ def check_start(d):
         gap, _ = clearance(d, c)
         if not gap >= -OVERLAP:
             return refuse_candidate(d, c, STARTS_INSIDE_WALL)
+    if d.channels > 0 and check_base(d) != OK:
+        return BASE_BEYOND_WALL
     return FORCES_NOT_FOUND if d.rigid.unsolved == UNSOLVED else OK

@@ -11,8 +11,10 @@ from chain_impact.kernel.equations import located_rate, mechanical_energy, store
 from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.forces.contact import contact_force
 from chain_impact.kernel.forces.friction import STICKS, joint_of
+from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, keep_tip_impulse
 from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_within
+from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.rows.geometry import clearance, lever
 from chain_impact.kernel.status import counted_work, uncount_work
 
@@ -57,6 +59,9 @@ def fill_motion(d, theta):
     n, out, y, rate = d.links, d.output, d.work.y, d.work.rate
     interpolate(d.step, theta, y)
     locate_points(d, y)
+    if d.channels > 0 and any_constraint(d):
+        # the interpolant meets what moves by itself up to its error only
+        project_state(d, y)
     located_rate(d, y, rate)
     accelerate_points(d, y, rate)
     work = d.work

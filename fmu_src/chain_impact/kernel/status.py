@@ -23,6 +23,8 @@ FRICTION_WITH_RIGID_WALLS = 15
 FORCES_NOT_FOUND = 16
 STATIC_BELOW_SLIDING = 17
 STOPS_REVERSED = 18
+WALL_JUMPS = 19
+BASE_BEYOND_WALL = 20
 LOG_FULL = -1  # not a fault: collect the finished contacts, then continue
 PAUSED = -2  # not a fault: the caller may continue
 ONSET_DUE = -3  # not a fault: contacts begin at the time reached and are not yet applied
@@ -63,6 +65,9 @@ STATUS_TEXT = {
     STATIC_BELOW_SLIDING: "static_friction is below friction, the coefficient of sliding: it must be "
     "at least that, or 0 for the same",
     STOPS_REVERSED: "joint_min is not below joint_max",
+    WALL_JUMPS: "a wall is given another displacement without the velocity that leads there, as a jump would "
+    "be an impact of unknown strength: give its velocity, too",
+    BASE_BEYOND_WALL: "the pinned base is beyond a wall: base and wall must not move through each other",
 }
 # Status → its name in the tables of sweeps, that of the constant.
 STATUS_NAME = {code: name.lower() for name, code in globals().items() if name[0] != "_" and code in range(99)}

@@ -109,6 +109,7 @@ def check_together(scene: Scene) -> None:
         check_law(contact.model, f"wall.{name}", material)
     if scene.chain.base == "pinned" and any(scene.initial.velocity):
         raise SceneError(f"initial.velocity = {list(scene.initial.velocity)} must be zero for a pinned base")
+    check_motion(scene)
     for i, wall in enumerate(scene.walls):
         others = *WALLS, *(other.name for other in scene.walls[:i])
         if wall.name in others:
@@ -117,6 +118,21 @@ def check_together(scene: Scene) -> None:
         if low is not None and high is not None and not high - low > 2 * contact.radius:
             least = f"{low + 2 * contact.radius} [m], which is {axis}_min + 2 contact.radius"
             raise SceneError(f"box.{axis}_max = {high} must be > {least}")
+
+
+def check_motion(scene: Scene) -> None:
+    """Refuse a motion of a free base, or of walls that are not there."""
+    if scene.inputs.base_motion and scene.chain.base != "pinned":
+        reason = 'it moves as inputs tell only with chain.base = "pinned"'
+        raise SceneError(f"inputs.base_motion = true must be false for a free base: {reason}")
+    walls = [*scene.half_planes]
+    for i, name in enumerate(scene.inputs.wall_motion):
+        if name != "*" and name not in walls:
+            needed = f"one of {', '.join(walls)}" if walls else "missing: the scene has no walls"
+            place = ("inputs", "wall_motion", i)
+            raise SceneError(
+                f"inputs.wall_motion[{i + 1}] = {name!r} is no wall of the scene; must be {needed}", place
+            )
 
 
 def check_law(model: str, table: str, values: Contact | Material | Stops) -> None:

@@ -30,6 +30,7 @@ class Limits(TypedDict, total=False):
     matching: tuple[str, str]  # regular expression for the whole text, and its meaning in words
     per_link: bool  # a list with one value for each link
     entries: tuple[int, int]  # of a list, how many at least and at most
+    or_true: bool  # of a list of names: true stands for all, and is read as the name *
     file_only: bool  # stands for other values in a file; None in a scene
     extended_by: str  # key of a file whose name is one more choice: of the same table, or "table.key"
 

@@ -54,13 +54,30 @@ def place_in_file(path: Place) -> str:
     return f"{last} in [[{_dotted(tuple(head[: tables[0]]))}]]" if tables else _dotted(path)
 
 
+_INPUT_NAMES = {
+    "joint_torques": r"joint\[\d+\]\.torque",
+    "joint_targets": r"joint\[\d+\]\.target_(angle|velocity)",
+    "tip_force": r"tip\.force\.[xy]",
+    "base_motion": r"base\.[va]?[xy]",
+    "wall_motion": r"wall\.\w+\.(displacement|velocity|acceleration|belt_speed)",
+}
+"""Key of `[inputs]` → the names of the inputs that it makes."""
+
+
 def input_key(name: str) -> str | None:
     """The key of `[inputs]` that makes the input of a name; None if it is not the name of one."""
-    if re.fullmatch(r"joint\[\d+\]\.torque", name):
-        return "joint_torques"
-    if re.fullmatch(r"joint\[\d+\]\.target_(angle|velocity)", name):
-        return "joint_targets"
-    return "tip_force" if name in ("tip.force.x", "tip.force.y") else None
+    for key, names in _INPUT_NAMES.items():
+        if re.fullmatch(names, name):
+            return key
+    return None
+
+
+def input_asked(name: str) -> str | None:
+    """What in a scene file makes the input of a name; None if it is not the name of one."""
+    key = input_key(name)
+    if key == "wall_motion":
+        return f'inputs.wall_motion = ["{name.split(".")[1]}"]'
+    return key and f"inputs.{key} = true"
 
 
 SENSITIVITY = "sensitivity."

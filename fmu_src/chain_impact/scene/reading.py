@@ -169,6 +169,8 @@ class Reader:
         self, kind: Any, rule: Mapping[str, Any], value: Any, path: Place, known: Mapping[str, Any]
     ) -> Any:
         item, *rest = get_args(kind)
+        if rule["or_true"] and isinstance(value, bool):
+            return ("*",) if value else ()
         length = len(known["chain"].links) if rule["per_link"] else None if ... in rest else 1 + len(rest)
         if isinstance(value, Mapping) and is_dataclass(item):
             raise SceneError(self._one_table(item, value, path), path)
@@ -178,7 +180,8 @@ class Reader:
             raise SceneError(f"{self.label(path)} {needed}{each} ({rule['description']})", path)
         if not isinstance(value, list | tuple):
             expected = "" if length is None else f", expected length {length} ({rule['description']})"
-            raise self._refusal(path, value, f"a list{expected}")
+            names = " of names, or true for all" if rule["or_true"] else ""
+            raise self._refusal(path, value, f"a list{names}{expected}")
         least, most = rule["entries"] or (0, math.inf)
         if not least <= len(value) <= most:
             needed = f"has {len(value)} entries, must have {least} to {most}"

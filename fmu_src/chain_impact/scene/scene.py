@@ -88,6 +88,13 @@ class Scene:
         return *WALLS, *(wall.name for wall in walls), *(STOPS if self.stops.exponent is not None else ())
 
     @property
+    def moving_walls(self) -> tuple[str, ...]:
+        """The names of the walls that move as inputs tell, in the order of their numbers."""
+        asked, there = self.inputs.wall_motion, self.half_planes
+        names = (name for name in self.wall_names if name in there)
+        return tuple(name for name in names if name in asked or "*" in asked) if asked else ()
+
+    @property
     def has_contact_friction(self) -> bool:
         """Whether a contact may have dry friction: a coefficient is not 0, or given for a wall."""
         if not (self.contact.points and self.contact.wall):
@@ -312,7 +319,7 @@ JOINT_ANGLES = ("initial", "joint_angles")
 """What can be given in place of the absolute angles."""
 _INDEPENDENT: dict[str, frozenset[str]] = {
     name: frozenset(entry.name for entry in keys(table))
-    for name, table in (("inputs", Inputs), ("solver", Solver), ("simulation", Simulation))
+    for name, table in (("solver", Solver), ("simulation", Simulation))
 }
 """The tables, and their keys, on which no other value of a scene depends."""
 

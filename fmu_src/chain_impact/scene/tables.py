@@ -232,11 +232,20 @@ class Inputs:
         "", "angles and angular velocities that these joints follow by their springs and dampers", False
     )
     tip_force: bool = quantity("", "force on the tip", False)
+    base_motion: bool = quantity("", "motion of a pinned base", False)
+    wall_motion: tuple[str, ...] = quantity(
+        "",
+        "names of the walls that move, or true for all: along their inward normals, and as belts",
+        (),
+        matching=(rf"\*|{IDENTIFIER[0]}", "the name of a wall"),
+        or_true=True,
+    )
 
     @property
     def any(self) -> bool:
         """Whether there are inputs."""
-        return self.joint_torques or self.joint_targets or self.tip_force
+        moves = self.base_motion or bool(self.wall_motion)
+        return self.joint_torques or self.joint_targets or self.tip_force or moves
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

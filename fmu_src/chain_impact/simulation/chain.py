@@ -19,7 +19,7 @@ from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.results.text import plural
 from chain_impact.scene.angles import in_radians, or_degrees
-from chain_impact.scene.names import absent_hint, input_key
+from chain_impact.scene.names import absent_hint, input_asked, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.instance import Instance, SimulationError, fault_text, in_order, spans_of
@@ -315,8 +315,10 @@ class Chain:
     def _hint(self, name: str) -> str | None:
         """Of an input or a friction that the scene does not have: the key that makes it."""
         key = input_key(name)
-        if key is None or getattr(self.scene.inputs, key):
+        if key is None or (key != "wall_motion" and getattr(self.scene.inputs, key)):
             return absent_hint(name)
+        if key == "wall_motion":
+            return f"{input_asked(name)} in the scene makes this input"
         return f"[inputs] {key} = true in the scene makes this input"
 
     @cached_property

@@ -253,7 +253,7 @@ class DifferentiatedRun:
         driven = drive(self._model, self._inputs, "follow", times)
         rows = instance.rows(len(driven.times), self._words)
         asked = np.searchsorted(driven.times, times)
-        driven.set(instance.record["given"], 0)
+        driven.set(instance.record, 0)
         try:
             instance.restart(self._places, values)
         except SimulationError:

@@ -3,18 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from chain_impact.kernel.forces.inputs import AT_ONCE, CONTINUES
-from chain_impact.scene.names import Place
+from chain_impact.scene.checks import warn
+from chain_impact.scene.names import AXES, Place, input_asked
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.scene import Scene
-from chain_impact.simulation.pieces import Follower, NotSmoothError, Pieces, joined_points
+from chain_impact.simulation.motions import (
+    ACCURACY,
+    FINELY_RESOLVED,
+    Channel,
+    contradictions,
+    joined,
+    jumps,
+    motion_of,
+    refuse_jumps,
+)
+from chain_impact.simulation.pieces import RESOLVED, Follower, NotSmoothError, Pieces, joined_points
 from chain_impact.variables.model import Model
+from chain_impact.variables.table import MOTION, MOTIONS
 
 Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""
@@ -26,7 +38,9 @@ SAME_TIME = 1e-12  # of the stop time: samples and communication points no furth
 LISTED = 8  # names in an error's sentence
 NOTHING = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of no input."""
-AT_START = np.zeros(1, int)
+AT_START, NEVER = np.zeros(1, int), np.zeros(1, bool)
+COURSE = "course"
+"""The coefficients of motions in the record."""
 
 
 @dataclass(frozen=True)
@@ -36,10 +50,13 @@ class Drive:
     Attributes:
         times: communication points, those asked for and those at which pieces begin, shape (G,) [s].
         asked: which of them were asked for, shape (G,).
-        places: path of each of the M inputs into the instance record.
+        places: path of each of the M inputs into the instance record, of the position of each motion that is
+            followed that of its course.
         pieces: what the inputs are.
         first: the first row of each piece, shape (P,): row k acts from ``times[k - 1]`` to ``times[k]``,
             row 0 at the start.
+        restarts: whether the solver starts anew at each piece, shape (P,).
+        slips: whether the speed of a belt jumps there, shape (P,).
     """
 
     times: np.ndarray
@@ -47,25 +64,37 @@ class Drive:
     places: tuple[Place, ...]
     pieces: Pieces
     first: np.ndarray
+    restarts: np.ndarray
+    slips: np.ndarray
 
-    def set(self, given: Any, row: int) -> None:
+    def set(self, record: Any, row: int) -> None:
         """Set the inputs of an instance to those of a row; the solver starts anew if one jumps."""
         if not self.places:
             return
         at = int(np.searchsorted(self.first, row, side="right")) - 1
-        powers, course, changed = self.pieces.powers[at], given["course"], False
-        for m, (_, name, index) in enumerate(self.places):
-            changed |= given[name][index] != powers[0, m]
-            given[name][index] = powers[0, m]
-            course[name][1 : len(powers), index] = powers[1:, m]
+        powers, given, changed = self.pieces.powers[at], record["given"], False
+        course, motion = given["course"], record["motion"]
+        motion["follows"], motion["jumps"] = 1, self.slips[at]
+        for m, (part, name, index) in enumerate(self.places):
+            if name == COURSE:
+                motion["follows"] = 0
+                changed |= (motion[name][: len(powers), index] != powers[:, m]).any()
+                motion[name][: len(powers), index] = powers[:, m]
+                continue
+            changed |= record[part][name][index] != powers[0, m]
+            record[part][name][index] = powers[0, m]
+            if part != MOTION:
+                course[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)
-        if settings["order"] or course["order"]:
+        # where motions follow what is given, all else is constant, and the kernel sets the course
+        steady = motion["follows"] and len(motion["position"]) > 0
+        if not steady and (settings["order"] or course["order"]):
             changed |= any(course[name] != value for name, value in settings.items())
             for name, value in settings.items():
                 course[name] = value
         if changed:
-            jumps = row != self.first[at] or self.pieces.jumps[at]
-            given["changed"] = AT_ONCE if jumps else CONTINUES
+            anew = row != self.first[at] or self.restarts[at]
+            given["changed"] = AT_ONCE if anew else CONTINUES
 
 
 def drive(model: Model, inputs: Mapping[str, Signal], interpolation: str, times: np.ndarray) -> Drive:
@@ -89,15 +118,27 @@ def drive(model: Model, inputs: Mapping[str, Signal], interpolation: str, times:
     run = times if begins else np.union1d(0.0, times)
     if not inputs:
         asked = np.ones(len(run), bool) if begins else np.isin(run, times)
-        return Drive(run, asked, (), NOTHING, AT_START)
+        return Drive(run, asked, (), NOTHING, AT_START, NEVER, NEVER)
     places = {variable.name: variable.place for variable in model.inputs}
     for name in inputs:
         if name not in places:
-            raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {inputs_text(places)}")
+            other = not isinstance(name, str) or name.startswith(("joint", "tip"))
+            how = None if other else input_asked(name)
+            hint = f"{how} makes it" if how else inputs_text(places)
+            raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {hint}")
     signals = {name: _checked(f"{scene.name}: {name}", signal) for name, signal in inputs.items()}
+    channels = channels_of(model) if interpolation != "hold" and run[-1] > 0.0 else []
+    given = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
+
+    def called(name: str, time: float) -> float:
+        return _called(f"{scene.name}: {name}", (signals | given)[name], time)
+
+    lines = interpolation == "linear"
+    motions = [motion_of(channel, given, float(run[-1]), called, lines=lines) for channel in channels]
+    breaks = np.concatenate([np.zeros(0), *(motion.breaks for motion in motions)])
+    sampled = [breaks, *(signal[0] for signal in signals.values() if isinstance(signal, tuple))]
     same = SAME_TIME * run[-1]
-    sampled = [signal[0] for signal in signals.values() if isinstance(signal, tuple)]
-    grid = _with_samples(run, np.concatenate(sampled), same) if sampled else run
+    grid = _with_samples(run, np.concatenate(sampled), same) if len(sampled) > 1 or len(breaks) else run
     follows = interpolation == "follow" and run[-1] > 0.0
     functions = [callable(signal) and follows for signal in signals.values()]
     points = [
@@ -106,40 +147,84 @@ def drive(model: Model, inputs: Mapping[str, Signal], interpolation: str, times:
         else _at_points(f"{scene.name}: {name}", signal, interpolation, grid, same)
         for (name, signal), followed in zip(signals.items(), functions, strict=True)
     ]
-    values = np.stack(points, axis=1)
-    pieces = joined_points(grid, values, lines=interpolation == "linear")
-    if any(functions):
-        pieces = _with_functions(scene, signals, np.flatnonzero(functions), pieces)
+    values = np.stack([*points, *(np.zeros(len(grid)) for _ in motions)], axis=1)
+    pieces = joined_points(grid, values, lines=lines, breaks=_on_grid(grid, breaks))
+    moving = len(signals) + np.arange(len(motions))
+    columns = np.append(np.flatnonzero(functions), moving)
+    if len(columns):
+        values_of: dict[str, Callable[[Any], Any]] = {
+            name: partial(_each, called, name) for name, one in zip(signals, functions, strict=True) if one
+        }
+        values_of |= {motion.name or str(m): motion.position for m, motion in enumerate(motions)}
+        forces = columns < len(signals)
+        accuracy = np.where(forces, FINER * scene.solver.tolerance, ACCURACY)
+        resolved = np.where(forces, RESOLVED, FINELY_RESOLVED)
+        pieces = _with_functions(scene.name, values_of, columns, pieces, (accuracy, resolved))
+        pieces = replace(pieces, moving=moving)
+    pieces.same[moving] = np.inf  # their jumps are found below
+    belts = np.array([not channel.position for channel in channels], bool)
+    refuse_jumps(scene.name, motions, belts, pieces, moving)
+    warn(scene.name, contradictions(channels, given, pieces, moving, called))
+    if motions:
+        pieces = joined(pieces, moving)
     begin = pieces.start[1:]
     together = np.union1d(run, begin)
+    slips = np.asarray(jumps(pieces, moving[belts], 1).any(axis=1))
+    bends = jumps(pieces, moving, 2).any(axis=1)
     return Drive(
         times=together,
         asked=np.isin(together, times),
-        places=tuple(places[name] for name in signals),
+        places=(*(places[name] for name in signals), *((MOTION, COURSE, j) for j in range(len(motions)))),
         pieces=pieces,
         first=np.append(0, np.searchsorted(together, begin) + 1),
+        restarts=pieces.jumps | slips | bends,
+        slips=slips,
     )
 
 
-def _with_functions(scene: Scene, signals: Mapping[str, Any], columns: np.ndarray, held: Pieces) -> Pieces:
+def channels_of(model: Model) -> list[Channel]:
+    """The channels of what moves, in their order, with the inputs that give them."""
+    scene, names, found = model.scene, {variable.place: variable.name for variable in model.inputs}, []
+    for j in range(model.sizes[-1]):
+        position, velocity, acceleration = (names.get((MOTION, field, j), "") for field in MOTIONS)
+        base = scene.inputs.base_motion and j < len(AXES)
+        start = scene.initial.position[j] if base else 0.0
+        found.append(Channel(position, velocity, acceleration, start))
+    return found
+
+
+def _each(called: Callable[[str, float], float], name: str, times: np.ndarray) -> np.ndarray:
+    """The values of a function at each of some times, shape (T,)."""
+    return np.array([called(name, time) for time in times.tolist()])
+
+
+def _on_grid(grid: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """The points of a grid that are nearest to some times in it."""
+    after = np.searchsorted(grid, times).clip(1, len(grid) - 1) if len(grid) > 1 else np.zeros(0, int)
+    nearer = times[: len(after)] - grid[after - 1] < grid[after] - times[: len(after)]
+    return np.unique(grid[after - nearer])
+
+
+def _with_functions(
+    source: str,
+    functions: Mapping[str, Callable[[np.ndarray], np.ndarray]],
+    columns: np.ndarray,
+    held: Pieces,
+    errors: tuple[np.ndarray, np.ndarray],
+) -> Pieces:
     """Pieces of some signals that are functions, by their numbers, and of others that are held."""
-    names = list(signals)
+    names = list(functions)
 
     def called(times: np.ndarray) -> np.ndarray:
-        return np.array(
-            [
-                [_called(f"{scene.name}: {names[m]}", signals[names[m]], time) for m in columns]
-                for time in times.tolist()
-            ]
-        )
+        return np.stack([function(times) for function in functions.values()], axis=1)
 
-    follower = Follower(called, float(held.end[-1]), FINER * scene.solver.tolerance)
+    follower = Follower(called, float(held.end[-1]), *errors)
     try:
         return follower.with_held(held, columns)
     except NotSmoothError as error:
-        which = names[columns[error.which]]
+        which = names[error.which]
         raise SceneError(
-            f"{scene.name}: {which}: the function cannot be followed at t = {error.time:.9g} s, as it is not "
+            f"{source}: {which}: the function cannot be followed at t = {error.time:.9g} s, as it is not "
             "smooth in pieces (noise, rounded values), or has too many jumps or kinks (a table, a switch); "
             'give samples (times, values), or take interpolation="linear" or "hold"'
         ) from None

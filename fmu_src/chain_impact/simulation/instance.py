@@ -20,12 +20,12 @@ from chain_impact.results.stick_slip import CHANGE_DTYPE
 from chain_impact.scene.candidates import places
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import Drive
-from chain_impact.variables.model import Model, model_of
+from chain_impact.variables.model import Model, kernel_size, model_of
 from chain_impact.variables.table import BEHIND, WORD, first_word
 from chain_impact.variables.variable import Variable
 
-# words at the start of a record: numbers of links, candidates, elements, loads, instances of dual numbers
-SIZES = 5
+# words at the start of a record: numbers of links, candidates, elements, loads, channels, tangents
+SIZES = 6
 CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000  # that the kernel fills at once, at most
 
 
@@ -137,7 +137,7 @@ class Instance:
         self._block = self.model.new_instance(varied)
         self.record = self._block[0]
         if driven:
-            driven.set(self.record["given"], 0)
+            driven.set(self.record, 0)
         self._kernel = kernel_for(self.model.scene, derivatives=bool(varied))
         self._address = self._block.ctypes.data
         self.initialize()
@@ -209,7 +209,7 @@ class Instance:
             # the inputs are those of one piece at a time
             until = last if ends is None else ends[np.searchsorted(ends, done, side="right")]
             end = min(done + rows.at_once, until)
-            driven.set(self.record["given"], done)
+            driven.set(self.record, done)
             done += rows.fill(self, driven.times[done:end], done)
             impacts.append(self.collect())
             progress(done / last)
@@ -319,7 +319,7 @@ def kernel_for(scene: Scene, *, derivatives: bool) -> ctypes.CDLL:
     Raises:
         BuildError: when it cannot be compiled.
     """
-    links, law = len(scene.chain.links), scene.contact.law_file
+    links, law = kernel_size(scene), scene.contact.law_file
     # who names another folder for kernels means those in it
     known = (links, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
     if not law and known in _loaded:

@@ -14,8 +14,9 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -88,6 +89,7 @@ class Pieces:
         scale: shape (P,) [1/s].
         powers: coefficients of x⁰, x¹, …, at most of x^DEGREE, shape (P, K, M).
         same: what two values of each signal may differ by without a jump, shape (M,).
+        moving: which of the signals are motions, of which the size is how far they go.
     """
 
     start: np.ndarray
@@ -96,6 +98,7 @@ class Pieces:
     scale: np.ndarray
     powers: np.ndarray
     same: np.ndarray
+    moving: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
 
     @cached_property
     def jumps(self) -> np.ndarray:
@@ -113,7 +116,9 @@ class Pieces:
     @cached_property
     def _largest(self) -> np.ndarray:
         """A bound on the size of each signal, shape (M,), not 0."""
-        largest = np.abs(self.powers).sum(axis=1).max(axis=0, initial=0.0)
+        sizes = np.abs(self.powers)
+        sizes[:, 0, self.moving] = 0.0
+        largest = sizes.sum(axis=1).max(axis=0, initial=0.0)
         return np.where(largest > 0.0, largest, 1.0)
 
     def settings(self, at: int) -> dict[str, float]:
@@ -135,10 +140,12 @@ class Pieces:
         }
 
 
-def joined_points(times: np.ndarray, values: np.ndarray, *, lines: bool) -> Pieces:
+def joined_points(
+    times: np.ndarray, values: np.ndarray, *, lines: bool, breaks: np.ndarray | None = None
+) -> Pieces:
     """Signals by their values of shape (T, M) at T times [s], held until the next, or joined by lines.
 
-    A single one is held for ever.
+    A single one is held for ever. At ``breaks`` among the times another piece begins in any case.
     """
     if len(times) == 1:
         times, values = np.append(times, math.inf), values.repeat(2, axis=0)
@@ -148,6 +155,8 @@ def joined_points(times: np.ndarray, values: np.ndarray, *, lines: bool) -> Piec
         powers = np.stack([np.where(left == right, left, 0.5 * (left + right)), 0.5 * (right - left)], axis=1)
     # pieces that are constant and equal are one
     new = (powers[1:] != powers[:-1]).any(axis=(1, 2)) | powers[1:, 1].any(axis=1)
+    if breaks is not None:
+        new |= np.isin(times[1:-1], breaks)
     begins = np.append(True, new)
     start = times[:-1][begins]
     end = np.append(start[1:], times[-1])
@@ -164,19 +173,22 @@ def joined_points(times: np.ndarray, values: np.ndarray, *, lines: bool) -> Piec
 class Follower:
     """Finds pieces of M functions in a run."""
 
-    def __init__(self, functions: Sampled, stop: float, accuracy: float) -> None:
+    def __init__(self, functions: Sampled, stop: float, accuracy: Any, resolved: Any = RESOLVED) -> None:
         """Call the functions at times all over the run.
 
         Args:
             functions: what is followed.
             stop: end of the run, which begins at 0 [s].
-            accuracy: error that a piece may have, in parts of a function's largest value.
+            accuracy: error that a piece may have, in parts of each function's largest value, shape (M,), or
+                one for all.
+            resolved: of the time, for what round-off in the time makes of the values, likewise.
         """
         self._functions, self._shortest, self._fine = functions, SHORTEST * stop, FINE * stop
         self._times = np.linspace(0.0, stop, CHECKED_TIMES + 1)
         self._values = functions(self._times)
         self._scale = np.abs(self._values).max(axis=0)
-        self._accuracy = max(accuracy, ROUND_OFF)
+        self._resolved = resolved
+        self._accuracy = np.maximum(accuracy, ROUND_OFF)
         self._calls_left = CALLS
         self._refused = np.zeros(len(self._scale), dtype=int)  # fits that each function has prevented
 
@@ -210,11 +222,16 @@ class Follower:
             found.append((starts, [(piece.start, piece.end) for piece in pieces]))
             for piece in pieces:
                 row = np.zeros((DEGREE + 1, held.powers.shape[2]))
-                row[0], row[:, columns] = held.powers[k, 0], piece.powers
+                row[0] = held.powers[k, 0]
+                if held.powers.shape[1] > 1:  # lines
+                    middle, half = 0.5 * (piece.start + piece.end), 0.5 * (piece.end - piece.start)
+                    row[0] += held.powers[k, 1] * (middle - held.middle[k]) * held.scale[k]
+                    row[1] = held.powers[k, 1] * half * held.scale[k]
+                row[:, columns] = piece.powers
                 powers.append(row)
         start = np.concatenate([starts for starts, _ in found])
         fitted = np.array([ends for _, pairs in found for ends in pairs])
-        same = np.zeros(held.powers.shape[2])
+        same = held.same * JOINED if held.powers.shape[1] > 1 else np.zeros(held.powers.shape[2])
         same[columns] = JOINED * self._accuracy * self._scale
         return Pieces(
             start=start,
@@ -280,7 +297,7 @@ class Follower:
             middle = np.array([0.5 * (before + after)])
             value = self._called(middle, costly=True)
             misses = [float((np.abs(piece.at(middle) - value) / scale).max()) for piece in (left, right)]
-            if max(misses) <= max(DROPPED * self._accuracy, ROUND_OFF):
+            if max(misses) <= max(DROPPED * float(np.min(self._accuracy)), ROUND_OFF):
                 return float(middle[0]), float(middle[0])
             if until > self._shortest and min(misses) > NEARER * max(misses):
                 break
@@ -310,7 +327,7 @@ class Follower:
         series[0] += values[0]
         self._scale = np.maximum(self._scale, np.abs(values).max(axis=0))
         allowed = self._accuracy * self._scale
-        round_off = RESOLVED * abs(end) / half * np.ptp(values, axis=0)
+        round_off = self._resolved * abs(end) / half * np.ptp(values, axis=0)
         rough = np.abs(series[DEGREE + 1 :]).sum(axis=0) > allowed + round_off
         if rough.any():
             self._refused += rough

@@ -29,7 +29,7 @@ LINK_PARAMETERS = (
     *("length", "mass", "center_of_mass", "inertia"),
     *("joint_friction", "joint_armature"),
 )
-Sizes = tuple[int, int, int, int]
+Sizes = tuple[int, int, int, int, int]
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> 
     Args:
         scene: what it is of.
         pairs: the candidates.
-        sizes: of the record: links, candidates, elements, loads.
+        sizes: of the record: links, candidates, elements, loads, channels.
     """
     layout, before = layout_of(*sizes), _kept.get(sizes)
     changes = None if before is None else changed_numbers(before.scene, scene)
@@ -103,6 +103,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     """Put the parameters of a scene, and its candidates, in their places in a new instance."""
     d["links"], d["candidates"] = len(scene.chain.links), len(pairs)
     d["elements"], d["loads"] = len(d["element"]["mode"]), len(d["transmitted"]["peak"])
+    d["channels"] = len(d["motion"]["position"])
     d["step"]["regularized"] = NO_CONTACT
     model = d["model"]
     model["joint_min"], model["joint_max"] = -math.inf, math.inf
@@ -112,6 +113,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
         d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
     model["pinned"] = scene.chain.base == "pinned"
     model["driven"], model["followed"] = scene.inputs.any, scene.inputs.joint_targets
+    _fill_motion(d, scene, pairs)
 
     d["latest"]["kept"] = scene.outputs.impacts
     asked = scene.outputs
@@ -158,6 +160,8 @@ def _write_initial(d: Any, scene: Scene) -> None:
     initial = d["initial"]
     initial["position"], initial["velocity"] = scene.initial.position, scene.initial.velocity
     initial["angle"] = scene.initial.angles
+    if scene.inputs.base_motion:
+        d["motion"]["position"][:2] = scene.initial.position
     initial["angular_velocity"] = scene.initial.angular_velocities
 
 
@@ -175,6 +179,15 @@ _WRITERS: dict[str, Callable[[Any, Scene], None]] = {
     "solver": _write_solver,
 }
 """Table of the scene → what writes its numbers."""
+
+
+def _fill_motion(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
+    """Put which channels move the base and the walls in its places."""
+    d["model"]["base_moves"], d["motion"]["follows"] = scene.inputs.base_motion, 1
+    first = 2 if scene.inputs.base_motion else 0
+    moving = {scene.wall_names.index(name): first + 2 * w for w, name in enumerate(scene.moving_walls)}
+    d["motion"]["belt"][first + 1 :: 2] = 1
+    d["shift"]["channel"] = [moving.get(wall, -1) for _, wall in pairs]
 
 
 def _fill_walls(d: Any, scene: Scene) -> None:

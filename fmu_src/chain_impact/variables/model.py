@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.compilation.compilers import MOVING
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.names import Place, absent_hint, input_key, parameter_hint
+from chain_impact.scene.names import Place, absent_hint, input_asked, parameter_hint
 from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.filling import changed_numbers, new_record, with_tangents
@@ -36,7 +37,7 @@ class Model:
     Attributes:
         scene: what the model is of.
         candidates: the C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch.
-        sizes: of a record: links, candidates, elements, loads.
+        sizes: of a record: links, candidates, elements, loads, channels.
         layout: the record of an instance without derivatives.
         row: the record of the outputs, a row of ``Result.outputs``.
     """
@@ -53,7 +54,8 @@ class Model:
             self.candidates = candidates(scene)
             links, pairs = len(scene.chain.links), len(self.candidates)
             loads = links + len(scene.wall_names) if scene.outputs.loads else 0
-            self.sizes = links, pairs, links + pairs if scene.has_friction else 0, loads
+            channels = 2 * scene.inputs.base_motion + 2 * len(scene.moving_walls)
+            self.sizes = links, pairs, links + pairs if scene.has_friction else 0, loads, channels
             self.layout = layout_of(*self.sizes)
             self.row: np.dtype = self.layout["output"]
         Model._last = self  # complete: another thread may take over what it has
@@ -177,8 +179,8 @@ class Model:
                 return "it is an output: derivatives of it are with respect to parameters and inputs"
             if name in self.parameter_paths:
                 return "it is a choice, or a setting of the solver, of which the motion is no smooth function"
-            if key := input_key(name):
-                return f"the scene does not have this input: it needs inputs.{key} = true"
+            if input_asked(name):
+                return f"the scene does not have this input: it needs {input_asked(name)}"
             return absent_hint(name) or parameter_hint(name, len(self.scene.chain.links))
 
         wanted = (names,) if isinstance(names, str) else tuple(names)
@@ -256,6 +258,12 @@ class Model:
         """The names of what is there that are wanted, each once."""
         names = (wanted,) if isinstance(wanted, str) else wanted
         return {one: None for name in names for one in matching(self.scene.name, name, there, what, hint)}
+
+
+def kernel_size(scene: Scene) -> int:
+    """What ``kernel_library`` takes as the number of links for a scene."""
+    moves = scene.inputs.base_motion or scene.moving_walls
+    return MOVING if moves else len(scene.chain.links)
 
 
 def model_of(source: Scene | Model) -> Model:

@@ -29,6 +29,14 @@ from chain_impact.variables.units import quotient
 from chain_impact.variables.variable import Item, Variable
 
 WORD = 8  # bytes of every scalar in the record
+BASE_INPUTS = {"": "m", "v": "m/s", "a": "m/s2"}
+"""What the names of the base's position, velocity and acceleration begin with, and their units."""
+WALL_INPUTS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
+"""Those of a wall, likewise."""
+MOTION = "motion"
+"""The part of the record with what is given of motions."""
+MOTIONS = ("position", "velocity", "acceleration")
+"""Where the record has what is given of motions."""
 BEHIND = "behind"
 """The field of the instances of dual numbers behind an instance (model.py)."""
 
@@ -115,10 +123,11 @@ def _parameter(
     ``derived`` are the paths of what the scene derives.
     """
     limits = {limit: rule[limit] for limit in ("minimum", "above", "maximum")}
+    given = GIVEN_PLACES.get(place[:2])
+    given_place = changes.pop("given_place", given and (*given, *place[2:]))
     entries = {"type": "real", "variability": "fixed", "unit": rule["unit"], **limits, **changes}
     # the attributes of FMI have closed limits only
     open_limit = "" if rule["above"] is None else f"; must be > {rule['above']:g}"
-    given = GIVEN_PLACES.get(place[:2])
     follows = rule["default"] if path in derived else None
     return Variable(
         name=name_of(path, walls),
@@ -127,7 +136,7 @@ def _parameter(
         + open_limit
         + (f"{UNLESS_SET}{follows.text}" if given and follows else ""),
         place=place,
-        given_place=given and (*given, *place[2:]),
+        given_place=given_place,
         rule=follows if given else None,
         scene_path=path,
         **entries,
@@ -243,7 +252,9 @@ def _initial_values(scene: Scene) -> Iterator[Variable]:
     for key in ("position",) if scene.chain.base == "pinned" else ("position", "velocity"):
         for j, axis in enumerate(AXES):
             path: Place = ("initial", key, j)
-            yield _parameter(rules[key], path, path, f"initial {axis} of the {{}}")
+            # an initial position is that of a base that moves, too
+            moves = (MOTION, "position", j) if scene.inputs.base_motion else None
+            yield _parameter(rules[key], path, path, f"initial {axis} of the {{}}", given_place=moves)
     for key, name in (("angles", "angle"), ("angular_velocities", "angular_velocity")):
         text = "initial " + rules[key]["description"]
         for i in range(len(scene.chain.links)):
@@ -254,7 +265,7 @@ def _initial_values(scene: Scene) -> Iterator[Variable]:
 def inputs(scene: Scene) -> Iterator[Variable]:
     """The inputs that the scene asks for."""
 
-    def entry(name: str, unit: str, description: str, *place: str | int) -> Variable:
+    def entry(name: str, unit: str, description: str, *place: str | int, part: str = "given") -> Variable:
         return Variable(
             name=name,
             type="real",
@@ -262,7 +273,7 @@ def inputs(scene: Scene) -> Iterator[Variable]:
             variability="continuous",
             unit=unit,
             description=description,
-            place=("given", *place),
+            place=(part, *place),
         )
 
     joints = range(0 if scene.chain.base == "pinned" else 1, len(scene.chain.links))
@@ -279,3 +290,16 @@ def inputs(scene: Scene) -> Iterator[Variable]:
     if scene.inputs.tip_force:
         for j, axis in enumerate(AXES):
             yield entry(f"tip.force.{axis}", "N", f"{axis} of the force on the tip", "tip_force", j)
+    if scene.inputs.base_motion:
+        for (prefix, unit), field in zip(BASE_INPUTS.items(), MOTIONS, strict=True):
+            for j, axis in enumerate(AXES):
+                text = f"{axis} of the {field} of the base"
+                yield entry(f"base.{prefix}{axis}", unit, text, field, j, part=MOTION)
+    channel = 2 if scene.inputs.base_motion else 0
+    for wall in scene.moving_walls:
+        for (key, unit), field in zip(WALL_INPUTS.items(), MOTIONS, strict=True):
+            text = f"at wall {wall}: its {key} along its inward normal n"
+            yield entry(f"wall.{wall}.{key}", unit, text, field, channel, part=MOTION)
+        text = f"at wall {wall}: speed of its belt along t = (n_y, -n_x)"
+        yield entry(f"wall.{wall}.belt_speed", "m/s", text, "velocity", channel + 1, part=MOTION)
+        channel += 2

@@ -126,7 +126,7 @@ def started(case: Case) -> DifferentiatedInstance:
     model = Model(case.scene)
     driven = drive(model, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
     instance = DifferentiatedInstance(model, model.varied_by(case.parameters), driven=driven)
-    driven.set(instance.record["given"], 0)
+    driven.set(instance.record, 0)
     return instance
 
 

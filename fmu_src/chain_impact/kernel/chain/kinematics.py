@@ -15,6 +15,7 @@ do not depend on its C library. Their errors are below 2e-16, see tests/kernel/c
 
 import math
 
+from chain_impact.kernel.chain.motion import move_with
 from chain_impact.kernel.chain.state import ANGLES, omega_at, velocity_at
 from chain_impact.kernel.functions import inlined
 
@@ -100,7 +101,17 @@ def cosine_and_sine(angle):
 
 
 def locate_points(d, y):
-    """Positions [m] and velocities [m/s] of the points 0…N, and the link vectors, for the state y."""
+    """Positions [m] and velocities [m/s] of the points 0…N, and the link vectors, for the state y.
+
+    A base and walls that move are where they are at the time of y.
+    """
+    if d.channels > 0:
+        move_with(d, y)
+    locate_points_now(d, y)
+
+
+def locate_points_now(d, y):
+    """As ``locate_points``, with base and walls where they have been moved to last."""
     link_vectors(d, y)
     place_points(d, y)
 
@@ -110,6 +121,9 @@ def place_points(d, y):
     n, link, position, velocity = d.links, d.work.link, d.work.position, d.work.velocity
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
+    if d.channels > 0 and d.model.base_moves:
+        own = d.moved
+        x, y_, vx, vy = own.position[0], own.position[1], own.velocity[0], own.velocity[1]
     for i in range(n):
         position.x[i], position.y[i], velocity.x[i], velocity.y[i] = x, y_, vx, vy
         omega = y[omega_at(n) + i]
@@ -136,6 +150,8 @@ def accelerate_points(d, y, rate):
     """Accelerations [m/s²] of the located points 0…N, for the state y and its rate."""
     n, link, acceleration = d.links, d.work.link, d.work.acceleration
     ax, ay = rate[velocity_at(n)], rate[velocity_at(n) + 1]
+    if d.channels > 0 and d.model.base_moves:
+        ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]
     for i in range(n):
         acceleration.x[i], acceleration.y[i] = ax, ay
         omega, alpha = y[omega_at(n) + i], rate[omega_at(n) + i]

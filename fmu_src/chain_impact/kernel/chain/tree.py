@@ -175,8 +175,10 @@ def arms(d, y, rate, middle):
         kept = d.work.elimination
         kept.middle_xx, kept.middle_xy, kept.middle_yy = axx, axy, ayy
 
-    # accelerations back out
+    # accelerations back out; those of a base that moves are given, and not in the state
     cx, cy = ax, ay
+    if d.channels > 0 and d.model.base_moves:
+        ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]
     for k in range(n - middle):
         ax, ay = accelerate(d, y, middle + k, True, ax, ay, rate)
         if k < middle:

@@ -8,6 +8,7 @@ and φ̇ keeps its sign if it has the same sign at both ends and |φ̇_a| + |φ�
 neither condition decides is halved.
 """
 
+from chain_impact.kernel.chain import motion
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.events.exclusion import keep_start, set_clearance, sundman_u_now
@@ -227,6 +228,10 @@ def bound_curvature(d):
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         v, a = motion_bounds(d, c, along_x, along_y)
+        if d.channels > 0 and d.candidate.stop[c] == 0:
+            speed, push = given_bounds(d, c)
+            # a channel is a function of time: d(ġ)/ds has p times its acceleration
+            v, a = v + speed, a + p * push
         of_links = links[d.candidate.point[c]] if d.candidate.stop[c] == 0 else 0.0
         d.search.curvature[c] = p * a + change * v + of_links
     bound_curvatures(d)
@@ -250,6 +255,20 @@ def motion_bounds(d, c, along_x, along_y):
         # along an axis the same bounds serve all points and walls
         return abs(nx) * along_x[0] + abs(ny) * along_y[0], abs(nx) * along_x[1] + abs(ny) * along_y[1]
     return rate_bounds_along(d.step, velocity_at(d.links), nx, ny)
+
+
+def given_bounds(d, c):
+    """Bounds on the parts of |ġ| and |g̈| of candidate c by what moves by itself, over the last step."""
+    speed, push = 0.0, 0.0
+    if d.model.base_moves:
+        for j in range(2):
+            v, a = motion.motion_bounds(d, j)
+            share = abs(d.candidate.normal_x[c] if j == 0 else d.candidate.normal_y[c])
+            speed, push = speed + share * v, push + share * a
+    if d.shift.channel[c] >= 0:
+        v, a = motion.motion_bounds(d, d.shift.channel[c])
+        speed, push = speed + v, push + a
+    return speed, push
 
 
 def measure(d, theta):

@@ -8,6 +8,7 @@ variable of the step; φ′ and φ″ are its derivatives.
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.motion import fastest_wall, travel_of_piece
 from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
 from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_change, time_rate_of
@@ -61,7 +62,10 @@ def excludes_events(d):
     # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain in uniform rotation, and
     # that of a motion which decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
     fade = fading(d)
-    error = way_per_radian(d) * turn**2 * max(turn, fade) ** 4 / 4608.0
+    way = way_per_radian(d)
+    if d.channels > 0:
+        way += travel_of_piece(d)
+    error = way * turn**2 * max(turn, fade) ** 4 / 4608.0
     clear, apart = turn < SMALL_TURN, error + leeway(d)
     for c in range(d.candidates):
         # Without branches the compiler can use vectors. Of a point that a rigid wall holds φ is ∞, and the
@@ -137,6 +141,9 @@ def remains_far(d):
     speed, acceleration = search.speed, search.acceleration
     search.speed = speed_bound(d, d.work.velocity)
     search.acceleration = speed_bound(d, d.work.acceleration)
+    if d.channels > 0:
+        fastest, push = fastest_wall(d)
+        search.speed, search.acceleration = search.speed + fastest, search.acceleration + push
     # a bound on the way of any point in the step, with twice the contribution of its acceleration
     way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
     search.safe_distance -= way

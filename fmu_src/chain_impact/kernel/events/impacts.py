@@ -46,9 +46,10 @@ from chain_impact.kernel.forces.holding import (
     solve_positions,
     start_from_accelerations,
     start_from_clearances,
+    work_of_impulses,
 )
 from chain_impact.kernel.ode.dense import give_impulses
-from chain_impact.kernel.ode.last_step import dissipate
+from chain_impact.kernel.ode.last_step import dissipate, supply
 from chain_impact.kernel.rows.compliance import joints_loaded
 from chain_impact.kernel.rows.constraints import (
     SIGN_TOLERANCE,
@@ -163,6 +164,8 @@ def apply_impulses(d):
             begin_contact(d, c)
     add_change(d, d.step.state_end, velocity_at(d.links))
     dissipate(d, max(0.0, lost))
+    if d.channels > 0:
+        supply(d, work_of_impulses(d))
     give_impulses(d)
     locate_points(d, d.step.state_end)
 

@@ -6,8 +6,8 @@ right-hand side, an accepted step and an event state: what moves freely, and wha
 
 import math
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
-from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, velocity_at
+from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points, move_points
+from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, supplied_at, velocity_at
 from chain_impact.kernel.chain.tree import FREE, take_factors
 from chain_impact.kernel.forces.contact import keep_force
 from chain_impact.kernel.forces.friction import keep_static_forces
@@ -26,6 +26,7 @@ from chain_impact.kernel.rows.geometry import (
     any_sticking,
     clear_loads_of,
     clearance,
+    constraint,
     constraint_acceleration,
     constraint_rows,
     tangent,
@@ -143,6 +144,8 @@ def project_state(d, y):
             solve_positions(d)
         add_change(d, y, derivative * velocity_at(d.links))
         locate_points(d, y)
+    if d.channels > 0:
+        y[supplied_at(d.links)] += work_of_impulses(d)
     for k in range(constraint_rows(d)):
         # −½ p (u⁻ + u⁺)
         y[lost] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
@@ -150,6 +153,65 @@ def project_state(d, y):
         # the resistance has the impulse −D (u⁺ − u⁻)
         y[lost] += 0.5 * own.resistance[k] * (own.reached[k] ** 2 - own.start[k] ** 2)
         own.resistance[k] = 0.0
+
+
+def power_of_motion(d, y, rate):
+    """The power [W] of walls and a base that move, for a state y and its rate ẏ with all forces.
+
+    That is F w for a force F of a wall that moves with w. The force of the base follows from Newton's law for
+    the whole chain, with the accelerations that ẏ holds; the points are accelerated by it.
+    """
+    power, fx, fy = 0.0, 0.0, 0.0
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        if d.candidate.stop[c] == 0:
+            force = d.touch.force[c]
+            power += force * d.shift.rate[c]
+            fx, fy = fx + force * d.candidate.normal_x[c], fy + force * d.candidate.normal_y[c]
+    for i in range(d.friction.contact_count):
+        e = d.element.index[i]
+        _, tx, ty = tangent(d, e)
+        power += d.element.force[e] * d.shift.belt_rate[e]
+        fx, fy = fx + d.element.force[e] * tx, fy + d.element.force[e] * ty
+    if not d.model.base_moves:
+        return power
+    accelerate_points(d, y, rate)
+    total = 0.0
+    for i in range(d.links):
+        total += d.model.mass[i]
+    # F₀ = Σ m (a_C − g) − Σ F
+    fx = momentum(d, d.work.acceleration.x) - total * d.model.gravity[0] - d.inputs.tip_force[0] - fx
+    fy = momentum(d, d.work.acceleration.y) - total * d.model.gravity[1] - d.inputs.tip_force[1] - fy
+    return power + fx * d.moved.velocity[0] + fy * d.moved.velocity[1]
+
+
+def work_of_impulses(d):
+    """The work [J] of walls and a base that move in a change of velocities by impulses, found just now."""
+    own, work, px, py = d.rigid, 0.0, 0.0, 0.0
+    for k in range(constraint_rows(d)):
+        sticks = k >= d.touch.active_count
+        e = d.element.stuck[k - d.touch.active_count] if sticks else d.touch.active_index[k]
+        if e < d.candidates and d.candidate.stop[e] == 0:
+            _, nx, ny = constraint(d, k)
+            impulse = own.impulse[k]
+            if k < d.touch.compliant_count:
+                impulse -= own.resistance[k] * (own.reached[k] - own.start[k])
+            work += impulse * (d.shift.belt_rate[e] if sticks else d.shift.rate[e])
+            px, py = px + impulse * nx, py + impulse * ny
+    if not d.model.base_moves:
+        return work
+    move_points(d, d.work.link, own.change, d.work.motion)
+    px, py = momentum(d, d.work.motion.x) - px, momentum(d, d.work.motion.y) - py
+    return work + px * d.moved.velocity[0] + py * d.moved.velocity[1]
+
+
+def momentum(d, values):
+    """Σ m v_C of components v at the points: of velocities, their changes, or accelerations."""
+    total = 0.0
+    for i in range(d.links):
+        inner, outer = values[i], values[i + 1]
+        total += d.model.mass[i] * (inner + d.model.center_of_mass_ratio[i] * (outer - inner))
+    return total
 
 
 def start_sticking(d, derivative):

@@ -4,12 +4,32 @@
 
 `given.course` holds the next piece and `inputs.course` the present one; u₀ of the next piece is not in
 `given.course` but in `given` itself. Inputs of order 0 are constant, and no polynomial is evaluated.
+
+What moves by itself (chain/motion.py) has all its coefficients in `motion.course`, those in use in
+`moved.course`. They are set with the course of the other inputs, or, if `motion.follows`, they follow what is
+given at the communication points: position s, velocity v and acceleration a at a time t₀. The step to the
+next one, at t₁ = t₀ + h, is a cubic. It begins with the present position and velocity, and ends with those of
+a uniform acceleration, s + v h + ½ a h² and v + a h. So both are continuous, a uniform acceleration is
+followed exactly, and no error adds up, as the aim does not depend on the present position. What is not given
+anew goes on. The speed of a belt, which has no position that is given, changes at a uniform rate to the value
+given.
 """
 
+import math
+
+from chain_impact.kernel.chain.motion import move
 from chain_impact.kernel.chain.state import time_at
+from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
 DEGREE = 9  # the highest degree of the polynomials
 AT_ONCE, CONTINUES = 1, 2  # given.changed: re-initialize; or the inputs continue without a jump
+# Of the speeds given, times the time between two communication points: a difference from the distance between
+# them that the step explains, beside the change of speed.
+UNEXPLAINED = 0.05
+TOUCH_OFF = 1e-9  # of a link length: a distance that needs no explanation
+# Of the largest position, in the time of a step: a change of the acceleration that is round-off.
+SAME = 1e-14
+SLOW_CHANGE = 0.5  # `change_rate` of a cubic, over 1/h: its sixth derivative is 0
 LANDED = 4e-15  # of the time: a step that ends at most this much after a piece counts as ending with it
 
 
@@ -35,6 +55,9 @@ def apply_inputs(d):
         d.inputs.tip_force[j] = own.tip_force[0, j] = given.tip_force[j]
         for m in range(1, own.order + 1):
             own.tip_force[m, j] = course.tip_force[m, j]
+    for j in range(d.channels):
+        for m in range(own.order + 1):
+            d.moved.course[m, j] = d.motion.course[m, j]
 
 
 def withdraw_request(d):
@@ -47,6 +70,9 @@ def inputs_in_use(d):
     given, own = d.given, d.inputs
     if given.course.order > 0 or own.course.order > 0:
         return False
+    for j in range(d.channels):
+        if d.motion.course[0, j] != d.moved.course[0, j]:
+            return False
     for i in range(d.links):
         if (
             given.joint_torque[i] != own.joint_torque[i]
@@ -76,6 +102,8 @@ def set_inputs(d, time):
             d.inputs.joint_target_velocity[i] = polynomial(course.joint_target_velocity, course.order, i, x)
     for j in range(2):
         d.inputs.tip_force[j] = polynomial(course.tip_force, course.order, j, x)
+    if d.channels > 0:
+        move(d, time)
 
 
 def polynomial(powers, order, i, x):
@@ -99,3 +127,129 @@ def limit_to_piece(d, h):
     if rest <= 0.0 or 2.0 * h <= rest:
         return h
     return rest if h >= rest else 0.5 * rest
+
+
+def belts_jump(d):
+    """Whether the present piece of the inputs began with a jump of the speed of a belt."""
+    return d.channels > 0 and d.motion.jumps != 0
+
+
+def begin_motion(d, time):
+    """Begin all motions at a ``time`` [s] with what is given then, or with the course that is set."""
+    given, own, course = d.motion, d.moved, d.given.course
+    own.began, own.until, own.contradiction = time, time, 0
+    for j in range(d.channels):
+        own.given_position[j], own.given_velocity[j] = given.position[j], given.velocity[j]
+        own.given_acceleration[j], own.given_at[j], own.mean[j] = given.acceleration[j], time, 0.0
+    if not given.follows:
+        return
+    course.order, course.middle, course.scale, course.until = 0, time, 1.0, math.inf
+    course.change_rate = 0.0
+    given.jumps = 0
+    for j in range(d.channels):
+        for m in range(DEGREE + 1):
+            given.course[m, j] = 0.0
+        if given.belt[j]:
+            given.course[1, j] = given.velocity[j]
+        else:
+            given.course[0, j], given.course[1, j] = given.position[j], given.velocity[j]
+            given.course[2, j] = 0.5 * given.acceleration[j]
+        if given.velocity[j] != 0.0 or given.acceleration[j] != 0.0:
+            course.order = 2
+
+
+def follow_motion(d, time):
+    """Let what moves follow what is given until a ``time`` [s], the next communication point.
+
+    Returns:
+        WALL_JUMPS if a wall is given a jump: a distance that its velocities do not explain; or OK.
+    """
+    given, own, course = d.motion, d.moved, d.given.course
+    if d.channels == 0 or not given.follows or time == own.until or not time > d.step.time:
+        return OK
+    now, h = d.step.time, time - d.step.time
+    for j in range(d.channels):
+        if not given.belt[j] and not note_given(d, j, now):
+            return refuse_channel(d, j)
+    move(d, now)
+    own.until = time
+    moves, jumps = False, False
+    for j in range(d.channels):
+        lasting = set_cubic(d, j, time, h)
+        new = given.course[1, j] != 0.0 or given.course[2, j] != 0.0 or given.course[3, j] != 0.0
+        moves, jumps = moves or new, jumps or not lasting
+    if not moves and d.inputs.course.order == 0:
+        return OK
+    course.order, course.middle, course.scale = 3 if moves else 0, now + 0.5 * h, 2.0 / h
+    course.until = time + LANDED / 4.0 * abs(time) if moves else math.inf
+    course.change_rate = SLOW_CHANGE / h if moves else 0.0
+    given.jumps = 0
+    if d.given.changed != AT_ONCE:
+        d.given.changed = AT_ONCE if jumps else CONTINUES
+    return OK
+
+
+def refuse_channel(d, j):
+    """Note that the wall that moves with channel j is the reason for WALL_JUMPS, and return that."""
+    first = 0
+    for c in range(d.candidates):
+        if d.shift.channel[d.candidates - 1 - c] == j:
+            first = d.candidates - 1 - c
+    return refuse_candidate(d, first, WALL_JUMPS)
+
+
+def set_cubic(d, j, time, h):
+    """Set the course of channel j until a ``time`` [s], from where it is; return whether it does not bend."""
+    given, own = d.motion, d.moved
+    s, v, lasted = own.position[j], own.velocity[j], time - own.given_at[j]
+    speed = given.velocity[j] + own.mean[j]
+    if given.belt[j]:
+        speed = given.velocity[j]
+        s_end, v_end = s + 0.5 * h * (v + speed), speed
+    else:
+        s_end = given.position[j] + lasted * (speed + 0.5 * lasted * given.acceleration[j])
+        v_end = speed + lasted * given.acceleration[j]
+    v, v_end = 0.5 * h * v, 0.5 * h * v_end
+    size = abs(s) + abs(s_end) + abs(v) + abs(v_end)
+    third = 0.25 * (s - s_end + v + v_end)
+    if not abs(third) > SAME * size:
+        third = 0.0
+    given.course[3, j] = third
+    given.course[2, j] = 0.25 * (v_end - v)
+    given.course[1, j] = 0.5 * (s_end - s) - third
+    given.course[0, j] = 0.5 * (s + s_end) - given.course[2, j]
+    bend = (given.course[2, j] - 3.0 * third) * 8.0 - own.acceleration[j] * h * h
+    return abs(bend) <= SAME * size
+
+
+def note_given(d, j, now):
+    """Note what channel j is given at the present communication point; return False for a jump of a wall.
+
+    Of a base that is given without a velocity this is the mean one since its last position.
+    """
+    given, own = d.motion, d.moved
+    s, v, a = given.position[j], given.velocity[j], given.acceleration[j]
+    same = s == own.given_position[j] and v == own.given_velocity[j] and a == own.given_acceleration[j]
+    if same and own.mean[j] == 0.0:
+        return True
+    lasted, before = now - own.given_at[j], own.given_velocity[j]
+    moved, rest = s - own.given_position[j], v == 0.0 and a == 0.0 and before == 0.0
+    own.given_position[j], own.given_velocity[j], own.given_acceleration[j] = s, v, a
+    own.given_at[j], own.mean[j] = now, 0.0
+    unexplained = abs(moved - 0.5 * lasted * (before + v)) - 0.5 * lasted * abs(v - before)
+    speeds, ignored = lasted * (abs(before) + abs(v)), TOUCH_OFF * d.model.size
+    if not unexplained > UNEXPLAINED * speeds + ignored:
+        return True
+    if j >= base_channels(d) and unexplained > speeds + ignored:
+        own.contradiction, own.distance, own.lasted, own.speed = j + 1, moved, lasted, v
+        return False
+    if own.contradiction == 0:
+        own.contradiction, own.distance, own.lasted, own.speed = j + 1, moved, lasted, v
+    if rest and lasted > 0.0:
+        own.mean[j] = moved / lasted
+    return True
+
+
+def base_channels(d):
+    """The number of channels of the base, which come first."""
+    return 2 if d.model.base_moves else 0

@@ -240,7 +240,7 @@ def scales(d, y):
     """S, and the energies [J] whose round-off enters the energy balance, for state y and located points."""
     kinetic, potential = mechanical_energy(d, y)
     # the potential energy is a difference of these
-    known = d.balance.weight * (abs(y[0]) + abs(y[1])) + abs(potential)
+    known = d.balance.weight * (abs(d.work.position.x[0]) + abs(d.work.position.y[0])) + abs(potential)
     known += kinetic + abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
     speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
     scale = speed * speed + d.balance.unit_scale + impact_energy(d)

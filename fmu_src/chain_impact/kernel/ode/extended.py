@@ -37,14 +37,21 @@ step.
 """
 
 from chain_impact.kernel.chain.joints import joint_resistance, spring_stiffness
-from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import ANGLES, coordinate_count, omega_at, sundman_u_at, velocity_at
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, locate_points_now
+from chain_impact.kernel.chain.state import (
+    ANGLES,
+    coordinate_count,
+    omega_at,
+    sundman_u_at,
+    supplied_at,
+    velocity_at,
+)
 from chain_impact.kernel.chain.tree import SHIFTED, factorize, no_impedance
 from chain_impact.kernel.equations import loaded_rate
 from chain_impact.kernel.forces.contact import apply_contact, clear_loads
 from chain_impact.kernel.forces.contact_force import law_slopes
 from chain_impact.kernel.forces.friction import apply_friction
-from chain_impact.kernel.forces.holding import add_constraint_forces
+from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_motion
 from chain_impact.kernel.forces.inputs import set_inputs
 from chain_impact.kernel.ode.dense import quadrature_rates
 from chain_impact.kernel.rows.compliance import holding_impedance, joints_loaded, solve_space
@@ -113,9 +120,9 @@ def clearance_rates(d, z, rate):
 
 def extended_rate(d, z, elapsed, rate):
     """Set rate = ż, ``elapsed`` [s] after the start, with the contact forces at clearances and rates in z."""
-    if d.inputs.course.order > 0:
+    if d.inputs.course.order > 0 or d.channels > 0:
         set_inputs(d, d.step.clock + elapsed)
-    locate_points(d, z)
+    locate_points_now(d, z)
     clear_loads(d)
     dissipated = 0.0
     for k in range(compliant(d)):
@@ -125,6 +132,8 @@ def extended_rate(d, z, elapsed, rate):
     loaded_rate(d, z, dissipated, rate)  # also sets those of u and time, where z has other entries
     if any_constraint(d):
         add_constraint_forces(d, z, rate)
+    if d.channels > 0:
+        rate[supplied_at(d.links)] += power_of_motion(d, z, rate)
     quadrature_rates(d, 1.0, rate[quadrature_at(d, 0) :])
     accelerate_points(d, z, rate)
     clearance_rates(d, z, rate)

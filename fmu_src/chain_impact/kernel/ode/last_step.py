@@ -13,7 +13,7 @@ from chain_impact.kernel.chain.kinematics import (
     note_points_elsewhere,
     place_points,
 )
-from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, time_at
+from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, time_at
 from chain_impact.kernel.equations import located_rate, state_rate
 from chain_impact.kernel.forces.friction import keep_anchors
 from chain_impact.kernel.forces.holding import project_state
@@ -92,6 +92,11 @@ def accept(d):
 def dissipate(d, energy):
     """Count an energy [J] that is lost at the end of the last step as dissipated."""
     d.step.state_end[dissipated_at(d.links)] += energy
+
+
+def supply(d, energy):
+    """Count an energy [J] as supplied at the end of the last step."""
+    d.step.state_end[supplied_at(d.links)] += energy
 
 
 def roll_back(d):

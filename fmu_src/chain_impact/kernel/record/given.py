@@ -36,6 +36,7 @@ def model_dtype(links: int) -> np.dtype:
         ("pinned", INTEGER),  # 1: the base cannot move
         ("driven", INTEGER),  # 1: there are inputs
         ("followed", INTEGER),  # 1: all joints have servos, whose targets are inputs
+        ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
         # derived at initialization
         ("center_of_mass", REAL, (links,)),  # m from the proximal joint
         ("inertia", REAL, (links,)),  # kg·m² about the centre of mass
@@ -176,7 +177,53 @@ def inputs_dtype(links: int) -> np.dtype:
     )
 
 
-@written_by("rows/geometry.py")
+@given(AT_ANY_TIME)
+@written_by("forces/inputs.py")
+def motion_dtype(channels: int) -> np.dtype:
+    """What is given of the motions of base and walls, see kernel/chain/motion.py.
+
+    variables/model.py sets what is not written by the kernel.
+    """
+    return record(
+        ("follows", INTEGER),  # 1: what is given at communication points is followed; 0: the course is set
+        ("jumps", INTEGER),  # 1: the speed of a belt jumps where the piece of the course begins
+        ("belt", INTEGER, (channels,)),  # 1: the channel is the travel of a belt
+        ("position", REAL, (channels,)),  # m; of a belt 0
+        ("velocity", REAL, (channels,)),  # m/s
+        ("acceleration", REAL, (channels,)),  # m/s²; of a belt 0
+        ("course", REAL, (DEGREE + 1, channels)),  # m, coefficients of the powers of x
+    )
+
+
+@written_by("forces/inputs.py", **dict.fromkeys(("position", "velocity", "acceleration"), "chain/motion.py"))
+def moved_dtype(channels: int) -> np.dtype:
+    """The motions in use, and what they follow."""
+    return record(
+        ("began", REAL),  # s, the start of the run
+        ("until", REAL),  # s, the communication point up to which they follow what is given
+        # number of the first channel, from 1, whose positions and velocities contradict each other, or 0; …
+        ("contradiction", INTEGER),
+        ("distance", REAL),  # m, … how far it has been moved, …
+        ("lasted", REAL),  # s, … in which time, …
+        ("speed", REAL),  # m/s, … and the velocity given
+        ("position", REAL, (channels,)),  # m, where it is at the time of the located points …
+        ("velocity", REAL, (channels,)),  # m/s
+        ("acceleration", REAL, (channels,)),  # m/s²
+        ("course", REAL, (DEGREE + 1, channels)),  # m, coefficients of the powers of x
+        # what is given, as it was when that changed last, …
+        ("given_position", REAL, (channels,)),  # m
+        ("given_velocity", REAL, (channels,)),  # m/s
+        ("given_acceleration", REAL, (channels,)),  # m/s²
+        ("given_at", REAL, (channels,)),  # s, … and when that was
+        ("mean", REAL, (channels,)),  # m/s, the mean velocity of a base of which none is given
+        # derivatives with respect to what is given (tangent/replay.py); their values are 0
+        ("added", REAL, (channels,)),  # m, added to the position, …
+        ("added_rate", REAL, (channels,)),  # m/s, … to the velocity …
+        ("added_push", REAL, (channels,)),  # m/s², … and to the acceleration
+    )
+
+
+@written_by("rows/geometry.py", offset=("rows/geometry.py", "chain/motion.py"))
 def candidate_dtype(candidates: int) -> np.dtype:
     """What may touch: the pairs of a point and a wall first, and then the stops in joints.
 
@@ -192,6 +239,24 @@ def candidate_dtype(candidates: int) -> np.dtype:
         ("normal_x", REAL),  # n of the wall …
         ("normal_y", REAL),
         ("offset", REAL),  # m, … and n·p of the points on it
+    )
+
+
+@written_by("chain/motion.py", rest="rows/geometry.py")
+def shift_dtype(candidates: int) -> np.dtype:
+    """How the wall of each candidate moves, in a scene in which any does.
+
+    variables/model.py sets what is not derived.
+    """
+    return table(
+        candidates,
+        ("channel", INTEGER),  # with which it moves, and with the next one its belt; −1: it is at rest
+        ("rest", REAL),  # m, its offset if it had not moved
+        ("rate", REAL),  # m/s, its speed along n …
+        ("push", REAL),  # m/s², … and its acceleration
+        ("travel", REAL),  # m, how far its belt has moved along t, …
+        ("belt_rate", REAL),  # m/s, … the speed of that …
+        ("belt_push", REAL),  # m/s², … and its acceleration
     )
 
 

@@ -8,9 +8,10 @@ needs no other knowledge of the layout.
 N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point and a wall), state vector y
 (kernel/chain/state.py).
 
-Every size and offset is a + bN + cC + dF + eL. The compiled kernel relies on it
+Every size and offset is a + bN + cC + dF + eL + fK. The compiled kernel relies on it
 (compilation/record_type.py). The parts that depend on C come after all others, then those that depend on F,
-and last those that depend on L, so that the offsets of all others do not depend on them.
+then those that depend on L, and last those that depend on K, so that the offsets of all others do not depend
+on them.
 """
 
 import numpy as np
@@ -37,6 +38,9 @@ from chain_impact.kernel.record.given import (
     inputs_dtype,
     law_dtype,
     model_dtype,
+    motion_dtype,
+    moved_dtype,
+    shift_dtype,
     solver_dtype,
     stops_dtype,
     walls_dtype,
@@ -128,18 +132,22 @@ def transmitted_dtype(loads: int) -> np.dtype:
     )
 
 
-def instance_dtype(links: int, candidates: int, elements: int = 0, loads: int = 0) -> np.dtype:
+def instance_dtype(
+    links: int, candidates: int, elements: int = 0, loads: int = 0, channels: int = 0
+) -> np.dtype:
     """The record of an instance with N = ``links`` links, C = ``candidates`` candidates and F elements.
 
     The ``elements`` are what may have dry friction: candidates and joints, C + N, or none, F = 0, in a scene
     without dry friction, whose record has no room for it. Nor has it room for loads unless they are
-    requested: then ``loads`` L is the number of joints N and walls together.
+    requested: then ``loads`` L is the number of joints N and walls together. The ``channels`` K are the
+    motions of the base and of walls that are given (chain/motion.py).
     """
     return record(
         ("links", INTEGER),  # N
         ("candidates", INTEGER),  # C
         ("elements", INTEGER),  # F
         ("loads", INTEGER),  # L
+        ("channels", INTEGER),  # K
         ("tangents", INTEGER),  # number of tangent instances that follow this one in memory (kernel/tangent/)
         ("model", model_dtype(links)),
         ("contact", contact_dtype()),
@@ -173,4 +181,7 @@ def instance_dtype(links: int, candidates: int, elements: int = 0, loads: int = 
         ("changes", changes_dtype(elements)),
         ("output", output_dtype(links, candidates, elements, loads)),
         ("transmitted", transmitted_dtype(loads)),
+        ("shift", shift_dtype(candidates)),
+        ("motion", motion_dtype(channels)),
+        ("moved", moved_dtype(channels)),
     )

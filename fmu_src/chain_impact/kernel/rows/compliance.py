@@ -108,6 +108,8 @@ def geared_accelerations(d, y, rate):
     for k in range(n + 1):
         before.x[k], before.y[k] = load.x[k], load.y[k]
     ax, ay, moment = 0.0, 0.0, 0.0
+    if d.channels > 0 and d.model.base_moves:
+        ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]
     for i in range(n):
         ratio, omega = d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
         w2x, w2y = omega * omega * link.x[i], omega * omega * link.y[i]

@@ -3,7 +3,10 @@
 A candidate is a pair of a point and a wall, or a stop in a joint. Every wall is a half-plane, with an inward
 normal n of length 1 and n·p = offset for the points p on it. The clearance of a point is positive when apart:
 
-    g = n·p − offset − radius,   ġ = n·ṗ,   g̈ = n·p̈.
+    g = n·p − offset − radius,   ġ = n·ṗ − w,   g̈ = n·p̈ − ẇ,
+
+with w the speed of a wall that moves along n, ẇ its acceleration, and the offset that at present
+(chain/motion.py). Of a wall at rest both are 0. The tangential motion is that relative to the wall's belt.
 
 The normals are computed once, at initialization, so that the code in loops has no branch on the kind of wall.
 
@@ -17,13 +20,15 @@ and masses of stops have the units and the scales of those at walls, and a force
 """
 
 from chain_impact.kernel.chain.joints import joint_armature, joint_resistance
-from chain_impact.kernel.chain.kinematics import clear_joints, polar, zero
+from chain_impact.kernel.chain.kinematics import clear_joints, locate_points, polar, zero
 from chain_impact.kernel.chain.state import ANGLES
+from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_candidate
 
 WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. After them come those at any angle."""
 
 
+BEYOND = 1e-12  # m. A base no deeper in a wall is at it, up to round-off
 NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """Their inward normals."""
 
@@ -38,6 +43,7 @@ def place_walls(d):
             place_side(d, c, wall)
         else:
             place_slope(d, c, wall - len(WALLS))
+        d.shift.rest[c] = d.candidate.offset[c]
 
 
 def place_side(d, c, side):
@@ -124,32 +130,44 @@ def add_impedance(row, impedance, amount):
 def clearance(d, c):
     """Clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
     row = normal(d, c)
-    return along(row, d.work.position) - d.candidate.offset[c] - d.contact.radius, along(row, d.work.velocity)
+    gap = along(row, d.work.position) - d.candidate.offset[c] - d.contact.radius
+    gap_rate = along(row, d.work.velocity)
+    if d.channels > 0:
+        gap_rate -= d.shift.rate[c]
+    return gap, gap_rate
 
 
 def gap_acceleration(d, c):
     """g̈ [m/s²] of candidate c, from the accelerated points."""
-    return along(normal(d, c), d.work.acceleration)
+    acceleration = along(normal(d, c), d.work.acceleration)
+    if d.channels > 0:
+        acceleration -= d.shift.push[c]
+    return acceleration
 
 
 def tangential_position(d, e):
-    """The coordinate [m] of element e along t, from the located points."""
-    return along(tangent(d, e), d.work.position)
+    """The coordinate [m] of element e along t, from the located points, relative to the belt of its wall."""
+    coordinate = along(tangent(d, e), d.work.position)
+    return coordinate - d.shift.travel[e] if d.channels > 0 and e < d.candidates else coordinate
 
 
 def tangential_rate(d, e):
-    """The speed [m/s] of element e along t, from the located points."""
-    return along(tangent(d, e), d.work.velocity)
+    """The speed [m/s] of element e along t, from the located points, relative to the belt of its wall."""
+    speed = along(tangent(d, e), d.work.velocity)
+    return speed - d.shift.belt_rate[e] if d.channels > 0 and e < d.candidates else speed
 
 
 def tangential_acceleration(d, e):
-    """The acceleration [m/s²] of element e along t, from the accelerated points."""
-    return along(tangent(d, e), d.work.acceleration)
+    """The acceleration [m/s²] of element e along t, from the accelerated points, relative to the belt."""
+    acceleration = along(tangent(d, e), d.work.acceleration)
+    return acceleration - d.shift.belt_push[e] if d.channels > 0 and e < d.candidates else acceleration
 
 
 def constraint_acceleration(d, k):
-    """The acceleration [m/s²] of constraint k along its row, from the accelerated points."""
-    return along(constraint(d, k), d.work.acceleration)
+    """The acceleration [m/s²] of constraint k along its row, from the accelerated points, as of its wall."""
+    if k < d.touch.active_count:
+        return gap_acceleration(d, d.touch.active_index[k])
+    return tangential_acceleration(d, d.element.stuck[k - d.touch.active_count])
 
 
 def to_joints(d, load):
@@ -199,3 +217,15 @@ def coordinates_size(d, c, y):
 def lever(d, c):
     """The length [m] by which speeds, forces and masses of candidate c are those of an angle; of a wall 1."""
     return d.model.size if d.candidate.stop[c] != 0 else 1.0
+
+
+def check_base(d):
+    """BASE_BEYOND_WALL if base or wall have moved so that a pinned base is beyond a wall, or OK."""
+    locate_points(d, d.step.state_end)
+    for c in range(d.candidates if d.model.pinned else 0):
+        if d.candidate.stop[c] == 0 and (d.model.base_moves or d.shift.channel[c] >= 0):
+            nx, ny = d.candidate.normal_x[c], d.candidate.normal_y[c]
+            at = nx * d.work.position.x[0] + ny * d.work.position.y[0]
+            if at - d.candidate.offset[c] < -BEYOND:
+                return refuse_candidate(d, c, BASE_BEYOND_WALL)
+    return OK

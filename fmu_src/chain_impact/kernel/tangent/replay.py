@@ -119,8 +119,19 @@ def reinit_tangent(d, t):
 def apply_given_of(d, t):
     """Apply the values that were given to d to t, which keeps the derivatives that it has of them."""
     copy_given(d, t, AT_ANY_TIME)
+    vary_motion(d, t)
     apply_inputs(t)
     derive_laws_of(d, t)
+
+
+def vary_motion(d, t):
+    """Set the derivatives of all motions by what is given of them: as for constants that are added."""
+    if d.channels > 0:
+        copy_values(d.moved, t.moved)
+    for j in range(d.channels):
+        t.moved.added[j] = carried(0.0, 1.0, t.motion.position[j])
+        t.moved.added_rate[j] = carried(0.0, 1.0, t.motion.velocity[j])
+        t.moved.added_push[j] = carried(0.0, 1.0, t.motion.acceleration[j])
 
 
 def copy_modes(d, t):
@@ -136,6 +147,8 @@ def copy_inputs(d, t):
     """Copy the present inputs of d to t: a derivative is that for a constant added to an input."""
     own = t.inputs
     copy_values(d.inputs.course, own.course)
+    if d.channels > 0:
+        copy_values(d.moved, t.moved)
     for i in range(t.links):
         own.joint_torque[i] = own.course.joint_torque[0, i]
         own.joint_target_angle[i] = own.course.joint_target_angle[0, i]

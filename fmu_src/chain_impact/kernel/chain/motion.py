@@ -1,0 +1,84 @@
+"""Motions that are given as functions of time: of a pinned base, and of walls.
+
+A channel is one such motion. In a scene with a base that moves the first two are x and y of the base. A wall
+that moves has two: the displacement along its inward normal n and the travel of its belt along
+t = (n_y, −n_x). In each piece of the course of the inputs (forces/inputs.py) the position of a channel is a
+polynomial,
+
+    s(t) = c₀ + x (c₁ + x (c₂ + …)),   x = (t − middle) scale,
+
+and its velocity and acceleration are the derivatives of that. So the three never disagree, nothing drifts,
+and a base has no part in the state: there its coordinates and their rates are 0, and the points are located
+with the position and velocity of the channels at the time of the state.
+"""
+
+from chain_impact.kernel.chain.state import time_at
+
+
+def move_with(d, y):
+    """Move base and walls to where they are at the time of the state y."""
+    move(d, d.step.clock + y[time_at(d.links)])
+
+
+def move(d, time):
+    """Set position [m], velocity [m/s] and acceleration [m/s²] of all channels, and walls, at a time [s]."""
+    own, course = d.moved, d.inputs.course
+    x, since = (time - course.middle) * course.scale, time - own.began
+    for m in range(d.channels):
+        s, v, half_a = own.course[course.order, m], 0.0 * x, 0.0 * x
+        for k in range(1, course.order + 1):
+            half_a = half_a * x + v
+            v = v * x + s
+            s = s * x + own.course[course.order - k, m]
+        # what is added is 0, but for its derivatives in a tangent instance
+        own.position[m] = s + own.added[m] + since * (own.added_rate[m] + 0.5 * since * own.added_push[m])
+        own.velocity[m] = v * course.scale + own.added_rate[m] + since * own.added_push[m]
+        own.acceleration[m] = 2.0 * half_a * course.scale * course.scale + own.added_push[m]
+    for c in range(d.candidates):
+        m = d.shift.channel[c]
+        if m >= 0:
+            move_wall(d, c, m)
+
+
+def move_wall(d, c, m):
+    """Move the wall of candidate c with channel m, and its belt with the next one."""
+    wall, own = d.shift, d.moved
+    d.candidate.offset[c] = wall.rest[c] + own.position[m]
+    wall.rate[c], wall.push[c] = own.velocity[m], own.acceleration[m]
+    wall.travel[c], wall.belt_rate[c] = own.position[m + 1], own.velocity[m + 1]
+    wall.belt_push[c] = own.acceleration[m + 1]
+
+
+def motion_bounds(d, m):
+    """Bounds on the speed [m/s] and the acceleration [m/s²] of channel m over the last step."""
+    course, own = d.inputs.course, d.moved
+    scale = course.scale
+    most = max(abs(d.step.start - course.middle), abs(d.step.end - course.middle)) * scale
+    speed, bend = 0.0 * most, 0.0 * most
+    for k in range(1, course.order + 1):
+        p = course.order + 1 - k
+        size = p * abs(own.course[p, m])
+        speed = speed * most + size
+        if p > 1:
+            bend = bend * most + (p - 1) * size
+    return speed * scale, bend * scale * scale
+
+
+def fastest_wall(d):
+    """The largest speed [m/s] and acceleration [m/s²] of a wall, where walls have been moved to last."""
+    speed, push = 0.0, 0.0
+    for c in range(d.candidates):
+        if d.shift.channel[c] >= 0:
+            speed, push = max(speed, abs(d.shift.rate[c])), max(push, abs(d.shift.push[c]))
+    return speed, push
+
+
+def travel_of_piece(d):
+    """A bound on how far any channel moves in the present piece of its course [m]."""
+    most = 0.0
+    for m in range(d.channels):
+        total = 0.0
+        for p in range(1, d.inputs.course.order + 1):
+            total += abs(d.moved.course[p, m])
+        most = max(most, total)
+    return most

@@ -1,0 +1,231 @@
+"""The motions of a base and of walls over time, from the inputs that give them.
+
+A channel of the kernel (kernel/chain/motion.py) follows a position, of which velocity and acceleration are
+the derivatives. Where an input gives a velocity or an acceleration and none the position, it is integrated
+from the start.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from chain_impact.kernel.forces.inputs import DEGREE
+from chain_impact.scene.reading import SceneError
+from chain_impact.simulation.pieces import Follower, Pieces, joined_points
+
+ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15  # as in pieces.py, for motions
+# Of the largest position, speed and acceleration of a channel: a larger difference between pieces is a jump.
+JUMPS = 1e-10, 1e-8, 1e-6
+CONTRADICTS = 1e-3  # of the largest speed: by how much one that is given may differ from that of the position
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What a channel follows.
+
+    Attributes:
+        name: of the input that gives it; "" if none does.
+        position: function of the time [s] for the position [m], also for several times at once.
+        breaks: times at which it may not be smooth [s].
+    """
+
+    name: str
+    position: Callable[[Any], Any]
+    breaks: np.ndarray
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A channel, and the names of the inputs that give it.
+
+    Attributes:
+        position: name of the input for the position; "" of a belt, which has none.
+        velocity: of the one for the velocity.
+        acceleration: of the one for the acceleration; "" of a belt.
+        start: position at the start if none is given [m].
+    """
+
+    position: str
+    velocity: str
+    acceleration: str
+    start: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of all."""
+        return tuple(name for name in (self.position, self.velocity, self.acceleration) if name)
+
+
+def motion_of(
+    channel: Channel,
+    signals: Mapping[str, Any],
+    stop: float,
+    called: Callable[[str, float], float],
+    *,
+    lines: bool,
+) -> Motion:
+    """The motion of a channel by what is given: its position, or else its velocity or its acceleration.
+
+    Args:
+        channel: the channel.
+        signals: name of an input → number, function, or samples (times, values).
+        stop: end of the run [s].
+        called: a function (name, time) that gives the value of a function.
+        lines: whether samples are joined by lines; else positions and velocities are by a cubic spline, and
+            the speeds of a belt are held.
+    """
+    given = next((name for name in channel.names if name in signals), None)
+    if given is None:
+        return Motion("", lambda times: np.full_like(times, channel.start), np.zeros(0))
+    belt = not channel.position
+    value, breaks = as_function(given, signals[given], called, joined=_joined(lines=lines, belt=belt))
+    for _ in range(channel.names.index(given) + belt):
+        value = _integrated(value, breaks, stop)
+    if given == channel.position or belt:
+        return Motion(given, value, breaks)
+    return Motion(given, lambda times: channel.start + value(times), breaks)
+
+
+def _joined(*, lines: bool, belt: bool) -> str:
+    """How samples are joined."""
+    return "lines" if lines else "held" if belt else "spline"
+
+
+def as_function(
+    name: str, signal: Any, called: Callable[[str, float], float], *, joined: str
+) -> tuple[Callable[[Any], Any], np.ndarray]:
+    """A signal as a function of one or several times, and where it may not be smooth."""
+    if callable(signal):
+        return lambda times: np.array([called(name, time) for time in np.ravel(times).tolist()]), np.zeros(0)
+    if isinstance(signal, float):
+        return lambda times: np.full(np.shape(times), signal), np.zeros(0)
+    at, values = signal
+    if joined == "lines":
+        return lambda times: np.interp(times, at, values), at
+    if joined == "held" or len(at) == 1:
+        return lambda times: values[np.maximum(np.searchsorted(at, times, side="right") - 1, 0)], at
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(at, values)
+    return lambda times: spline(np.clip(times, at[0], at[-1])), at
+
+
+def _integrated(value: Callable[[Any], Any], breaks: np.ndarray, stop: float) -> Callable[[Any], Any]:
+    """The integral of a function from 0 on."""
+    inside = breaks[(breaks > 0.0) & (breaks < stop)]
+    grid = np.concatenate([[0.0], inside, [stop]])
+    held = joined_points(grid, np.arange(len(grid))[:, np.newaxis] * 1.0, lines=False)
+    follower = Follower(lambda times: value(times)[:, np.newaxis], stop, ACCURACY, FINELY_RESOLVED)
+    pieces = follower.with_held(held, np.array([0]))
+    powers = pieces.powers[:, :, 0] / np.arange(1.0, pieces.powers.shape[1] + 1.0)
+
+    def from_middle(times: np.ndarray, at: np.ndarray) -> np.ndarray:
+        x = (times - pieces.middle[at]) * pieces.scale[at]
+        total = np.zeros_like(x)
+        for column in powers.T[::-1]:
+            total = (total + column[at]) * x
+        return np.asarray(total / pieces.scale[at])
+
+    every = np.arange(len(pieces.start))
+    low = from_middle(pieces.start, every)
+    before = np.append(0.0, np.cumsum(from_middle(pieces.end, every) - low)[:-1]) - low
+
+    def integral(times: Any) -> np.ndarray:
+        times = np.asarray(times, float)
+        at = np.clip(np.searchsorted(pieces.start, times, side="right") - 1, 0, None)
+        return np.asarray(before[at] + from_middle(times, at))
+
+    return integral
+
+
+def derivatives(pieces: Pieces, order: int) -> np.ndarray:
+    """The derivative of an order of all signals at both ends of each piece, shape (2, P, M)."""
+    powers, ends = pieces.powers, np.stack([pieces.start, pieces.end])
+    x = (ends - pieces.middle) * pieces.scale
+    total = np.zeros((*x.shape, powers.shape[2]))
+    for p in range(powers.shape[1] - 1, order - 1, -1):
+        total = total * x[..., np.newaxis] + math.perm(p, order) * powers[:, p]
+    return np.asarray(total * pieces.scale[:, np.newaxis] ** order)
+
+
+def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
+    """Whether a derivative of motions, in some columns, jumps where each piece begins, shape (P, K)."""
+    found = np.zeros((len(pieces.start), len(columns)), bool)
+    if not len(columns) or not math.isfinite(pieces.end[-1]):
+        return found
+    ends = derivatives(pieces, order)[:, :, columns]
+    largest = np.abs(ends).max(axis=(0, 1), initial=0.0)
+    found[1:] = np.abs(ends[0, 1:] - ends[1, :-1]) > JUMPS[order] * largest
+    return found
+
+
+def refuse_jumps(
+    source: str, motions: Sequence[Motion], belts: np.ndarray, pieces: Pieces, columns: np.ndarray
+) -> None:
+    """Refuse motions of base and walls that jump, or whose velocity jumps: a belt's may.
+
+    Raises:
+        SceneError: where one does.
+    """
+    for order, what in enumerate(("position", "velocity")):
+        for k in np.flatnonzero((jumps(pieces, columns, order) & ~belts).any(axis=0)):
+            time = pieces.start[jumps(pieces, columns, order)[:, k]][0]
+            remedy = "give a velocity, a smooth function, or samples, which are joined smoothly"
+            raise SceneError(
+                f"{source}: {motions[int(k)].name}: the {what} jumps at t = {time:.9g} s, which would be an "
+                f"impact of unknown strength: {remedy}"
+            )
+
+
+def joined(pieces: Pieces, columns: np.ndarray) -> Pieces:
+    """Pieces of motions, in some columns, that meet with equal positions and velocities, up to round-off.
+
+    What takes the small differences at the start of a piece away is (1 − r)⁸ (s + (8 s + v) r), with r from 0
+    to 1 in the piece. A jump of the speed of a belt stays.
+    """
+    ends = [derivatives(pieces, order)[:, :, columns] for order in range(2)]
+    x0, x1 = (((at - pieces.middle) * pieces.scale)[1:, np.newaxis] for at in (pieces.start, pieces.end))
+    lasted = ((x1 - x0).T / pieces.scale[1:]).T
+    s = ends[0][1, :-1] - ends[0][0, 1:]
+    v = np.where(jumps(pieces, columns, 1)[1:], 0.0, lasted * (ends[1][1, :-1] - ends[1][0, 1:]))
+    # r = p x + q
+    p, q = 1.0 / (x1 - x0), -x0 / (x1 - x0)
+    slope = (DEGREE - 1) * s + v
+    powers = np.zeros((len(pieces.powers), DEGREE + 1, pieces.powers.shape[2]))
+    powers[:, : pieces.powers.shape[1]] = pieces.powers
+    for k in range(DEGREE):
+        part = math.comb(DEGREE - 1, k) * (1.0 - q) ** (DEGREE - 1 - k) * (-p) ** k
+        powers[1:, k, columns] += part * (s + slope * q)
+        powers[1:, k + 1, columns] += part * slope * p
+    return replace(pieces, powers=powers)
+
+
+def contradictions(
+    channels: Sequence[Channel],
+    signals: Mapping[str, Any],
+    pieces: Pieces,
+    columns: np.ndarray,
+    called: Callable[[str, float], float],
+) -> list[str]:
+    """Sentences on velocities and accelerations that are given, but are not those of the motion followed."""
+    found = []
+    for channel, column in zip(channels, columns, strict=True):
+        names = [name for name in channel.names if name in signals]
+        for name in names[1:]:
+            order = channel.names.index(name)
+            value, _ = as_function(name, signals[name], called, joined="spline")
+            followed = derivatives(pieces, order)[0, :, column]
+            given = np.asarray(value(pieces.start))
+            k = int(np.abs(given - followed).argmax())
+            if abs(given[k] - followed[k]) > CONTRADICTS * max(np.abs(given).max(), np.abs(followed).max()):
+                at = f"at t = {pieces.start[k]:.9g} s"
+                found.append(
+                    f"{name} = {given[k]:.9g} contradicts {names[0]} {at}, of which the derivative is "
+                    f"{followed[k]:.9g}, and is not used"
+                )
+    return found

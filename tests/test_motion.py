@@ -1,0 +1,386 @@
+"""A base and walls that move: against other frames, exact maps, independent integrations and differences."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from chain_impact import Chain, SceneError, SceneWarning, SimulationError, simulate
+from chain_impact.scene.scene import scene_from_dict
+
+G = 9.81
+LINKS = ({"length": 0.5, "mass": 1.0}, {"length": 0.4, "mass": 0.7})
+LAWS = ("zhang_sharf", "jankowski", "newton_impact")
+
+
+def scene_of(links=LINKS, *, base="free", box=None, contact=None, inputs=None, **others):
+    """A scene; ``others`` are more of its tables, by their keys."""
+    tables = {"solver": {"tolerance": 1e-12}, "simulation": {"stop_time": 1.0, "step_size": 0.01}}
+    for name, table in others.items():
+        tables[name] = tables.get(name, {}) | table
+    chain = {"base": base, "links": [dict(link) for link in links]}
+    inputs = {"base_motion": True} if inputs is None else inputs
+    data = {"name": "Moves", "chain": chain, "box": box or {}, "contact": contact or {}, "inputs": inputs}
+    return scene_from_dict(data | tables, "moves")
+
+
+def pendulum(**others):
+    """Two links that hang from a base that moves."""
+    others.setdefault("initial", {"position": [0.1, 0.2], "angles": [-1.0, -0.4]})
+    return scene_of(base="pinned", **others)
+
+
+def room(model="zhang_sharf", velocity=(0.5, 0.0), walls=("y_min", "x_max"), **contact):
+    """A free chain that falls to a floor and against a wall, both of which may move."""
+    return scene_of(
+        box={"y_min": 0.0, "x_max": 2.0} if "x_max" in walls else {"y_min": 0.0},
+        contact={"model": model, "stiffness": 1e6, "restitution": 0.6} | contact,
+        inputs={"wall_motion": list(walls)},
+        initial={
+            "position": [0.6, 1.0],
+            "angles": [0.4, -0.6],
+            "velocity": list(velocity),
+            "angular_velocities": [1.0, -2.0],
+        },
+    )
+
+
+def resting(model, *, friction=0.0, stop=3600.0, **others):
+    """A rod that lies on a floor that moves."""
+    return scene_of(
+        LINKS[:1],
+        box={"y_min": 0.0},
+        contact={"model": model, "stiffness": 1e6, "restitution": 0.3, "friction": friction},
+        inputs={"wall_motion": True},
+        solver={"tolerance": 1e-8},
+        simulation={"stop_time": stop, "step_size": stop / 600.0},
+        initial={"angles": [0.0]},
+        **others,
+    )
+
+
+def unbalanced(result):
+    """The largest change of the energy balance [J]."""
+    return np.ptp(result["energy.total"] + result["energy.dissipated"] - result["energy.supplied"])
+
+
+@pytest.mark.parametrize("armature", [0.0, 0.05])
+def test_a_base_with_constant_acceleration_is_another_gravity(armature):
+    links = [link | {"joint_armature": armature} for link in LINKS]
+    scene = scene_of(links, base="pinned", initial={"position": [0.1, 0.2], "angles": [-1.0, -0.4]})
+    moved = simulate(
+        scene, inputs={"base.x": lambda t: 0.1 + 0.65 * t * t, "base.y": lambda t: 0.2 + 0.35 * t * t}
+    )
+    still = simulate(scene.with_values({"gravity.x": -1.3, "gravity.y": -G - 0.7}))
+    for output in ("link[1].angle", "link[2].angle", "link[2].angular_velocity"):
+        assert np.abs(moved[output] - still[output]).max() < 1e-12
+    assert np.abs(moved["point[0].x"] - 0.1 - 0.65 * moved.time**2).max() < 1e-14
+    assert unbalanced(moved) < 1e-10
+
+
+def test_a_shaken_pendulum_is_that_of_an_independent_integration():
+    amplitude, rate, length = 0.05, 40.0, 0.5
+    scene = scene_of(LINKS[:1], base="pinned", initial={"angles": [1.4]})
+    result = simulate(scene, inputs={"base.y": lambda t: amplitude * math.sin(rate * t)})
+
+    def rates(t, y):
+        push = G - amplitude * rate**2 * math.sin(rate * t)
+        return [y[1], -1.5 / length * push * math.cos(y[0])]
+
+    exact = solve_ivp(rates, (0, 1), [1.4, 0.0], "DOP853", result.time, rtol=1e-13, atol=1e-14)
+    assert np.abs(result["link[1].angle"] - exact.y[0]).max() < 1e-9
+    assert unbalanced(result) < 1e-8
+    assert np.ptp(result["energy.total"]) > 1.0
+
+
+@pytest.mark.parametrize("model", LAWS)
+def test_walls_at_constant_velocity_are_walls_at_rest_in_another_frame(model):
+    up, inward = 0.3, 0.2
+    moved = simulate(
+        room(model),
+        inputs={"wall.y_min.displacement": lambda t: up * t, "wall.x_max.velocity": inward},
+    )
+    still = simulate(room(model, velocity=(0.5 + inward, -up)))
+    assert len(moved.impacts) == len(still.impacts) > 4
+    assert np.abs(moved.impacts["onset"] - still.impacts["onset"]).max() < 1e-11
+    for name in ("impact_speed", "peak_force", "impulse"):
+        assert moved.impacts[name] == pytest.approx(still.impacts[name], rel=1e-8)
+    assert np.abs(moved["link[2].angle"] - still["link[2].angle"]).max() < 1e-10
+    assert np.abs(moved["point[0].y"] - still["point[0].y"] - up * moved.time).max() < 1e-11
+    assert unbalanced(moved) < 1e-9
+    assert moved["energy.supplied"][-1] > 1.0
+
+
+def test_a_belt_at_constant_speed_is_a_floor_at_rest_in_another_frame():
+    speed = 0.7
+    moved = simulate(room(walls=("y_min",), friction=0.4), 1.5, inputs={"wall.y_min.belt_speed": speed})
+    still = simulate(room(walls=("y_min",), friction=0.4, velocity=(0.5 - speed, 0.0)), 1.5)
+    assert np.abs(moved.impacts["onset"] - still.impacts["onset"]).max() < 1e-11
+    assert np.abs(moved["link[1].angle"] - still["link[1].angle"]).max() < 1e-10
+    assert np.abs(moved["point[0].x"] - still["point[0].x"] - speed * moved.time).max() < 1e-11
+    assert unbalanced(moved) < 1e-9
+    assert len(moved.stick_slip) == len(still.stick_slip)
+
+
+def test_a_ball_on_a_vibrating_table_bounces_as_the_map_has_it():
+    amplitude, rate, restitution = 0.01, 30.0, 0.8
+    scene = scene_of(
+        [{"length": 0.1, "mass": 1.0, "center_of_mass": 0.0, "inertia": 1e-3}],
+        box={"y_min": 0.0},
+        contact={"model": "newton_impact", "restitution": restitution, "points": [0]},
+        inputs={"wall_motion": ["y_min"]},
+        initial={"position": [0.0, 0.1], "angles": [math.pi / 2]},
+    )
+    result = simulate(scene, inputs={"wall.y_min.displacement": lambda t: amplitude * math.sin(rate * t)})
+    now, height, speed, onsets = 0.0, 0.1, 0.0, []
+    for _ in range(6):
+
+        def gap(t, now=now, height=height, speed=speed):
+            return height + speed * (t - now) - 0.5 * G * (t - now) ** 2 - amplitude * math.sin(rate * t)
+
+        after = now + 1e-4
+        while gap(after) > 0.0:
+            after += 1e-4
+        then = brentq(gap, after - 1e-4, after, xtol=1e-16, rtol=1e-15)
+        table = amplitude * rate * math.cos(rate * then)
+        speed = table - restitution * (speed - G * (then - now) - table)
+        now, height = then, amplitude * math.sin(rate * then)
+        onsets.append(then)
+    assert np.abs(result.impacts["onset"][:6] - onsets).max() < 1e-11
+    assert unbalanced(result) < 1e-10
+
+
+@pytest.mark.parametrize("model", ["newton_impact", "flores"])
+def test_what_rests_on_a_floor_that_accelerates_does_not_creep(model):
+    def height(t):
+        return 0.5 * (1.0 - np.cos(0.01 * t))
+
+    result = simulate(resting(model), inputs={"wall.y_min.displacement": height})
+    gap = (result["point[0].y"] - height(result.time))[100:]
+    # a wall with a force gives way a little where it accelerates: δ = (m (g + a)/2K)^(2/3)
+    acceleration = 0.5 * 1e-4 * np.cos(0.01 * result.time[100:])
+    depth = 0.0 if model == "newton_impact" else (0.5 * (G + acceleration) / 1e6) ** (2 / 3)
+    assert np.abs(gap + depth).max() < (1e-12 if model == "newton_impact" else 1e-11)
+    assert unbalanced(result) < 1e-8
+
+
+@pytest.mark.parametrize("rate", [0.01, 1.0])
+def test_what_sticks_to_a_belt_that_accelerates_does_not_creep(rate):
+    scene = resting("flores", friction=0.5, stop=36.0 / rate)
+    result = simulate(scene, inputs={"wall.y_min.belt_speed": lambda t: 0.5 * rate * np.sin(rate * t)})
+    apart = (result["point[1].x"] - 0.5 * (1.0 - np.cos(rate * result.time)))[100:]
+    assert np.ptp(apart) < 1e-12
+    assert result["contact[0].y_min.sticking"][100:].all()
+
+
+def test_the_speed_of_a_belt_may_jump():
+    scene = resting("flores", friction=0.5, stop=2.0)
+    result = simulate(scene, inputs={"wall.y_min.belt_speed": ([0.0, 1.0], [0.0, 0.4])})
+    # it slides with µ g until it has the speed of the belt
+    lasted = 0.4 / (0.5 * G)
+    assert np.interp(1.0 + 0.5 * lasted, result.time, result["point[0].vx"]) == pytest.approx(0.2, rel=0.02)
+    assert result["point[0].vx"][-1] == pytest.approx(0.4, abs=1e-9)
+    assert result["point[0].x"][-1] == pytest.approx(0.4 - 0.2 * lasted, abs=1e-6)
+    assert unbalanced(result) < 1e-6
+
+
+def shaken(time, amplitude=0.05, rate=5.0):
+    """Position, velocity and acceleration of a base."""
+    angle = rate * time
+    return (
+        0.1 + amplitude * math.sin(angle),
+        amplitude * rate * math.cos(angle),
+        -amplitude * rate**2 * math.sin(angle),
+    )
+
+
+def stepped(scene, step, count, given, names=("base.x", "base.vx", "base.ax")):
+    """The chain after each step, as a master steps it that gives a motion at communication points."""
+    chain, rows = Chain(scene), []
+    for k in range(count):
+        chain.set(dict(zip(names, given(k * step), strict=False)))
+        chain.step_to((k + 1) * step)
+        rows.append((chain.time, *chain.get(["point[0].x", "point[0].vx", "link[1].angle"])))
+    return np.array(rows).T
+
+
+def test_a_constant_acceleration_is_followed_exactly_from_communication_points():
+    time, x, _, angle = stepped(pendulum(), 0.01, 100, lambda t: (0.1 + 0.65 * t * t, 1.3 * t, 1.3))
+    still = simulate(pendulum().with_values({"gravity.x": -1.3}))
+    assert np.abs(x - 0.1 - 0.65 * time**2).max() < 1e-14
+    assert np.abs(angle - still["link[1].angle"][1:]).max() < 1e-11
+
+
+@pytest.mark.parametrize(("names", "order"), [(3, 3), (2, 2)])
+def test_a_smooth_motion_is_followed_with_an_error_that_falls_with_the_step(names, order):
+    errors = []
+    for step in (0.02, 0.01):
+        given = ("base.x", "base.vx", "base.ax")[:names]
+        time, x, _, _ = stepped(pendulum(), step, round(1 / step), lambda t: shaken(t)[:names], given)
+        errors.append(np.abs(x - 0.1 - 0.05 * np.sin(5.0 * time)).max())
+    assert errors[0] / errors[1] == pytest.approx(2**order, rel=0.1)
+
+
+def test_a_position_alone_is_followed_with_a_warning_of_the_record():
+    chain = Chain(pendulum())
+    for k in range(100):
+        chain.set("base.x", shaken(0.01 * k)[0])
+        chain.step_to(0.01 * (k + 1))
+    assert chain.get("point[0].x") == pytest.approx(shaken(1.0)[0], abs=2e-4)
+    assert chain.get("point[0].vx") == pytest.approx(shaken(1.0)[1], abs=2e-2)
+
+
+def test_a_motion_does_not_drift_in_an_hour():
+    slow = [0.05, 0.05]
+    time, x, _, _ = stepped(pendulum(), 1.0, 3600, lambda t: shaken(t, *slow))
+    assert np.abs(x - 0.1 - 0.05 * np.sin(0.05 * time))[-100:].max() < 2e-6
+
+
+def test_held_inputs_are_followed_as_by_a_chain_that_is_stepped():
+    inputs = {name: (lambda t, k=k: shaken(t)[k]) for k, name in enumerate(("base.x", "base.vx"))}
+    result = simulate(pendulum(), inputs=inputs, interpolation="hold")
+    _, _, _, angle = stepped(pendulum(), 0.01, 100, lambda t: shaken(t)[:2], ("base.x", "base.vx"))
+    assert (result["link[1].angle"][1:] == angle).all()
+
+
+def test_a_saved_state_goes_on_bit_by_bit():
+    chain = Chain(pendulum())
+    chain.set({"base.vx": 0.3, "base.ax": -0.4})
+    chain.step(0.05)
+    state = chain.save()
+    chain.step(0.05)
+    before = chain.get("*")
+    chain.restore(state)
+    chain.step(0.05)
+    assert (chain.get("*") == before).all()
+
+
+def test_samples_of_a_position_are_joined_smoothly():
+    times = np.linspace(0.0, 1.0, 201)
+    sampled = simulate(pendulum(), inputs={"base.x": (times, 0.1 + 0.05 * np.sin(5.0 * times))})
+    exact = simulate(pendulum(), inputs={"base.x": lambda t: shaken(t)[0]})
+    assert np.abs(sampled["link[1].angle"] - exact["link[1].angle"]).max() < 1e-7
+
+
+def test_a_velocity_alone_is_integrated():
+    exact = simulate(pendulum(), inputs={"base.x": lambda t: shaken(t)[0]})
+    inputs = {"base.vx": lambda t: shaken(t)[1]}
+    assert np.abs(simulate(pendulum(), inputs=inputs)["link[1].angle"] - exact["link[1].angle"]).max() < 1e-10
+
+
+VARIED = ("link[1].mass", "contact.stiffness", "wall.y_min.displacement", "wall.y_min.velocity")
+
+
+@pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
+def test_derivatives_of_a_bounce_on_a_moving_floor_are_those_of_differences(model):
+    names = [name for name in VARIED if model != "newton_impact" or name != "contact.stiffness"]
+    scene = room(model, walls=("y_min",))
+
+    def height(t):
+        return 0.02 * math.sin(7.0 * t)
+
+    def run(changed=None, by=0.0, **options):
+        inputs = {
+            "wall.y_min.displacement": lambda t: (
+                height(t) + by * {"wall.y_min.displacement": 1.0, "wall.y_min.velocity": t}.get(changed, 0.0)
+            )
+        }
+        value = {changed: scene.values[changed] + by} if changed in scene.values else {}
+        return simulate(scene.with_values(value), 0.5, inputs=inputs, **options)
+
+    result = run(sensitivities=names)
+    assert len(result.impacts) >= 1
+    for name in names:
+        step = 1e-4 * abs(scene.values.get(name) or 0.1)
+        slope = sum(
+            factor * (run(name, k * step)["link[2].angle"] - run(name, -k * step)["link[2].angle"])
+            for k, factor in ((1, 8.0), (2, -1.0))
+        ) / (12.0 * step)
+        found = result.sensitivity("link[2].angle", name)
+        assert np.abs(found - slope)[-1] < 1e-6 * max(1.0, np.abs(slope).max()), name
+
+
+def test_the_derivative_by_the_position_of_a_base_moves_all_points():
+    result = simulate(
+        pendulum(), inputs={"base.x": lambda t: shaken(t)[0]}, sensitivities=["base.*", "initial.x"]
+    )
+    assert result.sensitivity("point[2].x", "base.x") == pytest.approx(1.0)
+    assert result.sensitivity("link[1].angle", "base.x") == pytest.approx(0.0)
+    assert result.sensitivity("point[0].x", "base.vx") == pytest.approx(result.time)
+    gravity = simulate(pendulum(), inputs={"base.x": lambda t: shaken(t)[0]}, sensitivities=["gravity.x"])
+    assert result.sensitivity("link[2].angle", "base.ax") == pytest.approx(
+        -gravity.sensitivity("link[2].angle", "gravity.x"), abs=1e-9
+    )
+
+
+def test_an_initial_position_is_that_of_a_base_that_moves():
+    chain = Chain(pendulum())
+    chain.set("initial.x", 0.7)
+    assert chain.get(["base.x", "point[0].x"]) == pytest.approx([0.7, 0.7])
+    chain.set("base.x", 0.4)
+    assert chain.get("point[0].x") == pytest.approx(0.4)
+
+
+REFUSED = {
+    "jump of the position": (lambda t: 0.1 * (t > 0.5), "the position jumps at t = 0.5 s.*give a velocity"),
+    "kink": (lambda t: abs(t - 0.5), "the velocity jumps at t = 0.5 s.*give a velocity"),
+    "no number": (lambda _: math.nan, "returned nan"),
+}
+
+
+@pytest.mark.parametrize("why", REFUSED)
+def test_a_motion_that_jumps_is_refused(why):
+    function, sentence = REFUSED[why]
+    with pytest.raises(SceneError, match=sentence):
+        simulate(room(), inputs={"wall.y_min.displacement": function})
+
+
+def test_a_wall_that_is_given_a_jump_between_steps_is_refused():
+    chain = Chain(room())
+    chain.step(0.01)
+    chain.set("wall.y_min.displacement", 0.1)
+    with pytest.raises(SimulationError, match=r"give its velocity, too: point 0 at the wall y_min"):
+        chain.step(0.01)
+
+
+def test_a_velocity_that_contradicts_its_position_is_warned_of():
+    with pytest.warns(SceneWarning, match=r"wall.y_min.velocity = 0.5 contradicts .* derivative is 0.01"):
+        simulate(room(), inputs={"wall.y_min.displacement": lambda t: 0.01 * t, "wall.y_min.velocity": 0.5})
+
+
+@pytest.mark.parametrize("inputs", [{"base.y": lambda t: 0.2 - t}, {"wall.y_min.velocity": 1.0}])
+def test_a_wall_does_not_move_through_a_pinned_base(inputs):
+    scene = pendulum(box={"y_min": -1.0}, inputs={"base_motion": True, "wall_motion": ["y_min"]})
+    with pytest.raises(SimulationError, match="the pinned base is beyond a wall"):
+        simulate(scene, 2.0, inputs=inputs)
+
+
+def test_motions_that_are_not_asked_for_are_refused():
+    scene = pendulum(inputs={})
+    with pytest.raises(
+        SceneError, match=r"'base.x' is no input of this scene; inputs.base_motion = true makes"
+    ):
+        simulate(scene, inputs={"base.x": 1.0})
+    with pytest.raises(SceneError, match=r'inputs.wall_motion = \["floor"\] makes it'):
+        simulate(scene, inputs={"wall.floor.velocity": 1.0})
+    with pytest.raises(SceneError, match=r"base\.x is no variable"):
+        Chain(scene).set("base.x", 1.0)
+
+
+BAD_SCENES = {
+    "a free base": ({"base": "free", "inputs": {"base_motion": True}}, "must be false for a free base"),
+    "no such wall": (
+        {"inputs": {"wall_motion": ["y_max"]}},
+        "'y_max' is no wall of the scene; must be one of y_min",
+    ),
+    "no list": ({"inputs": {"wall_motion": "yes"}}, "must be a list of names, or true for all"),
+}
+
+
+@pytest.mark.parametrize("what", BAD_SCENES)
+def test_scenes_that_cannot_move_so_are_refused(what):
+    options, sentence = BAD_SCENES[what]
+    with pytest.raises(SceneError, match=sentence):
+        scene_of(box={"y_min": -1.0}, initial={"angles": [0.0, 0.0]}, **options)
