@@ -117,9 +117,12 @@ def test_what_is_done_is_not_done_again(tmp_path, whole, monkeypatch):
     monkeypatch.setattr(module, "run_in_threads", spy)
     assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
     assert {path: path.stat().st_mtime_ns for path in files} == files
-    monkeypatch.setattr(pieces, "Runner", None)  # nor is a kernel, nor a scheduler
+    monkeypatch.setattr(pieces, "Runner", None)  # nor is a kernel, nor a scheduler, nor are files written
+    monkeypatch.setattr(FileLock, "acquire", None)
+    before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
     again = sweep(SCENE, VARY, path=folder, scheduler="tcp://127.0.0.1:9")
     assert again.to_dataframe().equals(whole.to_dataframe())
+    assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
     assert spans == [[(done, 800)], []]
 
 
