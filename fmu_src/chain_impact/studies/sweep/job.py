@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.kernel.status import OK
-from chain_impact.scene.names import SENSITIVITY, Place, nearest
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.names import SENSITIVITY, Place
+from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import kernel_for
 from chain_impact.studies.sweep.variation import Variation
@@ -87,9 +87,7 @@ def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequ
     known = model.outputs_by_name
     for name in outputs:
         if name not in known:
-            near = nearest(name, known)
-            hint = f"the nearest is {near}" if near else "`chain-impact info` lists them"
-            raise SceneError(f"{model.scene.name}: {name} is no output; {hint}")
+            raise UnknownNameError(model.scene.name, name, known, "no output")
     if STATUS not in known:
         raise SceneError(f"{model.scene.name}: outputs.solver = false must be true: each run has its status")
     variables = [variation.variable for variation in variations]
