@@ -146,7 +146,23 @@ def assert_laws_hold(chain):
 
 @pytest.mark.parametrize("name", CASES)
 def test_impulses_are_the_change_of_momentum(name):
-    chain = links_of(name, 0.01)
+    assert_momentum_holds(links_of(name, 0.01))
+
+
+def test_the_laws_hold_with_a_base_and_a_wall_that_move():
+    moved = {"outputs.loads": True, "inputs.base_motion": True, "inputs.wall_motion": ["x_max"]}
+    scene = load_scene("pinned_arm").with_values(moved)
+    ways = {
+        "base.y": lambda time: 0.05 * np.sin(20.0 * time),
+        "wall.x_max.displacement": lambda time: 0.02 * np.sin(10.0 * time),
+    }
+    chain = Links(simulate(scene, inputs=ways))
+    assert len(chain.result.impacts) == 2
+    assert_laws_hold(chain)
+    assert_momentum_holds(chain)
+
+
+def assert_momentum_holds(chain):
     gravity, time = np.array(chain.scene.gravity), chain.result.time
     for i in range(chain.first, chain.count + 1):
         momentum = chain.links[i - 1].mass * chain.at_center(i, "v")
