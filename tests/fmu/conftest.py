@@ -37,6 +37,10 @@ KINDS = {
 ASKED = ["contact.stiffness", "contact.restitution", "initial.angle[*]"]
 FLAT = {"box.x_max": 9.0, "contact.model": "newton_impact", "initial.velocity": [0.0, 0.0]}
 FLAT |= {"initial.angles": [0.0] * 4, "initial.angular_velocities": [0.0] * 4}
+SERVO = {
+    f"link[{i}].joint_{key}": value for i in (1, 2) for key, value in (("stiffness", 4.0), ("damping", 0.3))
+}
+SERVO |= {"link[1].joint_armature": 0.1, "link[2].joint_torque_limit": 2.0, "inputs.joint_targets": True}
 SCENES = {
     "derivatives": lambda: load_scene("four_link_box").with_values(
         {"outputs.sensitivities": ASKED, "outputs.contacts": False}
@@ -50,6 +54,7 @@ SCENES = {
     "knee": knee,
     "thrown": thrown,
     "finger": finger,
+    "servo": lambda: load_scene("pinned_arm").with_values(SERVO | {"outputs.loads": True}),
     "pushed_leg": lambda: load_scene("kneed_leg").with_values({"inputs.tip_force": True}),
     "pushed_rigid_arm": lambda: load_scene("falling_arm").with_values(
         {"inputs.tip_force": True, "contact.model": "newton_impact", "contact.restitution": 0.0}

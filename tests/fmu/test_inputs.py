@@ -4,7 +4,9 @@ import itertools
 
 import numpy as np
 
+from chain_impact import Chain
 from tests.fmu.clean import importing
+from tests.fmu.conftest import scene_of
 from tests.fmu.importer import Instance
 
 # The functions without an assertion run in the clean process: they hold all that they use.
@@ -34,6 +36,30 @@ def test_inputs_depend_neither_on_the_communication_step_nor_on_the_kind(fmus, a
     assert coarse[-1][names.index("impact.count")] > 0
     np.testing.assert_array_equal(fine, coarse)
     assert [names, coarse] == clean(driven, all_fmus["native"]["pinned_arm"], torques, PERIOD, 1)
+
+
+def followed(fmu, targets, period):
+    """Targets of joint 2, held for a period each."""
+    values = [{"joint[2].target_angle": one, "joint[2].target_velocity": other} for one, other in targets]
+    instance, rows = Instance(fmu).start(**values[0]), []
+    for k, given in enumerate(values):
+        instance.set(given)
+        instance.step((k + 1) * period)
+        rows.append(instance.get(instance.outputs))
+    return [[*instance.outputs], rows]
+
+
+def test_targets_act_as_they_do_on_a_chain_in_python(fmus, clean):
+    targets = [(0.5, 0.0), (3.0, 0.0), (3.0, -2.0), (-3.0, 0.0), (0.0, 0.5)]
+    names, rows = clean(followed, fmus["servo"], targets, 0.125)
+    chain = Chain(scene_of("servo"))
+    motion = [name for name in names if name.startswith(("joint[", "link[", "energy."))]
+    for k, (angle, velocity) in enumerate(targets):
+        chain.set({"joint[2].target_angle": angle, "joint[2].target_velocity": velocity})
+        chain.step_to(0.125 * (k + 1))
+        found = dict(zip(names, rows[k], strict=True))
+        assert [found[name] for name in motion] == chain.get(motion).tolist()
+    assert abs(chain.get("joint[2].angular_velocity")) > 0.1
 
 
 @importing("pinned_arm")

@@ -12,7 +12,7 @@ from tests.fmu.conftest import scene_of
 from tests.fmu.importer import MESSAGES, FMICallException, Instance, refused
 
 STEP = 2.0**-7  # s; sums of such a step are exact, so that all clocks agree to the last bit
-STOPS = {"knee": 2.0, "thrown": 1.5, "finger": 0.75}  # s; 1 s for all others
+STOPS = {"knee": 2.0, "thrown": 1.5, "finger": 0.75, "servo": 1.0}  # s; 1 s for all others
 RIGID = CONTACT_LAWS["newton_impact"].number
 
 # The functions that importing() makes tests of, and those without an assertion, run in the clean process.
@@ -23,6 +23,7 @@ RIGID = CONTACT_LAWS["newton_impact"].number
 TUNED = {
     "knee": (0.5, {"stop.restitution": 0.9, "stop.stiffness": 3e4, "wall.x_max.restitution": 0.75}),
     "thrown": (0.25, {"wall.y_min.friction": 0.05, "contact.restitution": 0.1}),
+    "servo": (0.5, {"link[1].joint_stiffness": 40.0, "link[2].joint_damping": 0.0}),
 }
 """Scene → time [s], after the first impact or while a contact slides, and what is set there."""
 CASES = [
@@ -245,6 +246,7 @@ def test_a_trial_moves_only_what_is_declared_and_leaves_no_trace(fmu):
     [
         *(("four_link_box", time) for time in (0.3, 0.5)),
         *(("thrown", time) for time in (0.25, 1.25)),  # sliding, sticking
+        ("servo", 0.25),  # a torque at its limit
         ("rod_drop", "contact[0].y_min.force"),
         ("ramp", "contact[0].ramp.force"),
     ],
