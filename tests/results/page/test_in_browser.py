@@ -238,7 +238,7 @@ def test_inputs_are_told_to_be_zero(show):
     assert show("rod_drop").locator("#inputs").is_hidden()
     told = show("controlled_arm").locator("#inputs")
     assert told.is_visible()
-    assert "Inputs are zero here: joint[1].torque" in told.inner_text()
+    assert "Inputs have their start values here: joint[1].torque" in told.inner_text()
 
 
 @pytest.fixture

@@ -173,7 +173,7 @@ find("map-open").addEventListener("click", () => {
   grid.open();
 });
 find("inputs").hidden = scene.inputs.length === 0;
-find("inputs").textContent = `Inputs are zero here: ${scene.inputs.join(", ")}.`;
+find("inputs").textContent = `Inputs have their start values here: ${scene.inputs.join(", ")}.`;
 showKnobs(find("main-knobs"), changes);
 showList(find("list-of-parameters"), changes);
 connectExport();
