@@ -373,3 +373,14 @@ def test_targets_need_their_key():
             simulate(scene, inputs={name: 1.0})
         with pytest.raises(SceneError, match=r"joint_targets = true"):
             Chain(scene).set(name, 1.0)
+
+
+def test_an_accelerated_base_is_as_gravity_for_limited_servos_with_armatures():
+    scene = random_chain(3, "pinned", limits=True, **FOLLOWS)
+    scene = with_values(scene, {f"link[{i}].joint_stiffness": 40.0 for i in (1, 2, 3)})
+    inputs = {name: f for name, f in functions_of(scene).items() if "target" in name}
+    moved = with_values(scene, {"inputs.base_motion": True})
+    accelerated = simulate(moved, inputs=inputs | {"base.x": lambda t: 2.5 * t * t})
+    leaning = simulate(with_values(scene, {"gravity": [-5.0, scene.gravity[1]]}), inputs=inputs)
+    np.testing.assert_allclose(accelerated.angles, leaning.angles, rtol=0, atol=1e-10)
+    assert balance(accelerated) < 1e-9
