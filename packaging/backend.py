@@ -19,8 +19,9 @@ from kernel_hook import kernels, say, target  # noqa: E402
 
 def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:
     """What to install for a wheel besides [build-system] requires."""
-    ready = kernels()
-    compilers = [] if ready.all_cached(target(), release=ready.for_release()) else ready.REQUIREMENTS
+    making = kernels()
+    cached = making.all_cached(target(), release=making.ready.for_release())
+    compilers = [] if cached else making.REQUIREMENTS
     if compilers:
         say("the build needs compilers, some hundred megabytes, which are removed after it")
     return [*build.get_requires_for_build_wheel(config_settings), *compilers]

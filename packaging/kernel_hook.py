@@ -27,7 +27,7 @@ PLATFORM = "CHAIN_IMPACT_PLATFORM"
 
 
 def kernels() -> ModuleType:
-    """The module that makes kernels, without the rest of the package and what that needs installed."""
+    """The module ready_kernels, without the rest of the package and what that needs installed."""
     if "chain_impact" not in sys.modules:
         package = ModuleType("chain_impact")
         package.__path__ = [str(PACKAGE)]
@@ -37,7 +37,10 @@ def kernels() -> ModuleType:
         places.writable(places.base_folder())
     except RuntimeError:  # who builds has no home, or no space there
         os.environ["CHAIN_IMPACT_CACHE"] = tempfile.mkdtemp(prefix="chain-impact-")
-    return import_module("chain_impact.compilation.ready")
+    here = str(Path(__file__).parent)
+    if here not in sys.path:  # of a build that does not go through backend.py
+        sys.path.insert(0, here)
+    return import_module("ready_kernels")
 
 
 def target() -> str:
@@ -78,11 +81,12 @@ class KernelHook(BuildHookInterface):
         """Add the kernels to the wheel; an editable one gets none, as its sources will change."""
         if version == "editable":
             return
-        ready, platform = kernels(), target()
+        making, platform = kernels(), target()
+        ready, release = making.ready, making.ready.for_release()
         self.scratch = tempfile.TemporaryDirectory(prefix="chain-impact-")
         folder = Path(self.scratch.name, ready.FOLDER.name)
-        cached = ready.all_cached(platform, release=ready.for_release())
-        ready.make(folder, platform, release=ready.for_release(), say=say)
+        cached = making.all_cached(platform, release=release)
+        making.make(folder, platform, release=release, say=say)
         if not cached:
             say("the kernels are ready")
         build_data["force_include"][str(folder)] = f"chain_impact/{ready.FOLDER.name}"

@@ -32,7 +32,7 @@ def built(target: str, folder: Path, platform: str = "") -> Path:
     Raises:
         ReleaseError: when that fails.
     """
-    settings = {PLATFORM: platform, kernels().RELEASE: "1", "SOURCE_DATE_EPOCH": DATE}
+    settings = {PLATFORM: platform, kernels().ready.RELEASE: "1", "SOURCE_DATE_EPOCH": DATE}
     before = set(folder.iterdir())
     command = [sys.executable, "-m", "hatchling", "build", "-t", target, "-d", str(folder)]
     done = subprocess.run(

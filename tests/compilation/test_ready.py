@@ -11,6 +11,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+import ready_kernels
 
 from chain_impact.compilation import browser, compilers, ready
 from chain_impact.compilation.library import kernel_library
@@ -61,8 +62,8 @@ def made(tmp_path, monkeypatch, said):
     """A folder as a wheel has it."""
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     replace_compilers(monkeypatch)
-    assert not ready.all_cached()
-    ready.make(tmp_path / "ready", say=said.append)
+    assert not ready_kernels.all_cached()
+    ready_kernels.make(tmp_path / "ready", say=said.append)
     monkeypatch.setattr(ready, "FOLDER", tmp_path / "ready")
     ready._usable.cache_clear()
     yield tmp_path / "ready"
@@ -73,8 +74,8 @@ def made(tmp_path, monkeypatch, said):
 def test_a_second_wheel_of_the_same_sources_takes_no_compiler(made, tmp_path, monkeypatch):
     monkeypatch.setattr(compilers, "lower", None)
     monkeypatch.setattr(compilers, "link", None)
-    assert ready.all_cached()
-    ready.make(tmp_path / "again")
+    assert ready_kernels.all_cached()
+    ready_kernels.make(tmp_path / "again")
     first, second = (sorted(path.name for path in folder.iterdir()) for folder in (made, tmp_path / "again"))
     assert first == second
 
@@ -90,7 +91,7 @@ def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeyp
     assert kernel_library(4) == kernel_library(64) == ready.find(ready.library_name(None, "linux64"))
     assert ready.find(ready.library_name(None, "win64")) is None
     assert ready.find(browser.MODULE).read_text() == "kernel for a browser"
-    assert len(ready.libraries()) == 3  # with derivatives, and for browsers
+    assert len(ready.libraries()) == 5  # with derivatives and without, still and moving, and for browsers
     assert ready.module() == "kernel"
     assert lzma.decompress((made / ready.MODULE).read_bytes()) == b"kernel"
     assert not [path for path in made.iterdir() if path.is_dir()]
@@ -100,15 +101,15 @@ def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeyp
 def test_it_is_said_what_is_done(made, said):
     """pip shows these lines: none is long after the one before."""
     assert sorted(said[:2]) == [f"compiling {what}, for any number of links" for what in sorted(ready.PARTS)]
-    assert "linking derivatives-any-linux64.so, 2 of 3" in said
-    assert len(said) == 5
+    assert "linking derivatives-any-linux64.so, 3 of 5" in said
+    assert len(said) == 7
 
 
 @needs_compilers
 def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
     said = []
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(ready, "PATIENCE", 0.01)
+    monkeypatch.setattr(ready_kernels, "PATIENCE", 0.01)
     replace_compilers(monkeypatch)
 
     def slow(module, what):
@@ -117,7 +118,7 @@ def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
         lower(module, what)
 
     monkeypatch.setattr(compilers, "lower", slow)
-    ready.make(tmp_path / "ready", say=said.append)
+    ready_kernels.make(tmp_path / "ready", say=said.append)
     assert "still at work" in said
 
 
@@ -125,13 +126,13 @@ def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
 def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, tmp_path, monkeypatch):
     """What is cached already is not made again."""
     said = []
-    assert not ready.all_cached(release=True)
-    ready.make(tmp_path / "release", release=True, say=said.append)
-    assert ready.all_cached(release=True)
+    assert not ready_kernels.all_cached(release=True)
+    ready_kernels.make(tmp_path / "release", release=True, say=said.append)
+    assert ready_kernels.all_cached(release=True)
     assert not [line for line in said if "kernel-any-" in line]
     monkeypatch.setattr(ready, "FOLDER", tmp_path / "release")
     ready._usable.cache_clear()
-    assert len(ready.libraries()) == len(ready.SIZES) + 2  # with derivatives, and for browsers
+    assert len(ready.libraries()) == len(ready.SIZES) + 3  # two with derivatives, and for browsers
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "nothing"))
     for links in range(1, ready.LARGEST_EXACT + 1):
         assert kernel_library(links).read_text() == f"kernel for {links}"
@@ -158,7 +159,7 @@ def test_compilers_and_python_of_a_wheel_are_those_of_the_project():
     done = backend("import backend; print('.'.join(map(str, backend.OLDEST)))")
     assert f">={done.stdout.strip()}" == project["requires-python"]
     numpy = [requirement for requirement in project["dependencies"] if requirement.startswith("numpy")]
-    assert sorted(ready.REQUIREMENTS) == sorted(project["optional-dependencies"]["compiler"] + numpy)
+    assert sorted(ready_kernels.REQUIREMENTS) == sorted(project["optional-dependencies"]["compiler"] + numpy)
 
 
 def backend(program, **settings):
@@ -178,8 +179,8 @@ def test_the_build_backend_asks_for_compilers_only_where_they_are_needed(tmp_pat
         ast.literal_eval(backend(program.format(kind), CHAIN_IMPACT_CACHE=str(tmp_path)).stdout)
         for kind in ("wheel", "editable")
     )
-    assert set(ready.REQUIREMENTS) <= set(wheel)
-    assert not set(ready.REQUIREMENTS) & set(editable)
+    assert set(ready_kernels.REQUIREMENTS) <= set(wheel)
+    assert not set(ready_kernels.REQUIREMENTS) & set(editable)
 
 
 @needs_compilers
@@ -188,7 +189,7 @@ def test_a_wheel_for_release_needs_compilers_where_only_the_first_kernels_are_ca
     for release in "01":
         done = backend(program, CHAIN_IMPACT_RELEASE=release)  # in the cache of ``made``
         asked = set(ast.literal_eval(done.stdout))
-        assert bool(set(ready.REQUIREMENTS) & asked) == (release == "1")
+        assert bool(set(ready_kernels.REQUIREMENTS) & asked) == (release == "1")
 
 
 def test_a_wheel_is_for_this_machine_unless_another_platform_is_named():

@@ -1,0 +1,109 @@
+"""The kernels that a wheel carries are made, when it is built; compilation/ready.py finds them later."""
+
+from __future__ import annotations
+
+import functools
+import lzma
+import shutil
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor, wait
+from pathlib import Path
+from typing import Any
+
+from chain_impact.compilation import browser, cache, compilers, ready
+from chain_impact.compilation.sources import COMPILERS, fingerprint
+from chain_impact.system import HOST, cores
+
+PATIENCE = 10.0  # s, after which who waits is told that work goes on
+REQUIREMENTS = [*(f"{name}=={version}" for name, version in COMPILERS.items()), "numpy>=2.0,<3"]
+"""What has to be installed to compile kernels."""
+
+
+def _wanted(platform: str, release: bool) -> dict[str, tuple[str, int | None]]:
+    """The kernels of a wheel: file name → kind and number of links."""
+    return {
+        ready.library_name(size, platform, what=kind): (kind, size)
+        for kind in ready.PARTS
+        for size in ready.sizes(kind, release)
+    }
+
+
+def all_cached(platform: str = HOST, *, release: bool = False) -> bool:
+    """Whether all files for a platform are in the cache, so that it takes no compiler to ``make`` them."""
+    return all(cache.find(name) for name in (ready.MODULE, browser.MODULE, *_wanted(platform, release)))
+
+
+def make(
+    folder: Path,
+    platform: str = HOST,
+    *,
+    release: bool = False,
+    say: Callable[[str], None] = print,
+) -> None:
+    """Put all kernels for a platform into a new folder, and the module that more can be made from.
+
+    What is not in the cache is compiled.
+
+    Args:
+        folder: to be made.
+        platform: of ``compilers.ZIG_TARGETS``.
+        release: whether to add what a wheel for release has: kernels for single numbers of links.
+        say: is told what is done, before it is.
+    """
+    wanted = _wanted(platform, release)
+    if not all_cached(platform, release=release):
+        ready.require_compilers("a wheel")
+        _compile(wanted, platform, say)
+    folder.mkdir()
+    for name in (ready.MODULE, browser.MODULE, *wanted):
+        found = cache.find(name)
+        assert found is not None, name
+        shutil.copy(found, folder)
+    (folder / ready.MADE_FROM).write_text(fingerprint())
+
+
+def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Callable[[str], None]) -> None:
+    """See that kernels are in the cache, as many at once as there are cores."""
+
+    def text(what: str) -> str:
+        def lower(file: Path) -> None:
+            say(f"compiling {what}, for any number of links")
+            compilers.lower(file, what)
+
+        return cache.made(f"{what}.ll", lower).read_text()
+
+    with ThreadPoolExecutor(cores()) as pool:
+
+        def each(work: Callable[[str], Any], names: Iterable[str]) -> list[Any]:
+            running = [pool.submit(work, name) for name in names]
+            while wait(running, timeout=PATIENCE).not_done:
+                say("still at work")
+            return [one.result() for one in running]
+
+        preparing = pool.submit(compilers.prepare_zig, platform)
+        texts = dict(zip(ready.PARTS, each(text, ready.PARTS), strict=True))
+        preparing.result()
+
+        names = [*wanted, browser.MODULE]
+
+        def library(name: str) -> None:
+            def link(file: Path) -> None:
+                say(f"linking {name}, {names.index(name) + 1} of {len(names)}")
+                if name == browser.MODULE:
+                    browser.link(ready.compiled_for_browsers(lambda: texts[ready.KERNEL]), file)
+                    return
+                kind, links = wanted[name]
+                parts = [
+                    ready.compiled(links, platform, what, functools.partial(texts.__getitem__, what))
+                    for what in ready.PARTS[kind]
+                ]
+                compilers.link(parts, file, platform)
+
+            cache.made(name, link)
+
+        def pack(file: Path) -> None:
+            # a stronger compression takes ten times as long for half of the size
+            file.write_bytes(lzma.compress(texts[ready.KERNEL].encode(), preset=1))
+
+        cache.made(ready.MODULE, pack)
+        each(library, names)
