@@ -110,7 +110,7 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         self.block = bytearray(cls.start)
         self.reals, self.integers = memoryview(self.block).cast("d"), memoryview(self.block).cast("q")
         self.address = ctypes.addressof(ctypes.c_char.from_buffer(self.block))
-        self.phase, self.initialized = INSTANTIATED, False
+        self.phase, self.initialized, self.warned = INSTANTIATED, False, False
         # the reals with the outputs of the present time, None if neither block has them
         self.observed: Any = None
         self.time, self.stop_time = 0.0, math.inf
@@ -169,7 +169,20 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
             text = f"the simulation stopped at t = {reached:.9g} s: {self._text(status, self.reals)}"
             raise SlaveError(text, self)
         self.time = time
+        self._warn()
         return True
+
+    def _warn(self) -> None:
+        """Say once whose positions and velocities contradict each other, if any do."""
+        word = self.words.get("contradiction")
+        if word is None or self.warned or not (channel := self.integers[word]):
+            return
+        position = self.words["position"] + channel - 1
+        name = next((row[0] for row in self.table if row[3] == "input" and row[2] == position), "a motion")
+        distance, lasted, velocity = self.reals[word + 1 : word + 4]
+        self.warned = True
+        text = f"{name} has been moved by {distance:.9g} m in {lasted:.9g} s, which contradicts its velocity "
+        self.log(f"{text}of {velocity:.9g} m/s: give both", Fmi2Status.warning)
 
     def terminate(self) -> None:
         """Take no more steps; outputs can still be read."""

@@ -11,11 +11,12 @@ from typing import Any
 
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import places as places_of
+from chain_impact.scene.names import Place
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import word_index
+from chain_impact.variables.table import MOTION, word_index
 
 # as in compilation/c_interface/common/instance.h
-HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s13q"), 24
+HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s15q"), 24
 ROW, PLACE = struct.Struct("<ddqqqiiii"), struct.Struct("<q")
 MAGIC = b"chaintab"
 TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
@@ -24,12 +25,14 @@ TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "ind
 def model_table(model: Model) -> dict[str, Any]:
     """What an FMU has to know of its model, but for the start values and the GUID."""
     variables, layout = model.variables, model.start.dtype
-    places = {
+    places: dict[str, Place] = {
         "time": ("step", "time"),
         "changed": ("given", "changed"),
         "tolerance": ("solver", "tolerance"),
         "place": ("fault", "place"),
     }
+    if model.sizes[-1]:
+        places |= {"contradiction": ("moved", "contradiction"), "position": (MOTION, "position", 0)}
     return {
         "name": model.scene.name,
         "variables": [model.table_row(variable) for variable in variables],
@@ -83,7 +86,8 @@ def packed(model: dict[str, Any], record: bytes, further: Sequence[tuple[list[An
     record_at = places_at + len(reasons)
     texts_at = record_at + len(record)
     numbers = [len(variables), len(codes), len(model["places"])]
-    numbers += [model["words"][name] for name in ("time", "changed", "tolerance", "place")]
+    names = ("time", "changed", "tolerance", "place", "contradiction", "position")
+    numbers += [model["words"].get(name, 0) for name in names]
     numbers += [variables_at, statuses_at, places_at, texts_at, record_at, len(record)]
     parts = rows + statuses + reasons + record + bytes(texts)
     head = HEAD.pack(MAGIC, HEAD.size + len(parts), 0, model["guid"].encode(), *numbers)

@@ -19,6 +19,7 @@ from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.results.text import plural
 from chain_impact.scene.angles import in_radians, or_degrees
+from chain_impact.scene.checks import warn
 from chain_impact.scene.names import absent_hint, input_asked, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
@@ -92,6 +93,8 @@ class Chain:
         self._changed_word = word_index(dtype, ("given", "changed"))
         self._finished_word = word_index(dtype, ("finished", "count"))
         self._collected_word = word_index(dtype, ("finished", "collected"))
+        self._contradiction_word = word_index(dtype, ("moved", "contradiction"))
+        self._warned = False
         self._changes_word = word_index(dtype, ("changes", "count"))
         self._selections: dict[str | tuple[str, ...], _Selection] = {}
         self._instant = np.zeros(1)
@@ -156,6 +159,9 @@ class Chain:
                 raise SimulationError(self._instance.status, self.time, None, self._instance.place)
         self._collect()
         self._observed = True
+        if not self._warned and self._integers[self._contradiction_word]:
+            self._warned = True
+            warn(self.scene.name, self._instance.contradictions)
 
     def get(self, names: str | Iterable[str]) -> Any:
         """The present value of a variable, or of several.

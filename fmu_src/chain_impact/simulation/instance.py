@@ -21,7 +21,7 @@ from chain_impact.scene.candidates import places
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import Drive
 from chain_impact.variables.model import Model, kernel_size, model_of
-from chain_impact.variables.table import BEHIND, WORD, first_word
+from chain_impact.variables.table import BEHIND, MOTION, WORD, first_word
 from chain_impact.variables.variable import Variable
 
 # words at the start of a record: numbers of links, candidates, elements, loads, channels, tangents
@@ -286,6 +286,18 @@ class Instance:
         """Where the reason for a refusal is, in words; "" if there is none."""
         number = int(self.record["fault"]["place"])
         return places(self.model.scene)[number - 1] if number else ""
+
+    @property
+    def contradictions(self) -> list[str]:
+        """A sentence on a motion whose positions and velocities contradict each other, if any do."""
+        moved = self.record["moved"]
+        channel = int(moved["contradiction"])
+        places = {variable.place: variable.name for variable in self.model.inputs}
+        name = places.get((MOTION, "position", channel - 1))
+        if not name:
+            return []
+        moves = f"{name} has been moved by {moved['distance']:.9g} m in {moved['lasted']:.9g} s"
+        return [f"{moves}, which contradicts its velocity of {moved['speed']:.9g} m/s: give both"]
 
     @property
     def time(self) -> float:

@@ -150,6 +150,8 @@ def simulate(
     # few runs are so deep that there may be something to say
     if found["max_penetration"].max(initial=0.0) > min([link.length for link in scene.chain.links]):
         warn(scene.name, hints(scene, found))
+    if instance.record["moved"]["contradiction"]:
+        warn(scene.name, instance.contradictions)
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result, instance.place)
     return result

@@ -29,6 +29,7 @@ typedef struct {
     char guid[40];
     int64_t variable_count, status_count, place_count;
     int64_t time_word, changed_word, tolerance_word, place_word;
+    int64_t contradiction_word, position_word; /* of motions; 0 if there are none */
     int64_t variables_at, statuses_at, places_at, texts_at, record_at, record_size;
 } Table;
 
@@ -70,6 +71,7 @@ struct Instance {
     int set_up;      /* start and stop time are given */
     int initialized; /* the record holds the start that follows from the parameters as they are */
     const Word *observed; /* the record whose outputs are those of the present time; NULL if neither's are */
+    int warned; /* of a motion that contradicts its velocity */
     double time, stop_time;
 };
 

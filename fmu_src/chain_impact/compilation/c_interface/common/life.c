@@ -14,7 +14,7 @@ static const double TIME_TOLERANCE = 1e-9, ROUND_OFF = 1e-12;
 static void back_to_the_start(Instance *one) {
     memcpy(one->record, in_table(one->table, one->table->record_at), (size_t)one->table->record_size);
     one->phase = INSTANTIATED;
-    one->set_up = one->initialized = 0;
+    one->set_up = one->initialized = one->warned = 0;
     one->observed = NULL;
     one->time = 0.0;
     one->stop_time = INFINITY;
@@ -140,6 +140,22 @@ int fail(Instance *one, int status, int fault) {
                reason(one->table, one->record, fault).text);
 }
 
+/* Says once whose positions and velocities contradict each other, if any do. */
+static void warn(Instance *one) {
+    const Table *table = one->table;
+    if (table->contradiction_word == 0 || one->warned) return;
+    const Word *found = one->record + table->contradiction_word; /* channel, from 1; distance; time; velocity */
+    if (found->integer == 0) return;
+    const Variable *variables = in_table(table, table->variables_at);
+    const char *name = "a motion";
+    for (int64_t i = 0; i < table->variable_count; i++)
+        if (variables[i].kind == INPUT && variables[i].word == table->position_word + found->integer - 1)
+            name = text_of(table, variables[i].name);
+    one->warned = 1;
+    say(one, WARNING, "%s has been moved by %s m in %s s, which contradicts its velocity of %s m/s: give both", name,
+        rounded(found[1].real).text, rounded(found[2].real).text, rounded(found[3].real).text);
+}
+
 /* The bounds on the solver's work, by solver.work_limit, end every step. */
 int do_step(Instance *one, const char *call, double now, double size, int *onset_due) {
     if (!allowed(one, call, IN(STEPPING))) return ERROR;
@@ -161,5 +177,6 @@ int do_step(Instance *one, const char *call, double now, double size, int *onset
     *onset_due = status == ONSET_DUE;
     if (status != 0 && !*onset_due) return fail(one, one->interface->unfinished, status);
     one->time = *onset_due ? one->record[one->table->time_word].real : time;
+    warn(one);
     return OK;
 }
