@@ -65,11 +65,12 @@ def motion_bounds(d, m):
 
 
 def fastest_wall(d):
-    """The largest speed [m/s] and acceleration [m/s²] of a wall, where walls have been moved to last."""
+    """The largest speed [m/s] and acceleration [m/s²] of walls and belts, where they have been moved to."""
     speed, push = 0.0, 0.0
     for c in range(d.candidates):
         if d.shift.channel[c] >= 0:
-            speed, push = max(speed, abs(d.shift.rate[c])), max(push, abs(d.shift.push[c]))
+            speed = max(speed, abs(d.shift.rate[c]), abs(d.shift.belt_rate[c]))
+            push = max(push, abs(d.shift.push[c]), abs(d.shift.belt_push[c]))
     return speed, push
 
 

@@ -21,7 +21,7 @@ impulses leave. If these turn the point back, there is no such contact.
 
 import math
 
-from chain_impact.kernel.chain.kinematics import largest, locate_points
+from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import velocity_at
 from chain_impact.kernel.chain.tree import take_factors
 from chain_impact.kernel.equations import free_rate
@@ -60,7 +60,7 @@ from chain_impact.kernel.rows.constraints import (
     require,
     solve_lcp,
 )
-from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.rows.geometry import clearance, fastest_of_all
 
 # Fraction of the smallest speed that rebounds: slower points do not separate, because bounces that each have
 # a fraction of the speed of the last would accumulate in a finite time (Zeno behaviour).
@@ -118,7 +118,7 @@ def begin_late_contacts(d):
     Returns:
         The last of them, or −1.
     """
-    onset, round_off = -1, SIGN_TOLERANCE * largest(d, d.work.velocity)
+    onset, round_off = -1, SIGN_TOLERANCE * fastest_of_all(d)
     for c in range(d.candidates):
         _, gap_rate = clearance(d, c)
         if d.touch.event[c] == ONSET and not d.law.impulsive[c] and gap_rate < -round_off:
@@ -187,7 +187,7 @@ def find_impulses(d, share):
         rebound = -share * d.law.restitution[c] * own.start[k] if arrives else 0.0
         require(d, k, rebound if rebound > STICK * least else 0.0)
     factorize_free(d)
-    solve_lcp(d, largest(d, d.work.velocity))
+    solve_lcp(d, fastest_of_all(d))
     for k in range(d.touch.active_count):
         # −½ p (u⁻ + u⁺)
         lost -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
@@ -197,7 +197,7 @@ def find_impulses(d, share):
 
 def lacks_rebound(d):
     """Whether impulses cannot give all points the rebound speeds that the restitution demands."""
-    short, scale = False, largest(d, d.work.velocity)
+    short, scale = False, fastest_of_all(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         short = short or d.rigid.reached[k] < d.rigid.target[k] - GAIN * scale
     return short
@@ -252,7 +252,7 @@ def update_active_set(d):
 
 def end_unstopped_contacts(d):
     """End the contacts that pushing impulses could not bring to rest."""
-    scale = largest(d, d.work.velocity)
+    scale = fastest_of_all(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if not d.rigid.in_active_set[k] and d.rigid.reached[k] > SIGN_TOLERANCE * scale:
             end_contact(d, d.touch.active_index[k], True)

@@ -6,7 +6,7 @@ right-hand side, an accepted step and an event state: what moves freely, and wha
 
 import math
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points, move_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, move_points
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, supplied_at, velocity_at
 from chain_impact.kernel.chain.tree import FREE, take_factors
 from chain_impact.kernel.forces.contact import keep_force
@@ -29,6 +29,8 @@ from chain_impact.kernel.rows.geometry import (
     constraint,
     constraint_acceleration,
     constraint_rows,
+    fastest_of_all,
+    largest_acceleration,
     tangent,
     tangential_acceleration,
     tangential_position,
@@ -71,7 +73,7 @@ def start_from_accelerations(d, y, rate):
     accelerate_points(d, y, rate)
     for k in range(constraint_rows(d)):
         d.rigid.start[k] = constraint_acceleration(d, k)
-    return largest(d, d.work.acceleration)
+    return largest_acceleration(d)
 
 
 def add_constraint_forces(d, y, rate):
@@ -250,7 +252,7 @@ def solve_positions(d):
 
 def solve_stopping_impulses(d):
     """Find the impulses that stop the active set; none of them pulls by more than errors explain."""
-    speed = largest(d, d.work.velocity)
+    speed = fastest_of_all(d)
     factorize_free(d)
     solve_equality(d, speed)
     if least_impulse(d) < -tolerated_momentum(d, speed):

@@ -20,7 +20,8 @@ and masses of stops have the units and the scales of those at walls, and a force
 """
 
 from chain_impact.kernel.chain.joints import joint_armature, joint_resistance
-from chain_impact.kernel.chain.kinematics import clear_joints, locate_points, polar, zero
+from chain_impact.kernel.chain.kinematics import clear_joints, largest, locate_points, polar, zero
+from chain_impact.kernel.chain.motion import fastest_wall
 from chain_impact.kernel.chain.state import ANGLES
 from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_candidate
 
@@ -192,6 +193,24 @@ def clear_loads_of(d, load):
     zero(d, load)
     if d.model.jointed or d.model.resisting or d.model.geared:
         clear_joints(load)
+
+
+def fastest_of_all(d):
+    """The largest component [m/s] of the velocities of all places, and of walls that move."""
+    fastest = largest(d, d.work.velocity)
+    if d.channels > 0:
+        speed, _ = fastest_wall(d)
+        fastest = max(fastest, speed)
+    return fastest
+
+
+def largest_acceleration(d):
+    """The same of the accelerations [m/s²]."""
+    most = largest(d, d.work.acceleration)
+    if d.channels > 0:
+        _, push = fastest_wall(d)
+        most = max(most, push)
+    return most
 
 
 def speed_bound(d, vectors):
