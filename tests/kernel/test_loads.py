@@ -7,7 +7,7 @@ from scipy.integrate import simpson
 from chain_impact import load_scene, simulate, sweep
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.simulation.instance import SimulationError
-from tests.random_scenes import RUBBED, SLANTED, STOPPED, scene as random_scene
+from tests.random_scenes import DRIVEN, RUBBED, SLANTED, STOPPED, scene as random_scene
 
 GEAR = {"link[2].joint_stiffness": 3.0, "link[3].joint_damping": 0.2, "inputs.tip_force": True}
 GEAR |= {"link[3].joint_min": 1.2, "link[3].joint_max": 1.4, "inputs.joint_torques": True}
@@ -114,7 +114,7 @@ def test_forces_and_moments_are_those_of_the_laws_of_newton_and_euler(name):
 def test_they_hold_in_random_scenes():
     """With walls at any angle, stops, springs, dry friction and rigid walls."""
     complete = 0
-    for seed in (*range(4), *(first + k for first in (SLANTED, STOPPED, RUBBED) for k in range(8))):
+    for seed in (*range(4), *(first + k for first in (SLANTED, STOPPED, RUBBED, DRIVEN) for k in range(8))):
         try:
             result = simulate(with_values(random_scene(seed), {"outputs.loads": True}))
         except SimulationError as error:  # which has the rows until then
