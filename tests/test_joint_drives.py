@@ -353,6 +353,38 @@ def test_derivatives_through_limits_are_those_of_differences(method):
         assert np.abs(found - exact).max() < 1e-8 * np.abs(exact).max(), name
 
 
+def test_derivatives_hold_where_targets_and_stiffness_are_set_on_the_way():
+    """A derivative is that for a constant added to all values that are set."""
+    steps = {
+        "link[2].joint_stiffness": 0.05,
+        "link[2].joint_torque_limit": 1e-3,
+        "joint[1].target_angle": 1e-3,
+    }
+    scene = random_chain(2, "pinned", limits=True, **FOLLOWS)
+    stiff = {f"link[{i}].joint_stiffness": 40.0 for i in (1, 2)} | {"link[1].joint_torque_limit": 30.0}
+    scene = with_values(scene, stiff | {"outputs.sensitivities": list(steps)})
+
+    def end(name="", change=0.0):
+        chain = Chain(scene)
+        if name:
+            chain.set(name, chain.get(name) + change)
+        for time, given in ((0.2, {"joint[1].target_angle": 1.5}), (0.4, {"link[2].joint_stiffness": 60.0})):
+            chain.step_to(time)
+            chain.set({key: value + change * (key == name) for key, value in given.items()})
+        chain.step_to(0.7)
+        return chain
+
+    found = end()
+    for name, step in steps.items():
+        exact = 0.0
+        for k, weight in {1: 45.0, 2: -9.0, 3: 1.0}.items():
+            up, down = (end(name, sign * k * step).get("point[2].x") for sign in (1.0, -1.0))
+            exact += weight * (up - down) / (60.0 * step)
+        slope = found.get(f"sensitivity.{name}.point[2].x")
+        assert slope == pytest.approx(exact, rel=1e-7), name
+        assert abs(slope) > 1e-5
+
+
 def test_a_state_is_restored_bit_by_bit_while_a_drive_is_at_its_limit():
     chain = Chain(random_chain(2, "pinned", limits=True, **FOLLOWS))
     chain.set({"link[1].joint_stiffness": 200.0, "joint[1].target_angle": 2.0})
