@@ -11,6 +11,7 @@ import json
 import re
 import sys
 from collections.abc import Iterable, Sequence
+from dataclasses import astuple
 from pathlib import Path
 from typing import Any, get_args, get_origin
 
@@ -175,7 +176,7 @@ KINDS = {
     "": lambda _: True,
     "; with walls": lambda scene: bool(scene.half_planes),
     "; with a free base": lambda scene: scene.chain.base == "free",
-    "; with inputs": lambda scene: scene.inputs.joint_torques,
+    "; with inputs": lambda scene: any(astuple(scene.inputs)),
     "; with dry friction": lambda scene: scene.has_friction,
 }
 # variables of one wall, stop or input, which are there with it

@@ -22,6 +22,7 @@ MODULES = sorted(
 )
 # work space and what the functions of a method return (ode/control.py): more than one module writes it
 SHARED = {
+    "candidate.offset",  # of a wall at rest, and as it moves
     "step.dense",
     "search.curvature",
     "work.load",

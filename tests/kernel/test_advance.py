@@ -8,6 +8,7 @@ import pytest
 from chain_impact.kernel import advance as loop
 from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET
+from chain_impact.kernel.ode import last_step
 from chain_impact.kernel.ode.control import EXPLICIT, FAR_OFF, IMPLICIT, SAFETY, conclude, refuse
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.rows.constraints import MOVING, SOLVED
@@ -233,8 +234,8 @@ def test_events_are_counted_and_kinks_are_told(monkeypatch, events, known):
 def test_the_rate_after_events_is_worked_out_where_they_change_it(monkeypatch, changed):
     d, rates = at_end_of_a_step([ONSET]), []
     monkeypatch.setattr(loop, "apply_events", lambda _: changed)
-    monkeypatch.setattr(loop, "state_rate", lambda _d, _y, rate: rates.append(rate.copy()))
     loop.ensure_rate(d)
+    monkeypatch.setattr(last_step, "state_rate", lambda _d, _y, rate: rates.append(rate.copy()))
     d.work.rate_end[:] = np.arange(len(d.work.y))
     before = d.statistics.rhs_evaluations
     loop.apply_pending_events(d)
@@ -291,8 +292,9 @@ def test_impulses_are_stored_and_begun_anew_at_events(monkeypatch, events, chang
     d, done = at_end_of_a_step(events), []
     loop.ensure_rate(d)
     monkeypatch.setattr(loop, "apply_events", lambda _: done.append("apply") or changed)
-    for name in ("commit_quadratures", "keep_end_rates", "reset_quadratures"):
+    for name in ("commit_quadratures", "reset_quadratures"):
         monkeypatch.setattr(loop, name, lambda _, name=name: done.append(name))
+    monkeypatch.setattr(last_step, "keep_end_rates", lambda _: done.append("keep_end_rates"))
     loop.apply_pending_events(d)
     kept = ["keep_end_rates"] if changed else []
     assert done == (["commit_quadratures", "apply", "reset_quadratures", *kept] if events else [])

@@ -9,7 +9,7 @@ the communication point has passed it. ``d`` is the record of the instance (reco
 import math
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.equations import clear_stage_notes, state_rate
+from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.events.contact_log import update_peaks, update_to_output_time
 from chain_impact.kernel.events.friction_modes import reinit_modes
 from chain_impact.kernel.events.handlers import apply_events, bends_force
@@ -39,6 +39,7 @@ from chain_impact.kernel.forces.inputs import (
 from chain_impact.kernel.initialize import derive_resistance, first_size
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.balance import (
+    apply_next_piece,
     check_balance,
     check_energy,
     keep_energy,
@@ -48,7 +49,6 @@ from chain_impact.kernel.ode.balance import (
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import (
     commit_quadratures,
-    keep_end_rates,
     reset_quadratures,
     set_quadrature_stage_at_end,
     settle_impulses,
@@ -57,6 +57,7 @@ from chain_impact.kernel.ode.last_step import (
     accept,
     choose_variable,
     ensure_rate,
+    evaluate_start,
     reset_step,
     roll_back,
     set_own_output_time,
@@ -79,7 +80,6 @@ from chain_impact.kernel.status import (
     begin_call,
     check_events,
     check_work,
-    count_evaluations,
     count_rejected_step,
     count_step,
     set_status,
@@ -353,7 +353,9 @@ def begin_step(d):
     """Apply the events at the end of the last step; returns their number."""
     events, kinked = apply_pending_events(d)
     if d.given.changed:
-        apply_inputs(d)
+        apply_next_piece(d)
+        if d.channels > 0:
+            evaluate_start(d)
     landed = events > 0 and d.contact.any_rigid and d.touch.compliant_count == 0
     if landed and d.step.method != IMPLICIT:
         control.limit(d, control.in_flight(d, d.step.state_end, d.work.rate_start))
@@ -386,9 +388,7 @@ def apply_pending_events(d):
         jumped = apply_events(d)
         reset_quadratures(d)
         if jumped:
-            state_rate(d, d.step.state_end, rate)
-            keep_end_rates(d)
-            count_evaluations(d, 1)
+            evaluate_start(d)
     return events, kinked
 
 

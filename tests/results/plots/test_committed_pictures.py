@@ -11,7 +11,8 @@ from chain_impact.scene.scene import model_names
 from tests.results.plots.pictures import drawn, recorded
 
 IMAGES = Path(__file__).parents[3] / "docs" / "images"
-OTHERS = {"controlled_arm", "golf_ball", "steel_bar", "triple_pendulum"}  # drawn by programs of their own
+# drawn by programs of their own
+OTHERS = {"carried_arm", "controlled_arm", "golf_ball", "steel_bar", "triple_pendulum"}
 NUMBERS = re.compile(r"[\d, +]+")
 
 

@@ -196,17 +196,17 @@ def note_points_elsewhere(d):
     d.work.at_end = 0
 
 
-def move_points(d, links, change, motion):
+def move_points(d, links, change, response):
     """Motion of the places that follows from a change of the coordinates: Δp_{i+1} = Δp_i + Δθ_i L⊥."""
     n = d.links
     x, y = change[0], change[1]
     for i in range(n):
-        motion.x[i], motion.y[i] = x, y
+        response.x[i], response.y[i] = x, y
         x -= change[ANGLES + i] * links.y[i]
         y += change[ANGLES + i] * links.x[i]
-    motion.x[n], motion.y[n] = x, y
+    response.x[n], response.y[n] = x, y
     if d.model.jointed:
-        place_joints(d, change, ANGLES, motion)
+        place_joints(d, change, ANGLES, response)
 
 
 def largest(d, vectors):

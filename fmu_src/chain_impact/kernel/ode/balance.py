@@ -34,6 +34,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, supplied_at
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, other_energy
 from chain_impact.kernel.forces.contact_force import elastic_force
+from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.ode.control import (
     EXPLICIT,
     FAR_OFF,
@@ -43,7 +44,14 @@ from chain_impact.kernel.ode.control import (
     refuse,
 )
 from chain_impact.kernel.ode.dense import interpolate
-from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense, ensure_points, ensure_rate, largest_turn
+from chain_impact.kernel.ode.last_step import (
+    SOLVER,
+    ensure_dense,
+    ensure_points,
+    ensure_rate,
+    largest_turn,
+    supply,
+)
 from chain_impact.kernel.ode.methods import STABLE, joints_over
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
@@ -108,6 +116,22 @@ def rebase_energy(d):
     locate_points(d, d.step.state_end)
     d.balance.at_end = energy_balance(d, d.step.state_end)
     d.balance.breaks = d.step.breaks
+
+
+def apply_next_piece(d):
+    """Apply inputs that continue with another piece.
+
+    The pieces of a motion meet within round-off only. What that changes in the energy counts as supplied.
+    """
+    if d.channels == 0:
+        apply_inputs(d)
+        return
+    y = d.step.state_end
+    locate_points(d, y)
+    before = energy_balance(d, y)
+    apply_inputs(d)
+    locate_points(d, y)
+    supply(d, energy_balance(d, y) - before)
 
 
 def reinit_balance(d):

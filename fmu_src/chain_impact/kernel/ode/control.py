@@ -17,7 +17,14 @@ import math
 
 from chain_impact.kernel.chain.joints import joint_damping, spring_stiffness
 from chain_impact.kernel.chain.kinematics import move_points
-from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, sundman_u_at, velocity_at
+from chain_impact.kernel.chain.state import (
+    ANGLES,
+    dissipated_at,
+    omega_at,
+    sundman_u_at,
+    supplied_at,
+    velocity_at,
+)
 from chain_impact.kernel.forces.contact_force import damping_share
 from chain_impact.kernel.functions import inlined
 from chain_impact.kernel.rows.constraints import any_constraint
@@ -155,7 +162,8 @@ def set_scales(d, y, scale, contacts):
     shifting the scene changes nothing); for speeds their own size plus one of these per second, and for
     dissipated energy likewise; and for the penetration of each of the first active ``contacts`` its own
     scale, which may be a millionth of a link length. The scales of these stand from that of u on, as in z of
-    extended.py. The energy supplied by inputs depends on the others and is not controlled, nor are u and the
+    extended.py. The energy supplied is controlled where base or walls move, as its power then changes with
+    them, however slow the chain is; that of other inputs depends on the others. Nor are controlled u and the
     time of a step, whose errors are far smaller than those of the motion, rates of clearances and
     quadratures: their scales are not set.
     """
@@ -165,8 +173,15 @@ def set_scales(d, y, scale, contacts):
     for j in range(velocity_at(n), dissipated_at(n)):
         scale[j] = (size if j < omega_at(n) else 1.0) + abs(y[j])
     scale[dissipated_at(n)] = d.model.energy + abs(y[dissipated_at(n)]) + impact_energy(d)
+    if d.channels > 0:
+        scale[supplied_at(n)] = d.model.energy + abs(y[supplied_at(n)]) + impact_energy(d)
     for k in range(contacts):
         scale[sundman_u_at(n) + k] = penetration_scale(d, d.touch.active_index[k])
+
+
+def controlled_count(d):
+    """How many entries of y have their errors controlled."""
+    return supplied_at(d.links) + (1 if d.channels > 0 else 0)
 
 
 @inlined
@@ -189,8 +204,8 @@ def scaled_errors(d):
     y, scale, total = d.trial.state, d.implicit.weight, 0.0
     one, other, first, second = d.work.error[0], d.work.error[1], 0.0, 0.0
     set_scales(d, y, scale, d.touch.active_count)
-    controlled, gaps = dissipated_at(d.links) + 1, sundman_u_at(d.links)
-    for j in range(controlled):
+    gaps = sundman_u_at(d.links)
+    for j in range(controlled_count(d)):
         # max() can hide a NaN, a sum cannot
         total += abs(one[j] + y[j]) + abs(other[j] + y[j])
         first, second = max(first, abs(one[j]) / scale[j]), max(second, abs(other[j]) / scale[j])

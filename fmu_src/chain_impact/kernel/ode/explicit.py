@@ -12,9 +12,9 @@ Each row of coefficients maps the number of a stage to its coefficient; zeros ar
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at
+from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.functions import sequence
-from chain_impact.kernel.ode.control import conclude, scaled_errors, set_gap_errors
+from chain_impact.kernel.ode.control import conclude, controlled_count, scaled_errors, set_gap_errors
 from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_stage_at_end
 from chain_impact.kernel.ode.sundman import NO_CONTACT, regularize, regularized_rate, root_curve, runs_back
 from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_acceleration
@@ -214,7 +214,7 @@ def attempt(d, h):
 
 def estimate(d, h):
     """The error of the tried step, relative to the tolerance; not finite if f was not."""
-    controlled = dissipated_at(d.links) + 1
+    controlled = controlled_count(d)
     _errors(d.work.stage, h, d.work.error[0, :controlled], d.work.error[1, :controlled])
     if d.touch.active_count > 0 or any_sticking(d):
         locate_points(d, d.trial.state)

@@ -94,6 +94,13 @@ def dissipate(d, energy):
     d.step.state_end[dissipated_at(d.links)] += energy
 
 
+def evaluate_start(d):
+    """Evaluate the rate at the start of a step anew."""
+    state_rate(d, d.step.state_end, d.work.rate_start)
+    keep_end_rates(d)
+    count_evaluations(d, 1)
+
+
 def supply(d, energy):
     """Count an energy [J] as supplied at the end of the last step."""
     d.step.state_end[supplied_at(d.links)] += energy

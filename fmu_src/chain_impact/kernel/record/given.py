@@ -134,7 +134,7 @@ def course_dtype(links: int) -> np.dtype:
 
 
 @given(AT_ANY_TIME)
-@written_by(changed="forces/inputs.py")
+@written_by(changed="forces/inputs.py", course="forces/inputs.py")
 def given_dtype(links: int) -> np.dtype:
     """The values that an importer can set at any time.
 

@@ -1,0 +1,78 @@
+"""Co-simulate the arm and its carriage, two FMUs: impulses one way, motion the other.
+
+``python models/carried_arm/co_simulation.py`` builds both FMUs and writes a table and a picture. The masters
+are those of the controlled arm.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "controlled_arm"))
+from masters import MASTERS  # noqa: E402
+
+STOP_TIME, STEP = 2.0, 1e-3  # s
+
+
+def build(folder, target="native"):
+    """Build both FMUs in a folder; return the paths of the arm and of the carriage."""
+    from chain_impact import build_fmu
+
+    folder = Path(folder).resolve()
+    arm = build_fmu(HERE, folder, target=target)
+    # in a process of its own, as pythonfmu imports the script and keeps it
+    command = [sys.executable, "-m", "pythonfmu", "build", "-f", HERE / "carriage.py", "-d", folder]
+    subprocess.run([*command, "--no-external-tool"], check=True, stdout=subprocess.DEVNULL)
+    return arm, folder / "Carriage.fmu"
+
+
+def co_simulate(fmus, stop_time=STOP_TIME, step=STEP, master="fmpy"):
+    """Time and all outputs that are numbers at the communication points: name → array of shape (T,)."""
+    time = np.arange(round(stop_time / step) + 1) * step
+    return {"time": time, **MASTERS[master](fmus, time)}
+
+
+def main():
+    """Build, co-simulate, write the table and the picture."""
+    from chain_impact import Recording
+
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("-o", "--output", type=Path, default=Path("build"), help="folder; build by default")
+    parser.add_argument("--target", default="native", choices=("native", "pythonfmu"), help="kind of the arm")
+    parser.add_argument("--master", default="fmpy", choices=MASTERS, help="what runs both; fmpy by default")
+    parser.add_argument("--step", type=float, default=STEP, help="communication step [s]; 1e-3 by default")
+    parser.add_argument("--plot", help="a picture of the carriage and the force in its joint")
+    arguments = parser.parse_args()
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    columns = co_simulate(
+        build(arguments.output, arguments.target), step=arguments.step, master=arguments.master
+    )
+    time = columns.pop("time")
+    Recording("CarriedArm", time, columns).save_csv(arguments.output / "CarriedArm.csv")
+    if arguments.plot:
+        draw(arguments.plot, time, columns)
+    for name in ("base.x", "joint[1].impulse.x", "joint[1].peak_force"):
+        print(f"{name:<24}{columns[name][-1]:.6f}")
+
+
+def draw(path, time, columns):
+    """Draw the place of the carriage, and the impulse that it has given to the arm."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8, 4.5), layout="constrained")
+    place, impulse = figure.subplots(2, 1, sharex=True)
+    place.plot(time, columns["base.x"])
+    place.set_ylabel("place of the carriage [m]")
+    impulse.plot(time, columns["joint[1].impulse.x"])
+    impulse.set(xlabel="time [s]", ylabel="impulse on the arm [N·s]")
+    figure.savefig(path, dpi=160)
+
+
+if __name__ == "__main__":
+    main()
