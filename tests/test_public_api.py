@@ -17,6 +17,8 @@ from chain_impact.scene.scene import load_scene, model_names, scene_keys
 from chain_impact.variables.model import Model
 
 FILE = Path(__file__).with_name("public_api.txt")
+DRIVES = {"link[2].joint_armature": 0.1, "link[2].joint_torque_limit": 9.0, "inputs.joint_targets": True}
+"""What no model has."""
 HINT = "run: python tests/test_public_api.py"
 
 
@@ -34,7 +36,8 @@ def names():
     yield from (f"scene key: {key}" for key, entry in scene_keys())
     yield from (f"contact law: {law.number} {law.id}" for law in CONTACT_LAWS.values())
     yield from command_line()
-    for scene in map(load_scene, model_names()):
+    driven = load_scene("pinned_arm").with_values(DRIVES)
+    for scene in (*map(load_scene, model_names()), driven):
         kinds = {re.sub(r"\[\d+\]", "[i]", variable.name) for variable in Model(scene).variables}
         yield from (f"FMU variable: {kind}" for kind in kinds)
 
