@@ -82,6 +82,8 @@ def fill_motion(d, theta):
             out.angular_velocity[i] - turning,
         )
         angle, turning = out.angle[i], out.angular_velocity[i]
+    for m in range(d.channels):
+        out.channel[m] = d.moved.position[m]
     fill_forces(d)
     if d.elements > 0:
         fill_friction(d)

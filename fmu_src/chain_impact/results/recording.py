@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import chain, count, takewhile
 from pathlib import Path
@@ -87,6 +87,20 @@ class Recording:
         known = takewhile(lambda at: points.get(at, {}).keys() >= {"x", "y"}, ((k, "") for k in count()))
         each = [np.stack([points[at][axis] for axis in "xy"], axis=-1) for at in known]
         return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
+
+    def walls_at(self, time: float) -> dict[str, HalfPlane]:
+        """The walls where they are at a time [s]."""
+        found = dict(self.walls)
+        for name, moved in self.moved_walls.items():
+            wall = found[name]
+            found[name] = replace(wall, offset=wall.offset + float(np.interp(time, self.time, moved)))
+        return found
+
+    @cached_property
+    def moved_walls(self) -> dict[str, np.ndarray]:
+        """How far the walls that move have moved along their normals: name → shape (T,) [m]."""
+        columns = {name: self.columns.get(f"wall.{name}.position") for name in self.walls}
+        return {name: moved for name, moved in columns.items() if moved is not None}
 
     @property
     def energies(self) -> Mapping[str, np.ndarray]:
@@ -183,7 +197,8 @@ class Recording:
 
     def wall_of(self, row: np.void) -> HalfPlane:
         """The free side of the wall of an impact, or of a phase of dry friction."""
-        return self.walls[self.wall_names[row["wall"]]]
+        time = row["onset" if "onset" in (row.dtype.names or ()) else "start"]
+        return self.walls_at(float(time))[self.wall_names[row["wall"]]]
 
     def save_impacts(self, path: Path | str) -> None:
         """Write the list of impacts, with the names of walls, as CSV, JSON or Parquet, as the suffix says.

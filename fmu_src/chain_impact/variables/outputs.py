@@ -66,6 +66,8 @@ class Shape:
         friction_joints: the joints with dry friction.
         asked: which outputs the scene asks for.
         is_driven: whether energy may be supplied.
+        base_moves: whether inputs move the base.
+        moving_walls: the names of the walls that inputs move.
     """
 
     links: int
@@ -77,6 +79,8 @@ class Shape:
     friction_joints: tuple[int, ...]
     asked: Outputs
     is_driven: bool
+    base_moves: bool
+    moving_walls: tuple[str, ...]
 
     @property
     def has_friction(self) -> bool:
@@ -96,6 +100,8 @@ def shape_of(scene: Scene) -> Shape:
         friction_joints=scene.friction_joints,
         asked=scene.outputs,
         is_driven=scene.is_driven,
+        base_moves=scene.inputs.base_motion,
+        moving_walls=scene.moving_walls,
     )
 
 
@@ -119,6 +125,7 @@ def _outputs(shape: Shape) -> Iterator[Variable]:
     yield from _joints(shape)
     if asked.contacts:
         yield from _contacts(shape)
+        yield from _motions(shape)
         yield from _stops(shape)
         yield from _joint_friction(shape)
     if asked.energies:
@@ -135,7 +142,7 @@ def _outputs(shape: Shape) -> Iterator[Variable]:
 def _points(shape: Shape) -> Iterator[Variable]:
     vectors = (("position", "", "m"), ("velocity", "v", "m/s"), ("acceleration", "a", "m/s2"))
     for k in range(shape.links + 1):
-        held = k == 0 and shape.pinned
+        held = k == 0 and shape.pinned and not shape.base_moves
         for quantity, prefix, unit in vectors:
             for j, axis in enumerate(AXES):
                 name, text = f"point[{k}].{prefix}{axis}", f"point {k}: {axis} of the {quantity}"
@@ -178,6 +185,17 @@ def _contacts(shape: Shape) -> Iterator[Variable]:
             yield _output(name, unit, f"{where}: {text}", "output", quantity, c, minimum=least)
         if rubs:
             yield from _contact_friction(f"contact[{point}].{wall}", f"point {point} at {wall}", c)
+
+
+def _motions(shape: Shape) -> Iterator[Variable]:
+    """How far walls and belts have moved."""
+    channel = 2 if shape.base_moves else 0
+    for wall in shape.moving_walls:
+        along = {"position": "along its inward normal n", "belt_position": "its belt, along t = (n_y, -n_x)"}
+        for k, (key, way) in enumerate(along.items()):
+            text = f"at wall {wall}: how far it has moved, {way}"
+            yield _output(f"wall.{wall}.{key}", "m", text, "output", "channel", channel + k)
+        channel += 2
 
 
 def _contact_friction(name: str, where: str, c: int) -> Iterator[Variable]:

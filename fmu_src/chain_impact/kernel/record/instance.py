@@ -59,7 +59,7 @@ from chain_impact.kernel.record.solver import (
 
 
 @written_by("observe.py", load="loads.py")
-def output_dtype(links: int, candidates: int, elements: int, loads: int) -> np.dtype:
+def output_dtype(links: int, candidates: int, elements: int, loads: int, channels: int = 0) -> np.dtype:
     """The outputs at the communication point; one row of a time series."""
     points = links + 1
     return record(
@@ -83,6 +83,7 @@ def output_dtype(links: int, candidates: int, elements: int, loads: int) -> np.d
         ("total", REAL),  # J, kinetic + potential + elastic
         ("friction", friction_output_dtype(elements)),
         ("load", load_output_dtype(loads)),
+        ("channel", REAL, (channels,)),  # m, the positions of what moves by itself
     )
 
 
@@ -179,7 +180,7 @@ def instance_dtype(
         ("element", element_dtype(elements)),
         ("quadrature", quadrature_dtype(candidates, elements)),
         ("changes", changes_dtype(elements)),
-        ("output", output_dtype(links, candidates, elements, loads)),
+        ("output", output_dtype(links, candidates, elements, loads, channels)),
         ("transmitted", transmitted_dtype(loads)),
         ("shift", shift_dtype(candidates)),
         ("motion", motion_dtype(channels)),

@@ -117,6 +117,7 @@ def data(recording: Recording) -> dict[str, Any]:
         ],
         "impacts": impacts(recording),
         "walls": free_sides(recording.walls),
+        "moved": {name: _packed(moved) for name, moved in recording.moved_walls.items()},
         "stops": [_range(joint, one) for joint, one in recording.stops.items()],
         "radius": radius_of(recording),
         "touching": sorted({one.point for one in touches if one.at_wall}),

@@ -217,8 +217,24 @@ class Film:
         low = view[0] - anchor * (seen - size)
         self.scene.set(xticks=[], yticks=[])
         self.scene.spines[:].set_visible(False)
-        draw_room(self.scene, low + np.array([np.zeros(2), seen]), list(self.recording.walls.values()))
-        draw_pin(self.scene, pin_mark(self.recording.points))
+        self.view = low + np.array([np.zeros(2), seen])
+        self.room = self._draw_room(float(self.times[0]))
+        for artist in self.room if self.recording.moved_walls else ():
+            artist.set_animated(True)
+
+    def _draw_room(self, time: float) -> list[Artist]:
+        walls = list(self.recording.walls_at(time).values())
+        pin = pin_mark(self.recording.points)
+        return [*draw_room(self.scene, self.view, walls), *draw_pin(self.scene, pin)]
+
+    def _moved_room(self, time: float) -> list[Artist]:
+        """The room at a time [s] if walls move; else nothing, as it is drawn already."""
+        if not self.recording.moved_walls:
+            return []
+        for artist in self.room:
+            artist.remove()
+        self.room = self._draw_room(time)
+        return self.room
 
     def _draw_energies(self, axes: Any) -> None:
         time = self.recording.time
@@ -258,6 +274,7 @@ class Film:
         self.rate.set_text(rate_text(rate))
         self.rate.set_color(FORCE if rate < SLOW else MUTED)
         self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
+        yield from self._moved_room(float(time))
         yield from (self.trace, self.tail, *self.discs.values(), self.ranges)
         yield from (self.chain, self.joints, self.tip)
         yield from self._forces(frame)
@@ -278,6 +295,7 @@ class Film:
         for artist in self.moving:
             artist.remove()
         self.moving.clear()
+        self.plane = self.recording.walls_at(float(self.times[frame]))
         for one in self.touches:
             force = 0.0 if one.force is None else self._at(one.force, frame)
             sticks = one.sticking is not None and one.sticking[self.rows[frame]] > 0.0
@@ -308,7 +326,7 @@ class Film:
 
     def _add_contact(self, place: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
         """The force on a point, normal and along the wall; a bar along the wall where it sticks."""
-        plane = self.recording.walls[wall]
+        plane = self.plane[wall]
         normal = np.array(plane.normal)
         tangent = np.array([normal[1], -normal[0]])
         foot, whole = place - plane.clearance(*place) * normal, float(np.hypot(*force))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Polygon
@@ -25,9 +26,9 @@ PARALLEL = 1e-9  # of a length of 1 and of m, what round-off may be
 def view_of(recording: Recording) -> tuple[np.ndarray, list[HalfPlane]]:
     """The lower left and the upper right corner of what is to be seen, shape (2, 2) [m], and the walls in it.
 
-    The motion fills it, with a margin. A wall far from the motion is left out.
+    The motion fills it, with a margin. A wall far from the motion is left out; one that moves is at its end.
     """
-    view, near = seen(recording.points, recording.walls)
+    view, near = seen(recording.points, recording.walls_at(recording.time[-1]))
     margin = np.full((2, 2), MARGIN)
     for wall in near:
         margin = np.maximum(margin, BAND * np.array([wall.normal, np.negative(wall.normal)]))
@@ -40,20 +41,26 @@ def draw_walls(axes: Axes, recording: Recording) -> None:
     draw_pin(axes, pin_mark(recording.points))
 
 
-def draw_pin(axes: Axes, lines: list[np.ndarray]) -> None:
-    """The ground mark of a pinned base, by the lines that ``pin_mark`` gives."""
+def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
+    """The ground mark of a pinned base, by the lines that ``pin_mark`` gives; returns what is drawn."""
     look: dict[str, Any] = {"colors": INK, "linewidths": 1.2, "capstyle": "round", "zorder": 3}
-    if lines:
-        axes.add_collection(LineCollection(lines, **look), autolim=False)
+    if not lines:
+        return []
+    mark = LineCollection(lines, **look)
+    axes.add_collection(mark, autolim=False)
+    return [mark]
 
 
-def draw_room(axes: Axes, view: np.ndarray, near: list[HalfPlane]) -> None:
+def draw_room(axes: Axes, view: np.ndarray, near: list[HalfPlane]) -> list[Artist]:
     """The room between some walls in white, all beyond them in grey; sets the limits of the axes.
 
     Args:
         axes: where it is drawn.
         view: lower left and upper right corner of what the axes show, shape (2, 2) [m].
         near: the walls.
+
+    Returns:
+        What is drawn.
     """
     frame = half_planes(dict(zip(("x_min", "y_min", "x_max", "y_max"), view.ravel(), strict=True)), {})
     bounds = [*near, *frame.values()]
@@ -61,10 +68,13 @@ def draw_room(axes: Axes, view: np.ndarray, near: list[HalfPlane]) -> None:
     # the free side is to the left of each edge, so their directions turn as one goes round the room
     turning = sorted((np.arctan2(*(b - a)[::-1]), *a) for a, b in filter(len, edges))
     axes.set_facecolor(OUTSIDE_COLOUR if near else "white")
-    axes.add_patch(Polygon([start for _, *start in turning], facecolor="white", zorder=0.5))
-    for ends in filter(len, edges[: len(near)]):
-        axes.plot(*ends.T, color=INK, linewidth=2.0, zorder=2)
+    room = Polygon([start for _, *start in turning], facecolor="white", zorder=0.5)
+    axes.add_patch(room)
+    lines = [
+        axes.plot(*ends.T, color=INK, linewidth=2.0, zorder=2) for ends in filter(len, edges[: len(near)])
+    ]
     axes.set(xlim=view[:, 0], ylim=view[:, 1])
+    return [room, *(line for drawn in lines for line in drawn)]
 
 
 def _edge(wall: HalfPlane, bounds: list[HalfPlane]) -> np.ndarray:

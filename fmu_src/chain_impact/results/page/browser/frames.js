@@ -66,7 +66,8 @@ function largest(values) {
  *
  * @param rows name, links, time, x and y of all points in rows, energies by name, touches { point, wall, force, friction,
  *   sticking } at the rows (of a joint with dry friction without wall and force), loads { joint, x, y } likewise, the forces
- *   in joints if they are known, contacts, walls, stops, radius, touching, pinned.
+ *   in joints if they are known, contacts, walls, how far walls have moved along their normals by name (moved, if any
+ *   do), stops, radius, touching, pinned.
  * @param frames their times, and how many there are in a second on the screen; those are the rows if they have as many.
  */
 export function framesOf(rows, { times, frameRate }) {
@@ -93,6 +94,7 @@ export function framesOf(rows, { times, frameRate }) {
   return {
     name, links, time: times, frameRate, x, y, energies: Object.fromEntries(energies), forces, loads, stuckJoints, contacts,
     walls, stops, radius, touching,
+    moved: Object.entries(rows.moved ?? {}).map(([wall, values]) => [wall, at(values)]),
     peakForce: Math.max(largest(peaks), 1e-300),
     ...viewOf(x, y, links + 1, walls, radius, rows.pinned),
   };

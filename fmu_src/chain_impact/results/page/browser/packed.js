@@ -33,5 +33,6 @@ export function unpack(packed) {
     return { point, wall, ...Object.fromEntries(known) };
   });
   const loads = packed.loads.map(({ joint, ...force }) => ({ joint, x: numbers(force.x), y: numbers(force.y) }));
-  return { ...packed, time, x, y, energies: Object.fromEntries(energies), touches, loads };
+  const moved = Object.fromEntries(Object.entries(packed.moved).map(([name, values]) => [name, numbers(values)]));
+  return { ...packed, moved, time, x, y, energies: Object.fromEntries(energies), touches, loads };
 }

@@ -81,6 +81,15 @@ export class Recording {
     return [this.between(this.x, frame, point, width), this.between(this.y, frame, point, width)];
   }
 
+  /** The walls where they are at a frame, name → normal and offset [m]. */
+  wallsAt(frame) {
+    const moved = this.moved.map(([name, values]) => {
+      const { normal, offset } = this.walls[name];
+      return [name, { normal, offset: offset + this.between(values, frame) }];
+    });
+    return { ...this.walls, ...Object.fromEntries(moved) };
+  }
+
   /** The contacts at a frame: point, wall, force and dry friction along the wall [N], and whether it sticks. */
   contactsAt(frame) {
     return this.forces

@@ -71,16 +71,26 @@ export class Scene {
     this.camera = new Camera(this.recording, width, height, STRIP);
     this.longest = LONGEST_ARROW * Math.min(width, height);
     this.ground.clear();
-    const { corners, edges } = roomWithin(this.recording.walls, this.camera.rectangle);
-    const places = (points) => points.map(([x, y]) => this.camera.place(x, y));
     this.ground.rect(width, height).addClass("outside");
-    if (corners.length) this.ground.polygon(places(corners)).addClass("room");
-    edges.forEach((ends) => this.ground.polyline(places(ends)).addClass("wall"));
-    this.recording.pin.forEach((line) => this.ground.polyline(places(line)).addClass("pin"));
+    this.room = this.ground.group();
+    this.#drawRoom(0);
+    this.recording.pin.forEach((line) => this.ground.polyline(this.#places(line)).addClass("pin"));
     this.#drawScaleBar(width);
     if (this.recording.loads.length) this.#drawKey(width);
     this.discs.forEach(([, disc]) => disc.radius(this.recording.radius * this.camera.scale));
     ({ frames: this.traceFrames, places: this.tracePlaces } = traceOf(this.recording, this.camera));
+  }
+
+  #places(points) {
+    return points.map(([x, y]) => this.camera.place(x, y));
+  }
+
+  /** The walls, and the room between them, at a frame. */
+  #drawRoom(frame) {
+    const { corners, edges } = roomWithin(this.recording.wallsAt(frame), this.camera.rectangle);
+    this.room.clear();
+    if (corners.length) this.room.polygon(this.#places(corners)).addClass("room");
+    edges.forEach((ends) => this.room.polyline(this.#places(ends)).addClass("wall"));
   }
 
   /** A bar of a round length, about a sixth of the width. */
@@ -111,6 +121,7 @@ export class Scene {
     this.lines.forEach(([range, line]) => line.plot(places.slice(...range)));
     this.dots.forEach(([point, dot]) => dot.center(...places[point]));
     this.discs.forEach(([point, disc]) => disc.center(...places[point]));
+    if (recording.moved.length) this.#drawRoom(frame);
     this.#drawRanges(frame);
     this.#drawTrace(frame, places.at(-1));
     this.#drawRings(frame);
@@ -150,7 +161,7 @@ export class Scene {
   /** Where a point touches a wall, or a link the arc of its range, on the screen, and the direction away from the wall. */
   #spot(frame, point, wall) {
     if (!(wall in this.recording.walls)) return this.#stopSpot(frame, point);
-    const { normal: [nx, ny], offset } = this.recording.walls[wall];
+    const { normal: [nx, ny], offset } = this.recording.wallsAt(frame)[wall];
     const [x, y] = this.recording.pointAt(frame, point);
     const gap = nx * x + ny * y - offset;
     return { place: this.camera.place(x - gap * nx, y - gap * ny), away: [nx, -ny] };
