@@ -99,6 +99,19 @@ def test_a_rigid_wall_meets_the_mass_of_links_and_armatures():
     assert balance(after) < 1e-9
 
 
+@pytest.mark.parametrize("law", ["hertz", "newton_impact"])
+def test_a_stop_meets_the_inertia_of_link_and_armature(law):
+    link = ROD | {"joint_armature": 0.7, "joint_max": 0.5}
+    stops = {"model": law, "stiffness": 1e5, "exponent": 1.5, "restitution": 1.0}
+    result = simulate(driven([link], {"angles": [0.0], "angular_velocities": [2.0]}, stops=stops))
+    (found,), inertia = result.impacts, INERTIA + 0.7
+    assert found["effective_mass"] == pytest.approx(inertia, rel=1e-14)
+    assert found["impulse"] == pytest.approx(2.0 * 2.0 * inertia, rel=1e-11)
+    depth = 0.0 if law == "newton_impact" else (2.5 * 0.5 * inertia * 2.0**2 / 1e5) ** 0.4
+    assert found["max_penetration"] == pytest.approx(depth, rel=1e-11)
+    assert balance(result) < 1e-10
+
+
 def test_a_held_chain_has_the_moments_of_its_armatures():
     """A tip slides along a rigid floor: constraint forces with armatures keep it there, and the energy."""
     links = [ROD | {"joint_armature": 0.4}, ROD | {"joint_armature": 2.0, "joint_friction": 0.1}]
