@@ -55,6 +55,9 @@ SCENES = {
     "thrown": thrown,
     "finger": finger,
     "servo": lambda: load_scene("pinned_arm").with_values(SERVO | {"outputs.loads": True}),
+    "moved_arm": lambda: load_scene("pinned_arm").with_values(
+        {"inputs.base_motion": True, "inputs.wall_motion": True, "contact.friction": 0.3}
+    ),
     "pushed_leg": lambda: load_scene("kneed_leg").with_values({"inputs.tip_force": True}),
     "pushed_rigid_arm": lambda: load_scene("falling_arm").with_values(
         {"inputs.tip_force": True, "contact.model": "newton_impact", "contact.restitution": 0.0}

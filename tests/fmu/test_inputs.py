@@ -62,6 +62,54 @@ def test_targets_act_as_they_do_on_a_chain_in_python(fmus, clean):
     assert abs(chain.get("joint[2].angular_velocity")) > 0.1
 
 
+MOTIONS = [
+    {
+        "base.x": 0.02 * np.sin(3.0 * t),
+        "base.vx": 0.06 * np.cos(3.0 * t),
+        "base.ax": -0.18 * np.sin(3.0 * t),
+        "wall.x_max.displacement": 0.01 * t * t,
+        "wall.x_max.velocity": 0.02 * t,
+        "wall.x_max.belt_speed": 0.3 * t,
+    }
+    for t in np.arange(48) * 0.03125
+]
+
+
+def moved(fmu, motions, period):
+    """A base and a wall that move, given at communication points; and once more from a saved state."""
+    instance, rows = Instance(fmu).start(**motions[0]), []
+    state, again = None, []
+    for k, given in enumerate(motions):
+        if k == len(motions) // 2:
+            state = instance.fmu.getFMUstate()
+        instance.set(given)
+        instance.step((k + 1) * period)
+        rows.append(instance.get(instance.outputs))
+    instance.fmu.setFMUstate(state)
+    instance.time = len(motions) // 2 * period
+    for k in range(len(motions) // 2, len(motions)):
+        instance.set(motions[k])
+        instance.step((k + 1) * period)
+        again.append(instance.get(instance.outputs))
+    return [[*instance.outputs], rows, again]
+
+
+def test_a_base_and_walls_move_as_those_of_a_chain_in_python(fmus, clean):
+    motions = [{name: float(value) for name, value in one.items()} for one in MOTIONS]
+    names, rows, again = clean(moved, fmus["moved_arm"], motions, 0.03125)
+    chain = Chain(scene_of("moved_arm"))
+    chain.set(motions[0])
+    kept = [name for name in names if name.startswith(("point[", "link[", "energy.", "contact[", "wall."))]
+    for k, given in enumerate(motions):
+        chain.set(given)
+        chain.step_to(0.03125 * (k + 1))
+        found = dict(zip(names, rows[k], strict=True))
+        assert [found[name] for name in kept] == chain.get(kept).tolist()
+    assert abs(chain.get("point[0].x") - motions[-1]["base.x"]) < 0.01
+    assert chain.get("impact.count") > 0
+    assert again == rows[len(rows) - len(again) :]
+
+
 @importing("pinned_arm")
 def test_setting_what_is_already_set_changes_nothing(fmu):
     """The torque at every step, and once; and a parameter to what it is."""

@@ -31,11 +31,16 @@ INTRODUCTION = (
     "<p>A planar chain of rigid links that hits {walls}. FMI {version}, co-simulation. Quantities "
     "are in SI units. The solver locates every impact: the results do not depend on the communication "
     "step.</p>",
-    "<p>Inputs are held constant over a communication step. Fixed parameters can be set until the end of "
-    "initialization, tunable ones and inputs at any time. The state can be saved, restored and serialized. "
-    "The tolerance that counts is the parameter solver.tolerance.</p>",
+    "<p>Torques, forces and targets are held constant over a communication step. Fixed parameters can be set "
+    "until the end of initialization, tunable ones and inputs at any time. The state can be saved, restored "
+    "and serialized. The tolerance that counts is the parameter solver.tolerance.</p>",
 )
 
+MOTIONS = (
+    "<p>A base and walls that move are given at communication points: position, velocity and acceleration. "
+    "In between they follow a cubic, with a continuous position and velocity, that aims at what uniform "
+    "acceleration makes of what is given; the speed of a belt changes at a uniform rate.</p>"
+)
 EVENTS = (
     "<p>With event mode and early return, a step ends at each onset of a contact. There, inputs and tunable "
     "parameters can be changed before the impact takes effect, by fmi3UpdateDiscreteStates. The outputs are "
@@ -82,6 +87,7 @@ def page(model: Model, fmi: int) -> str:
     parts = [
         f"<h1>{escape(scene.name)}</h1><p>{escape(scene.description)}</p>",
         *(paragraph.format(version=f"{fmi}.0", walls=walls) for paragraph in INTRODUCTION),
+        *([MOTIONS] if scene.inputs.base_motion or scene.moving_walls else []),
         *FURTHER[fmi],
         table("Parameters", ("name", "start", "unit", "variability", "allowed", "meaning"), settable),
         table("Inputs", ("name", "unit", "meaning"), inputs),
