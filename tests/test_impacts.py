@@ -251,7 +251,7 @@ def test_neither_method_nor_stiffness_nor_exponent_means_anything():
         result = simulate(default_scene(model=RIGID, stiffness=1.0, exponent=3.0), method=method)
         assert result.statistics["implicit_steps"] == 0
         assert np.array_equal(result.outputs, plain.outputs)
-        assert np.array_equal(result.impacts, plain.impacts)
+        assert result.impacts.tobytes() == plain.impacts.tobytes()
 
 
 @pytest.mark.full("takes long")
