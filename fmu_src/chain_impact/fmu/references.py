@@ -167,16 +167,20 @@ def _run(
 
 
 def _inputs(model: Model, count: int) -> dict[str, np.ndarray]:
-    """A sine for each input, of another frequency each, so that none is taken for another."""
+    """A sine for each input, of another frequency each, so that none is taken for another.
+
+    The values are rounded as in the file: for a motion it counts whether it is given anew.
+    """
     nominal = nominal_values(model.scene)
     turn = 2.0 * math.pi * np.arange(count) / count
     torque = SWING * nominal["kinetic"] / model.sizes[0]  # of M L²/s², shared by the links
     size = {"joint": torque, "tip": torque / nominal["point_position"]}
     names = [variable.name for variable in model.inputs]
-    return {
+    signals = {
         name: size["tip" if name.startswith("tip") else "joint"] * np.cos((1 + i) * turn)
         for i, name in enumerate(names)
     }
+    return {name: np.array([float(f"{x:.{DIGITS}g}") for x in values]) for name, values in signals.items()}
 
 
 def _agreed_until(exact: np.ndarray, own: np.ndarray, close: float) -> float:
