@@ -457,3 +457,31 @@ def test_walls_are_drawn_where_they_are(tmp_path):
         list(film.show(frame, 1.0))
         floors.append(min(line.get_ydata()[0] for line in film.room if hasattr(line, "get_ydata")))
     assert floors == pytest.approx([0.0, height(0.4)])
+
+
+def test_velocities_that_are_given_without_positions_are_integrated():
+    chain, step = Chain(room(walls=("y_min",))), 1.0 / 128
+    found = []
+    for speed in (0.1, 0.3, 0.0):
+        chain.set("wall.y_min.velocity", speed)
+        for _ in range(8):
+            chain.step(step)
+        found.append(chain.get("wall.y_min.position"))
+    # the velocity of the start acts at once, each other one after a step
+    assert np.diff(found) == pytest.approx([0.3 * 8 * step - 0.2 * step / 2, 0.3 * step / 2], abs=1e-15)
+    assert found[0] == pytest.approx(0.1 * 8 * step, abs=1e-15)
+    chain.set({"wall.y_min.displacement": found[-1] + 0.001, "wall.y_min.velocity": 0.1})
+    for _ in range(8):
+        chain.step(step)
+    assert chain.get("wall.y_min.position") == pytest.approx(found[-1] + 0.001 + 0.1 * 8 * step, abs=1e-15)
+
+
+def test_an_acceleration_that_is_given_alone_changes_the_velocity():
+    chain = Chain(pendulum())
+    for acceleration, count in ((2.0, 8), (-1.0, 16), (0.0, 8)):
+        chain.set("base.ax", acceleration)
+        for _ in range(count):
+            chain.step(1.0 / 64)
+    # v = 0.25 after 1/8 s, and 0 after another 1/4 s
+    assert chain.get("point[0].vx") == pytest.approx(0.0, abs=1e-14)
+    assert chain.get("point[0].x") == pytest.approx(0.1 + 0.5 * 0.25 / 8 + 0.5 * 0.25 / 4, abs=1e-14)

@@ -11,8 +11,8 @@ given at the communication points: position s, velocity v and acceleration a at 
 next one, at t₁ = t₀ + h, is a cubic. It begins with the present position and velocity, and ends with those of
 a uniform acceleration, s + v h + ½ a h² and v + a h. So both are continuous, a uniform acceleration is
 followed exactly, and no error adds up, as the aim does not depend on the present position. What is not given
-anew goes on. The speed of a belt, which has no position that is given, changes at a uniform rate to the value
-given.
+anew goes on. Where a velocity is given anew without a position, as that of a belt always is, the speed
+changes at a uniform rate to the value given, and the position follows from it.
 """
 
 import math
@@ -141,6 +141,8 @@ def begin_motion(d, time):
     for j in range(d.channels):
         own.given_position[j], own.given_velocity[j] = given.position[j], given.velocity[j]
         own.given_acceleration[j], own.given_at[j], own.mean[j] = given.acceleration[j], time, 0.0
+        own.from_position[j], own.from_velocity[j] = given.position[j], given.velocity[j]
+        own.anchored[j] = 1 - given.belt[j]
     if not given.follows:
         return
     course.order, course.middle, course.scale, course.until = 0, time, 1.0, math.inf
@@ -168,10 +170,10 @@ def follow_motion(d, time):
     if d.channels == 0 or not given.follows or time == own.until or not time > d.step.time:
         return OK
     now, h = d.step.time, time - d.step.time
-    for j in range(d.channels):
-        if not given.belt[j] and not note_given(d, j, now):
-            return refuse_channel(d, j)
     move(d, now)
+    for j in range(d.channels):
+        if not note_given(d, j, now):
+            return refuse_channel(d, j)
     own.until = time
     moves, jumps = False, False
     for j in range(d.channels):
@@ -202,13 +204,12 @@ def set_cubic(d, j, time, h):
     """Set the course of channel j until a ``time`` [s], from where it is; return whether it does not bend."""
     given, own = d.motion, d.moved
     s, v, lasted = own.position[j], own.velocity[j], time - own.given_at[j]
-    speed = given.velocity[j] + own.mean[j]
-    if given.belt[j]:
-        speed = given.velocity[j]
-        s_end, v_end = s + 0.5 * h * (v + speed), speed
+    speed = own.from_velocity[j] + own.mean[j]
+    v_end = speed + lasted * given.acceleration[j]
+    if own.anchored[j]:
+        s_end = own.from_position[j] + lasted * (speed + 0.5 * lasted * given.acceleration[j])
     else:
-        s_end = given.position[j] + lasted * (speed + 0.5 * lasted * given.acceleration[j])
-        v_end = speed + lasted * given.acceleration[j]
+        s_end = s + 0.5 * h * (v + v_end)
     v, v_end = 0.5 * h * v, 0.5 * h * v_end
     size = abs(s) + abs(s_end) + abs(v) + abs(v_end)
     third = 0.25 * (s - s_end + v + v_end)
@@ -229,13 +230,19 @@ def note_given(d, j, now):
     """
     given, own = d.motion, d.moved
     s, v, a = given.position[j], given.velocity[j], given.acceleration[j]
-    same = s == own.given_position[j] and v == own.given_velocity[j] and a == own.given_acceleration[j]
-    if same and own.mean[j] == 0.0:
+    as_before = s == own.given_position[j] and own.mean[j] == 0.0
+    if as_before and v == own.given_velocity[j] and a == own.given_acceleration[j]:
         return True
-    lasted, before = now - own.given_at[j], own.given_velocity[j]
-    moved, rest = s - own.given_position[j], v == 0.0 and a == 0.0 and before == 0.0
+    lasted, before, moved = now - own.given_at[j], own.from_velocity[j], s - own.from_position[j]
+    rest, v_anew = v == 0.0 and a == 0.0 and before == 0.0, v != own.given_velocity[j]
     own.given_position[j], own.given_velocity[j], own.given_acceleration[j] = s, v, a
-    own.given_at[j], own.mean[j] = now, 0.0
+    own.given_at[j], own.mean[j], own.from_position[j], own.from_velocity[j] = now, 0.0, s, v
+    own.anchored[j] = 1
+    if as_before:
+        # the position goes on from where it is, and so does a velocity that is as before
+        own.from_position[j], own.anchored[j] = own.position[j], 0
+        own.from_velocity[j] = v if v_anew else own.velocity[j]
+        return True
     unexplained = abs(moved - 0.5 * lasted * (before + v)) - 0.5 * lasted * abs(v - before)
     speeds, ignored = lasted * (abs(before) + abs(v)), TOUCH_OFF * d.model.size
     if not unexplained > UNEXPLAINED * speeds + ignored:

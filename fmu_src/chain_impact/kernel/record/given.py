@@ -215,6 +215,9 @@ def moved_dtype(channels: int) -> np.dtype:
         ("given_velocity", REAL, (channels,)),  # m/s
         ("given_acceleration", REAL, (channels,)),  # m/s²
         ("given_at", REAL, (channels,)),  # s, … and when that was
+        ("from_position", REAL, (channels,)),  # m, from where it goes on since then …
+        ("from_velocity", REAL, (channels,)),  # m/s, … and with which velocity
+        ("anchored", INTEGER, (channels,)),  # 1: the position was given then; 0: it follows from the velocity
         ("mean", REAL, (channels,)),  # m/s, the mean velocity of a base of which none is given
         # derivatives with respect to what is given (tangent/replay.py); their values are 0
         ("added", REAL, (channels,)),  # m, added to the position, …
