@@ -9,9 +9,11 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from chain_impact import Chain, SceneError, SceneWarning, SimulationError, simulate
+from chain_impact.fmu.references import reference
 from chain_impact.results.page.recorded import data
 from chain_impact.results.plots.film import Film
 from chain_impact.scene.scene import scene_from_dict
+from chain_impact.variables.model import Model
 
 G = 9.81
 LINKS = ({"length": 0.5, "mass": 1.0}, {"length": 0.4, "mass": 0.7})
@@ -485,3 +487,14 @@ def test_an_acceleration_that_is_given_alone_changes_the_velocity():
     # v = 0.25 after 1/8 s, and 0 after another 1/4 s
     assert chain.get("point[0].vx") == pytest.approx(0.0, abs=1e-14)
     assert chain.get("point[0].x") == pytest.approx(0.1 + 0.5 * 0.25 / 8 + 0.5 * 0.25 / 4, abs=1e-14)
+
+
+def test_the_reference_results_of_an_fmu_have_motions_that_agree_with_their_velocities(recwarn):
+    scene = pendulum(box={"y_min": -1.0}, inputs={"base_motion": True, "wall_motion": True})
+    found = reference(Model(scene))
+    assert not [one for one in recwarn if one.category is SceneWarning]
+    assert len(found.times) > 50
+    step, inputs = found.times[1], found.inputs
+    for position, velocity in (("base.y", "base.vy"), ("wall.y_min.displacement", "wall.y_min.velocity")):
+        slope = np.gradient(inputs[position], step, edge_order=2)
+        assert slope == pytest.approx(inputs[velocity], abs=0.02 * np.abs(slope).max())

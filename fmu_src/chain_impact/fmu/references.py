@@ -25,6 +25,7 @@ from chain_impact.simulation.chain import Chain
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.variables.model import Model
+from chain_impact.variables.table import MOTION
 
 FILE = "resources/chain_impact_reference.csv"
 EXACT = 1e-12  # tolerance of the reference
@@ -36,7 +37,8 @@ SHORTER = 10  # a part of the scene's time that is tried, when the results can b
 LARGEST, MARGIN, LEAST = 1e-5, 10.0, 1e-9
 CLOSE = 1e-4  # of a step: nearer to the begin or the end of a contact, nothing is compared
 MOST_WORK = 2_000_000  # evaluations of the equations of motion, times links: about 0.2 s
-SWING = 0.1  # of the inputs, of the magnitudes of the motion
+SWING = 0.1  # of the inputs, of the magnitudes of the motion …
+MOVED = 0.01  # … and of the base and walls that move
 FEWEST, DIGITS = 2, 12  # rows: the start alone is no simulation; digits of a result
 
 
@@ -111,7 +113,7 @@ def _compared(model: Model, times: np.ndarray) -> Reference:
     chosen = [v for v in model.outputs if v.name in ends or v.name.startswith(("energy.", "impact."))]
     names, whole = [v.name for v in chosen], np.array([v.type != "real" for v in chosen])
     units = np.array([v.unit for v in chosen])
-    inputs, tolerance = _inputs(model, len(times)), model.scene.solver.tolerance
+    inputs, tolerance = _inputs(model, times), model.scene.solver.tolerance
     (exact, contacts), (own, others) = (
         _run(model.scene.with_values({"solver.tolerance": t, "outputs.solver": True}), times, inputs, names)
         for t in (EXACT, tolerance)
@@ -166,20 +168,32 @@ def _run(
     return np.array(rows), chain.impacts
 
 
-def _inputs(model: Model, count: int) -> dict[str, np.ndarray]:
+def _inputs(model: Model, times: np.ndarray) -> dict[str, np.ndarray]:
     """A sine for each input, of another frequency each, so that none is taken for another.
 
-    The values are rounded as in the file: for a motion it counts whether it is given anew.
+    Velocity and acceleration of a base or a wall that moves are the derivatives of its position. The values
+    are rounded as in the file: for a motion it counts whether it is given anew.
     """
-    nominal = nominal_values(model.scene)
+    nominal, count = nominal_values(model.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count
+    rate = turn[1] / times[1]
     torque = SWING * nominal["kinetic"] / model.sizes[0]  # of M L²/s², shared by the links
     size = {"joint": torque, "tip": torque / nominal["point_position"]}
-    names = [variable.name for variable in model.inputs]
-    signals = {
-        name: size["tip" if name.startswith("tip") else "joint"] * np.cos((1 + i) * turn)
-        for i, name in enumerate(names)
-    }
+    signals = {}
+    for i, one in enumerate(model.inputs):
+        if one.place[0] == MOTION:
+            _, field, channel = one.place
+            k, start = 1 + int(channel), float(model.start[0][MOTION]["position"][channel])
+            move = MOVED * nominal["point_position"]
+            signals[one.name] = {
+                "position": start + move * (1.0 - np.cos(k * turn)),
+                "velocity": move * k * rate * np.sin(k * turn),
+                "acceleration": move * (k * rate) ** 2 * np.cos(k * turn),
+            }[str(field)]
+        else:
+            signals[one.name] = size["tip" if one.name.startswith("tip") else "joint"] * np.cos(
+                (1 + i) * turn
+            )
     return {name: np.array([float(f"{x:.{DIGITS}g}") for x in values]) for name, values in signals.items()}
 
 

@@ -167,8 +167,10 @@ def follow_motion(d, time):
         WALL_JUMPS if a wall is given a jump: a distance that its velocities do not explain; or OK.
     """
     given, own, course = d.motion, d.moved, d.given.course
-    if d.channels == 0 or not given.follows or time == own.until or not time > d.step.time:
+    if d.channels == 0 or not given.follows or not time > d.step.time:
         return OK
+    if time == own.until and d.given.changed != AT_ONCE:
+        return OK  # a step that was interrupted goes on
     now, h = d.step.time, time - d.step.time
     move(d, now)
     for j in range(d.channels):
