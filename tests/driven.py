@@ -81,7 +81,7 @@ def belt(stop_time, speed, height):
     sliding, static = 0.2, 0.4
 
     def force(time, angle):
-        return wall * max(0.0, length * math.cos(angle) - (length - height(time)))
+        return wall * max(0.0, length * math.cos(angle) - (1.001 - height(time)))
 
     def moment(time, angle, friction):
         # spring, normal force N along +y at (sin, −cos) L, friction along +x

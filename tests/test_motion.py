@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from chain_impact import Chain, SceneError, SceneWarning, SimulationError, simulate
+from chain_impact import Chain, SceneError, SceneWarning, SimulationError, load_scene, simulate
 from chain_impact.fmu.references import reference
 from chain_impact.results.page.recorded import data
 from chain_impact.results.plots.film import Film
@@ -498,3 +498,26 @@ def test_the_reference_results_of_an_fmu_have_motions_that_agree_with_their_velo
     for position, velocity in (("base.y", "base.vy"), ("wall.y_min.displacement", "wall.y_min.velocity")):
         slope = np.gradient(inputs[position], step, edge_order=2)
         assert slope == pytest.approx(inputs[velocity], abs=0.02 * np.abs(slope).max())
+
+
+PROFILES = {
+    "smoothstep": ("base.x", lambda s: 0.1 * (3.0 * s**2 - 2.0 * s**3)),
+    "quintic": ("base.x", lambda s: 0.1 * (10.0 * s**3 - 15.0 * s**4 + 6.0 * s**5)),
+    "versine": ("base.x", lambda s: 0.05 * (1.0 - math.cos(math.pi * s))),
+    "trapezoid": ("base.vx", lambda s: 0.1 * min(1.0, 4.0 * s, 4.0 * (1.0 - s))),
+    "step of acceleration": ("base.ax", lambda s: 1.0 if s < 1.0 else 0.0),
+}
+
+
+@pytest.mark.parametrize("name", PROFILES)
+@pytest.mark.parametrize("until", [0.1, 0.37, 0.5])
+def test_profiles_of_machines_whose_acceleration_jumps_are_followed(name, until):
+    """A velocity that is continuous does not jump, wherever its kink is."""
+    signal, course = PROFILES[name]
+    scene = load_scene("pinned_arm").with_values({"inputs.base_motion": True})
+    inputs = {signal: lambda time: course(min(time / until, 1.0))}
+    result = simulate(scene, 0.6, inputs=inputs, output_step=0.1)
+    if signal == "base.x":
+        assert result["point[0].x"][-1] == pytest.approx(course(1.0), abs=1e-9)
+    else:
+        assert result["point[0].vx"][-1] == pytest.approx(0.0 if signal == "base.vx" else until, abs=1e-6)

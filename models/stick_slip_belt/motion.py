@@ -7,12 +7,12 @@ import math
 import sys
 from pathlib import Path
 
-SPEED, DEPTH = 0.02, 0.01  # m/s, m
+SPEED, LIFT = 0.02, 0.011  # m/s, m
 
 
 def height(time):
     """The displacement of the belt [m]."""
-    return DEPTH * (1.0 - math.exp(-((50.0 * time) ** 2)))
+    return LIFT * (1.0 - math.exp(-((50.0 * time) ** 2)))
 
 
 INPUTS = {"wall.y_min.belt_speed": SPEED, "wall.y_min.displacement": height}

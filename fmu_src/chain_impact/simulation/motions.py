@@ -20,7 +20,8 @@ from chain_impact.simulation.pieces import Follower, Pieces, joined_points
 
 ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15  # as in pieces.py, for motions
 # Of the largest position, speed and acceleration of a channel: a larger difference between pieces is a jump.
-JUMPS = 1e-10, 1e-8, 1e-6
+# The place of a kink is known to the square root of round-off, and so is the speed there.
+JUMPS = 1e-9, 1e-6, 1e-4
 CONTRADICTS = 1e-3  # of the largest speed: by how much one that is given may differ from that of the position
 
 
@@ -159,7 +160,10 @@ def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
     if not len(columns) or not math.isfinite(pieces.end[-1]):
         return found
     ends = derivatives(pieces, order)[:, :, columns]
-    largest = np.abs(ends).max(axis=(0, 1), initial=0.0)
+    # |s⁽ᵏ⁾| ≤ Σ p!/(p − k)! |c_p| scaleᵏ, for |x| ≤ 1
+    orders = np.array([math.perm(p, order) for p in range(pieces.powers.shape[1])])
+    bounds = np.einsum("p,npm,n->nm", orders, np.abs(pieces.powers), pieces.scale**order)
+    largest = bounds[:, columns].max(axis=0, initial=0.0)
     found[1:] = np.abs(ends[0, 1:] - ends[1, :-1]) > JUMPS[order] * largest
     return found
 
