@@ -521,3 +521,22 @@ def test_profiles_of_machines_whose_acceleration_jumps_are_followed(name, until)
         assert result["point[0].x"][-1] == pytest.approx(course(1.0), abs=1e-9)
     else:
         assert result["point[0].vx"][-1] == pytest.approx(0.0 if signal == "base.vx" else until, abs=1e-6)
+
+
+@pytest.mark.parametrize("speed", [0.5, 0.05])
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_rigid_walls_that_leave_no_room_end_the_run(speed, restitution):
+    """A rod lies along x between two of them, and one moves in: by the time of its length there is no room."""
+    tables = {
+        "name": "Press",
+        "gravity": [0.0, 0.0],
+        "chain": {"links": [{"length": 1.0, "mass": 1.0}]},
+        "box": {"x_min": 0.0, "x_max": 1.2},
+        "contact": {"model": "newton_impact", "restitution": restitution},
+        "inputs": {"wall_motion": ["x_max"]},
+        "initial": {"position": [0.1, 0.0], "angles": [0.0]},
+    }
+    scene, shut = scene_from_dict(tables), 0.2 / speed
+    with pytest.raises(SimulationError, match="leave no room") as caught:
+        simulate(scene, 2.0 * shut, inputs={"wall.x_max.velocity": speed})
+    assert caught.value.result.time[-1] == pytest.approx(shut, abs=2e-3)

@@ -10,12 +10,13 @@ from chain_impact.kernel.status import (
     BASE_BEYOND_WALL,
     EVENT_STORM,
     FORCES_NOT_FOUND,
+    NO_ROOM,
     STEP_TOO_SMALL,
     TOO_MUCH_WORK,
 )
 from tests.random_scenes import Draw, upright
 
-SQUEEZED = (STEP_TOO_SMALL, EVENT_STORM, FORCES_NOT_FOUND)
+SQUEEZED = (NO_ROOM, STEP_TOO_SMALL, EVENT_STORM, FORCES_NOT_FOUND)
 """How a run ends in which walls that close leave the chain no room."""
 NORMALS = {"x_min": (1.0, 0.0), "x_max": (-1.0, 0.0), "y_min": (0.0, 1.0), "y_max": (0.0, -1.0)}
 

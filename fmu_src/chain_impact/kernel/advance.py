@@ -6,8 +6,6 @@ the dense output; so the result does not depend on the communication step. An ev
 the communication point has passed it. ``d`` is the record of the instance (record/instance.py).
 """
 
-import math
-
 from chain_impact.kernel import hooks
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.events.contact_log import update_peaks, update_to_output_time
@@ -70,11 +68,9 @@ from chain_impact.kernel.rows.geometry import check_base
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
     LOG_FULL,
-    NOT_FINITE,
     OK,
     ONSET_DUE,
     PAUSED,
-    STEP_TOO_SMALL,
     TOO_MUCH_WORK,
     UNLIMITED,
     begin_call,
@@ -292,7 +288,7 @@ def find_step(d):
         if work_exceeded(d):
             return TOO_MUCH_WORK
         h, grow = suggested, 1.0
-    return STEP_TOO_SMALL if math.isfinite(d.trial.error) else NOT_FINITE
+    return control.no_step(d)
 
 
 def too_short(d, h):

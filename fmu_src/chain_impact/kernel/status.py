@@ -25,6 +25,7 @@ STATIC_BELOW_SLIDING = 17
 STOPS_REVERSED = 18
 WALL_JUMPS = 19
 BASE_BEYOND_WALL = 20
+NO_ROOM = 21
 LOG_FULL = -1  # not a fault: collect the finished contacts, then continue
 PAUSED = -2  # not a fault: the caller may continue
 ONSET_DUE = -3  # not a fault: contacts begin at the time reached and are not yet applied
@@ -41,7 +42,8 @@ STATUS_TEXT = {
     NOT_FINITE: "the state or its energy is no longer finite: initial values, parameters or "
     "inputs are too large",
     EVENT_STORM: "too many contacts begin and end in too short a time: a larger contact.minimum_impact_speed "
-    "or a smaller contact.restitution brings points to rest, and those of stops bring joints to rest",
+    "or a smaller contact.restitution brings points to rest, and those of stops bring joints to rest; walls "
+    "that move must leave room; a joint at its joint_torque_limit needs a smaller joint_stiffness",
     STARTS_INSIDE_WALL: "a contact point starts beyond a wall, or a joint beyond a stop",
     RESTITUTION_NOT_ALLOWED: "the contact law does not allow this restitution",
     UNKNOWN_LAW: "contact.model is not the number of a law",
@@ -68,6 +70,8 @@ STATUS_TEXT = {
     WALL_JUMPS: "a wall is given another displacement without the velocity that leads there, as a jump would "
     "be an impact of unknown strength: give its velocity, too",
     BASE_BEYOND_WALL: "the pinned base is beyond a wall: base and wall must not move through each other",
+    NO_ROOM: "rigid walls that move leave no room for what is between them: let them stop before, or take a "
+    "law with a force",
 }
 # Status → its name in the tables of sweeps, that of the constant.
 STATUS_NAME = {code: name.lower() for name, code in globals().items() if name[0] != "_" and code in range(99)}

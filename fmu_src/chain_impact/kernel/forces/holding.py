@@ -16,6 +16,7 @@ from chain_impact.kernel.rows.constraints import (
     activate_all,
     factorize_free,
     note_moving,
+    note_squeezed,
     set_impulse,
     solve_equality,
     solve_lcp,
@@ -37,6 +38,8 @@ from chain_impact.kernel.rows.geometry import (
     tangential_rate,
 )
 
+# Of a link length: a point that no projection brings nearer to its rigid wall has no room there.
+SQUEEZE = 1e-6
 # Of a link length: a point that rises less before it falls again has not left. Its clearance could not be
 # distinguished from round-off, and its next onset could not be located.
 RISE = 1e-14
@@ -144,6 +147,8 @@ def project_state(d, y):
             solve_stopping_impulses(d)
         else:
             solve_positions(d)
+            if d.channels > 0:
+                note_squeezed(d, SQUEEZE * d.model.size)
         add_change(d, y, derivative * velocity_at(d.links))
         locate_points(d, y)
     if d.channels > 0:

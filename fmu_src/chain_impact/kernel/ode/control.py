@@ -27,8 +27,9 @@ from chain_impact.kernel.chain.state import (
 )
 from chain_impact.kernel.forces.contact_force import damping_share
 from chain_impact.kernel.functions import inlined
-from chain_impact.kernel.rows.constraints import any_constraint
+from chain_impact.kernel.rows.constraints import SQUEEZED, any_constraint
 from chain_impact.kernel.rows.geometry import along, clearance, normal
+from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
 
 EXPLICIT, IMPLICIT = 0, 1  # step.method: the current method
 SOLVER_METHODS = ("auto", "explicit", "implicit")
@@ -177,6 +178,13 @@ def set_scales(d, y, scale, contacts):
         scale[supplied_at(n)] = d.model.energy + abs(y[supplied_at(n)]) + impact_energy(d)
     for k in range(contacts):
         scale[sundman_u_at(n) + k] = penetration_scale(d, d.touch.active_index[k])
+
+
+def no_step(d):
+    """The status of a run in which no step is accepted, however small."""
+    if d.rigid.unsolved == SQUEEZED:
+        return NO_ROOM
+    return STEP_TOO_SMALL if math.isfinite(d.trial.error) else NOT_FINITE
 
 
 def controlled_count(d):

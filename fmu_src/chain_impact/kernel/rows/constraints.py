@@ -53,7 +53,7 @@ SIGN_TOLERANCE = 1e-12  # of the largest value: a wrong sign within it does not 
 MAX_STALLED_PIVOTS = 3
 # Of the impedance of what sticks with the largest limit: with less, the residual would fall too slowly.
 LEAST_SHARE = 1e-2
-SOLVED, MOVING, UNSOLVED = 0, 1, 2  # d.rigid.unsolved
+SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3  # d.rigid.unsolved
 ROUNDS = 30  # plus 4 for each candidate: a bound on the pivots, far above any number that was observed
 
 
@@ -254,6 +254,13 @@ def note_moving(d, tolerated):
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if d.rigid.unsolved == SOLVED and abs(d.rigid.residual[k]) > tolerated:
             d.rigid.unsolved = MOVING
+
+
+def note_squeezed(d, tolerated):
+    """Note if a point that a rigid wall holds stays deeper in it than is ``tolerated`` [m]."""
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        if d.rigid.target[k] - d.rigid.reached[k] > tolerated:
+            d.rigid.unsolved = SQUEEZED
 
 
 def count_stalls(wrong, fewest, stalls_left):
