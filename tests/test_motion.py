@@ -526,7 +526,7 @@ def test_profiles_of_machines_whose_acceleration_jumps_are_followed(name, until)
 @pytest.mark.parametrize("speed", [0.5, 0.05])
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 def test_rigid_walls_that_leave_no_room_end_the_run(speed, restitution):
-    """A rod lies along x between two of them, and one moves in: by the time of its length there is no room."""
+    """A rod lies along x between two of them, and one moves in until the rod has no room."""
     tables = {
         "name": "Press",
         "gravity": [0.0, 0.0],
@@ -536,7 +536,7 @@ def test_rigid_walls_that_leave_no_room_end_the_run(speed, restitution):
         "inputs": {"wall_motion": ["x_max"]},
         "initial": {"position": [0.1, 0.0], "angles": [0.0]},
     }
-    scene, shut = scene_from_dict(tables), 0.2 / speed
+    scene, shut = scene_from_dict(tables, "press"), 0.2 / speed
     with pytest.raises(SimulationError, match="leave no room") as caught:
         simulate(scene, 2.0 * shut, inputs={"wall.x_max.velocity": speed})
     assert caught.value.result.time[-1] == pytest.approx(shut, abs=2e-3)

@@ -242,7 +242,7 @@ def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.nda
 def inputs_text(inputs: Iterable[str]) -> str:
     """What inputs there are, by name, or how there would be some."""
     names = list(inputs)
-    how = "[inputs] joint_torques = true, joint_targets = true and tip_force = true in the scene"
+    how = "[inputs] joint_torques, joint_targets, tip_force, base_motion and wall_motion in the scene"
     if not names:
         return f"it has none, {how} make them"
     shown = names if len(names) <= LISTED else [*names[: LISTED - 2], "…", names[-1]]
