@@ -124,12 +124,10 @@ def test_threads_are_checked(threads):
         sweep(SCENE, {"contact.restitution": [0.5]}, threads=threads)
 
 
-def test_whole_numbers_of_numpy_are_those_of_python(tmp_path):
+def test_whole_numbers_of_numpy_are_those_of_python():
     vary = {"contact.restitution": "0.3:0.7"}
-    one = sweep(SCENE, vary, samples=4, seed=1, threads=2, path=tmp_path / "runs")
-    other = sweep(
-        SCENE, vary, samples=np.int64(4), seed=np.int8(1), threads=np.int64(2), path=tmp_path / "runs"
-    )
+    one = sweep(SCENE, vary, samples=4, seed=1, threads=2)
+    other = sweep(SCENE, vary, samples=np.int64(4), seed=np.int8(1), threads=np.int64(2))
     assert other.to_dataframe().equals(one.to_dataframe())
 
 
