@@ -70,15 +70,18 @@ def test_what_has_to_do_with_candidates_and_elements_comes_last():
     assert TABLE["touch", "active_count"].offset.per_candidate == 0
     for path in ("touch", "law", "search", "finished"):
         assert TABLE[path,].offset.per_element == 0
+    moving = (("motion",), ("moved",), ("shift",))
     for place, field in TABLE.items():
-        if place[:1] not in ((), ("output",), ("transmitted",)):
+        if place[:1] not in ((), ("output",), ("transmitted",), *moving):
             assert (field.offset.per_load, field.size.per_load) == (0, 0)
+        if place[:1] not in ((), *moving):
+            assert field.offset.per_channel == 0
 
 
 def test_a_size_that_is_not_affine_is_refused():
     with pytest.raises(ValueError, match="no size"):
-        _affine([25, 36, 25, 25, 25, 49])
-    assert _affine([25, 36, 25, 25, 25, 47]) == Affine(-30, 11, 0, 0, 0)
+        _affine([25, 36, 25, 25, 25, 25, 49])
+    assert _affine([25, 36, 25, 25, 25, 25, 47]) == Affine(-30, 11, 0, 0, 0, 0)
 
 
 def chain():

@@ -12,7 +12,7 @@ from chain_impact.scene.half_planes import half_planes
 from chain_impact.scene.scene import model_names
 from tests.test_models import inputs_of
 
-WITHOUT_IMPACTS = {"simple_pendulum", "triple_pendulum"}
+WITHOUT_IMPACTS = {"shaken_pendulum", "simple_pendulum", "triple_pendulum"}
 _PAGES = {}
 MODELS = [name for name in model_names() if name not in WITHOUT_IMPACTS]
 
