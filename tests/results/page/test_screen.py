@@ -38,6 +38,7 @@ def settle(page):
 
 def drag(page, grip, by, origin=None):
     """Drag a grip to some pixels from where it, or another origin, is; returns the parameters that follow."""
+    settle(page)  # a grip that is still drawn anew is not there to be taken
     page.mouse.move(*middle(page, grip))
     page.mouse.down()
     page.mouse.move(*(middle(page, origin or grip) + by), steps=4)
