@@ -5,8 +5,6 @@ import math
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from chain_impact import Chain, SceneError, SceneWarning, SimulationError, load_scene, simulate
 from chain_impact.fmu.references import reference
@@ -14,6 +12,7 @@ from chain_impact.results.page.recorded import data
 from chain_impact.results.plots.film import Film
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.model import Model
+from tests import driven
 
 G = 9.81
 LINKS = ({"length": 0.5, "mass": 1.0}, {"length": 0.4, "mass": 0.7})
@@ -89,13 +88,8 @@ def test_a_shaken_pendulum_is_that_of_an_independent_integration():
     amplitude, rate, length = 0.05, 40.0, 0.5
     scene = scene_of(LINKS[:1], base="pinned", initial={"angles": [1.4]})
     result = simulate(scene, inputs={"base.y": lambda t: amplitude * math.sin(rate * t)})
-
-    def rates(t, y):
-        push = G - amplitude * rate**2 * math.sin(rate * t)
-        return [y[1], -1.5 / length * push * math.cos(y[0])]
-
-    exact = solve_ivp(rates, (0, 1), [1.4, 0.0], "DOP853", result.time, rtol=1e-13, atol=1e-14)
-    assert np.abs(result["link[1].angle"] - exact.y[0]).max() < 1e-9
+    exact, _ = driven.pendulum(result.time, [1.4, 0.0], amplitude, rate, length)
+    assert np.abs(result["link[1].angle"] - exact).max() < 1e-9
     assert unbalanced(result) < 1e-8
     assert np.ptp(result["energy.total"]) > 1.0
 
@@ -178,20 +172,7 @@ def test_a_ball_on_a_vibrating_table_bounces_as_the_map_has_it():
         initial={"position": [0.0, 0.1], "angles": [math.pi / 2]},
     )
     result = simulate(scene, inputs={"wall.y_min.displacement": lambda t: amplitude * math.sin(rate * t)})
-    now, height, speed, onsets = 0.0, 0.1, 0.0, []
-    for _ in range(10):
-
-        def gap(t, now=now, height=height, speed=speed):
-            return height + speed * (t - now) - 0.5 * G * (t - now) ** 2 - amplitude * math.sin(rate * t)
-
-        after = now + 1e-4
-        while gap(after) > 0.0:
-            after += 1e-4
-        then = brentq(gap, after - 1e-4, after, xtol=1e-16, rtol=1e-15)
-        table = amplitude * rate * math.cos(rate * then)
-        speed = table - restitution * (speed - G * (then - now) - table)
-        now, height = then, amplitude * math.sin(rate * then)
-        onsets.append(then)
+    onsets = driven.table_impacts((0.1, 0.0), amplitude, rate, restitution, 10)
     assert np.abs(result.impacts["onset"][:10] - onsets).max() < 1e-11
     assert unbalanced(result) < 1e-10
 

@@ -7,35 +7,14 @@ are those of the controlled arm.
 from __future__ import annotations
 
 import argparse
-import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
-
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "controlled_arm"))
-from masters import MASTERS  # noqa: E402
+from masters import MASTERS, build, co_simulate  # noqa: E402
 
 STOP_TIME, STEP = 2.0, 1e-3  # s
-
-
-def build(folder, target="native"):
-    """Build both FMUs in a folder; return the paths of the arm and of the carriage."""
-    from chain_impact import build_fmu
-
-    folder = Path(folder).resolve()
-    arm = build_fmu(HERE, folder, target=target)
-    # in a process of its own, as pythonfmu imports the script and keeps it
-    command = [sys.executable, "-m", "pythonfmu", "build", "-f", HERE / "carriage.py", "-d", folder]
-    subprocess.run([*command, "--no-external-tool"], check=True, stdout=subprocess.DEVNULL)
-    return arm, folder / "Carriage.fmu"
-
-
-def co_simulate(fmus, stop_time=STOP_TIME, step=STEP, master="fmpy"):
-    """Time and all outputs that are numbers at the communication points: name → array of shape (T,)."""
-    time = np.arange(round(stop_time / step) + 1) * step
-    return {"time": time, **MASTERS[master](fmus, time)}
 
 
 def main():
@@ -50,9 +29,8 @@ def main():
     parser.add_argument("--plot", help="a picture of the carriage and the force in its joint")
     arguments = parser.parse_args()
     arguments.output.mkdir(parents=True, exist_ok=True)
-    columns = co_simulate(
-        build(arguments.output, arguments.target), step=arguments.step, master=arguments.master
-    )
+    fmus = build(HERE, HERE / "carriage.py", "Carriage", arguments.output, arguments.target)
+    columns = co_simulate(fmus, STOP_TIME, arguments.step, arguments.master)
     time = columns.pop("time")
     Recording("CarriedArm", time, columns).save_csv(arguments.output / "CarriedArm.csv")
     if arguments.plot:

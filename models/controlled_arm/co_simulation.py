@@ -8,38 +8,14 @@ from __future__ import annotations
 
 import argparse
 import csv
-import subprocess
-import sys
 from pathlib import Path
 
 import fmpy
 import numpy as np
-from masters import MASTERS
+from masters import MASTERS, build, co_simulate
 
 HERE = Path(__file__).parent
 STOP_TIME, STEP = 2.0, 1e-3  # s
-
-
-def build(folder, target="native"):
-    """Build both FMUs in a folder; return the paths of the arm and of the controller."""
-    from chain_impact import build_fmu
-
-    folder = Path(folder).resolve()
-    arm = build_fmu(HERE, folder, target=target)
-    # in a process of its own, as pythonfmu imports the script and keeps it
-    command = [sys.executable, "-m", "pythonfmu", "build", "-f", HERE / "controller.py", "-d", folder]
-    subprocess.run([*command, "--no-external-tool"], check=True, stdout=subprocess.DEVNULL)
-    return arm, folder / "JointController.fmu"
-
-
-def co_simulate(fmus, stop_time=STOP_TIME, step=STEP, master="fmpy"):
-    """Co-simulate FMUs with one of the masters.
-
-    Returns:
-        Time and all outputs that are numbers at the communication points: name → array of shape (T,).
-    """
-    time = np.arange(round(stop_time / step) + 1) * step
-    return {"time": time, **MASTERS[master](fmus, time)}
 
 
 def save_csv(path, columns):
@@ -133,9 +109,9 @@ def main():
     arguments = parser.parse_args()
     folder = Path(arguments.output)
     folder.mkdir(parents=True, exist_ok=True)
-    fmus = build(folder, arguments.target)
+    fmus = build(HERE, HERE / "controller.py", "JointController", folder, arguments.target)
     try:
-        columns = co_simulate(fmus, step=arguments.step, master=arguments.master)
+        columns = co_simulate(fmus, STOP_TIME, arguments.step, arguments.master)
     except ImportError as error:
         from chain_impact.extras import how_to_install
 

@@ -3,6 +3,7 @@
 FMUs are connected where an output and an input have one name. At each communication point every output goes
 to its input, then all FMUs take the next step: the order of the FMUs does not matter (Jacobi's scheme).
 
+``build`` makes the FMUs of a scene and of a slave in Python; ``co_simulate`` runs them with a master.
 A master takes the paths of the FMUs and the communication points, equally spaced from 0, shape (T,) [s], and
 returns all outputs that are numbers at these, real ones and integers: name → array of shape (T,).
 """
@@ -12,6 +13,8 @@ from __future__ import annotations
 import ctypes
 import importlib.metadata
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import fmpy
@@ -182,3 +185,25 @@ def load_tbb():
 
 
 MASTERS = {"fmpy": by_fmpy, "libcosim": by_libcosim, "ecos": by_ecos}
+
+
+def build(scene, script, slave, folder, target="native"):
+    """Build the FMUs of a scene and of the slave, a class in a script, in a folder; return both paths."""
+    from chain_impact import build_fmu
+
+    folder = Path(folder).resolve()
+    arm = build_fmu(scene, folder, target=target)
+    # in a process of its own, as pythonfmu imports the script and keeps it
+    command = [sys.executable, "-m", "pythonfmu", "build", "-f", script, "-d", folder]
+    subprocess.run([*command, "--no-external-tool"], check=True, stdout=subprocess.DEVNULL)
+    return arm, folder / f"{slave}.fmu"
+
+
+def co_simulate(fmus, stop_time, step, master="fmpy"):
+    """Co-simulate FMUs with one of the masters.
+
+    Returns:
+        Time and all outputs that are numbers at the communication points: name → array of shape (T,).
+    """
+    time = np.arange(round(stop_time / step) + 1) * step
+    return {"time": time, **MASTERS[master](fmus, time)}

@@ -118,6 +118,11 @@ class Recording:
         }
 
     @cached_property
+    def knows_joint_forces(self) -> bool:
+        """Whether any impact has its largest force in a joint."""
+        return bool(np.isfinite(self.impacts["joint_force"]).any())
+
+    @cached_property
     def touches(self) -> list[Touch]:
         """What points and walls, and joints and their stops, do to each other; joints with dry friction."""
         found = [

@@ -73,12 +73,8 @@ def impact_heads(result: Recording) -> tuple[str, ...]:
     """The heads of the columns of ``impact_cells``, with units where all impacts have the same."""
     values = {"speed": "m/s", "peak force": "N", "impulse": "N·s"}
     told = (name if result.stops else f"{name}, {unit}" for name, unit in values.items())
-    loads = ("joint force, N", "joint") if _knows_loads(result) else ()
+    loads = ("joint force, N", "joint") if result.knows_joint_forces else ()
     return ("time, s", "point", "wall", *told, *loads)
-
-
-def _knows_loads(result: Recording) -> bool:
-    return bool(np.isfinite(result.impacts["joint_force"]).any())
 
 
 def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
@@ -90,7 +86,7 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
     point = what(impact["point"], True) if stop else str(impact["point"])
     units = [speed_unit(stop), *(("N·m", "N·m·s") if stop else ("N", "N·s"))]
     values = (f"{impact['impact_speed']:.4f}", _digits(impact["peak_force"]), _digits(impact["impulse"]))
-    loads = (_digits(impact["joint_force"]), str(impact["joint"])) if _knows_loads(result) else ()
+    loads = (_digits(impact["joint_force"]), str(impact["joint"])) if result.knows_joint_forces else ()
     cells = (f"{one} {unit}" if result.stops else one for one, unit in zip(values, units, strict=True))
     return (f"{impact['onset']:.6f}", point, result.wall_names[impact["wall"]], *cells, *loads)
 
