@@ -66,7 +66,7 @@ try:
 except BuildError as error:
     said = str(error)
 how = f"{sys.executable} -m pip install '{Path.cwd()}[compiler]'"
-assert how in said, f"without a compiler a law of one's own said {said}, and not {how}"
+assert how in said, f"without a compiler a law of your own said {said}, and not {how}"
 
 packages = Path(find_spec("chain_impact").origin).parents[1]
 of_the_environment = ("pip", "setuptools", "pkg_resources", "_distutils_hack")

@@ -199,7 +199,7 @@ def test_laws_are_linked_to_one_kernel(stand_in, tmp_path):
         ({}, f"this kernel needs a compiler: {how_to_install('compiler')} (ziglang missing)"),
         ({"platform": "win64"}, "a kernel for win64 needs a compiler: "),
         ({"derivatives": True}, "a kernel that carries derivatives needs a compiler: "),
-        ({"law_file": "mine.py"}, "mine.py: a contact law of one's own needs a compiler: "),
+        ({"law_file": "mine.py"}, "mine.py: a contact law of your own needs a compiler: "),
     ],
 )
 def test_without_a_compiler_one_sentence_says_what_to_install(

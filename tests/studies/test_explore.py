@@ -51,5 +51,5 @@ def test_a_law_of_the_users_own_needs_the_compilers_and_says_so(tmp_path, monkey
     (tmp_path / "mine.py").write_text(LAW)
     (tmp_path / "mine.toml").write_text(SCENE)
     monkeypatch.setattr(ready, "find_spec", lambda _: None)
-    with pytest.raises(BuildError, match=r"mine\.py: a contact law of one's own needs a compiler: "):
+    with pytest.raises(BuildError, match=r"mine\.py: a contact law of your own needs a compiler: "):
         explore(tmp_path / "mine.toml", tmp_path / "a.html")

@@ -81,7 +81,7 @@ def browser_module(law_file: str = "") -> Path:
     found = ready.find(name) or cache.find(name)
     if found:
         return found
-    ready.require_compilers(f"{law_file}: a contact law of one's own" if law_file else "a page that computes")
+    ready.require_compilers(f"{law_file}: a contact law of your own" if law_file else "a page that computes")
     lowered_law = _lowered_law(law, law_file) if law else None
 
     def text() -> str:
@@ -142,5 +142,5 @@ def _purpose(platform: str, law_file: str, derivatives: bool) -> str:
     if derivatives:
         return "a kernel that carries derivatives"
     if law_file:
-        return f"{law_file}: a contact law of one's own"
+        return f"{law_file}: a contact law of your own"
     return "this kernel" if platform == HOST else f"a kernel for {platform}"

@@ -125,7 +125,7 @@ class Scene:
 
     @property
     def law_names(self) -> tuple[str, ...]:
-        """The contact laws in the order of their numbers in the FMU, a law of one's own last."""
+        """The contact laws in the order of their numbers in the FMU, a law of the user's last."""
         file = self.contact.law_file
         return *CONTACT_LAWS, *([Path(file).stem] if file else [])
 

@@ -152,7 +152,7 @@ class Wall:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Material:
-    """The material of one wall, of the box or of one's own: what is not as in ``contact``."""
+    """The material of one wall, of the box or of ``walls``: what is not as in ``contact``."""
 
     stiffness: float | None = quantity(
         "N/m^exponent", "contact stiffness, if not that of contact", None, above=0.0
@@ -217,7 +217,7 @@ class Stops:
     )
     minimum_impact_speed: float | None = quantity(
         "rad/s",
-        "slower impacts at stops are damped as at this speed; at rigid stops they do not rebound",
+        "a slower impact at a stop is damped as one at this speed; at a rigid stop it does not rebound",
         _with_stops(1e-3),
         above=0.0,
     )

@@ -46,7 +46,7 @@ def explore(scene: SceneSource, path: Path | str, *, command: Sequence[str] | No
     Raises:
         SceneError: when the scene cannot be read.
         BuildError: when the kernel for browsers has to be compiled, and cannot be: that of an installed
-            package is there, but for a scene with a contact law of one's own.
+            package is there, but for a scene with a contact law of your own.
         OSError: when the file cannot be written.
     """
     known = [_source(scene)] if command is None else list(command)
