@@ -26,6 +26,7 @@ from chain_impact.scene.limits import Derived, allowed, without_none
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import WALLS, load_scene, model_names, scene_keys, with_values
 from chain_impact.simulation.reasons import REASONS, REASONS_OF_FRICTION
+from chain_impact.variables.kinds import kind_of, of_its_kind
 from chain_impact.variables.model import Model
 from chain_impact.variables.units import UNITS
 from chain_impact.variables.variable import Variable
@@ -150,8 +151,8 @@ def variable_patterns() -> str:
     rows: dict[str, Variable] = {}
     for scene in (everything, mounted, *scenes, with_values(everything, {"inputs.joint_targets": True})):
         for variable in Model(scene).variables:
-            rows.setdefault(_pattern(variable.name), variable)
-    found = [(scene, {_pattern(v.name) for v in Model(scene).variables}) for scene in scenes]
+            rows.setdefault(kind_of(variable.name), variable)
+    found = [(scene, {kind_of(v.name) for v in Model(scene).variables}) for scene in scenes]
     blocks = []
     for causality in ("parameter", "input", "output"):
         lines = [
@@ -197,24 +198,11 @@ def _where(pattern: str, found: list[tuple[Any, set[str]]]) -> str:
     return next(kind for kind, has in KINDS.items() if [has(scene) for scene, _ in found] == having)
 
 
-def _pattern(name: str) -> str:
-    """`link[2].length` → `link[i].length`; the point of a contact and of an output is k."""
-    name = re.sub(r"(point|contact)\[\d+\]", r"\1[k]", name)
-    name = re.sub(r"\[\d+\]", "[i]", name)
-    return re.sub(r"^(contact\[k\]|wall)\.\w+\.", r"\1.<wall>.", name)
-
-
 def _generic(description: str) -> str:
-    text = re.sub(r"\blink 1 from the base\b", "link i from the joint before it", description)
-    text = re.sub(r"\blink \d+ from (link \d+|the base)", "link i from link i − 1, or the base", text)
-    text = re.sub(r"\b(link|joint) \d+", r"\1 i", text)
-    text = re.sub(r"\bpoint \d+ at \w+", "point k at a wall", text)
-    text = re.sub(r"^at wall \w+: ", "at one wall: ", text)
-    text = re.sub(r"^wall \w+: ", "wall at any angle: ", text)
-    text = re.sub(r"^latest impact: ", "impact i, 1 the latest: ", text)
+    """The description of a kind; long lists of codes stand elsewhere."""
+    text = of_its_kind(description)
     text = re.sub(r"(wall of the last impact: .*y_max).*", r"\1, 5 and on: those of the scene", text)
-    text = re.sub(r"(impact i, .*: wall): 0 if there is none.*", r"\1, as `impact.last_wall`", text)
-    return re.sub(r"\bpoint \d+:", "point k:", text)
+    return re.sub(r"(impact i, .*: wall): 0 if there is none.*", r"\1, as `impact.last_wall`", text)
 
 
 def _meaning(pattern: str, variable: Variable) -> str:

@@ -77,6 +77,7 @@ def test_files(fmus, target, model):
     assert path.stat().st_size < 2e6
     picture = "terminalsAndIcons/icon.png" if target == "fmi3" else "model.png"
     needed = {"documentation/index.html", "documentation/licenses/license.txt", picture, XML}
+    needed |= {"terminalsAndIcons/terminalsAndIcons.xml"} if target == "fmi3" else set()
     with zipfile.ZipFile(path) as fmu:
         assert fmu.namelist() == sorted(fmu.namelist())
         assert {entry.date_time for entry in fmu.infolist()} == {(1980, 1, 1, 0, 0, 0)}

@@ -1,31 +1,27 @@
-"""What an FMU tells people: documentation/index.html, the licenses, and a picture."""
+"""What an FMU tells people: documentation/index.html, the licenses, an icon, and in FMI 3.0 its terminals."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.metadata import distribution
 
-import numpy as np
-from PIL import Image, ImageDraw
-
 from chain_impact.compilation.errors import BuildError
+from chain_impact.fmu import drawing, terminals
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import Scene
+from chain_impact.variables.kinds import kind_of, of_its_kind
 from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
-SHOWN, FINER = 128, 4  # of the picture: pixels, and how many times as many are drawn, for smooth edges
-SIZE, MARGIN = SHOWN * FINER, 0.12  # pixels that are drawn, a part of the picture
-EDGE, BAR, KNOB = 1.5 * FINER, 5 * FINER, 3.0 * FINER  # half a wall, a link, half a joint, in pixels
-WALL, LINK, JOINT, PAPER = (150, 150, 150), (31, 119, 180), (214, 39, 40), (255, 255, 255)
-PICTURES = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
-"""Version of FMI → where it wants the picture (2.3 of FMI 2.0, 2.5.1 of FMI 3.0)."""
+ICONS = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
+"""Version of FMI → where it wants the icon (2.3 of FMI 2.0, 2.5.1 of FMI 3.0)."""
 STYLE = (
     "body{font-family:sans-serif;max-width:70em;margin:2em auto;padding:0 1em}"
-    "table{border-collapse:collapse}td,th{border:1px solid #ccc;padding:.2em .6em;text-align:left}"
+    "table{border-collapse:collapse}td,th{border:1px solid #8888;padding:.2em .6em;text-align:left}"
+    "summary{cursor:pointer;font-size:1.5em;font-weight:bold;margin:.8em 0}:root{color-scheme:light dark}"
 )
+KINDS = "Variables by kind"
 
 INTRODUCTION = (
     "<p>A planar chain of rigid links that hits {walls}. FMI {version}, co-simulation. Quantities "
@@ -58,7 +54,8 @@ def documents(model: Model, fmi: int) -> dict[str, bytes]:
     return {
         "documentation/index.html": page(model, fmi).encode(),
         "documentation/licenses/license.txt": license_text.encode(),
-        PICTURES[fmi]: picture(model.scene),
+        ICONS[fmi]: drawing.icon(model.scene),
+        **({terminals.FILE: terminals.terminals_and_icons(model.variables)} if fmi == 3 else {}),  # noqa: PLR2004
     }
 
 
@@ -84,21 +81,23 @@ def page(model: Model, fmi: int) -> str:
         for number, item in enumerate(v.items, 1)
     ]
     walls = "walls with dry friction" if scene.has_contact_friction else "frictionless walls"
+    codes = [(str(n), text) for n, text in STATUS_TEXT.items()]
     parts = [
         f"<h1>{escape(scene.name)}</h1><p>{escape(scene.description)}</p>",
+        whose(scene),
         *(paragraph.format(version=f"{fmi}.0", walls=walls) for paragraph in INTRODUCTION),
         *([MOTIONS] if scene.inputs.base_motion or scene.moving_walls else []),
         *FURTHER[fmi],
-        table("Parameters", ("name", "start", "unit", "variability", "allowed", "meaning"), settable),
-        table("Inputs", ("name", "unit", "meaning"), inputs),
-        table("Outputs", ("name", "unit", "variability", "meaning"), outputs),
-        table("Choices", ("parameter", "number", "name", "meaning"), choices),
-        table(
-            "Status of the solver", ("code", "meaning"), [(str(n), text) for n, text in STATUS_TEXT.items()]
-        ),
-        '<p><a href="licenses/license.txt">License</a></p>',
+        f"<h2>Points, angles and signs</h2>{drawing.drawing(scene)}<p>{drawing.SIGNS}</p>",
+        f"<h2>{KINDS}</h2>{table(('name', 'how many', 'what', 'unit', 'meaning'), kinds(variables))}",
+        folded("Parameters", ("name", "start", "unit", "variability", "allowed", "meaning"), settable),
+        folded("Inputs", ("name", "unit", "meaning"), inputs),
+        folded("Outputs", ("name", "unit", "variability", "meaning"), outputs),
+        folded("Choices", ("parameter", "number", "name", "meaning"), choices),
+        folded("Status of the solver", ("code", "meaning"), codes),
+        '<p><a href="licenses/license.txt">License of the solver</a></p>',
     ]
-    head = f"<meta charset='utf-8'><title>{escape(scene.name)}</title><style>{STYLE}</style>"
+    head = f"<meta charset='utf-8'><title>{escape(scene.name)}</title><style>{STYLE}{drawing.STYLE}</style>"
     return (
         f"<!DOCTYPE html>\n<html lang='en'><head>{head}</head><body>\n"
         + "\n".join(parts)
@@ -106,51 +105,31 @@ def page(model: Model, fmi: int) -> str:
     )
 
 
-def table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table with a title; nothing if it has no rows."""
+def whose(scene: Scene) -> str:
+    """What the scene says of itself, in a line; nothing if it says nothing."""
+    keys = ("author", "version", "copyright", "license")
+    said = [f"{key.capitalize()}: {escape(text)}" for key in keys if (text := getattr(scene, key))]
+    return f"<p>{'; '.join(said)}</p>" if said else ""
+
+
+def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
+    """A row for each kind of variable, in the order of the first ones: the causality of a kind is one."""
+    found: dict[str, list[Variable]] = {}
+    for variable in variables:
+        found.setdefault(kind_of(variable.name), []).append(variable)
+    return [
+        (kind, str(len(some)), some[0].causality, some[0].unit, of_its_kind(some[0].description))
+        for kind, some in found.items()
+    ]
+
+
+def folded(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table behind its title; nothing if it has no rows."""
+    return f"<details><summary>{title}</summary>{table(head, rows)}</details>" if rows else ""
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table."""
     lines = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
-    if not lines:
-        return ""
     names = "".join(f"<th>{name}</th>" for name in head)
-    return (
-        f"<h2>{title}</h2><table><tr>{names}</tr>\n"
-        + "\n".join(f"<tr>{line}</tr>" for line in lines)
-        + "</table>"
-    )
-
-
-# --- the picture -----------------------------------------------------------------------------------------
-
-
-def picture(scene: Scene) -> bytes:
-    """The chain at its start and the walls, as PNG."""
-    directions = np.array([(np.cos(a), np.sin(a)) for a in scene.initial.angles])
-    lengths = np.array([link.length for link in scene.chain.links])
-    base, planes = np.array(scene.initial.position), scene.half_planes.values()
-    joints = np.vstack([base, base + np.cumsum(directions * lengths[:, None], 0)])
-    # the point of each wall that is nearest to the middle of the chain is in the picture
-    middle = joints.mean(0)
-    feet = [middle - plane.clearance(*middle) * np.array(plane.normal) for plane in planes]
-    seen = np.vstack([joints - 0.1 * lengths.max(), joints + 0.1 * lengths.max(), *feet])
-    low, high = seen.min(0), seen.max(0)
-    scale = (1.0 - 2.0 * MARGIN) * SIZE / max(high - low)
-    corner = 0.5 * (SIZE - scale * (high - low))
-
-    image = np.full((SIZE, SIZE, 3), PAPER, np.uint8)
-    y, x = np.mgrid[SIZE:0:-1, 0:SIZE] + np.array([-0.5, 0.5])[:, None, None]
-    x, y = low[0] + (x - corner[0]) / scale, low[1] + (y - corner[1]) / scale
-    if planes:
-        # the edge of the room that is free of all walls
-        clearance = np.min(
-            [plane.normal[0] * x + plane.normal[1] * y - plane.offset for plane in planes], axis=0
-        )
-        image[np.abs(clearance) * scale <= EDGE] = WALL
-    drawing = Image.fromarray(image)
-    pen = ImageDraw.Draw(drawing)
-    pixels = [(px, SIZE - py) for px, py in (corner + scale * (joints - low)).tolist()]
-    pen.line(pixels, LINK, BAR)
-    for px, py in pixels:
-        pen.ellipse((px - KNOB, py - KNOB, px + KNOB, py + KNOB), JOINT)
-    stream = io.BytesIO()
-    drawing.resize((SHOWN, SHOWN)).save(stream, "png", optimize=True)
-    return stream.getvalue()
+    return f"<table><tr>{names}</tr>\n" + "\n".join(f"<tr>{line}</tr>" for line in lines) + "</table>"

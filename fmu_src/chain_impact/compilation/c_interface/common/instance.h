@@ -107,6 +107,8 @@ int deserialize(const Instance *one, const char *call, const void *bytes, size_t
 
 /* messages.c */
 #define ALL_CATEGORIES (~0u)
+/* what is wanted with debug logging off: why something was not done */
+#define REFUSALS (1u << DISCARD | 1u << ERROR)
 unsigned category_bit(const char *name); /* 0 if there is none of that name */
 /* One sentence to the importer's log, if its category is wanted; returns the status. */
 int say(const Instance *one, int status, const char *format, ...) __attribute__((format(printf, 3, 4)));

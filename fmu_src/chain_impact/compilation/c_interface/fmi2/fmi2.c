@@ -38,7 +38,7 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
     if (type != fmi2CoSimulation)
         return say(&draft, ERROR, "%s: this FMU is for co-simulation, not for model exchange", __func__), NULL;
     Instance *one = new_instance(draft, __func__, guid, location);
-    if (one) one->categories = logging ? ALL_CATEGORIES : 0;
+    if (one) one->categories = logging ? ALL_CATEGORIES : REFUSALS;
     return one;
 }
 

@@ -45,7 +45,7 @@ FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String
     draft.event_mode = event_mode;
     draft.stops = event_mode && early_return;
     Instance *one = new_instance(draft, __func__, token, resources);
-    if (one) one->categories = logging ? ALL_CATEGORIES : 0;
+    if (one) one->categories = logging ? ALL_CATEGORIES : REFUSALS;
     return one;
 }
 

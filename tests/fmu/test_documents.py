@@ -1,0 +1,100 @@
+"""What an FMU tells people, without building one: its page, its drawing, its terminals."""
+
+from collections import Counter
+from html import escape
+from pathlib import Path
+from xml.etree import ElementTree
+
+import fmpy
+import pytest
+from lxml import etree
+
+from chain_impact import load_scene, model_names
+from chain_impact.fmu.documents import documents, page
+from chain_impact.fmu.terminals import FILE, terminals_and_icons
+from chain_impact.variables.kinds import kind_of
+from chain_impact.variables.model import Model
+
+SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
+DRIVEN = {"inputs.joint_torques": True, "inputs.joint_targets": True, "inputs.base_motion": True}
+DRIVEN |= {"inputs.tip_force": True, "inputs.wall_motion": True, "outputs.loads": True}
+
+
+def drawn(scene):
+    text = page(Model(scene), 3)
+    return ElementTree.fromstring(text[text.index("<svg") : text.index("</svg>") + len("</svg>")])
+
+
+@pytest.mark.parametrize("model", model_names())
+def test_the_drawing_has_every_link_point_and_wall_and_the_first_angle(model):
+    scene, picture = load_scene(model), drawn(load_scene(model))
+    links = len(scene.chain.links)
+    labels = [element.text for element in picture.iter("text")]
+    chain = next(one for one in picture.iter("polyline") if one.get("class") == "link")
+    assert len(chain.get("points").split()) == 1 + links == len(list(picture.iter("circle")))
+    assert {"x", "y", "+", "point 0", str(links)} | set(scene.half_planes) <= set(labels)
+    assert labels.count("n") == len(scene.half_planes)
+    assert sum(label.startswith("θ1 = ") for label in labels) == 1
+    numbers = [float(word) for one in chain.get("points").split() for word in one.split(",")]
+    assert all(0.0 <= x <= 760.0 for x in numbers[::2])
+    assert all(0.0 <= y <= 460.0 for y in numbers[1::2])
+
+
+def test_an_arm_is_drawn_as_it_hangs():
+    scene = load_scene("pinned_arm").with_values({"initial.angles": ["-90 deg", "180 deg"]})
+    picture = drawn(scene)
+    chain = next(one for one in picture.iter("polyline") if one.get("class") == "link")
+    (x0, y0), (x1, y1), (x2, y2) = ([float(v) for v in p.split(",")] for p in chain.get("points").split())
+    assert x0 == pytest.approx(x1)
+    assert y0 < y1 == pytest.approx(y2)
+    assert x2 < x1
+    assert {"θ1 = −90°", "θ2 = 180°"} <= {element.text for element in picture.iter("text")}
+
+
+def test_the_page_says_whose_the_model_is_and_has_each_kind_of_variable_in_one_row():
+    said = {"author": "Jane <Doe>", "version": "1.2", "copyright": "2026 Jane Doe", "license": "MIT"}
+    model = Model(load_scene("four_link_box").with_values(said))
+    text = page(model, 2)
+    table = text[text.index("Variables by kind") : text.index("<details>")]
+    assert "Author: Jane &lt;Doe&gt;; Version: 1.2; Copyright: 2026 Jane Doe; License: MIT" in text
+    assert "Author" not in page(Model(load_scene("four_link_box")), 2)
+    for kind, count in Counter(kind_of(variable.name) for variable in model.variables).items():
+        assert table.count(f"<tr><td>{escape(kind)}</td><td>{count}</td>") == 1
+
+
+@pytest.mark.parametrize(("model", "changes"), [("four_link_box", {}), ("pinned_arm", DRIVEN)])
+def test_terminals_are_valid_and_group_the_inputs_and_outputs_of_their_owners(model, changes):
+    variables = Model(load_scene(model).with_values(changes)).variables
+    content = terminals_and_icons(variables)
+    schema = etree.XMLSchema(etree.parse(str(SCHEMA)))
+    schema.assertValid(etree.fromstring(content))
+    causality = {variable.name: variable.causality for variable in variables}
+    found, seen = {}, []
+
+    def read(parent, path):
+        names = [terminal.get("name") for terminal in parent.findall("Terminal")]
+        assert len(names) == len(set(names))
+        for terminal in parent.findall("Terminal"):
+            name = ".".join([*path, terminal.get("name")])
+            for member in terminal.findall("TerminalMemberVariable"):
+                seen.append(member.get("variableName"))
+                assert seen[-1] == f"{name}.{member.get('memberName')}"
+                found.setdefault(name, set()).add(member.get("memberName"))
+            read(terminal, [*path, terminal.get("name")])
+
+    read(ElementTree.fromstring(content).find("Terminals"), [])
+    assert len(seen) == len(set(seen))
+    assert {causality[name] for name in seen} <= {"input", "output"}
+    assert {"angle", "angular_velocity"} <= found["joint[2]"]
+    assert found["point[2]"] == {"x", "y", "vx", "vy", "ax", "ay"}
+    if changes:
+        assert {"torque", "target_angle", "target_velocity", "moment", "force.x"} <= found["joint[2]"]
+        assert {"x", "vx", "ax"} <= found["base"]
+        assert found["tip"] == {"force.x", "force.y"}
+        assert {"displacement", "belt_speed", "load.x"} <= found["wall.x_max"]
+
+
+def test_only_fmi3_has_terminals():
+    model = Model(load_scene("rod_drop"))
+    assert FILE in documents(model, 3)
+    assert FILE not in documents(model, 2)
