@@ -10,11 +10,15 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from scipy.io import savemat
 
 import chain_impact
 from chain_impact.results.plots.style import STYLE
+from tests.coulomb_impact import Strike, stiff_limit
+from tests.reference import exact_damping_factor
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 FILES = sorted([*BENCHMARKS.glob("*.py"), *BENCHMARKS.glob("peers/*.py")])
@@ -95,3 +99,60 @@ def test_a_peer_without_a_time_is_a_gap(charts):
     del results["start-up [s]"]["CVODE Adams"]
     assert not [row for row in results["at equal error"] if "CVODE Adams" in row["times as long"]]
     assert "nothing to compare with" in message(module, record)[0]
+
+
+# --- measured impacts ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def impacts(charts, tmp_path):
+    """The module, and a function that writes made-up trials in the form of the data set and reads them."""
+    module = charts("measured_impacts")
+
+    def made(restitution, friction, count=8):
+        rng = np.random.default_rng(7)
+        arm = np.stack([rng.uniform(-0.01, 0.01, count), rng.uniform(-0.035, -0.025, count)], axis=1)
+        before = rng.uniform([-1.0, -3.0, -20.0], [1.0, -2.0, 20.0], (count, 3))
+        inverse, after = np.diag([1.0, 1.0, module.GYRATION**-2]) / module.MASS, before.copy()
+        for k, (across, up) in enumerate(arm):
+            rows = np.array([[0.0, 1.0, across], [1.0, 0.0, -up]])
+            w, (normal, along) = rows @ inverse @ rows.T, rows @ before[k]
+            strike = Strike(w[0, 0], w[0, 1], w[1, 1], -normal, along, friction)
+            end = stiff_limit(strike, exact_damping_factor(restitution))
+            after[k] += inverse @ rows.T @ [end.normal, end.tangential]
+        states = {
+            f"states_{name}": np.hstack([0.0 * v, v * [-1, 1, 1]])
+            for name, v in (("i", before), ("f", after))
+        }
+        ones = np.ones(count)
+        places = {
+            "n": np.stack([0 * ones, ones, arm[:, 0]], 1),
+            "d": np.stack([ones, 0 * ones, -arm[:, 1]], 1),
+        }
+        savemat(tmp_path / "data_ellipse.mat", {"data": states | places})
+        return module.read(tmp_path)
+
+    return module, made
+
+
+def test_restitution_and_friction_of_made_up_impacts_are_found_again(impacts):
+    module, made = impacts
+    trials = made(0.7, 0.15)
+    found = module.fitted(module.ellipse(), trials[::2])
+    assert found.values == pytest.approx({"contact.restitution": 0.7, "contact.friction": 0.15}, rel=5e-3)
+    assert module.errors(trials[1::2], module.predicted(found.scene, trials[1::2])).max() < 5e-3
+
+
+def test_a_stiff_spring_along_the_wall_comes_to_a_rigid_elastic_impact(impacts):
+    module, made = impacts
+    trials = made(1.0, 0.2)
+    assert module.errors(trials, module.compliant(trials, 1.0, 0.2, 100.0)).max() < 0.05
+    assert module.errors(trials, module.compliant(trials, 1.0, 0.2, 1.0)).max() > 0.1
+
+
+def test_the_measured_impacts_support_no_compliance_along_the_wall():
+    rows = stored("measured_impacts")["results"]["odd trials"]
+    medians = {name: row["median"] for name, row in rows.items() if "median" in row}
+    assert (
+        min(medians[name] for name in medians if name.startswith("compliance")) > 0.9 * medians["zhang_sharf"]
+    )

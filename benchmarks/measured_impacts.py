@@ -1,0 +1,223 @@
+"""Measured impacts with friction: ``python benchmarks/measured_impacts.py FOLDER``.
+
+FOLDER is ``processed_data`` of the repository mcubelab/planar-impact-dataset (Fazeli, Donlon, Drumwright &
+Rodriguez 2017). It has no licence, so its data stay there, and only aggregates are recorded.
+
+An ellipse is dropped in a plane; its velocities before and after each impact were measured, with the place
+of the contact point. As a scene it is one free link from the centre of mass to the contact point, without
+gravity. Restitution and friction, the same for all impacts, are fitted to every second trial with ``fit``,
+and judged by the others. Beside the laws of this package there is a model with a compliance along the wall.
+
+In the data x points to the other side than angles say: with −x, torques follow from forces.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import argparse
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.io import loadmat
+from scipy.optimize import minimize
+
+from chain_impact import Fit, fit, simulate
+from chain_impact.scene.scene import Scene, scene_from_dict
+
+MASS, GYRATION = 0.0364, 0.0192  # kg, m: of the ellipse
+STOP, GAP = 1e-3, 1e-6  # s, m: the impact begins within 1e-5 s and lasts as long
+START = {"contact.restitution": 0.6, "contact.friction": 0.2}
+MINDLIN = 0.82  # tangential over normal stiffness of an elastic contact, 2 (1 − ν)/(2 − ν) for ν = .3
+STEPS = 400  # of half an elastic impact, in the model with a compliance
+
+
+@dataclass(frozen=True)
+class Trials:
+    """Impacts: velocity (v_x, v_y, ω) [m/s, rad/s] of the centre before and after them, and where [m].
+
+    Attributes:
+        before: (n, 3).
+        after: (n, 3).
+        arm: (n, 2), from the centre to the contact point.
+    """
+
+    before: np.ndarray
+    after: np.ndarray
+    arm: np.ndarray
+
+    def __getitem__(self, part: slice) -> Trials:
+        return Trials(self.before[part], self.after[part], self.arm[part])
+
+    def at_contact(self, velocity: np.ndarray) -> np.ndarray:
+        """Velocity of the contact point (n, 2): along the wall and away from it [m/s]."""
+        return velocity[:, :2] + velocity[:, 2:] * self.arm[:, ::-1] * [-1.0, 1.0]
+
+
+def read(folder: Path) -> Trials:
+    """The trials of the data set."""
+    data = loadmat(folder / "data_ellipse.mat", simplify_cells=True)["data"]
+    turned = [-1.0, 1.0, 1.0]
+    before, after = (data[f"states_{name}"][:, 3:] * turned for name in "if")
+    return Trials(before, after, np.stack([data["n"][:, 2], -data["d"][:, 2]], axis=1))
+
+
+# --- as scenes --------------------------------------------------------------------------------------------
+
+
+def ellipse() -> Scene:
+    """The scene of all trials; ``values`` has what differs."""
+    link = {"length": 0.03, "mass": MASS, "center_of_mass": 0.0, "inertia": MASS * GYRATION**2}
+    table = {
+        "name": "Ellipse",
+        "gravity": [0.0, 0.0],
+        "chain": {"links": [link]},
+        "box": {"y_min": 0.0},
+        "contact": {"stiffness": 1e10, "points": [1]},
+        "initial": {"position": [0.0, 0.04], "angles": [-math.pi / 2]},
+        "simulation": {"stop_time": STOP, "step_size": STOP},
+    }
+    return scene_from_dict(table, "ellipse").with_values(START)
+
+
+def values(trials: Trials) -> dict[str, np.ndarray]:
+    """Values of the scene, one for each trial."""
+    across, up = trials.arm.T
+    names = ("initial.vx", "initial.vy", "initial.angular_velocity[1]")
+    found = {"link[1].length": np.hypot(across, up), "initial.angle[1]": np.arctan2(up, across)}
+    return found | {"initial.y": GAP - up} | dict(zip(names, trials.before.T, strict=True))
+
+
+OUTPUTS = ("point[0].vx", "point[0].vy", "link[1].angular_velocity")
+
+
+def fitted(scene: Scene, trials: Trials, laws: bool = False) -> Fit:
+    """Restitution and friction that suit the trials: v_x, v_y and ω times the radius of gyration."""
+    data = [{"time": [STOP]} | dict(zip(OUTPUTS, after[:, None], strict=True)) for after in trials.after]
+    sigma = dict(zip(OUTPUTS, (0.2, 0.2, 0.2 / GYRATION), strict=True))
+    return fit(scene, data, list(START), set_each=values(trials), sigma=sigma, laws=laws)
+
+
+def predicted(scene: Scene, trials: Trials) -> np.ndarray:
+    """Velocities after the impacts (n, 3)."""
+    known = values(trials)
+    rows = []
+    for k in range(len(trials.before)):
+        result = simulate(scene.with_values({name: float(value[k]) for name, value in known.items()}))
+        rows.append([result[name][-1] for name in OUTPUTS])
+    return np.array(rows)
+
+
+# --- with a compliance along the wall -----------------------------------------------------------------------
+
+
+def compliant(trials: Trials, restitution: float, friction: float, ratio: float) -> np.ndarray:
+    """Velocities after impacts (n, 3) with a spring along the wall, in line with a Coulomb slider.
+
+    The normal force is K δ^3/2, times e² on the way out; the spring along the wall has the slope of K δ^3/2
+    times ``ratio`` (Mindlin & Deresiewicz 1953). Without gravity K does not matter, so it is the mass.
+    """
+    velocity, (across, up) = trials.before.copy(), trials.arm.T
+    closing = -trials.at_contact(velocity)[:, 1]
+    inverse = 1.0 + (across / GYRATION) ** 2
+    dt = 2.94 / closing * (1.25 * closing**2 / inverse) ** 0.4 / STEPS
+    depth, stretch = np.zeros((2, len(dt)))
+    inwards = touches = np.full(len(dt), True)
+    while touches.any():
+        along, away = trials.at_contact(velocity).T
+        depth = depth - away * dt
+        touches, inwards = touches & (depth > 0.0), inwards & (away < 0.0)
+        root = np.sqrt(np.where(touches, depth, 0.0))
+        normal = np.where(inwards, 1.0, restitution**2) * root**3
+        spring, limit = 1.5 * ratio * root, friction * normal
+        tangential = np.clip(-spring * (stretch + along * dt), -limit, limit)
+        stretch = -tangential / np.where(touches, spring, 1.0)
+        torque = (across * normal - up * tangential) / GYRATION**2
+        velocity += np.stack([tangential, normal, torque], axis=1) * dt[:, None]
+    return velocity
+
+
+def fitted_compliant(trials: Trials, ratio: float | None) -> list[float]:
+    """Restitution, friction and, unless it is given, ratio of the stiffnesses that suit the trials."""
+
+    def misfit(x: np.ndarray) -> float:
+        if not (0.0 < x[0] <= 1.0 and (x > 0.0).all()):
+            return math.inf
+        return float((errors(trials, compliant(trials, *x, *given)) ** 2).sum())
+
+    given = [] if ratio is None else [ratio]
+    starts = [[*START.values(), one] for one in (0.3, 1.0, 3.0)] if ratio is None else [[*START.values()]]
+    found = [minimize(misfit, x, method="Nelder-Mead", options={"xatol": 1e-3}) for x in starts]
+    return [*min(found, key=lambda one: one.fun).x, *given]
+
+
+# --- errors -------------------------------------------------------------------------------------------------
+
+
+def errors(trials: Trials, after: np.ndarray) -> np.ndarray:
+    """What predicted velocities are off by (n,): of v_x, v_y and ω times the radius of gyration [m/s]."""
+    return np.linalg.norm((after - trials.after) * [1.0, 1.0, GYRATION], axis=1)
+
+
+def figures(trials: Trials, after: np.ndarray, **parameters: float) -> dict[str, Any]:
+    """Median error and that which 90 % stay below [m/s]; and parts of the trials.
+
+    In these parts the point moves along the wall afterwards in the measured direction, and back.
+    """
+    off = np.quantile(errors(trials, after), (0.5, 0.9))
+    found = trials.at_contact(after)[:, 0]
+    found = np.sign(np.where(np.abs(found) < 1e-6, 0.0, found))  # 0: it sticks
+    before, seen = (np.sign(trials.at_contact(one)[:, 0]) for one in (trials.before, trials.after))
+    parts = {"direction": np.mean(found == seen), "moves back": np.mean(found == -before)}
+    numbers = parameters | {"median": off[0], "90 %": off[1]} | parts
+    return {name: common.rounded(number) for name, number in numbers.items()}
+
+
+def facts(trials: Trials) -> dict[str, float]:
+    """What was measured: the speeds, Newton's restitution, and how often the point moves back afterwards."""
+    before, after = trials.at_contact(trials.before), trials.at_contact(trials.after)
+    low, middle, high = np.quantile(-after[:, 1] / before[:, 1], (0.05, 0.5, 0.95))
+    numbers = {
+        "trials": len(before),
+        "speed": np.median(np.linalg.norm(trials.before * [1.0, 1.0, GYRATION], axis=1)),
+        "restitution": middle,
+        "restitution 5 %": low,
+        "restitution 95 %": high,
+        "moves back": np.mean(before[:, 0] * after[:, 0] < 0.0),
+        "median ratio": np.median(after[:, 0] / before[:, 0]),
+    }
+    return {name: common.rounded(number) for name, number in numbers.items()}
+
+
+def measure(trials: Trials) -> dict[str, Any]:
+    """Facts, and the errors of each law and of the model with a compliance at the odd trials."""
+    known, asked = trials[::2], trials[1::2]
+    rows: dict[str, Any] = {}
+    for one in fitted(ellipse(), known, laws=True).ranking:
+        if one.fit is None:
+            rows[one.law] = {"note": one.note}
+            continue
+        rows[one.law] = figures(asked, predicted(one.fit.scene, asked), **one.fit.values)
+    for name, ratio in (("Mindlin", MINDLIN), ("free", None)):
+        x = fitted_compliant(known, ratio)
+        names = (*START, "ratio of the stiffnesses")
+        after = compliant(asked, *x)
+        rows[f"compliance, {name}"] = figures(asked, after, **dict(zip(names, x, strict=True)))
+    return {"facts": facts(trials), "odd trials": rows}
+
+
+def main() -> None:
+    """Measure, and record the aggregates."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, help="processed_data of mcubelab/planar-impact-dataset")
+    folder = parser.parse_args().folder
+    started = common.environment()
+    settings = {"data": "mcubelab/planar-impact-dataset f24a7e3", "fitted to": "even trials"}
+    common.save("measured_impacts", started, settings, measure(read(folder)))
+
+
+if __name__ == "__main__":
+    main()
