@@ -1,0 +1,67 @@
+"""Draw the curves of an impact of the default scene, of the kinds that the paper has: ``python docs/paper_chart.py``.
+
+Deformation, its rate and acceleration, force, impulse and energy in the first impact, for some contact laws.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from chain_impact import Chain, load_scene, simulate
+from chain_impact.results.plots.style import DPI, PALETTE, STYLE
+
+PICTURE = Path(__file__).parent / "images" / "paper.png"
+SCENE, LAWS = "four_link_box", ("hertz", "hunt_crossley", "lankarani_nikravesh", "flores", "zhang_sharf")
+POINTS = 201  # in an impact
+WALL = "y_min"
+
+
+def curves(law: str) -> dict[str, np.ndarray]:
+    """What the panels show of the first impact with a law: a title with its unit → values over its POINTS."""
+    scene = load_scene(SCENE).with_values({"contact.model": law})
+    first = simulate(scene, stop_time=0.52, output_step=0.52).impacts[0]
+    contact, point = f"contact[{first['point']}].{WALL}", f"point[{first['point']}]"
+    outputs = ("penetration", "penetration_rate", "force", "impulse")
+    names = [*(f"{contact}.{name}" for name in outputs), f"{point}.ay", "energy.total"]
+    chain = Chain(scene)
+    chain.step_to(first["onset"])
+    rows = []
+    for time in np.linspace(first["onset"], first["end"], POINTS)[1:-1]:
+        chain.step_to(time)
+        rows.append([time - first["onset"], *chain.get(names)])
+    time, depth, rate, force, impulse, acceleration, energy = np.array(rows).T
+    return {
+        "time since the onset [ms]": 1e3 * time,
+        "deformation [mm]": 1e3 * depth,
+        "its rate [m/s]": rate,
+        "its acceleration [km/s²]": -1e-3 * acceleration,
+        "force [kN]": 1e-3 * force,
+        "impulse [N·s]": impulse - impulse[0],
+        "energy of the chain [J]": energy,
+    }
+
+
+def draw() -> Figure:
+    """Six panels over the time since the onset."""
+    figure = Figure((9.0, 4.6), layout="constrained")
+    panels = figure.subplots(2, 3).ravel()
+    for law, colour in zip(LAWS, PALETTE, strict=False):
+        time, *others = curves(law).items()
+        for axes, (title, values) in zip(panels, others, strict=True):
+            axes.plot(time[1], values, color=colour, linewidth=1.3, label=law)
+            axes.set(ylabel=title)
+    for axes in panels:
+        axes.margins(x=0.0)
+        axes.set(xlabel="time since the onset [ms]")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=len(LAWS))
+    return figure
+
+
+if __name__ == "__main__":
+    with mpl.rc_context(STYLE):
+        draw().savefig(sys.argv[1] if len(sys.argv) > 1 else PICTURE, dpi=DPI)
