@@ -19,6 +19,10 @@ DOCS = Path(__file__).parent
 SITE = DOCS.parent / "site"
 SHIM = "https://unpkg.com/iframe-worker/shim"
 GITHUB = "https://github.com/"
+GLOSSARY, WORDS = DOCS / "glossary.md", DOCS / "words.txt"
+# words on every page, which a reader knows after the first
+COMMON = {"base", "chain", "contact", "end", "event", "FMU", "impact", "input", "kernel", "link", "model"}
+COMMON |= {"parameter", "point", "scene", "stop", "tip", "tolerance"}
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
 
 
@@ -29,6 +33,19 @@ def make_pages(notebooks: list[Path], folder: Path) -> None:
     done = subprocess.run([*convert, *map(str, notebooks)], check=False, capture_output=True, text=True)
     if done.returncode != 0:  # else it has warnings only, about how it talks to the kernel of the notebook
         raise RuntimeError(f"a notebook does not run:\n{done.stderr}")
+
+
+def write_words() -> None:
+    """Write what the words of the glossary mean, for the extension ``abbr``, which shows it on hover."""
+    rows = re.findall(
+        r"^\| ([^|]+) \| ([^|]+) \|$", GLOSSARY.read_text(encoding="utf-8").split("\n## ")[0], re.M
+    )
+    lines = []
+    for words, meaning in rows[1:]:  # below the head
+        text = re.sub(r"(: )?\[([^]]+)\]\([^)]*\)", "", meaning)  # a link says only where to read more
+        text = re.sub(r"[*`]|\\\(.*?\\\)", "", text).strip(" :;")
+        lines += [f"*[{word}]: {text}" for word in words.split(", ") if word not in COMMON]
+    WORDS.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def repository() -> str:
@@ -50,7 +67,7 @@ def add_links(folder: Path, address: str) -> None:
 
 def finish() -> None:
     """Make what Zensical has written independent of the network and of the repository."""
-    for script in SITE.glob("*.py"):  # every file of docs/ is copied
+    for script in (*SITE.glob("*.py"), *SITE.glob(WORDS.name)):  # every file of docs/ is copied
         script.unlink()
     for page in SITE.rglob("*.html"):
         text = page.read_text(encoding="utf-8")
@@ -72,6 +89,7 @@ def main() -> int:
     make_pages(NOTEBOOKS, DOCS / "notebooks")
     add_links(DOCS / "notebooks", repository())
     try_it.write_page()
+    write_words()
     zensical = [sys.executable, "-m", "zensical", *command]
     code = subprocess.run(zensical, cwd=DOCS.parent, check=False).returncode
     finish()

@@ -1,4 +1,4 @@
-"""Draw the curves of an impact of the default scene, of the kinds that the paper has: ``python docs/paper_chart.py``.
+"""Draw curves of an impact of the default scene, as the paper has them: ``python docs/paper_chart.py``.
 
 Deformation, its rate and acceleration, force, impulse and energy in the first impact, for some contact laws.
 """
