@@ -33,6 +33,7 @@ from chain_impact.variables.variable import Variable
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from tests.asked_elsewhere import QUESTIONS
 from tests.fmu.planted_faults import BROKEN, FAULTS, FOUND, MISSED, WHOLE
 
 DOCS = Path(__file__).parent
@@ -363,6 +364,19 @@ def _model(name: str, found: dict[str, float]) -> str:
     return f"{ours} {e:.2f}"
 
 
+def asked_elsewhere() -> str:
+    """Public questions to other programs, with a closed form and our figure."""
+    rows = []
+    for one in QUESTIONS:
+        links = (
+            f"[{thread.partition('/')[2]}](https://github.com/{thread.replace('#', '/issues/')})"
+            for thread in one.threads
+        )
+        figures = (f"{round(value, 12) + 0.0:.7g}" for value in (one.exact, one.ours()))
+        rows.append((", ".join(links), one.asked, one.scene, *figures))
+    return table(("thread", "asked or seen", "our scene, and a figure of it", "exact", "ours"), rows)
+
+
 TABLES = {
     function.__name__: function
     for function in (
@@ -377,6 +391,7 @@ TABLES = {
         planted_faults,
         command_line,
         measured_impacts,
+        asked_elsewhere,
     )
 }
 

@@ -6,6 +6,7 @@ import pytest
 
 from chain_impact.scene.scene import model_names
 from tests import coulomb_literature
+from tests.asked_elsewhere import QUESTIONS
 from tests.validation import PROBLEMS
 
 TIGHT = 1e-12
@@ -42,3 +43,8 @@ def test_the_published_figures_differ_from_the_second_solution_as_documented(pro
         last_digit = 10.0 ** Decimal(figure.published).as_tuple().exponent
         ours = abs(figure.ours - figure.independent)
         assert figure.inaccurate == (off > 1.01 * last_digit and off > 10 * ours), figure.quantity
+
+
+@pytest.mark.parametrize("question", QUESTIONS, ids=lambda question: question.threads[0])
+def test_what_is_asked_elsewhere_has_its_closed_form(question):
+    assert question.ours() == pytest.approx(question.exact, rel=question.held, abs=question.held)
