@@ -43,6 +43,11 @@ class Plain:
     def __setitem__(self, name: str, value: Any) -> None:
         self._record[name] = value
 
+    def clear(self) -> None:
+        """As ``clear`` in kernel/functions.py."""
+        for name in self._record.dtype.names:
+            self._record[name] = np.zeros((), self._record.dtype[name])
+
     def copy_values(self, source: Plain) -> None:
         """As ``copy_values`` in kernel/tangent/duals.py, without derivatives."""
         for name in self._record.dtype.names:

@@ -94,6 +94,8 @@ CLEARED = {
     "statistics": ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps"),
     "limits": ("event_count", "work_count", "call_count", "other_work"),
     "finished": ("count", "collected"),
+    "peaks": ("force", "penetration", "moment", "rotation"),
+    "fault": ("place",),
     "search": ("known_for",),
     "step": ("breaks",),
     "work": ("moment",),

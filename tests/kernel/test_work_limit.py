@@ -84,14 +84,12 @@ def test_work_for_outputs_is_not_counted(d):
     assert (d.statistics.rhs_evaluations, d.limits.other_work) == (500, 200)
 
 
-def test_steps_are_counted_and_begin_from_0_with_each_run(d):
+def test_steps_are_counted_and_windows_begin_with_each_run(d):
     names = ("steps", "implicit_steps", "rejected_steps")
     before = [int(d.statistics[name]) for name in names]
     status.count_step(d, 0)
     status.count_step(d, 1)
     status.count_rejected_step(d)
     assert [int(d.statistics[name]) for name in names] == [before[0] + 2, before[1] + 1, before[2] + 1]
-    status.clear_counts(d, 3.0)
-    assert [int(d.statistics[name]) for name in names] == [0, 0, 0]
-    assert status.work_done(d) == d.limits.work_count == d.limits.call_count == d.limits.event_count == 0
+    status.begin_windows(d, 3.0)
     assert d.limits.work_start == d.limits.event_start == 3.0

@@ -14,7 +14,7 @@ import chain_impact.kernel
 from chain_impact.compilation.compilers import HOOKS
 from chain_impact.compilation.dual_numbers import DUAL, Dual
 from chain_impact.compilation.record_type import INSTANCE, TANGENT
-from chain_impact.kernel import hooks
+from chain_impact.kernel import functions, hooks
 from chain_impact.kernel.chain.tree import COMPLEX
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.tangent import duals
@@ -45,7 +45,7 @@ _COMPLEX: dict[Any, Any] = COMPLEX
 # what dual_numbers.py and record_type.py have made numba know
 BUILT_IN: set[Any] = {
     *(duals.value, duals.slope, duals.sloped, duals.carried, duals.varies),
-    *(duals.block, duals.words, duals.copy_values, duals.copy_given),
+    *(duals.block, duals.words, duals.copy_values, duals.copy_given, functions.clear),
 }
 
 

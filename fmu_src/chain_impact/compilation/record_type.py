@@ -32,6 +32,7 @@ from numba.extending import (
 )
 
 from chain_impact.compilation.dual_numbers import DUAL
+from chain_impact.kernel import functions
 from chain_impact.kernel.record.fields import GIVEN, REAL, is_table
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import duals
@@ -285,6 +286,23 @@ def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
     whole = signature.args[0].field()
     size = builder.udiv(whole.size.built(builder, instance), cgutils.intp_t(WORD))
     return _array(context, builder, types.float64, _place(context, builder, instance, whole), [size])
+
+
+@type_callable(functions.clear)
+def _type_of_clear(_context: Any) -> Any:
+    def typer(record: types.Type) -> types.Type | None:
+        return types.none if isinstance(record, Record) else None
+
+    return typer
+
+
+@lower_builtin(functions.clear, Record)
+def _clear(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+    (instance,) = arguments
+    part = signature.args[0].field()
+    place = _place(context, builder, instance, part)
+    cgutils.memset(builder, place, part.size.built(builder, instance), 0)
+    return context.get_dummy_value()
 
 
 @type_callable(duals.copy_values)

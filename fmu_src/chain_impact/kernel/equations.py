@@ -141,12 +141,6 @@ def clear_stage_notes(d):
         clear_mode_margins(d)
 
 
-def clear_moments(d):
-    """Set the moments on the links to zero: they are computed only if there is a cause of them."""
-    for i in range(d.links):
-        d.work.moment[i] = 0.0
-
-
 def joint_moments(d, y):
     """Set the net joint moment on each link; return the power [W] dissipated and supplied.
 

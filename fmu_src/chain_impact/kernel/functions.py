@@ -1,4 +1,9 @@
-"""Functions of functions: a mark for those that are inlined, and one function made of several."""
+"""What is compiled in its own way: memory that is cleared, inlined functions, functions made of several."""
+
+
+def clear(part):
+    """Set all numbers of a part of the record to zero."""
+    part.clear()
 
 
 def inlined(function):

@@ -84,11 +84,6 @@ def set_status(d, status):
     return status
 
 
-def clear_fault(d):
-    """Forget where an earlier run was refused."""
-    d.fault.place = 0
-
-
 def refuse_candidate(d, c, status):
     """Note that candidate c is the reason for a status, and return it."""
     d.fault.place = 1 + c
@@ -113,13 +108,9 @@ CALL_WORK = 20_000_000
 EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
 
 
-def clear_counts(d, time):
-    """Start all counts at ``time`` [s], at which a run starts."""
-    statistics, limits = d.statistics, d.limits
-    statistics.steps, statistics.rejected_steps = 0, 0
-    statistics.rhs_evaluations, statistics.implicit_steps = 0, 0
-    limits.event_count, limits.work_count, limits.call_count, limits.other_work = 0, 0, 0, 0
-    limits.event_start, limits.work_start = time, time
+def begin_windows(d, time):
+    """Begin the first windows of events and work at ``time`` [s], at which a run starts."""
+    d.limits.event_start, d.limits.work_start = time, time
 
 
 def count_step(d, implicit):

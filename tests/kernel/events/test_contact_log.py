@@ -10,7 +10,7 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET
-from chain_impact.kernel.forces.contact import begin_contact, clear_contacts, contact_force, list_touching
+from chain_impact.kernel.forces.contact import begin_contact, contact_force, list_touching
 from chain_impact.kernel.forces.contact_force import set_damping
 from chain_impact.kernel.ode.dense import reset_quadratures
 from chain_impact.kernel.ode.last_step import OUTPUTS, SOLVER
@@ -303,7 +303,6 @@ def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
     _, d = stopped_chain(2)
     stop, arm, log = stops_of(d)[0], 1.4, d.finished
     d.model.size = arm
-    contact_log.clear_peaks(d)
     for c, force, depth in ((0, 2.0, 1e-3), (1, 1.0, 5e-3), (2, 3.0, 2e-3), (stop, 9.0, 0.3)):
         d.touch.onset_speed[c], d.touch.effective_mass[c] = 0.7, 2.5
         d.touch.peak_force[c], d.touch.max_penetration[c] = force, depth
@@ -315,8 +314,6 @@ def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
     assert (log.effective_mass[3], log.impulse[3]) == pytest.approx((2.5 * arm**2, 1.5 * arm))
     assert (d.peaks.moment, d.peaks.rotation) == (log.peak_force[3], log.max_penetration[3])
     assert (d.peaks.force, d.peaks.penetration) == (3.0, 5e-3)
-    contact_log.clear_peaks(d)
-    assert not any(d.peaks[name] for name in ("force", "penetration", "moment", "rotation"))
 
 
 @pytest.mark.parametrize("count", [0, 5, -1])
@@ -361,7 +358,6 @@ def test_each_row_of_the_list_is_an_impact_and_keeps_what_it_has_come_to(kept):
     y = random_state(rng, d)
     locate_points(d, y)
     make_rigid(d, 1)
-    clear_contacts(d, 0.0)
     contact_log.clear_log(d)
     d.latest.kept, d.step.size, d.step.regularized = kept, 1.0, -1
     rows, lasting = [], {}

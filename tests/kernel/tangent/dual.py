@@ -82,6 +82,12 @@ def dual(number: float, *slopes: float) -> Dual:
 class Duals(SimpleNamespace):
     """A record or a table of dual numbers."""
 
+    def clear(self) -> None:
+        for own in vars(self).values():
+            if isinstance(own, Duals):
+                own.clear()
+        vars(self).update({name: own * 0 for name, own in vars(self).items() if not isinstance(own, Duals)})
+
     def copy_values(self, source: Any) -> None:
         for name, own in vars(self).items():
             given = source[name]

@@ -7,10 +7,6 @@ arm, the longest link, and their y is 0. So a stop is to all other modules what 
 The cosines and sines of all angles are computed at once and without branches, three times cheaper than the C
 library's, which would take half the time of a right-hand side. They are the same on every machine, so results
 do not depend on its C library. Their errors are below 2e-16, see tests/kernel/chain/test_sincos.py.
-
-The cosines and sines of all angles are computed at once and without branches, three times cheaper than the C
-library's, which would take half the time of a right-hand side. They are the same on every machine, so results
-do not depend on its C library. Their errors are below 2e-16, see tests/kernel/chain/test_sincos.py.
 """
 
 import math

@@ -215,12 +215,6 @@ def collect(d):
     d.finished.collected = d.finished.count
 
 
-def clear_peaks(d):
-    """Forget the peaks of all contacts, as a run starts."""
-    peaks = d.peaks
-    peaks.force, peaks.penetration, peaks.moment, peaks.rotation = 0.0, 0.0, 0.0, 0.0
-
-
 def end_contact(d, c, held):
     """End the contact of candidate c, and log it. In a full log it overwrites the oldest entry.
 

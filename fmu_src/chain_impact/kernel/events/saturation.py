@@ -13,13 +13,6 @@ from chain_impact.kernel.forces.inputs import ensure_inputs
 SAMPLES = 8  # of a step in which a stage has shown the end of a mode, its end included
 
 
-def clear_saturation(d):
-    """Begin with no drive at its limit, and no mark of one."""
-    drop_saturations(d)
-    for i in range(d.links):
-        d.drive.mode[i] = 0
-
-
 def choose_saturation(d):
     """Choose the modes of drives for the end of the last step, which is past the end of those it marks."""
     if not d.model.limited:

@@ -14,18 +14,15 @@ from chain_impact.kernel.forces.contact_force import (
     set_expected_depth,
 )
 from chain_impact.kernel.forces.friction import apply_friction, begin_friction, list_friction, may_rub
+from chain_impact.kernel.functions import clear
 from chain_impact.kernel.rows.compliance import effective_mass
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, clearance, lever, normal
 
 
-def clear_contacts(d, time):
-    """Start at ``time`` [s] without contacts, and without impacts so far."""
-    touch, impact = d.touch, d.impact
-    touch.listings, touch.active_count, touch.compliant_count, touch.stop_count = 0, 0, 0, 0
-    for c in range(d.candidates):
-        touch.active[c], touch.active_index[c], touch.number[c] = 0, 0, 0
-    impact.count, impact.last_time, impact.last_speed = 0, time, 0.0
-    impact.last_point, impact.last_wall = -1, 0
+def clear_impacts(d, time):
+    """Start at ``time`` [s] without impacts so far."""
+    clear(d.impact)
+    d.impact.last_time, d.impact.last_point = time, -1
 
 
 def contact_force(d, c, gap, gap_rate):

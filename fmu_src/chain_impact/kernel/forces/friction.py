@@ -43,13 +43,8 @@ def set_friction_used(d):
 
 def clear_friction(d):
     """Start without friction anywhere: no element has a mode."""
-    own = d.friction
-    own.count, own.contact_count, own.stuck_count, own.stuck_joints = 0, 0, 0, 0
-    own.power = 0.0
     for e in range(d.elements):
         set_mode(d, e, NO_FRICTION)
-        d.element.index[e], d.element.stuck[e] = 0, 0
-        d.element.force[e] = 0.0
 
 
 def set_mode(d, e, mode):

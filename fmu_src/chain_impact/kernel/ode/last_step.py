@@ -36,11 +36,6 @@ from chain_impact.kernel.status import count_evaluations, counted_work, uncount_
 NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: what has requested the dense output
 
 
-def clear_breaks(d):
-    """Count the breaks of a run from 0."""
-    d.step.breaks = 0
-
-
 def reset_step(d, time, y):
     """Set the last step to one of zero length at ``time`` [s] in state y, with the committed quadratures."""
     step = d.step
