@@ -20,11 +20,12 @@ from scene_schema import schema
 
 from chain_impact import sphere_plane_stiffness
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw
+from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.angles import or_degrees
 from chain_impact.scene.limits import Derived, allowed, without_none
 from chain_impact.scene.reading import entry_type
-from chain_impact.scene.scene import WALLS, load_scene, model_names, scene_keys, with_values
+from chain_impact.scene.scene import load_scene, model_names, scene_keys, with_values
 from chain_impact.simulation.reasons import REASONS, REASONS_OF_FRICTION
 from chain_impact.variables.kinds import kind_of, of_its_kind
 from chain_impact.variables.model import Model

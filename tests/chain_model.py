@@ -18,8 +18,9 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.scene import WALLS, Scene
+from chain_impact.scene.scene import Scene
 from tests.complex_laws import TINY, Law
 
 REST = 1e-9  # m/s or rad/s: a speed that is none, where modes are decided

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.scene.scene import SOLVER_METHODS, WALLS, with_values
+from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.scene.scene import SOLVER_METHODS, with_values
 from chain_impact.simulation.instance import Instance, SimulationError
 from tests.problems import (
     GRAVITY,

@@ -1,8 +1,9 @@
 """The pairs of a point and a wall that can touch."""
 
 from chain_impact import load_scene
+from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.candidates import candidates, point_wall_pairs, stop_pairs
-from chain_impact.scene.scene import WALLS, with_values
+from chain_impact.scene.scene import with_values
 from chain_impact.variables.model import Model
 
 

@@ -9,9 +9,10 @@ import pytest
 from chain_impact import Chain, load_scene
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.instance import output_dtype
+from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.scene import SOLVER_METHODS, WALLS, Scene, model_names, with_values
+from chain_impact.scene.scene import SOLVER_METHODS, Scene, model_names, with_values
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from chain_impact.variables.units import UNITS

@@ -9,19 +9,17 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.kernel.chain.inertia import loose_links
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.angles import radians_hint
+from chain_impact.scene.contents import AnyScene, Contents
 from chain_impact.scene.half_planes import direction
 from chain_impact.scene.reading import SceneError, SceneWarning, shown
 from chain_impact.scene.tables import Chain, Contact, Material, Stops
-
-if TYPE_CHECKING:
-    from chain_impact.scene.scene import Scene
 
 _MASSES = ("length", "center_of_mass", "inertia")
 ANGLES = ("initial", "angles")
@@ -29,7 +27,7 @@ PACKAGE = __name__.partition(".")[0]
 START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
 
 
-def with_law_path(scene: Scene, folder: Path) -> Scene:
+def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
     """Return the scene with the whole path of its law's file, after a check of that."""
     file = scene.contact.law_file
     if not file:
@@ -42,7 +40,7 @@ def with_law_path(scene: Scene, folder: Path) -> Scene:
     return replace(scene, contact=replace(scene.contact, law_file=str(path)))
 
 
-def with_angles(scene: Scene) -> Scene:
+def with_angles(scene: AnyScene) -> AnyScene:
     """Return the scene with the angles of the walls that were given by a normal, which have none then."""
     walls = []
     for wall in scene.walls:
@@ -55,7 +53,7 @@ def with_angles(scene: Scene) -> Scene:
     return replace(scene, walls=tuple(walls))
 
 
-def with_absolute_angles(scene: Scene) -> Scene:
+def with_absolute_angles(scene: AnyScene) -> AnyScene:
     """Return the scene with the initial angles given, also where its file gives those of the joints."""
     initial, places = scene.initial, scene.derived_places
     if initial.joint_angles is None:
@@ -66,7 +64,7 @@ def with_absolute_angles(scene: Scene) -> Scene:
     return replace(scene, initial=replace(initial, joint_angles=None), derived_places=places)
 
 
-def with_materials(scene: Scene) -> Scene:
+def with_materials(scene: AnyScene) -> AnyScene:
     """Return the scene with a material of each wall that is there; what is not given of it is None."""
     given = dict(scene.contact.wall)
     materials = {name: given.pop(name, Material()) for name in scene.half_planes}
@@ -96,7 +94,7 @@ def check_masses(chain: Chain) -> None:
     raise SceneError(f"{names} = 0.0; one of them must be > 0: {reason}")
 
 
-def check_together(scene: Scene) -> None:
+def check_together(scene: Contents) -> None:
     """Refuse what no key can tell alone."""
     check_masses(scene.chain)
     contact, box, movable = scene.contact, scene.box, scene.chain.movable_points
@@ -120,7 +118,7 @@ def check_together(scene: Scene) -> None:
             raise SceneError(f"box.{axis}_max = {high} must be > {least}")
 
 
-def check_motion(scene: Scene) -> None:
+def check_motion(scene: Contents) -> None:
     """Refuse a motion of a free base, or of walls that are not there."""
     if scene.inputs.base_motion and scene.chain.base != "pinned":
         reason = 'it moves as inputs tell only with chain.base = "pinned"'
@@ -146,7 +144,7 @@ def check_law(model: str, table: str, values: Contact | Material | Stops) -> Non
         )
 
 
-def check_start(scene: Scene) -> None:
+def check_start(scene: Contents) -> None:
     """Refuse a start in which a candidate point is already in a wall."""
     x, y = scene.initial.position
     positions = [(x, y)]
@@ -164,7 +162,7 @@ def check_start(scene: Scene) -> None:
                 raise SceneError(f"initial: {place} the wall {name}; must be outside{asked}")
 
 
-def angle_hints(scene: Scene) -> list[str]:
+def angle_hints(scene: Contents) -> list[str]:
     """Sentences on angles of more than a turn, which may be meant in degrees."""
     links, angles = enumerate(scene.chain.links, 1), enumerate(scene.initial.angles, 1)
     found = {f"initial.angle[{i}]": angle for i, angle in angles}
@@ -174,7 +172,7 @@ def angle_hints(scene: Scene) -> list[str]:
     return [hint for name, angle in found.items() if (hint := radians_hint(name, angle, "rad"))]
 
 
-def hints(scene: Scene) -> list[str]:
+def hints(scene: Contents) -> list[str]:
     """Sentences on what is allowed, but may be meant otherwise."""
     found = angle_hints(scene)
     for i, link in enumerate(scene.chain.links, 1):
@@ -188,7 +186,7 @@ def hints(scene: Scene) -> list[str]:
     return found
 
 
-def law_hints(scene: Scene) -> list[str]:
+def law_hints(scene: Contents) -> list[str]:
     """A sentence on a law of the user's own that is not the law of the scene."""
     if not scene.contact.law_file:
         return []

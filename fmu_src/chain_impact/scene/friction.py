@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.status import WITHOUT_FRICTION
+from chain_impact.scene.contents import Contents
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.tables import Contact, Material
 
-if TYPE_CHECKING:
-    from chain_impact.scene.scene import Scene
 
-
-def check_friction(scene: Scene) -> None:
+def check_friction(scene: Contents) -> None:
     """Refuse a static friction below that of sliding, and friction at rigid walls."""
     contact = scene.contact
     _check_coefficients(scene, "contact", contact.friction, contact.static_friction)
@@ -32,7 +28,7 @@ def coefficients(contact: Contact, material: Material) -> tuple[float, float]:
     return sliding, static if material.static_friction is None else material.static_friction
 
 
-def _check_coefficients(scene: Scene, table: str, sliding: float, static: float) -> None:
+def _check_coefficients(scene: Contents, table: str, sliding: float, static: float) -> None:
     """Refuse the coefficients of a table."""
     law = CONTACT_LAWS.get(scene.contact.model)
     if 0.0 < static < sliding:

@@ -10,18 +10,16 @@ import math
 import sys
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from chain_impact.scene.angles import radians_hint
 from chain_impact.scene.checks import check_start
+from chain_impact.scene.contents import AnyScene, Contents
 from chain_impact.scene.limits import keeps, keys
 from chain_impact.scene.names import Place, name_of
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.stops import check_joint_angles
 from chain_impact.scene.tables import Contact, Initial, Link, Simulation, Solver
-
-if TYPE_CHECKING:
-    from chain_impact.scene.scene import Scene
 
 LARGEST = sys.float_info.max
 LINKS = 64  # only so many links are changed this way
@@ -52,7 +50,7 @@ def _numbers() -> dict[str | Place, tuple[Place, Mapping[str, Any]]]:
     return named | {path: (path, rule) for path, rule in found.items()}
 
 
-def with_numbers(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) -> Scene | None:
+def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[Place, Any]) -> AnyScene | None:
     """The scene with some numbers changed, as ``with_values`` makes it.
 
     None where ``with_values`` must read the whole scene: for other values, and if there may be a fault or a
@@ -67,7 +65,7 @@ def with_numbers(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any])
     return found if not moved or _starts(found) else None
 
 
-def _with_number(scene: Scene, path: Place, rule: Mapping[str, Any], given: Any) -> Scene | None:
+def _with_number(scene: AnyScene, path: Place, rule: Mapping[str, Any], given: Any) -> AnyScene | None:
     """The scene with one number changed; None if there is no path, or it breaks its rule."""
     if not path or isinstance(given, bool) or not isinstance(given, int | float):
         return None
@@ -79,7 +77,7 @@ def _with_number(scene: Scene, path: Place, rule: Mapping[str, Any], given: Any)
     return None if is_derived else _changed(scene, path, value)
 
 
-def _changed(scene: Scene, path: Place, value: float) -> Scene | None:
+def _changed(scene: AnyScene, path: Place, value: float) -> AnyScene | None:
     """The scene with the number at a path changed; None if others would have to be looked at."""
     match path:
         case "chain", "links", int(i), str(key):
@@ -97,7 +95,7 @@ def _changed(scene: Scene, path: Place, value: float) -> Scene | None:
     return None
 
 
-def _with_link(scene: Scene, i: int, key: str, value: float) -> Scene | None:
+def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | None:
     """The scene with a number of a link changed, and the inertia if it follows from that."""
     links = scene.chain.links
     if i >= len(links):
@@ -117,7 +115,7 @@ def _rules_of_links() -> dict[str, Mapping[str, Any]]:
     return {entry.name: entry.metadata for entry in keys(Link)}
 
 
-def _starts(scene: Scene) -> bool:
+def _starts(scene: Contents) -> bool:
     """Whether the chain may start so."""
     if any(radians_hint("", angle, "rad") for angle in scene.initial.angles):
         return False

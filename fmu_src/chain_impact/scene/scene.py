@@ -10,36 +10,24 @@ import operator
 import os
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import Field, asdict, dataclass, field, is_dataclass, replace
+from dataclasses import Field, asdict, dataclass, is_dataclass, replace
 from numbers import Integral
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
-from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene import checks, friction, scene_text, stops
+from chain_impact.scene.contents import Contents
 from chain_impact.scene.derived import above, of_every_link, rule_of, without_derived
-from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.scene.limits import NO_KEY, keys, quantity
+from chain_impact.scene.limits import keys
 from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
-from chain_impact.scene.names import STOPS, Place, name_of, parameter_hint, place_in_file
+from chain_impact.scene.names import Place, name_of, parameter_hint, place_in_file
 from chain_impact.scene.numbers import with_numbers
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, keys_of, shown
 from chain_impact.scene.tables import (
-    MODEL_NAME,
-    XML_TEXT,
-    Box,
-    Chain,
-    Contact,
-    Initial,
-    Inputs,
-    Outputs,
     Simulation,
     Solver,
-    Stops,
-    Wall,
 )
 from chain_impact.scene.text_file import text_of
 
@@ -48,27 +36,8 @@ SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class Scene:
+class Scene(Contents):
     """All that a simulation needs. Made, and validated, by the functions of this module."""
-
-    name: str = quantity("", "model name", matching=MODEL_NAME)
-    description: str = quantity("", "what the scene shows", "", matching=XML_TEXT)
-    author: str = quantity("", "who has made the model, for its FMU", "", matching=XML_TEXT)
-    copyright: str = quantity("", "copyright of the model, for its FMU", "", matching=XML_TEXT)
-    license: str = quantity("", "license of the model, for its FMU", "", matching=XML_TEXT)
-    version: str = quantity("", "version of the model, for its FMU", "", matching=XML_TEXT)
-    gravity: tuple[float, float] = quantity("m/s2", "acceleration of gravity", (0.0, -9.81))
-    chain: Chain
-    box: Box
-    walls: tuple[Wall, ...] = quantity("", "walls at any angle, beside the box or in place of it", ())
-    contact: Contact
-    stops: Stops
-    inputs: Inputs
-    initial: Initial
-    outputs: Outputs
-    solver: Solver
-    simulation: Simulation
-    derived_places: tuple[Place, ...] = field(default=(), metadata=NO_KEY)
 
     @property
     def derived(self) -> dict[str, str]:
@@ -76,64 +45,6 @@ class Scene:
         rules, walls = dict(scene_keys()), [wall.name for wall in self.walls]
         found = ((path, rule_of(path, rules)) for path in self.derived_places)
         return {name_of(path, walls): rule.text for path, rule in found if not rule.constant}
-
-    @property
-    def wall_names(self) -> tuple[str, ...]:
-        """The names of the walls, in the order of their numbers: those of the box, then ``walls``.
-
-        Of a scene with stops in joints these come last, as two more: ``joint_min`` and ``joint_max``. Where
-        no point can touch a wall, ``walls`` have no numbers.
-        """
-        walls = self.walls if self.contact.points else ()
-        return *WALLS, *(wall.name for wall in walls), *(STOPS if self.stops.exponent is not None else ())
-
-    @property
-    def moving_walls(self) -> tuple[str, ...]:
-        """The names of the walls that move as inputs tell, in the order of their numbers."""
-        asked, there = self.inputs.wall_motion, self.half_planes
-        names = (name for name in self.wall_names if name in there)
-        return tuple(name for name in names if name in asked or "*" in asked) if asked else ()
-
-    @property
-    def has_contact_friction(self) -> bool:
-        """Whether a contact may have dry friction: a coefficient is not 0, or given for a wall."""
-        if not (self.contact.points and self.contact.wall):
-            return False
-        for material in self.contact.wall.values():
-            if material.friction is not None or material.static_friction is not None:
-                return True
-        return self.contact.friction > 0.0 or self.contact.static_friction > 0.0
-
-    @property
-    def friction_joints(self) -> tuple[int, ...]:
-        """The joints with dry friction, numbered as their links; a free base has no joint 1."""
-        joints = []
-        for joint, link in enumerate(self.chain.links, 1):
-            if link.joint_friction > 0.0 and (joint > 1 or self.chain.base == "pinned"):
-                joints.append(joint)
-        return tuple(joints)
-
-    @property
-    def is_driven(self) -> bool:
-        """Whether energy may be supplied: by inputs, or by springs and motors whose torque is limited."""
-        return self.inputs.any or any(link.joint_torque_limit is not None for link in self.chain.links)
-
-    @property
-    def has_friction(self) -> bool:
-        """Whether a contact or a joint may have dry friction."""
-        return self.has_contact_friction or bool(self.friction_joints)
-
-    @property
-    def law_names(self) -> tuple[str, ...]:
-        """The contact laws in the order of their numbers in the FMU, a law of the user's last."""
-        file = self.contact.law_file
-        return *CONTACT_LAWS, *([Path(file).stem] if file else [])
-
-    @property
-    def half_planes(self) -> dict[str, HalfPlane]:
-        """The free sides of the walls that are there, by name."""
-        box = {name: at for name in WALLS if (at := getattr(self.box, name)) is not None}
-        return half_planes(box, {wall.name: (*wall.point, wall.angle or 0.0) for wall in self.walls})
 
     @property
     def values(self) -> dict[str, Any]:

@@ -4,26 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
 
 from chain_impact.kernel.rows.geometry import WALLS
-
-if TYPE_CHECKING:
-    from chain_impact.scene.scene import Scene
-    from chain_impact.scene.tables import Material
+from chain_impact.scene.contents import Contents
+from chain_impact.scene.tables import Material
 
 LISTED = 6  # numbers of a list
 WIDTH = 100  # characters of a line
 
 
-def text(scene: Scene) -> str:
+def text(scene: Contents) -> str:
     """The scene in some lines: its name and what each table of the file holds, in short."""
     title = f"Scene {scene.name}" + (f": {' '.join(scene.description.split())}" if scene.description else "")
     lines = [title, *(f"  {word:9}{line}" for word, line in _lines(scene))]
     return "\n".join(line if len(line) <= WIDTH else f"{line[: WIDTH - 1]}…" for line in lines)
 
 
-def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
+def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
     links, contact, start, run = scene.chain.links, scene.contact, scene.initial, scene.simulation
     count = f"{len(links)} link{'s' * (len(links) != 1)}"
     length, mass = sum(link.length for link in links), sum(link.mass for link in links)

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from chain_impact.scene.checks import START_TOLERANCE, check_law
+from chain_impact.scene.contents import Contents
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.reading import SceneError, shown
 from chain_impact.scene.tables import Chain, Stops
 
-if TYPE_CHECKING:
-    from chain_impact.scene.scene import Scene
 
-
-def check_stops(scene: Scene) -> None:
+def check_stops(scene: Contents) -> None:
     """Refuse stops that cannot be, and a table for them where there are none."""
     if not scene.chain.stops:
         _refuse_table(scene)
@@ -28,7 +25,7 @@ def check_stops(scene: Scene) -> None:
     check_law(scene.stops.model or scene.contact.model, "stops", scene.stops)
 
 
-def _refuse_table(scene: Scene) -> None:
+def _refuse_table(scene: Contents) -> None:
     for entry in keys(Stops):
         if (value := getattr(scene.stops, entry.name)) is not None:
             needed = "must be left out: no link has a joint_min or joint_max"
@@ -49,7 +46,7 @@ def _check_links(chain: Chain) -> None:
             )
 
 
-def check_joint_angles(scene: Scene) -> None:
+def check_joint_angles(scene: Contents) -> None:
     """Refuse a start in which a joint is beyond one of its stops."""
     angles = (0.0, *scene.initial.angles)
     for i, (low, high) in scene.chain.joint_ranges.items():
@@ -65,4 +62,8 @@ def _turns_hint(joint: float, low: float, high: float) -> str:
     """What to say of a joint that is within its stops but for whole turns; else nothing."""
     turns = math.ceil((low - joint) / math.tau) if joint < low else math.floor((high - joint) / math.tau)
     same = joint + turns * math.tau
-    return f"; whole turns count, and {same:.6g} rad is the same direction" if low <= same <= high else ""
+    return (
+        f"; angles are not reduced to one turn, and {same:.6g} rad is the same direction"
+        if low <= same <= high
+        else ""
+    )
