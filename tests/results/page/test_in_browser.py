@@ -234,11 +234,37 @@ def test_a_table_that_is_too_large_or_not_complete_is_told_where_it_is_asked_for
     said.get_by_text("The simulation stopped at t = 1.62152 s").wait_for()
 
 
-def test_inputs_are_told_to_be_zero(show):
+def test_motions_of_the_base_and_of_walls_are_told_to_stay(show):
     assert show("rod_drop").locator("#inputs").is_hidden()
-    told = show("controlled_arm").locator("#inputs")
-    assert told.is_visible()
-    assert "Inputs have their start values here: joint[1].torque" in told.inner_text()
+    told = show("shaken_pendulum").locator("#inputs")
+    assert "These inputs keep their start values here: base.x" in told.inner_text()
+
+
+def test_a_torque_and_a_target_are_set_by_a_slider_as_simulate_takes_them(show):
+    page = show("pinned_arm", {"inputs.joint_targets": True, "link[2].joint_stiffness": 20.0})
+    for name, key in (("joint[1].torque", "Home"), ("joint[2].target_angle", "End")):
+        page.get_by_role("slider", name=name).press(key)
+    values = page.evaluate("chainImpact.parameters")
+    inputs = {name: float(values[name]) for name in ("joint[1].torque", "joint[2].target_angle")}
+    assert inputs["joint[1].torque"] < 0.0 < inputs["joint[2].target_angle"]
+    scene = load_scene("pinned_arm").with_values(
+        {"inputs.joint_targets": True, "link[2].joint_stiffness": 20}
+    )
+    result = simulate(scene, inputs=inputs)
+    until_told(page, f"{len(result.impacts)} impact")
+    tip = page.evaluate(
+        """async (inputs) => {
+      const run = await chainImpact.simulate(inputs, { output: ["point[2].x"] });
+      return Array.from(run.columns["point[2].x"]); }""",
+        inputs,
+    )
+    assert tip == result["point[2].x"].tolist()
+    page.get_by_role("button", name="Export…").click()
+    command = page.get_by_label("The command that gives the same motion").input_value()
+    assert shlex.split(command)[2].endswith(
+        f'.with_values({{}}), inputs={{"joint[1].torque": {values["joint[1].torque"]}, '
+        f'"joint[2].target_angle": {values["joint[2].target_angle"]}}}))'
+    )
 
 
 @pytest.fixture

@@ -26,7 +26,7 @@ from chain_impact.scene.limits import allowed
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.scene import Scene, scene_keys
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import UNLESS_SET, WORD, first_word, word_index
+from chain_impact.variables.table import MOTION, UNLESS_SET, WORD, first_word, word_index
 from chain_impact.variables.variable import Item, Variable
 
 TIMES = ("simulation.stop_time", "simulation.step_size")
@@ -56,8 +56,12 @@ def description(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
         "contactPoints": scene.contact.points,
         "record": packed(record.tobytes()),
         "layout": layout(record.dtype),
-        "inputs": [one.name for one in model.inputs],
-        "parameters": [*(parameter(model, one) for one in model.parameters), *times(scene)],
+        "inputs": [one.name for one in held_inputs(model)],
+        "still": [one.name for one in model.inputs if one.place[0] == MOTION],
+        "parameters": [
+            *(parameter(model, one) for one in (*model.parameters, *held_inputs(model))),
+            *times(scene),
+        ],
         "columns": columns(model),
         "drawn": drawn(model),
         "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
@@ -98,8 +102,13 @@ def layout(record: np.dtype) -> dict[str, Any]:
     }
 
 
+def held_inputs(model: Model) -> list[Variable]:
+    """The inputs that the page sets, each to a value for the whole run: all but motions of base and walls."""
+    return [one for one in model.inputs if one.place[0] != MOTION]
+
+
 def parameter(model: Model, variable: Variable) -> dict[str, Any]:
-    """A parameter of the FMU: its word, its range and what it means."""
+    """A parameter or an input of the FMU: its word, its range and what it means."""
     _, _, _, _, low, high, _, word = model.table_row(variable)
     return {
         "name": variable.name,

@@ -35,7 +35,7 @@ def explore(scene: SceneSource, path: Path | str, *, command: Sequence[str] | No
     """Write a page that simulates a scene with the parameters that its reader chooses.
 
     The page has the compiled kernel in it, and gives the numbers of ``simulate``. It is one file, which needs
-    nothing else. Inputs have their start values.
+    nothing else. Inputs are constant; the base and the walls keep their places.
 
     Args:
         scene: a scene, or what ``load_scene`` takes.

@@ -172,8 +172,8 @@ find("map-open").addEventListener("click", () => {
   grid ??= new GridMap(begin, changes);
   grid.open();
 });
-find("inputs").hidden = scene.inputs.length === 0;
-find("inputs").textContent = `Inputs have their start values here: ${scene.inputs.join(", ")}.`;
+find("inputs").hidden = scene.still.length === 0;
+find("inputs").textContent = `These inputs keep their start values here: ${scene.still.join(", ")}.`;
 showKnobs(find("main-knobs"), changes);
 showList(find("list-of-parameters"), changes);
 connectExport();

@@ -134,15 +134,27 @@ function knob(changes, entry) {
   } };
 }
 
+/** The knobs of the inputs, to both sides of zero: as far as what the weight of the chain needs, or half a turn. */
+function inputKnobs({ scene, starts }) {
+  const sum = (key) => Array.from({ length: scene.links }, (_, k) => starts[`link[${k + 1}].${key}`]).reduce((a, b) => a + b, 0);
+  const weight = 10 * sum("mass"); // N
+  const ends = { "N.m": weight * sum("length"), N: weight, rad: Math.PI, "rad/s": 10 };
+  return scene.inputs.map((name) => {
+    const end = Number(ends[scene.parameters.find((one) => one.name === name).unit].toPrecision(3));
+    return { name, label: name, ends: [-end, end] };
+  });
+}
+
 /** The knobs that the scene has; where walls have their own friction or restitution, one for each of them. */
-function knobsOf({ parameters, scene }) {
+function knobsOf(changes) {
+  const { parameters, scene } = changes;
   const walls = Object.keys(scene.walls);
   return KNOBS.flatMap((entry) => {
     const [, key] = /^contact\.(friction|static_friction|restitution)$/.exec(entry.name) ?? [];
     const own = key ? walls.filter((wall) => parameters.has(`wall.${wall}.${key}`)) : [];
     const common = own.length > 0 && own.length === walls.length ? [] : [entry];
     return [...common, ...own.map((wall) => ({ ...entry, name: `wall.${wall}.${key}`, label: `${entry.label} at ${wall}` }))];
-  }).filter(({ name }) => parameters.has(name));
+  }).filter(({ name }) => parameters.has(name)).concat(inputKnobs(changes));
 }
 
 /** Fill an element with the knobs that the scene has. */

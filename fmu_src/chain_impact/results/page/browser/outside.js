@@ -6,10 +6,22 @@ function quoted(word) {
   return /[$`"\\!%]/.test(word) ? `'${word.replaceAll("'", "'\\''")}'` : `"${word}"`;
 }
 
-/** The command that gives the same motion. */
+/** The command that gives the same motion: inputs are given in Python only. */
 export function commandOf(changes) {
-  const set = changes.texts().flatMap(([name, text]) => ["--set", `${name}=${text}`]);
-  return ["chain-impact", "simulate", ...changes.scene.command, ...set].map(quoted).join(" ");
+  const { inputs, command: [source, ...settings] } = changes.scene;
+  const [given, others] = [true, false].map((wanted) => changes.texts().filter(([name]) => inputs.includes(name) === wanted));
+  const set = others.flatMap(([name, text]) => ["--set", `${name}=${text}`]);
+  if (!given.length) return ["chain-impact", "simulate", source, ...settings, ...set].map(quoted).join(" ");
+  const pairs = [...settings, ...set].filter((word) => word !== "--set").map((word) => word.split(/=(.*)/s));
+  const scene = `load_scene(${JSON.stringify(source)}).with_values(${dictionary(pairs)})`;
+  const program = `from chain_impact import load_scene, simulate; print(simulate(${scene}, inputs=${dictionary(given)}))`;
+  return ["python", "-c", program].map(quoted).join(" ");
+}
+
+/** Names and texts as Python has them. */
+function dictionary(pairs) {
+  const value = (text) => ({ true: "True", false: "False" })[text] ?? (text.startsWith("[") || !Number.isNaN(Number(text)) ? text : JSON.stringify(text));
+  return `{${pairs.map(([name, text]) => `${JSON.stringify(name)}: ${value(text)}`).join(", ")}}`;
 }
 
 /** The changes as the part of an address after #. */
