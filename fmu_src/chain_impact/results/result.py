@@ -287,23 +287,31 @@ class Result(Recording):
         self,
         path: str | os.PathLike[str] | None = None,
         *,
-        size: tuple[float, float] | None = None,
-        panels: Sequence[str] = (),
-    ) -> Figure | None:
+        kind: str | None = None,
+        size: Sequence[float] | None = None,
+        panels: str | Sequence[str] = (),
+        ax: Any = None,
+    ) -> Any:
         """Draw motion, energy and impacts.
 
         The picture shows the rows of this result and nothing between them: with a coarse ``output_step``
         a path is straight from row to row. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates
         once more where there are fewer than 1000 rows.
 
+        Fonts follow matplotlib's settings and style sheets.
+
         Args:
             path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
-                which a notebook shows.
+                which a notebook shows; ``figure.axes`` have the names of panels as labels.
+            kind: the only panel, in place of ``panels``.
             size: width and height [inches]. On a page narrower than 6 inches the motion is above the rest.
             panels: which of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all there are.
+            ax: axes of matplotlib to draw into, as many as panels, by default ``motion`` alone; they are
+                returned.
 
         Raises:
-            ValueError: when there is no panel of a name, or a page is smaller than 2 by 2 inches.
+            ValueError: when there is no panel of a name, a page is smaller than 2 by 2 inches or too small
+                for what is drawn, or axes are given with a file or a size.
             UnknownNameError: when ``simulate(output=…)`` left out what is drawn.
             OSError: when the file cannot be written.
         """
@@ -312,7 +320,15 @@ class Result(Recording):
         from chain_impact.results import plots  # a second to load, so not at the top
 
         self._all("kinetic")  # refused here, if it was left out
-        return plots.drawn(self, path, partial(plots.fill, panels=panels), plots.page_size(size))
+        given = [name for name, one in (("kind", kind), ("panels", panels)) if one]
+        if len(given) > 1:
+            raise ValueError(f"kind = {kind!r} and panels = {panels!r}: one of them must be left out")
+        shown = [kind] if kind else [panels] if panels and isinstance(panels, str) else panels
+        if ax is None:
+            return plots.drawn(self, path, partial(plots.fill, panels=shown), size)
+        plots.check_alone(path, size)
+        plots.fill_axes(ax, self, shown or ["motion"])
+        return ax
 
     def plot_sensitivities(
         self, path: str | os.PathLike[str] | None = None, outputs: Sequence[str] = ()

@@ -89,10 +89,15 @@ def sensitivity_name(output: str, parameter: str) -> str:
     return f"{SENSITIVITY}{parameter}.{output}"
 
 
+JOINT_ANGLES = "initial.joint_angles"
+
+
 def parameter_hint(name: str, links: int) -> str | None:
     """What to do about a name that is no parameter of a chain of some links, if it is known."""
     if input_key(name):
         return f'it is an input: give it over time in Python, simulate(scene, inputs={{"{name}": 1.0}})'
+    if name.startswith(JOINT_ANGLES):
+        return "set initial.angle[1] and so on: each is the sum of the joint angles up to it"
     link = re.match(r"link\[(\d+)\]\.", name)
     return f"links count from 1 to {links}" if link and not 1 <= int(link[1]) <= links else None
 

@@ -10,12 +10,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.results.plots.style import BLACK, GREY, PALETTE, STYLE, headline, number, save
+from chain_impact.results.plots.style import BLACK, GREY, PALETTE, headline, number, save, styled
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.law_change import first_place
 
@@ -34,7 +33,7 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
     save(path, lambda page: fill(page, comparison), SIZE)
 
 
-@mpl.rc_context(STYLE)
+@styled()
 def fill(page: Figure, comparison: Comparison) -> None:
     """Draw the two panels on an empty page."""
     looks = looks_of(comparison)

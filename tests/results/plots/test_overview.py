@@ -1,19 +1,24 @@
 """The page with a recording: its files, its headline, and that nothing hides anything else."""
 
 import itertools
+import re
 
 import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from chain_impact.results.plots import plot
+from chain_impact.results.plots.style import styled
 from chain_impact.results.recording import Recording
+from chain_impact.scene.models import model_names
 from tests.results.plots.pictures import MODELS, boxes, crowd, drawn, recorded, swing
 
 BEGINNINGS = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF"}
 PICTURES = [*MODELS, "sixty impacts"]
+WIDTHS = [width / 25.4 for width in (84, 120, 190)]  # inches
 COLOURS = 10  # the most that a picture tells apart
 
 
@@ -122,19 +127,87 @@ def test_the_colours_of_the_motion_are_those_of_the_axis_of_time():
     assert strip.get_extent() == [0.0, 2.0, 0, 1]
 
 
-@pytest.mark.full("more cases", but=3)
-@pytest.mark.parametrize("width", [3.31, 4.72, 7.48])
-@pytest.mark.parametrize("model", ["sliding_rod", *MODELS])
-def test_nothing_is_cut_off_a_page_of_any_width(model, width):
-    """84, 120 and 190 mm, as journals have them: laid out anew, not scaled."""
-    result = recorded(model)
-    page = result.plot(size=(width, 6.5))
+@styled()
+def told(page):
+    """All texts of a page, and what they cover."""
     page.draw_without_rendering()
+    hidden = {
+        id(text)
+        for axes in page.axes
+        for axis in (axes.xaxis, axes.yaxis)
+        for tick in {*axis.get_major_ticks(), *axis.get_minor_ticks()} - {*axis._update_ticks()}
+        for text in (tick.label1, tick.label2)
+    }
+    texts = [text for text in page.findobj(Text) if text.get_visible() and id(text) not in hidden]
+    return [(text.get_text(), text.get_window_extent()) for text in texts if text.get_text().strip()]
+
+
+def check_texts(page):
+    """No text is beyond the page, or on another."""
+    texts = told(page)
+    for text, box in texts:
+        assert min(box.x0, box.y0, page.bbox.x1 - box.x1, page.bbox.y1 - box.y1) > -0.5, text
+    for (one, box), (other, another) in itertools.combinations(texts, 2):
+        assert not box.padded(-0.5).overlaps(another), (one, other)
+
+
+@pytest.mark.full("more cases", but=3)
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("model", ["sliding_rod", *model_names()])
+def test_texts_fit_a_page_of_any_width(model, width):
+    """84, 120 and 190 mm, as journals have them: laid out anew, not scaled."""
+    page = recorded(model).plot(size=(width, 6.5))
     assert tuple(page.get_size_inches()) == (width, 6.5)
     motion, *others = (axes.get_position(original=True) for axes in page.axes)
     assert all((one.y1 <= motion.y0) == (width < 6.0) for one in others)
-    box = page.get_tightbbox()
-    assert min(box.x0, box.y0, width - box.x1, 6.5 - box.y1) > -0.02
+    check_texts(page)
+
+
+def test_a_page_that_is_too_low_is_refused_and_one_as_high_as_told_is_drawn():
+    result = recorded("sliding_rod")
+    with pytest.raises(ValueError, match=r"^size = \(6, 3\) must be at least [\d.]+ high") as refused:
+        result.plot(size=(6.0, 3.0))
+    height = float(re.search(r"least ([\d.]+)", str(refused.value))[1])
+    check_texts(result.plot(size=(6.0, height)))
+
+
+def test_fonts_follow_the_settings_of_matplotlib():
+    with mpl.rc_context({"font.size": 7.0, "figure.titlesize": 8.0, "font.family": "serif"}):
+        page = recorded("rod_drop").plot(size=(4.7, 6.0))
+        check_texts(page)
+    assert page._suptitle.get_fontsize() == 8.0
+    axes = page.axes[0]
+    assert axes.xaxis.label.get_fontsize() == 7.0
+    assert axes.xaxis.label.get_fontfamily() == ["serif"]
+
+
+def test_files_have_text_and_no_type_3_fonts(tmp_path):
+    """Whether the package writes them, or the user of a figure."""
+    result = recorded("rod_drop")
+    for name in ("own", "users"):
+        result.plot(tmp_path / "own.pdf")
+        result.plot(tmp_path / "own.svg")
+        for suffix in ("pdf", "svg"):
+            result.plot().savefig(tmp_path / f"users.{suffix}")
+        assert b"/Type3" not in (tmp_path / f"{name}.pdf").read_bytes()
+        assert "energy [J]</text>" in (tmp_path / f"{name}.svg").read_text(encoding="utf-8")
+
+
+def test_panels_are_drawn_into_axes_that_are_there():
+    result, page = recorded("sliding_rod"), Figure()
+    axes = page.subplots(1, 2)
+    assert result.plot(panels=["impacts", "energy"], ax=axes) is axes
+    assert [one.get_ylabel() for one in axes] == ["energy [J]", "impact speed [m/s]"]
+    assert [one.get_xlabel() for one in axes] == ["time [s]"] * 2
+    one = page.add_subplot()
+    assert result.plot(ax=one) is one
+    assert one.get_xlabel() == "x [m]"
+
+
+def test_a_kind_is_the_only_panel_and_axes_are_called_as_panels():
+    result = recorded("sliding_rod")
+    for page in (result.plot(kind="energy"), result.plot(panels="energy")):
+        assert {axes.get_label() for axes in page.axes} == {"time", "energy"}
 
 
 def test_panels_are_chosen():
@@ -146,6 +219,10 @@ def test_panels_are_chosen():
     ("options", "expected"),
     [
         ({"panels": ["speed"]}, "'speed' is no panel; must be of motion, energy, impacts, friction"),
+        ({"kind": "speed"}, "'speed' is no panel"),
+        ({"kind": "energy", "panels": "motion"}, "one of them must be left out"),
+        ({"panels": ["energy", "motion"], "ax": Figure().add_subplot()}, "1 axes for 2 panels"),
+        ({"ax": Figure().add_subplot(), "size": (4.0, 4.0)}, "ax: axes that are there have their size"),
         ({"size": (1.0, 5.0)}, "must be width and height in inches, each at least 2"),
         ({"size": 5.0}, "must be width and height in inches"),
         ({"size": (float("nan"), 3.0)}, "must be width and height in inches"),

@@ -55,6 +55,12 @@ def test_intervals():
     [
         ("contact.restitutio", "0.1", "no parameter that can be varied; the nearest is contact.restitution"),
         ("point[4].x", "0.1", "no parameter that can be varied"),
+        ("base.vx", "0,1", "no parameter that can be varied; it is an input"),
+        (
+            "initial.joint_angles[1]",
+            "0,1",
+            r"no parameter that can be varied; set initial.angle\[1\] and so on",
+        ),
         ("contact.restitution", "0.5,1.5", "= 1.5 must be a finite number >= 0 and <= 1"),
         ("contact.restitution", "nan", "= nan must be a finite number"),
         ("contact.restitution", "0.5,half", "= half must be a finite number"),

@@ -2,7 +2,16 @@
 
 from chain_impact.results.plots.changes import fill_sensitivities
 from chain_impact.results.plots.motion import draw_chain
-from chain_impact.results.plots.overview import drawn, fill, page_size, plot
+from chain_impact.results.plots.overview import check_alone, drawn, fill, fill_axes, plot
 from chain_impact.results.plots.room import draw_walls
 
-__all__ = ["draw_chain", "draw_walls", "drawn", "fill", "fill_sensitivities", "page_size", "plot"]
+__all__ = [
+    "check_alone",
+    "draw_chain",
+    "draw_walls",
+    "drawn",
+    "fill",
+    "fill_axes",
+    "fill_sensitivities",
+    "plot",
+]

@@ -10,7 +10,6 @@ import textwrap
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -18,7 +17,7 @@ from matplotlib.figure import Figure
 from chain_impact.results.plots.message import conditions
 from chain_impact.results.plots.over_time import DOT, mark_impacts
 from chain_impact.results.plots.room import OUTSIDE_COLOUR
-from chain_impact.results.plots.style import GREY, INK, PALETTE, STYLE, headline
+from chain_impact.results.plots.style import GREY, INK, PALETTE, headline, styled
 from chain_impact.results.recording import Recording
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.text import plural, speed_unit
@@ -29,7 +28,7 @@ WIDE = 140  # characters of a line over the page's width
 Looks = list[dict[str, Any]]
 
 
-@mpl.rc_context(STYLE)
+@styled()
 def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
     """Draw how outputs, and the speeds of impacts, change with each parameter, on an empty page.
 
@@ -56,7 +55,7 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
         axes.set_xlabel("time [s]")
     panels[min(1, len(names) - 1)].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
     lines = (line for limit in found.limits for line in textwrap.wrap(limit, WIDE))
-    page.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=8.5, color=INK)
+    page.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize="small", color=INK)
 
 
 def sensitivities_of(recording: Recording) -> Sensitivities:

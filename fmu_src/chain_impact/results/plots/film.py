@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
+import matplotlib.style
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -99,7 +99,7 @@ def draw_frames(
     recording: Recording, times: np.ndarray, rates: np.ndarray, size: tuple[int, int], progress: Progress
 ) -> Iterator[np.ndarray]:
     """Draw a recording at some times: red, green, blue of each pixel, shape (height, width, 3)."""
-    with mpl.rc_context(STYLE):
+    with matplotlib.style.context(["default", STYLE]):
         dpi = resolution(size)
         figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
         canvas: Any = FigureCanvasAgg(figure)  # matplotlib says nothing of its types

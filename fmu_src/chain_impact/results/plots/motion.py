@@ -176,7 +176,7 @@ def number_rings(axes: Axes, recording: Recording) -> None:
         more = f" +{len(hits) - len(shown)}" if len(hits) > len(shown) else ""
         outward = _outward(recording, recording.impacts[hits[0]])
         labels.append(Label(text + more, spot, outward, str(hits[0] + 1)))
-    place_labels(axes, labels, fontsize=7, color=INK)
+    place_labels(axes, labels, fontsize="small", color=INK)
 
 
 def _outward(recording: Recording, impact: np.void) -> tuple[float, float]:

@@ -68,19 +68,13 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
 
 def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     """When contacts and joints stick, as bars, and slide, as lines; of many, those that rub for longest."""
-    phases, end = recording.stick_slip, recording.time[-1]
-    lengths = np.where(np.isnan(phases["end"]), end, phases["end"]) - phases["start"]
-    total: dict[str, float] = {}
-    for phase, length in zip(phases, lengths, strict=True):
-        place = place_of(phase, recording.wall_names)
-        total[place] = total.get(place, 0.0) + float(length)
-    shown = sorted(sorted(total, key=lambda place: -total[place])[:ROWS], reverse=True)
-    for phase, length in zip(phases, lengths, strict=True):
+    phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:ROWS], reverse=True)
+    for phase, length in zip(phases, phase_lengths(recording), strict=True):
         if (place := place_of(phase, recording.wall_names)) in shown:
             row, sticks = shown.index(place), phase["mode"] == STICKS
             colour, height = (VERMILLION, 0.62) if sticks else (GREY, 0.16)
             axes.barh(row, length, height, left=phase["start"], color=colour)
-    axes.set_yticks(range(len(shown)), shown, fontsize=7)
+    axes.set_yticks(range(len(shown)), shown, fontsize="small")
     axes.set_ylim(-0.6, len(shown) - 0.4)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
@@ -89,6 +83,22 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
         Line2D([], [], color=GREY, linewidth=2.0, label="slides"),
     ]
     axes.legend(handles=handles, **ABOVE, ncols=2, handlelength=1.2)
+
+
+def phase_lengths(recording: Recording) -> np.ndarray:
+    """How long each phase of dry friction lasts, shape (F,) [s]."""
+    phases = recording.stick_slip
+    ends = np.where(np.isnan(phases["end"]), recording.time[-1], phases["end"])
+    return np.asarray(ends - phases["start"])
+
+
+def rubbing_places(recording: Recording) -> list[str]:
+    """The contacts and joints with dry friction, those that rub for longest first."""
+    total: dict[str, float] = {}
+    for phase, length in zip(recording.stick_slip, phase_lengths(recording), strict=True):
+        place = place_of(phase, recording.wall_names)
+        total[place] = total.get(place, 0.0) + float(length)
+    return sorted(total, key=lambda place: -total[place])
 
 
 def mark_impacts(axes: Axes, recording: Recording) -> None:
@@ -156,4 +166,4 @@ def number_impacts(axes: Axes, recording: Recording) -> None:
     """Write the numbers of the impacts at their speeds, the highest first."""
     tops = list(zip(recording.impacts["onset"].tolist(), heights(recording).tolist(), strict=True))
     labels = [Label(str(row + 1), tops[row]) for row in by_speed(recording)[:NUMBERED]]
-    place_labels(axes, labels, fontsize=7)
+    place_labels(axes, labels, fontsize="small")

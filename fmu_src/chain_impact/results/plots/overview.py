@@ -4,33 +4,37 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.results.plots.labels import settle
+from chain_impact.results.plots.labels import has_room, settle
 from chain_impact.results.plots.message import conditions, message
 from chain_impact.results.plots.motion import draw_motion, number_rings
 from chain_impact.results.plots.over_time import (
+    ROWS,
     draw_clock,
     draw_energy,
     draw_impact_speeds,
     draw_stick_slip,
     number_impacts,
+    rubbing_places,
 )
 from chain_impact.results.plots.room import view_of
-from chain_impact.results.plots.style import FULL, STYLE, WIDE, Page, headline, save
+from chain_impact.results.plots.style import FULL, WIDE, Page, headline, save, styled
 from chain_impact.results.recording import Recording
 
 SIZE, LEAST = (FULL, 5.4), 2.0  # inches
 SLIM, BROAD = 0.6, 1.3  # width of the motion's panel in heights, at least and at most
-RUBBING = 0.6  # of the height of the energies, the phases of dry friction
+RUBBING, RUBBING_ROW = 0.3, 0.11  # of the height of the energies, dry friction, and each row of it
 HEIGHT = 0.46  # of the page's width, the motion's panel
 ABOVE_TIME, CLOCK = 2.0, 0.06  # of the height of the energies: the motion above them, and the clock
+HIGHER = 40  # quarters of an inch, at most, by which a page is too low
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "motion": draw_motion,
     "energy": draw_energy,
@@ -38,9 +42,11 @@ PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "friction": draw_stick_slip,
 }
 """What a picture can have."""
+NUMBERS = {"motion": number_rings, "impacts": number_impacts}
+"""What writes the numbers of impacts into a panel that has its place."""
 
 
-@mpl.rc_context(STYLE)
+@styled()
 def fill(page: Figure, recording: Recording, panels: Sequence[str] = ()) -> None:
     """Draw panels of PANELS on an empty page, by default all that the recording has.
 
@@ -51,19 +57,37 @@ def fill(page: Figure, recording: Recording, panels: Sequence[str] = ()) -> None
     """
     shown = chosen(recording, panels)
     headline(page, message(recording), conditions(recording))
-    motion, clock, timed = axes_of(page, recording, shown)
-    if motion:
-        draw_motion(motion, recording)
-    if clock:
-        draw_clock(clock, recording)
-    for name, axes in timed.items():
-        axes.tick_params(labelbottom=False)
-        PANELS[name](axes, recording)
+    found = axes_of(page, recording, shown)
+    for name, axes in found.items():
+        if name in shown:
+            axes.tick_params(labelbottom=name == "motion")
+            PANELS[name](axes, recording)
+        else:
+            draw_clock(axes, recording)
     settle(page)
-    if motion:
-        number_rings(motion, recording)
-    if "impacts" in timed:
-        number_impacts(timed["impacts"], recording)
+    for name in NUMBERS.keys() & found.keys():
+        NUMBERS[name](found[name], recording)
+
+
+@styled()
+def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
+    """Draw each of some panels into axes that are there: one, or as many as panels.
+
+    Raises:
+        ValueError: when there is no panel of a name, or not as many axes.
+    """
+    shown, given = chosen(recording, panels), np.ravel(axes).tolist()
+    if len(shown) != len(given):
+        raise ValueError(f"ax: there are {len(given)} axes for {len(shown)} panels: {', '.join(shown)}")
+    for name, one in zip(shown, given, strict=True):
+        PANELS[name](one, recording)
+        if name != "motion":
+            one.set_xlabel("time [s]")
+    for page in {one.get_figure(root=True) for one in given}:
+        page.draw_without_rendering()
+    for name, one in zip(shown, given, strict=True):
+        if name in NUMBERS:
+            NUMBERS[name](one, recording)
 
 
 def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
@@ -77,27 +101,28 @@ def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
     return [name for name in PANELS if (name in panels if panels else name != "friction" or rubs)]
 
 
-def axes_of(
-    page: Figure, recording: Recording, shown: Sequence[str]
-) -> tuple[Axes | None, Axes | None, dict[str, Axes]]:
-    """The axes of the motion, of the clock below what is drawn over time, and of that."""
+def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
+    """The axes of the panels, and of the clock below what is drawn over time, by their names."""
     timed = [name for name in shown if name != "motion"]
-    heights = [RUBBING if name == "friction" else 1.0 for name in timed] + ([CLOCK] if timed else [])
+    rubbing = RUBBING + RUBBING_ROW * len(rubbing_places(recording)[:ROWS])
+    heights = [rubbing if name == "friction" else 1.0 for name in timed] + ([CLOCK] if timed else [])
     width, height = np.ptp(view_of(recording)[0], axis=0)
+    first, column, found = 0, 0, {}
     if "motion" not in shown:
-        grid, first, column = page.add_gridspec(len(heights), 1, height_ratios=heights), 0, 0
-        motion = None
+        grid = page.add_gridspec(len(heights), 1, height_ratios=heights)
     elif timed and page.get_figwidth() >= WIDE:
         share = HEIGHT * min(max(width / height, SLIM), BROAD)  # the motion fills its panel
         grid = page.add_gridspec(len(heights), 2, width_ratios=(share, 1.0 - share), height_ratios=heights)
-        motion, first, column = page.add_subplot(grid[:, 0]), 0, 1
+        found["motion"], column = page.add_subplot(grid[:, 0], label="motion"), 1
     else:
         above = ABOVE_TIME if timed else 1.0
         grid = page.add_gridspec(1 + len(heights), 1, height_ratios=[above, *heights])
-        motion, first, column = page.add_subplot(grid[0, 0]), 1, 0
-    clock = page.add_subplot(grid[first + len(timed), column]) if timed else None
-    rows = {name: page.add_subplot(grid[first + row, column], sharex=clock) for row, name in enumerate(timed)}
-    return motion, clock, rows
+        found["motion"], first = page.add_subplot(grid[0, 0], label="motion"), 1
+    if timed:
+        found["time"] = clock = page.add_subplot(grid[first + len(timed), column], label="time")
+        for row, name in enumerate(timed, first):
+            found[name] = page.add_subplot(grid[row, column], sharex=clock, label=name)
+    return found
 
 
 def page_size(size: Sequence[float] | None) -> tuple[float, float]:
@@ -124,17 +149,59 @@ def drawn(
     recording: Recording,
     path: str | os.PathLike[str] | None,
     draw: Draw = fill,
-    size: tuple[float, float] = SIZE,
+    size: Sequence[float] | None = None,
 ) -> Figure | None:
-    """Draw the recording into a file, or return the page."""
+    """Draw the recording into a file, or return the page.
+
+    Raises:
+        ValueError: when a page of this size has no room for what is drawn.
+    """
+
+    def draw_whole(page: Figure) -> None:
+        with warnings.catch_warnings():
+            if size is not None:
+                warnings.filterwarnings("ignore", "constrained_layout not applied")
+            draw(page, recording)
+            if size is not None:
+                check_room(page, lambda other: draw(other, recording))
+
+    inches = page_size(size)
     if path is not None:
-        plot(recording, Path(path), draw, size)
+        save(Path(path), draw_whole, inches)
         return None
-    page = Page(figsize=size, layout="constrained")
-    draw(page, recording)
+    page = Page(figsize=inches)
+    draw_whole(page)
     return page
 
 
-def plot(recording: Recording, path: Path, draw: Draw = fill, size: tuple[float, float] = SIZE) -> None:
+def check_alone(path: object, size: object) -> None:
+    """Refuse a file, or a size, beside axes that are there.
+
+    Raises:
+        ValueError: when there is one.
+    """
+    if path is not None or size is not None:
+        raise ValueError("ax: axes that are there have their size and their figure, which writes files")
+
+
+def check_room(page: Figure, draw: Callable[[Figure], None]) -> None:
+    """Refuse a page on which axes have no height or texts are cut off; say how high it must be.
+
+    Raises:
+        ValueError: when it is so.
+    """
+    if has_room(page):
+        return
+    width, height = map(float, page.get_size_inches())
+    for more in range(1, HIGHER):
+        other = Page(figsize=(width, np.ceil(4.0 * height) / 4.0 + 0.25 * more))
+        draw(other)
+        if has_room(other):
+            least = f"must be at least {other.get_figheight():g} high for what is drawn"
+            raise ValueError(f"size = ({width:g}, {height:g}) {least}, or have fewer panels")
+    raise ValueError(f"size = ({width:g}, {height:g}) must be wider for what is drawn")
+
+
+def plot(recording: Recording, path: Path, draw: Draw = fill) -> None:
     """Draw the recording into a file; the suffix says which kind (png, svg, pdf)."""
-    save(path, lambda page: draw(page, recording), size)
+    drawn(recording, path, draw)

@@ -20,6 +20,7 @@ MARGIN, BAND = (
     0.04,
     0.14,
 )  # of the motion's width, at the edges of the view and outside of walls; √2 BAND < NEAR
+SLIMMEST = 0.3  # of the longer side of the view, the shorter one at least
 PARALLEL = 1e-9  # of a length of 1 and of m, what round-off may be
 
 
@@ -32,7 +33,9 @@ def view_of(recording: Recording) -> tuple[np.ndarray, list[HalfPlane]]:
     margin = np.full((2, 2), MARGIN)
     for wall in near:
         margin = np.maximum(margin, BAND * np.array([wall.normal, np.negative(wall.normal)]))
-    return view + np.ptp(view, axis=0).max() * margin * [[-1.0], [1.0]], near
+    view = view + np.ptp(view, axis=0).max() * margin * [[-1.0], [1.0]]
+    sides = np.ptp(view, axis=0)
+    return view + 0.5 * np.maximum(0.0, SLIMMEST * sides.max() - sides) * [[-1.0], [1.0]], near
 
 
 def draw_walls(axes: Axes, recording: Recording) -> None:

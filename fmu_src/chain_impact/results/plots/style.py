@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -35,25 +36,69 @@ STYLE: Any = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.axisbelow": True,
+    "figure.titlesize": 12,
+    "figure.titleweight": "bold",
     "grid.color": PALE,
     "grid.linewidth": 0.6,
     "legend.frameon": False,
-    "legend.fontsize": 8,
+    "legend.fontsize": "small",
     "legend.borderaxespad": 0.2,
-    "savefig.facecolor": "white",
+    "pdf.fonttype": 42,  # TrueType: many journals refuse Type 3
+    "ps.fonttype": 42,
+    "svg.fonttype": "none",  # text, and not its outlines
+    "text.hinting": "none",  # text is as wide whatever the resolution, so that a layout holds for all
 }
-"""Settings of matplotlib for every picture, for `matplotlib.rc_context`."""
+"""Settings of matplotlib for every picture, but where its user, or a style sheet, has changed them."""
+COLOURS: Any = {
+    name: "white" if name.endswith("facecolor") else "black"
+    for name in (
+        *("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color"),
+        *("axes.facecolor", "figure.facecolor", "savefig.facecolor"),
+    )
+}
+"""Settings that hold whatever the style: the colours of pictures are chosen for white."""
+DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
+"""The kinds of settings that matter when a page is drawn."""
 DPI = 160
 FULL, WIDE = 10.0, 6.0  # inches, the width of a page; the least for two columns of axes
-MARGIN, ENTRY = 0.9, 1.0  # inches, beside axes on a narrow page; an entry of a legend
+MARGIN, ENTRY = (
+    0.1,
+    0.11,
+)  # inches for each point of the font, beside axes on a narrow page; an entry of a legend
 LEFT, TOP = 0.12, 0.08  # inches from the left and the upper edge of the page to the headline
-LINES = (0.3, 0.24)  # inches, the heights of its first line and of the first one below it …
-MORE_LINES = (0.21, 0.15)  # … and of each further one of the two
+GAP = 0.09  # inches below the headline, and below the conditions
+MOST_HEAD = 0.36  # of the page's height, both together
 SEPARATOR = "  ·  "
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """Draw in the style of all pictures; also a decorator of functions that draw."""
+    kept = {key: value for key, value in STYLE.items() if mpl.rcParams[key] == mpl.rcParamsDefault[key]}
+    with mpl.rc_context(kept | COLOURS):
+        yield
 
 
 class Page(Figure):
     """An empty page for a picture, which a notebook shows whatever else was imported, and shows once."""
+
+    def __init__(self, **options: Any) -> None:
+        """Make a page that arranges what is on it, with options of a figure."""
+        with styled():
+            super().__init__(**{"layout": "constrained"} | options)
+            self._settings = {
+                key: value for key, value in mpl.rcParams.items() if key.partition(".")[0] in DRAWING
+            }
+
+    def draw(self, renderer: Any) -> None:
+        """Draw with the settings that the layout is for: fonts are found, and ticks chosen, by them."""
+        with mpl.rc_context(self._settings):
+            super().draw(renderer)
+
+    def savefig(self, *args: Any, **options: Any) -> None:
+        """Write a file with fonts as journals ask for."""
+        with mpl.rc_context(self._settings):
+            super().savefig(*args, **options)
 
     def _repr_png_(self) -> bytes:
         """What IPython asks for where no backend of matplotlib has told it how to show a figure."""
@@ -76,28 +121,36 @@ def columns(axes: Axes, most: int) -> int:
     if is_full(axes):
         return most
     room = width if width < WIDE else 0.5 * width
-    return max(1, min(most, int((room - MARGIN) / ENTRY)))
+    size = mpl.rcParams["font.size"]
+    return max(1, min(most, int((room - MARGIN * size) / (ENTRY * size))))
 
 
 def headline(page: Figure, message: str, conditions: str = "") -> None:
-    """Write what the picture says over it, and below that, smaller, under which conditions."""
+    """Write what the picture says over it, and below that, smaller, under which conditions.
+
+    On a page that is too low for them there are no conditions.
+    """
     width, height = page.get_size_inches()
     place: dict[str, Any] = {"x": LEFT / width, "ha": "left", "va": "top", "in_layout": False}
-    said = page.suptitle(message, y=1.0 - TOP / height, fontsize=12, fontweight="bold", **place)
-    top = TOP + LINES[0] + (break_lines(said, (" ",)) - 1) * MORE_LINES[0]
-    told = page.text(s=conditions, y=1.0 - top / height, fontsize=8.5, color=INK, **place)
+    said = page.suptitle(message, y=1.0 - TOP / height, **place)
+    top = TOP + break_lines(said, (" ",)) + GAP
+    told = page.text(s=conditions, y=1.0 - top / height, fontsize="small", color=INK, **place)
     if conditions:
-        top += LINES[1] + (break_lines(told, (SEPARATOR, " ")) - 1) * MORE_LINES[1]
+        room = break_lines(told, (SEPARATOR, " ")) + GAP
+        if top + room <= MOST_HEAD * height:
+            top += room
+        else:
+            told.remove()
     engine = page.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         engine.set(rect=(0.0, 0.0, 1.0, 1.0 - top / height))
 
 
-def break_lines(text: Text, separators: Sequence[str]) -> int:
+def break_lines(text: Text, separators: Sequence[str]) -> float:
     """Break a text where it runs out of its page, at the first of some separators if that is enough.
 
     Returns:
-        The number of its lines.
+        Its height [inches].
     """
     page = text.get_figure(root=True)
     assert page is not None
@@ -107,9 +160,8 @@ def break_lines(text: Text, separators: Sequence[str]) -> int:
         text.set_text(line)
         return bool(text.get_window_extent().x1 <= room)
 
-    found = _lines(text.get_text(), fits, separators)
-    text.set_text("\n".join(found))
-    return len(found)
+    text.set_text("\n".join(_lines(text.get_text(), fits, separators)))
+    return float(text.get_window_extent().height / page.dpi)
 
 
 def _lines(words: str, fits: Callable[[str], bool], separators: Sequence[str]) -> list[str]:
@@ -146,7 +198,7 @@ def save(
         OSError: when the file cannot be written.
     """
     with written_whole(Path(path)) as fresh:
-        page = Page(figsize=size, dpi=DPI, layout="constrained")
+        page = Page(figsize=size, dpi=DPI)
         fill(page)
         told = words_of(page) if Path(path).suffix == ".png" else None
         page.savefig(fresh, dpi="figure", metadata=told)

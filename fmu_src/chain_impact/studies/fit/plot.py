@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -23,11 +22,11 @@ from chain_impact.results.plots.style import (
     PALE,
     PALETTE,
     SEPARATOR,
-    STYLE,
     Page,
     headline,
     number,
     save,
+    styled,
 )
 from chain_impact.results.result import Result
 from chain_impact.results.tables import IMPACT_UNITS
@@ -73,12 +72,12 @@ def plot_fit(fit: Fit, path: str | Path) -> None:
 
 def figure(fit: Fit) -> Figure:
     """A fit as a figure."""
-    page = Page(layout="constrained")
+    page = Page()
     fill(page, fit)
     return page
 
 
-@mpl.rc_context(STYLE)
+@styled()
 def fill(page: Figure, fit: Fit) -> None:
     """Draw all panels on an empty page."""
     names = list(fit.columns)[:MOST_PANELS]

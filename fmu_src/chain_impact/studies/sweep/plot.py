@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.results.plots.style import STYLE, headline, number, save
+from chain_impact.results.plots.style import headline, number, save, styled
 from chain_impact.results.text import plural
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
@@ -105,7 +105,7 @@ def plot_sweep(found: Sweep, path: str | Path) -> None:
     save(path, lambda page: fill(page, found))
 
 
-@mpl.rc_context(STYLE)
+@styled()
 def fill(page: Figure, found: Sweep) -> None:
     """Draw all panels on an empty page."""
     quantities = _quantities(found)
@@ -242,7 +242,7 @@ def _maps(
             if quantity.column == "impact.count":
                 bar.locator = MaxNLocator(integer=True)
         else:
-            axes.set_title(f"{quantity.label}: {NEVER}", fontsize=9)
+            axes.set_title(f"{quantity.label}: {NEVER}", fontsize="medium")
         axes.set_xscale("log" if x.logarithmic else "linear")
         axes.set_yscale("log" if y.logarithmic else "linear")
         for axis, scale in ((axes.xaxis, x), (axes.yaxis, y)):

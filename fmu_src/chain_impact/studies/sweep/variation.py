@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.scene.angles import in_radians, or_degrees, radians_hint
 from chain_impact.scene.checks import warn
-from chain_impact.scene.names import absent_hint
+from chain_impact.scene.names import absent_hint, parameter_hint
 from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model, model_of
@@ -93,11 +93,12 @@ def variations_of(source: Scene | Model, vary: Mapping[str, Values]) -> tuple[Va
     for name, values in vary.items():
         if name not in known:
             what = "no parameter that can be varied"
-            raise UnknownNameError(scene.name, name, known, what, absent_hint(name))
+            hint = absent_hint(name) or parameter_hint(name, len(scene.chain.links))
+            raise UnknownNameError(scene.name, name, known, what, hint)
         variation = _read(known[name], values, scene.name)
         _check(variation, scene.name)
-        hint = radians_hint(name, max(variation.values, key=abs), variation.variable.unit)
-        warn(scene.name, [hint] if hint else [])
+        warned = radians_hint(name, max(variation.values, key=abs), variation.variable.unit)
+        warn(scene.name, [warned] if warned else [])
         found.append(variation)
     return tuple(found)
 
