@@ -48,9 +48,7 @@ def run(options: argparse.Namespace) -> int:
         comparison.save_csv(options.csv)
         say(f"table    {options.csv}")
     if options.plot:
-        from chain_impact.studies.compare_plot import plot_comparison
-
-        plot_comparison(comparison, options.plot)
+        comparison.plot(options.plot)
         say(f"picture  {options.plot}")
     show(law_table(comparison))
     return 0

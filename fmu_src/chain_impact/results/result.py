@@ -2,34 +2,31 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from chain_impact.results import summary, tables
+from chain_impact.results.course import Rerun
 from chain_impact.results.equality import equal
 from chain_impact.results.joint_stops import JointRange, ranges_of
-from chain_impact.results.recording import Recording
+from chain_impact.results.pictured import Pictured
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.stick_slip import NO_PHASES
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.reading import UnknownNameError, matching
-from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model, elsewhere
 
 if TYPE_CHECKING:
     import pandas
     import xarray
-    from matplotlib.figure import Figure
 
 ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "supplied", "total")
 
 
-class Result(Recording):
+class Result(Pictured):
     """What happened in a simulation: a recording with its scene.
 
     It is what was simulated, so ``dataclasses.replace`` can change nothing of it.
@@ -51,6 +48,7 @@ class Result(Recording):
             only: name → shape (T,).
         stick_slip: one row for each phase of sticking or sliding by dry friction, in order of its start, see
             ``STICK_SLIP_DTYPE``.
+        rerun: gives the outputs of the same run at other times; None if that cannot be.
     """
 
     model: Model
@@ -69,18 +67,20 @@ class Result(Recording):
         sensitivities: Sensitivities | None = None,
         stepwise: Mapping[str, np.ndarray] | None = None,
         stick_slip: np.ndarray = NO_PHASES,
+        rerun: Rerun | None = None,
     ) -> None:
         vars(self).update(model=model, time=time, outputs=outputs, impacts=impacts, statistics=statistics)
         vars(self).update(sensitivities=sensitivities, stepwise=stepwise or {}, stick_slip=stick_slip)
+        vars(self).update(rerun=rerun)
 
     def __eq__(self, other: object) -> bool:
-        """Whether all that two results hold is equal, but for ``stepwise``."""
+        """Whether all that two results hold is equal, but for ``stepwise`` and ``rerun``."""
         if not isinstance(other, Result):
             return NotImplemented
         names = ("model", "time", "outputs", "impacts", "statistics", "sensitivities", "stick_slip")
         return all(equal(getattr(self, name), getattr(other, name)) for name in names)
 
-    __hash__ = None
+    __hash__ = None  # type: ignore[assignment]
 
     @overload
     def __getitem__(self, name: str) -> np.ndarray: ...
@@ -110,11 +110,6 @@ class Result(Recording):
             return self.stepwise[name]
         like = matching(self.scene.name, name, self.names, "no output of this result", elsewhere)
         return {one: self[one] for one in like}
-
-    @property
-    def scene(self) -> Scene:
-        """The scene as it was simulated."""
-        return self.model.scene
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -282,93 +277,6 @@ class Result(Recording):
             MissingExtraError: when pandas is not there: the extra ``pandas``.
         """
         return tables.stick_slip_table(self.stick_slip, self.wall_names)
-
-    def plot(
-        self,
-        path: str | os.PathLike[str] | None = None,
-        *,
-        kind: str | None = None,
-        size: Sequence[float] | None = None,
-        panels: str | Sequence[str] = (),
-        ax: Any = None,
-    ) -> Any:
-        """Draw motion, energy and impacts.
-
-        The picture shows the rows of this result and nothing between them: with a coarse ``output_step``
-        a path is straight from row to row. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates
-        once more where there are fewer than 1000 rows.
-
-        Fonts follow matplotlib's settings and style sheets.
-
-        Args:
-            path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
-                which a notebook shows; ``figure.axes`` have the names of panels as labels.
-            kind: the only panel, in place of ``panels``.
-            size: width and height [inches]. On a page narrower than 6 inches the motion is above the rest.
-            panels: which of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all there are.
-            ax: axes of matplotlib to draw into, as many as panels, by default ``motion`` alone; they are
-                returned.
-
-        Raises:
-            ValueError: when there is no panel of a name, a page is smaller than 2 by 2 inches or too small
-                for what is drawn, or axes are given with a file or a size.
-            UnknownNameError: when ``simulate(output=…)`` left out what is drawn.
-            OSError: when the file cannot be written.
-        """
-        from functools import partial
-
-        from chain_impact.results import plots  # a second to load, so not at the top
-
-        self._all("kinetic")  # refused here, if it was left out
-        given = [name for name, one in (("kind", kind), ("panels", panels)) if one]
-        if len(given) > 1:
-            raise ValueError(f"kind = {kind!r} and panels = {panels!r}: one of them must be left out")
-        shown = [kind] if kind else [panels] if panels and isinstance(panels, str) else panels
-        if ax is None:
-            return plots.drawn(self, path, partial(plots.fill, panels=shown), size)
-        plots.check_alone(path, size)
-        plots.fill_axes(ax, self, shown or ["motion"])
-        return ax
-
-    def plot_sensitivities(
-        self, path: str | os.PathLike[str] | None = None, outputs: Sequence[str] = ()
-    ) -> Figure | None:
-        """Draw how outputs, and the speeds of impacts, change when each parameter grows by 1 %.
-
-        That is, to first order, the derivative times 1 % of the parameter, or times 0.01 of its unit where
-        the value is zero.
-
-        Args:
-            path: as for ``plot``.
-            outputs: by their names in the FMU; by default the place of the last point, and the total energy.
-
-        Raises:
-            UnknownNameError: when ``simulate`` was asked for no derivatives, or left out what is drawn.
-            OSError: when the file cannot be written.
-        """
-        from functools import partial
-
-        from chain_impact.results import plots
-
-        draw = partial(plots.fill_sensitivities, outputs=self._derivatives.drawn(outputs))
-        return plots.drawn(self, path, draw)
-
-    def animate(self, path: str | os.PathLike[str], **options: Any) -> None:
-        """Write an animation: a page for the browser, ``.html``, or a film, ``.gif`` or ``.mp4``.
-
-        It shows an impact by the rows within it. ``record_slowly`` simulates a scene with more of them.
-
-        Args:
-            path: the file.
-            options: ``speed``, ``impact_time``, ``size``, ``progress`` of ``chain_impact.animate``.
-
-        Raises:
-            UnknownNameError: when ``simulate(output=…)`` left out the positions of the points.
-            AnimationError, MissingExtraError, OSError: as ``chain_impact.animate``.
-        """
-        from chain_impact.results.animate import animate
-
-        animate(self, Path(path), **options)
 
     def __repr__(self) -> str:
         """What happened, in a few lines."""

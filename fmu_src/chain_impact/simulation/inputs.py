@@ -67,6 +67,14 @@ class Drive:
     restarts: np.ndarray
     slips: np.ndarray
 
+    def at(self, times: np.ndarray) -> Drive:
+        """The same inputs with other communication points, which increase, shape (S,) [s]."""
+        begins = self.times[np.maximum(self.first - 1, 0)]
+        merged = np.union1d(times, begins[begins <= times[-1]])
+        first = np.searchsorted(merged, begins, side="right")
+        first[self.first == 0] = 0
+        return replace(self, times=merged, asked=np.isin(merged, times), first=first)
+
     def set(self, record: Any, row: int) -> None:
         """Set the inputs of an instance to those of a row; the solver starts anew if one jumps."""
         if not self.places:

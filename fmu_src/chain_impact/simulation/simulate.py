@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ from chain_impact.scene.checks import warn
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.simulation.derivatives import DifferentiatedInstance
-from chain_impact.simulation.inputs import Interpolation, Signal, drive
+from chain_impact.simulation.inputs import Drive, Interpolation, Signal, drive
 from chain_impact.simulation.instance import (
     Instance,
     SimulationError,
@@ -150,6 +151,7 @@ def simulate(
         sensitivities=sensitive,
         stepwise=_Stepwise(numbers[:, width:], others, places.stepwise),
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
+        rerun=Rerun(model, driven),
     )
     # few runs are so deep that there may be something to say
     if found["max_penetration"].max(initial=0.0) > min([link.length for link in scene.chain.links]):
@@ -192,6 +194,23 @@ def _times(stop: float, step: float) -> np.ndarray:
     times *= step
     times[-1] = stop
     return times
+
+
+@dataclass(frozen=True, eq=False)
+class Rerun:
+    """The same run once more, with rows at other times."""
+
+    model: Model
+    driven: Drive
+
+    def __call__(self, times: np.ndarray) -> np.ndarray:
+        """The outputs at some times that increase [s], shape (S,); fewer, if the solver cannot go on."""
+        driven = self.driven.at(times)
+        instance = Instance(self.model, driven, ())
+        rows = WordRows(len(driven.times), self.model.output_words)
+        done, _ = instance.run(driven, rows)
+        outputs: np.ndarray = structured(rows.numbers[:done], self.model.row)[driven.asked[:done]]
+        return outputs
 
 
 class _Stepwise(Mapping[str, np.ndarray]):

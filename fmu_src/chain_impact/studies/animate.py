@@ -95,4 +95,5 @@ def record_slowly(
         result.impacts,
         statistics=instance.statistics,
         stick_slip=result.stick_slip,
+        rerun=result.rerun,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -13,15 +14,15 @@ import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, silent
+from chain_impact.results.course import course_of
 from chain_impact.results.equality import same
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.result import Result
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.names import STOPS
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.scene.tables import Contact
-from chain_impact.simulation.instance import Instance, SimulationError
+from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.law_change import (
     EXACT,
@@ -34,8 +35,6 @@ from chain_impact.studies.law_change import (
     with_law,
 )
 from chain_impact.system import written_whole
-
-SAMPLES = 400  # of a loop of force and penetration
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +54,7 @@ class LawRun:
         max_penetration: of the first impact [m].
         duration: of the first impact [s]; 0 for an impulse.
         energy_lost: from the onset to the end of the first impact, by all contacts [J].
-        loop: penetration [m] and force [N] in the first impact, shape (2, SAMPLES); empty for an impulse.
+        loop: penetration [m] and force [N] in the first impact, shape (2, S); empty for an impulse.
         divergence: number, from 1, of the first impact at another point or wall than with the reference
             law; None if there is none.
         divergence_time: its onset [s].
@@ -138,9 +137,32 @@ class Comparison:
 
         return "\n".join(report(self))
 
-    def save_csv(self, path: Path) -> None:
+    def plot(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        size: Sequence[float] | None = None,
+        ax: Any = None,
+    ) -> Any:
+        """Draw the loops of all laws, force over penetration in the first impact, and the energy over time.
+
+        Args:
+            path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
+                which a notebook shows.
+            size: width and height [inches]. On a page narrower than 6 inches the loops are above the energy.
+            ax: axes of matplotlib to draw the loops into; they are returned.
+
+        Raises:
+            ValueError: when a page is too small, or axes are given with a file or a size.
+            OSError: when the file cannot be written.
+        """
+        from chain_impact.studies.compare_plot import plot_comparison
+
+        return plot_comparison(self, path, size, ax)
+
+    def save_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the table as CSV, numbers in full precision; missing values are empty."""
-        with written_whole(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
+        with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(COLUMNS)
             writer.writerows([_cell(value(run)) for value in COLUMNS.values()] for run in self.runs)
@@ -290,27 +312,10 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     found: dict[str, Any] = {name: float(value) for name, value in values.items()}
     if not math.isfinite(impact["end"]):
         return found
-    inside = np.linspace(impact["onset"], impact["end"], SAMPLES if found["duration"] > 0.0 else 0)
-    times = np.concatenate(
-        [[max(0.0, np.nextafter(impact["onset"], 0.0))], inside, [np.nextafter(impact["end"], np.inf)]]
-    )
-    instance = Instance(result.model, varied=())
-    outputs = np.zeros(len(times), result.model.row)
-    instance.trajectory(times, outputs)
-    c, sign = _place(result, impact)
-    found["energy_lost"] = float(outputs["dissipated"][-1] - outputs["dissipated"][0])
-    found["loop"] = np.array([outputs["penetration"][1:-1, c], sign * outputs["force"][1:-1, c]]).clip(0.0)
+    course = course_of(result, impact)
+    found["energy_lost"] = course.energy_lost
+    found["loop"] = np.array([course.penetration, course.force])
     return found
-
-
-def _place(result: Result, impact: np.void) -> tuple[int, float]:
-    """Where the outputs have the force of an impact, and its sign there; see ``_stops`` of the outputs."""
-    pairs = result.model.candidates
-    if not at_stop(result.scene, impact["wall"]):
-        return pairs.index((impact["point"], impact["wall"])), 1.0
-    first = len(point_wall_pairs(result.scene))
-    of_joint = [joint for joint, _ in pairs[first:]].index(impact["point"])
-    return first + of_joint, 1.0 if result.scene.wall_names[impact["wall"]] == STOPS[0] else -1.0
 
 
 def _against(expected: Result, run: LawRun) -> LawRun:

@@ -7,16 +7,21 @@ are much used. The rest is grey.
 from __future__ import annotations
 
 import math
-from pathlib import Path
-from typing import Any
+import os
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.results.plots.style import BLACK, GREY, PALETTE, headline, number, save, styled
-from chain_impact.studies.compare import Comparison
+from chain_impact.results.plots.pages import check_alone, drawn
+from chain_impact.results.plots.style import BLACK, GREY, PALETTE, WIDE, headline, number, styled
 from chain_impact.studies.law_change import first_place
+
+if TYPE_CHECKING:
+    from chain_impact.studies.compare import Comparison
 
 SIZE = (11.0, 4.5)  # inches
 NAMED = 5  # laws with a colour
@@ -28,21 +33,32 @@ MILLI, KILO = 1e3, 1e-3
 Looks = dict[str, dict[str, Any]]
 
 
-def plot_comparison(comparison: Comparison, path: Path) -> None:
-    """Draw a comparison into a file; the suffix says which kind (png, svg, pdf)."""
-    save(path, lambda page: fill(page, comparison), SIZE)
+def plot_comparison(
+    comparison: Comparison,
+    path: str | os.PathLike[str] | None = None,
+    size: Sequence[float] | None = None,
+    ax: Any = None,
+) -> Any:
+    """See ``Comparison.plot``."""
+    if ax is None:
+        return drawn(partial(fill, comparison=comparison), path, size, SIZE)
+    check_alone(path, size)
+    with styled():
+        draw_loops(ax, comparison, looks_of(comparison))
+        ax.legend()
+    return ax
 
 
 @styled()
 def fill(page: Figure, comparison: Comparison) -> None:
     """Draw the two panels on an empty page."""
-    looks = looks_of(comparison)
+    looks, narrow = looks_of(comparison), page.get_figwidth() < WIDE
     headline(page, message(comparison), conditions(comparison, looks))
-    loops, energy = page.subplots(1, 2)
+    loops, energy = page.subplots(*((2, 1) if narrow else (1, 2)))
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
     lines = [line for line in energy.lines if line.get_color() != GREY]
-    page.legend(handles=lines, loc="outside right center")
+    page.legend(handles=lines, loc="outside lower center" if narrow else "outside right center")
 
 
 def message(comparison: Comparison) -> str:

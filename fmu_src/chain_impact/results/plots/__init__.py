@@ -1,17 +1,22 @@
 """Pictures of a recording. `plot` writes a file; what it draws with serves other pictures, too."""
 
 from chain_impact.results.plots.changes import fill_sensitivities
+from chain_impact.results.plots.impact import SIZE as IMPACT_SIZE, draw_loop, fill_impact
 from chain_impact.results.plots.motion import draw_chain
-from chain_impact.results.plots.overview import check_alone, drawn, fill, fill_axes, plot
+from chain_impact.results.plots.overview import fill, fill_axes, plot
+from chain_impact.results.plots.pages import check_alone, drawn
 from chain_impact.results.plots.room import draw_walls
 
 __all__ = [
+    "IMPACT_SIZE",
     "check_alone",
     "draw_chain",
+    "draw_loop",
     "draw_walls",
     "drawn",
     "fill",
     "fill_axes",
+    "fill_impact",
     "fill_sensitivities",
     "plot",
 ]

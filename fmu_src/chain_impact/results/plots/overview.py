@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import os
-import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.results.plots.labels import has_room, settle
+from chain_impact.results.plots.labels import settle
 from chain_impact.results.plots.message import conditions, message
 from chain_impact.results.plots.motion import draw_motion, number_rings
 from chain_impact.results.plots.over_time import (
@@ -25,16 +22,15 @@ from chain_impact.results.plots.over_time import (
     number_impacts,
     rubbing_places,
 )
+from chain_impact.results.plots.pages import SIZE, drawn
 from chain_impact.results.plots.room import view_of
-from chain_impact.results.plots.style import FULL, WIDE, Page, headline, save, styled
+from chain_impact.results.plots.style import WIDE, headline, styled
 from chain_impact.results.recording import Recording
 
-SIZE, LEAST = (FULL, 5.4), 2.0  # inches
 SLIM, BROAD = 0.6, 1.3  # width of the motion's panel in heights, at least and at most
 RUBBING, RUBBING_ROW = 0.3, 0.11  # of the height of the energies, dry friction, and each row of it
 HEIGHT = 0.46  # of the page's width, the motion's panel
 ABOVE_TIME, CLOCK = 2.0, 0.06  # of the height of the energies: the motion above them, and the clock
-HIGHER = 40  # quarters of an inch, at most, by which a page is too low
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "motion": draw_motion,
     "energy": draw_energy,
@@ -125,83 +121,6 @@ def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[st
     return found
 
 
-def page_size(size: Sequence[float] | None) -> tuple[float, float]:
-    """The width and the height of a page [inches], by default SIZE.
-
-    Raises:
-        ValueError: when they are less than LEAST, or no two numbers.
-    """
-    if size is None:
-        return SIZE
-    try:
-        width, height = map(float, size)
-    except (TypeError, ValueError):
-        width = height = math.nan
-    if not (LEAST <= width < math.inf and LEAST <= height < math.inf):
-        raise ValueError(f"size = {size!r} must be width and height in inches, each at least {LEAST:g}")
-    return width, height
-
-
-Draw = Callable[[Figure, Recording], None]
-
-
-def drawn(
-    recording: Recording,
-    path: str | os.PathLike[str] | None,
-    draw: Draw = fill,
-    size: Sequence[float] | None = None,
-) -> Figure | None:
-    """Draw the recording into a file, or return the page.
-
-    Raises:
-        ValueError: when a page of this size has no room for what is drawn.
-    """
-
-    def draw_whole(page: Figure) -> None:
-        with warnings.catch_warnings():
-            if size is not None:
-                warnings.filterwarnings("ignore", "constrained_layout not applied")
-            draw(page, recording)
-            if size is not None:
-                check_room(page, lambda other: draw(other, recording))
-
-    inches = page_size(size)
-    if path is not None:
-        save(Path(path), draw_whole, inches)
-        return None
-    page = Page(figsize=inches)
-    draw_whole(page)
-    return page
-
-
-def check_alone(path: object, size: object) -> None:
-    """Refuse a file, or a size, beside axes that are there.
-
-    Raises:
-        ValueError: when there is one.
-    """
-    if path is not None or size is not None:
-        raise ValueError("ax: axes that are there have their size and their figure, which writes files")
-
-
-def check_room(page: Figure, draw: Callable[[Figure], None]) -> None:
-    """Refuse a page on which axes have no height or texts are cut off; say how high it must be.
-
-    Raises:
-        ValueError: when it is so.
-    """
-    if has_room(page):
-        return
-    width, height = map(float, page.get_size_inches())
-    for more in range(1, HIGHER):
-        other = Page(figsize=(width, np.ceil(4.0 * height) / 4.0 + 0.25 * more))
-        draw(other)
-        if has_room(other):
-            least = f"must be at least {other.get_figheight():g} high for what is drawn"
-            raise ValueError(f"size = ({width:g}, {height:g}) {least}, or have fewer panels")
-    raise ValueError(f"size = ({width:g}, {height:g}) must be wider for what is drawn")
-
-
-def plot(recording: Recording, path: Path, draw: Draw = fill) -> None:
+def plot(recording: Recording, path: Path, draw: Callable[[Figure, Recording], None] = fill) -> None:
     """Draw the recording into a file; the suffix says which kind (png, svg, pdf)."""
-    drawn(recording, path, draw)
+    drawn(lambda page: draw(page, recording), path, usual=SIZE)

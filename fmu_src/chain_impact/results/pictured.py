@@ -1,0 +1,166 @@
+"""The pictures and the animation of a result."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from chain_impact.results.course import Rerun, course_of
+from chain_impact.results.recording import Recording
+from chain_impact.results.sensitivity import Sensitivities
+from chain_impact.scene.scene import Scene
+from chain_impact.variables.model import Model
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class Pictured(Recording):
+    """A result as its pictures need it.
+
+    Attributes:
+        model: the scene as it was simulated, and what follows from it.
+        rerun: gives the outputs of the same run at other times; None if that cannot be.
+    """
+
+    model: Model
+    rerun: Rerun | None
+
+    @property
+    def scene(self) -> Scene:
+        """The scene as it was simulated."""
+        return self.model.scene
+
+    def plot(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        kind: str | None = None,
+        size: Sequence[float] | None = None,
+        panels: str | Sequence[str] = (),
+        ax: Any = None,
+    ) -> Any:
+        """Draw motion, energy and impacts.
+
+        The picture shows the rows of this result and nothing between them: with a coarse ``output_step``
+        a path is straight from row to row. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates
+        once more where there are fewer than 1000 rows.
+
+        Fonts follow matplotlib's settings and style sheets.
+
+        Args:
+            path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
+                which a notebook shows; ``figure.axes`` have the names of panels as labels.
+            kind: the only panel, in place of ``panels``.
+            size: width and height [inches]. On a page narrower than 6 inches the motion is above the rest.
+            panels: which of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all there are.
+            ax: axes of matplotlib to draw into, as many as panels, by default ``motion`` alone; they are
+                returned.
+
+        Raises:
+            ValueError: when there is no panel of a name, a page is smaller than 2 by 2 inches or too small
+                for what is drawn, or axes are given with a file or a size.
+            UnknownNameError: when ``simulate(output=…)`` left out what is drawn.
+            OSError: when the file cannot be written.
+        """
+        from chain_impact.results import plots  # a second to load, so not at the top
+
+        self._all("kinetic")  # refused here, if it was left out
+        given = [name for name, one in (("kind", kind), ("panels", panels)) if one]
+        if len(given) > 1:
+            raise ValueError(f"kind = {kind!r} and panels = {panels!r}: one of them must be left out")
+        shown = [kind] if kind else [panels] if panels and isinstance(panels, str) else panels
+        if ax is None:
+            return plots.drawn(partial(plots.fill, recording=self, panels=shown), path, size)
+        plots.check_alone(path, size)
+        plots.fill_axes(ax, self, shown or ["motion"])
+        return ax
+
+    def plot_impact(
+        self,
+        number: int,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        size: Sequence[float] | None = None,
+        ax: Any = None,
+    ) -> Any:
+        """Draw one impact: force, penetration and speed over time, and the force over the penetration.
+
+        The restitution that was realised, and the energy that all parts of the chain have lost meanwhile, are
+        told. An impact is shorter than the distance of rows. So the run is repeated up to its end with rows
+        within it: it is the same run to the last bit, as rows do not change the solution.
+
+        Args:
+            number: of the impact, from 1, as pictures and tables count.
+            path: as for ``plot``.
+            size: as for ``plot``.
+            ax: axes of matplotlib to draw the force over the penetration into; they are returned.
+
+        Raises:
+            ValueError: when there is no impact of that number, the result is not from ``simulate`` or
+                ``record_slowly``, or as for ``plot``.
+            OSError: when the file cannot be written.
+        """
+        from chain_impact.results import plots
+
+        if not 1 <= number <= len(self.impacts):
+            there = f"1 to {len(self.impacts)}" if len(self.impacts) else "left out: there is no impact"
+            raise ValueError(f"{self.name}: the number of an impact = {number!r} must be {there}")
+        impact = self.impacts[number - 1]
+        course = course_of(self, impact, until=float(self.time[-1]), early=True)
+        if ax is None:
+            fill = partial(plots.fill_impact, recording=self, number=number, course=course)
+            return plots.drawn(fill, path, size, plots.IMPACT_SIZE)
+        plots.check_alone(path, size)
+        plots.draw_loop(ax, impact, course, at_stop=self.is_stop(impact["wall"]))
+        return ax
+
+    def plot_sensitivities(
+        self, path: str | os.PathLike[str] | None = None, outputs: Sequence[str] = ()
+    ) -> Figure | None:
+        """Draw how outputs, and the speeds of impacts, change when each parameter grows by 1 %.
+
+        That is, to first order, the derivative times 1 % of the parameter, or times 0.01 of its unit where
+        the value is zero.
+
+        Args:
+            path: as for ``plot``.
+            outputs: by their names in the FMU; by default the place of the last point, and the total energy.
+
+        Raises:
+            UnknownNameError: when ``simulate`` was asked for no derivatives, or left out what is drawn.
+            OSError: when the file cannot be written.
+        """
+        from chain_impact.results import plots
+
+        names = self._derivatives.drawn(outputs)
+        return plots.drawn(partial(plots.fill_sensitivities, recording=self, outputs=names), path)
+
+    def animate(self, path: str | os.PathLike[str], **options: Any) -> None:
+        """Write an animation: a page for the browser, ``.html``, or a film, ``.gif`` or ``.mp4``.
+
+        It shows an impact by the rows within it. ``record_slowly`` simulates a scene with more of them.
+
+        Args:
+            path: the file.
+            options: ``speed``, ``impact_time``, ``size``, ``progress`` of ``chain_impact.animate``.
+
+        Raises:
+            UnknownNameError: when ``simulate(output=…)`` left out the positions of the points.
+            AnimationError, MissingExtraError, OSError: as ``chain_impact.animate``.
+        """
+        from chain_impact.results.animate import animate
+
+        animate(self, Path(path), **options)
+
+    @property
+    def _derivatives(self) -> Sensitivities:
+        raise NotImplementedError
+
+    def _all(self, field: str) -> np.ndarray:
+        raise NotImplementedError

@@ -1,0 +1,119 @@
+"""The picture of one impact: force, penetration and speed over time, and the loop that they make."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter
+
+from chain_impact.results.course import Course
+from chain_impact.results.plots.labels import settle
+from chain_impact.results.plots.motion import ABOVE
+from chain_impact.results.plots.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    SEPARATOR,
+    VERMILLION,
+    WIDE,
+    force_text,
+    headline,
+    styled,
+)
+from chain_impact.results.recording import Recording
+from chain_impact.results.text import speed_unit, what
+
+SIZE = (7.5, 4.8)  # inches
+LOOP = 1.6  # of the height of a panel over time, the loop on a narrow page
+
+
+@styled()
+def fill_impact(page: Figure, recording: Recording, number: int, course: Course) -> None:
+    """Draw an impact, by its number, on an empty page: on a wide one the loop is on the right, else below."""
+    impact = recording.impacts[number - 1]
+    stop = recording.is_stop(impact["wall"])
+    hit = f"{what(impact['point'], stop)} hits {recording.wall_names[impact['wall']]}"
+    headline(page, f"{recording.name}: {hit}, impact {number}", conditions(impact, course, stop))
+    if page.get_figwidth() >= WIDE:
+        grid = page.add_gridspec(3, 2)
+        loop = page.add_subplot(grid[:, 1], label="loop")
+    else:
+        grid = page.add_gridspec(4, 1, height_ratios=(1, 1, 1, LOOP))
+        loop = page.add_subplot(grid[3, 0], label="loop")
+    time_factor, time_unit = prefixed(np.ptp(course.time) if len(course.time) else 0.0, "s")
+    timed: list[Axes] = []
+    for row, (name, values, unit, colour) in enumerate(quantities(course, stop)):
+        axes = page.add_subplot(grid[row, 0], sharex=timed[0] if timed else None, label=name)
+        timed.append(axes)
+        factor, told = prefixed(np.abs(values).max(initial=0.0), unit)
+        axes.set_ylabel(f"{name} [{told}]")
+        axes.tick_params(labelbottom=name == "speed")
+        if not len(course.time):
+            say_impulse(axes)
+            continue
+        axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
+        axes.plot(time_factor * (course.time - impact["onset"]), factor * values, color=colour)
+    timed[-1].set_xlabel(f"time after the onset at {impact['onset']:.6f} s [{time_unit}]")
+    draw_loop(loop, impact, course, at_stop=stop)
+    settle(page)
+
+
+@styled()
+def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
+    """Draw the force over the penetration; the area within is the energy that the contact has taken."""
+    (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, at_stop)
+    force_factor, force_told = prefixed(force.max(initial=0.0), force_unit)
+    depth_factor, depth_told = prefixed(depth.max(initial=0.0), depth_unit)
+    label = f"{restitution_text(impact)}\n{course.energy_lost:.3g} J lost"
+    x, y = depth_factor * depth, force_factor * force
+    axes.fill(x, y, color=VERMILLION, alpha=0.15, linewidth=0.0)
+    axes.plot(x, y, color=VERMILLION, label=label)
+    name = "moment" if at_stop else "force"
+    axes.set(xlabel=f"penetration [{depth_told}]", ylabel=f"{name} [{force_told}]")
+    axes.legend(**ABOVE)
+    if not len(x):
+        say_impulse(axes)
+
+
+def say_impulse(axes: Axes) -> None:
+    """Say in axes that there is nothing to draw."""
+    axes.text(0.5, 0.5, "an impulse, without duration", transform=axes.transAxes, ha="center", color=GREY)
+    axes.set(xticks=[], yticks=[])
+
+
+def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
+    """Name, values, unit and colour of what is drawn over time."""
+    force = ("moment", course.force, "N·m") if at_stop else ("force", course.force, "N")
+    return (
+        (*force, VERMILLION),
+        ("penetration", course.penetration, "rad" if at_stop else "m", BLUE),
+        ("speed", course.speed, speed_unit(at_stop), GREEN),
+    )
+
+
+def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
+    """The numbers of an impact in words."""
+    parts = [restitution_text(impact), f"{course.energy_lost:.3g} J lost"]
+    parts.append(f"{impact['impact_speed']:.4g} {speed_unit(at_stop)} at the onset")
+    if impact["peak_force"] > 0.0:
+        parts.append(f"at most {force_text(impact['peak_force'], 'N·m' if at_stop else 'N')}")
+    if impact["impulse"] > 0.0:
+        parts.append(f"impulse {impact['impulse']:.4g} {'N·m·s' if at_stop else 'N·s'}")
+    return SEPARATOR.join(parts)
+
+
+def restitution_text(impact: np.void) -> str:
+    """The restitution that was realised: the speed of separation over that of approach."""
+    found = impact["separation_speed"] / impact["impact_speed"]
+    return "in contact to the end" if math.isnan(found) else f"restitution {found:.4g} realised"
+
+
+def prefixed(largest: float, unit: str) -> tuple[float, str]:
+    """The factor from a unit to one with a prefix that suits the largest value, and that unit."""
+    power = 3 * math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
+    power = min(max(power, min(EngFormatter.ENG_PREFIXES)), max(EngFormatter.ENG_PREFIXES))
+    return 10.0**-power, f"{EngFormatter.ENG_PREFIXES[power]}{unit}"
