@@ -126,7 +126,7 @@ Number rounded(double value); /* to nine digits */
 const Table *read_table(const Instance *draft, const char *resources, const char **reason);
 int is_whole(const Table *table); /* whole.c: whether nothing in it leads beyond it, or beyond the record */
 uint32_t checksum(const void *bytes, size_t size); /* CRC-32 of zlib and PNG */
-const void *in_table(const Table *table, int64_t place);
+static inline const void *in_table(const Table *table, int64_t place) { return (const char *)table + place; }
 const char *text_of(const Table *table, int64_t place);
 
 /* the kernel, chain_impact/compilation/entry_points.py */

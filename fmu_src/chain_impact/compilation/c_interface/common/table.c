@@ -125,5 +125,4 @@ uint32_t checksum(const void *bytes, size_t size) {
     return ~crc;
 }
 
-const void *in_table(const Table *table, int64_t place) { return (const char *)table + place; }
 const char *text_of(const Table *table, int64_t place) { return in_table(table, table->texts_at + place); }
