@@ -20,6 +20,7 @@ from tests.coulomb_problems import (
     pushed_flat,
     sliding,
 )
+from tests.friction import SLOPE, sled
 from tests.problems import GRAVITY, contact_table, scene_table
 from tests.reference import newton_impact, point_jacobian
 
@@ -79,6 +80,34 @@ def test_a_body_that_sticks_stays_for_an_hour(stiffness):
     assert first + second == pytest.approx(2.0 * forces.tangential, rel=1e-13)
     assert first == pytest.approx(forces.tangential, rel=5e-9)
     assert result["contact[1].ramp.sticking"][-1] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("friction", "tolerance", "restitution", "stiffness"),
+    [
+        (0.4, 1e-2, 0.2, 1e6),
+        (0.6, 1e-2, 0.2, 1e6),
+        (0.5, 5e-3, 0.46, 6.5e5),
+        (0.6, 6.490642e-3, 0.064075, 2.1297e8),
+    ],
+)
+def test_a_rod_that_rocks_on_two_rough_ends_comes_to_rest_at_a_loose_tolerance(
+    friction, tolerance, restitution, stiffness
+):
+    """Both ends stick, and as the rod turns they could only approach each other against its length."""
+    values = {"friction": friction, "restitution": restitution, "stiffness": stiffness}
+    still = {"initial.vx": 0.0, "initial.vy": 0.0, "solver.tolerance": tolerance}
+    result = simulate(
+        sled(**{f"contact.{name}": value for name, value in values.items()} | still), stop_time=10.0
+    )
+    assert result.statistics["steps"] < 200
+    assert len(result.stick_slip) < 100
+    rests = result.time > 1.0
+    for point in ("point[0]", "point[1]"):
+        assert np.ptp(along(result, -SLOPE, point)[rests]) < 1e-6
+    half = 0.5 * 1.2 * GRAVITY * math.cos(SLOPE)
+    for c in (0, 1):
+        assert result[f"contact[{c}].slope.force"][-1] == pytest.approx(half, rel=1e-3)
 
 
 @pytest.mark.parametrize("body", ["rod", "chain"])

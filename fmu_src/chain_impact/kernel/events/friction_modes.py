@@ -120,7 +120,7 @@ def choose_modes(d):
     """Change the modes of undecided elements until all are consistent, or note that this is unsolved."""
     own, rate = d.friction, d.work.rate
     fewest, stalls_left = own.count + 1, MAX_STALLED_PIVOTS
-    for _ in range(ROUNDS + 4 * own.count):
+    for turn in range(ROUNDS + 4 * own.count):
         list_sticking(d)
         located_rate(d, d.step.state_end, rate)
         count_evaluations(d, 1)
@@ -132,11 +132,22 @@ def choose_modes(d):
         for i in range(own.count):
             e = d.element.index[own.count - 1 - i]
             if is_inconsistent(d, e):
-                set_mode(d, e, against(d.element.force[e]) if d.element.mode[e] == STICKS else STICKS)
+                set_mode(d, e, next_mode(d, e, turn))
                 if stalls_left < 0:
                     break
     list_sticking(d)
     note_unsolved(d)
+
+
+def next_mode(d, e, turn):
+    """The mode to try instead of that of element e, at a turn of the search.
+
+    What slides against its acceleration sticks next. If its share of a load on several elements only lets it
+    slide the same way again, that has no end: in every third of the late turns it slides the other way.
+    """
+    if d.element.mode[e] == STICKS:
+        return against(d.element.force[e])
+    return -d.element.mode[e] if turn >= ROUNDS and turn % 3 == 0 else STICKS
 
 
 def count_inconsistent(d):

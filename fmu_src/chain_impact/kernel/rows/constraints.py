@@ -20,7 +20,8 @@ What sticks by dry friction (friction.py) is a constraint too, of its tangential
 active set: an equality. Of the possible solutions for dependent constraints the iteration finds the one with
 the least Σ p²/D. So with D in proportion to the limits of friction the sticking elements share their load in
 that proportion. Motions that can hardly be held, as one that changes the length of a straight chain on a
-floor, are left free: the forces that hold them could have any size. In between, where D W is about 1, the
+floor, are left free: the forces that hold them could have any size. What is negligible of them is left
+without the forces of the iteration, too, which could exceed the limits. In between, where D W is about 1, the
 forces are those after a given number of iterations: a smooth function of the state. If the progress of the
 residual decided on the number, forces would jump by a part of it within a step.
 """
@@ -47,6 +48,9 @@ STIFFEST, STIFFER, SLOW = 1e12, 1e3, 0.1
 # digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
 ROUND_OFF = 1e-15  # of the largest motion: a residual that is accepted
+# Of the squared tolerance and the largest motion: what sticks may keep a motion of this size. The impulses
+# against one that can hardly be held would end the sticking, again and again.
+NEGLIGIBLE = 0.1
 SIGN_TOLERANCE = 1e-12  # of the largest value: a wrong sign within it does not change the active set
 # Pivots of all violated candidates at once that may fail to reduce their number, before only one at a time is
 # changed, which terminates in every case but takes more pivots.
@@ -107,11 +111,22 @@ def solve_equality(d, scale):
 
 
 def hold_sticking(d, scale):
-    """Iterate until the residual is round-off, but at most SWEEPS times."""
+    """Iterate until the residual is round-off, but at most SWEEPS times; a negligible one is left free."""
     for i in range(SWEEPS):
         if find_residual(d) <= ROUND_OFF * scale and iterated_enough(d, i):
             return
         correct_impulses(d)
+    worst, least = find_residual(d), NEGLIGIBLE * d.solver.tolerance * d.solver.tolerance * scale
+    if worst > ROUND_OFF * scale:
+        leave_free(d, least * least / (least * least + worst * worst))
+
+
+def leave_free(d, share):
+    """Take away a share of the impulses against what is left: where D W ≪ 1 that is D m of each iteration."""
+    own = d.rigid
+    for k in range(constraint_rows(d)):
+        own.impulse[k] -= share * SWEEPS * own.impedance[k] * own.residual[k]
+    move_by_impulses(d)
 
 
 def hold_points(d, scale, impedance):
@@ -207,10 +222,17 @@ def correct_impulses(d):
         if own.in_active_set[k]:
             back = own.impedance[k] * along(constraint(d, k), motion)
             own.impulse[k] += own.residual[k] - back
+    move_by_impulses(d)
+    count_other_work(d, 1)
+
+
+def move_by_impulses(d):
+    """Find the motion with the impulses."""
+    own = d.rigid
     solve_contacts(d, FREE, own.impulse, own.change)
     for k in range(constraint_rows(d)):
-        own.reached[k] = own.start[k] + along(constraint(d, k), motion)
-    count_other_work(d, 2)
+        own.reached[k] = own.start[k] + along(constraint(d, k), d.work.motion)
+    count_other_work(d, 1)
 
 
 def solve_lcp(d, scale):
