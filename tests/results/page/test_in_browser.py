@@ -318,6 +318,33 @@ def test_nothing_stands_out_of_the_screen(show, size, scheme):
     assert page.get_by_role("button", name="Play").is_visible()
 
 
+def test_the_list_has_what_is_left_of_each_speed_and_the_chart_has_the_loop_of_an_impact(show):
+    page = show()
+    first = simulate("four_link_box").impacts[0]
+    page.get_by_role("button", name="Go to impact 1, ").click()
+    row = page.locator("#impacts tr[aria-current]")
+    assert f"{first['separation_speed'] / first['impact_speed']:.3f}" in row.inner_text()
+    for _ in range(30):
+        page.keyboard.press("ArrowRight")
+        if page.locator(".arrow.force").count():
+            break
+    assert page.locator(".loop-now").is_hidden()
+    page.get_by_role("button", name="F(δ)").click()
+    assert page.locator(".loop-now").is_visible()
+    assert page.locator("#force .now").is_hidden()
+    line = page.evaluate("""() => {
+      const canvas = document.querySelector("#force canvas");
+      const [middle, height] = [Math.round(0.6 * canvas.width), canvas.height];
+      const { data } = canvas.getContext("2d").getImageData(middle, 0, 1, height);
+      const [red, green, blue] = getComputedStyle(document.querySelector(".force")).color.match(/\\d+/g);
+      const far = ([r, g, b]) => Math.abs(r - red) + Math.abs(g - green) + Math.abs(b - blue);
+      return Array.from({ length: height }, (_, y) => data.slice(4 * y, 4 * y + 4))
+        .flatMap((pixel, y) => (pixel[3] > 200 && far(pixel) < 60 ? [y] : [])); }""")
+    assert line[-1] - line[0] > 8, "with a loss, the force on the way back is smaller"
+    page.get_by_role("button", name="F(δ)").click()
+    assert page.locator("#force .now").is_visible()
+
+
 # --- other motions, and maps -----------------------------------------------------------------------------
 
 

@@ -189,6 +189,7 @@ def drawn(model: Model) -> dict[str, Any]:
                 "wall": one.wall,
                 "sign": -1 if one.wall == high else 1,
                 "force": _word(moments[one.point] if one.wall == high else one.force),
+                "depth": _word(one.penetration),
                 "friction": _word(one.friction),
                 "sticking": _word(one.sticking),
             }

@@ -136,6 +136,7 @@ def impacts(recording: Recording) -> list[dict[str, Any]]:
             "end": _known(one["end"]),
             "speed": float(one["impact_speed"]),
             "endSpeed": end_speed,
+            "rebound": _known(one["separation_speed"]),
             "peak": _known(one["peak_force"]),
             "depth": _known(one["max_penetration"]),
             "atStop": at_stop,
@@ -165,7 +166,8 @@ def _touch(one: Touch) -> dict[str, Any] | None:
     rows = np.flatnonzero(np.zeros(0) if there is None else there > 0.0)
     if not len(rows):
         return None
-    columns = {"force": one.force, "friction": one.friction, "sticking": one.sticking}
+    columns = {"force": one.force, "depth": one.penetration}
+    columns |= {"friction": one.friction, "sticking": one.sticking}
     packed = {name: _packed(column[rows]) for name, column in columns.items() if column is not None}
     return {"point": one.point, "wall": one.wall, "rows": _base64(rows.astype("<u4")), **packed}
 

@@ -151,6 +151,25 @@ function ticksText(tick, ticks) {
   return `${+(factor * tick).toPrecision(6)} ${unit}`;
 }
 
+/** The same of penetrations, in millimetres or micrometres. */
+function depthText(tick, ticks) {
+  const [factor, unit] = ticks.at(-1) >= 1e-4 ? [1e3, "mm"] : [1e6, "µm"];
+  return `${+(factor * tick).toPrecision(6)} ${unit}`;
+}
+
+/** The curve through places of a chart, closed and filled. */
+function drawLoop({ ctx, valToPos }, [along, up]) {
+  ctx.save();
+  ctx.beginPath();
+  along.forEach((x, k) => ctx.lineTo(valToPos(x, "x", true), valToPos(up[k], "y", true)));
+  ctx.fillStyle = colour("force-fill");
+  ctx.fill();
+  ctx.strokeStyle = colour("force");
+  ctx.lineWidth = 2 * devicePixelRatio;
+  ctx.stroke();
+  ctx.restore();
+}
+
 /** Faint lines at the impacts. */
 function drawOnsets({ ctx, bbox, valToPos }, impacts) {
   ctx.save();
@@ -165,11 +184,11 @@ function drawOnsets({ ctx, bbox, valToPos }, impacts) {
   ctx.restore();
 }
 
-/** The force of the present contact over its own time. */
+/** The force of the present contact over its own time, or over its penetration. */
 export class ForceChart extends Chart {
-  constructor(element, what) {
+  constructor(element, what, over) {
     super(element, 120);
-    this.what = what;
+    Object.assign(this, { what, over });
     this.unit = { ...unitsOf({}) }; // that of the contact that is shown
     this.make(
       {
@@ -179,13 +198,23 @@ export class ForceChart extends Chart {
           { stroke: () => colour("friction"), width: 1.6, points: { show: false } },
         ],
         scales: { x: { time: false }, y: { range: (_, least, most) => [1.08 * Math.min(least, 0), 1.08 * Math.max(most, 1e-9)] } },
+        hooks: { draw: [(plot) => this.loop && drawLoop(plot, this.loop)] },
         axes: [
-          axis({ size: 26, values: (_, ticks) => ticks.map((tick) => ticksText(tick, ticks)) }),
+          axis({ size: 26, values: (_, ticks) => ticks.map((tick) => (this.loop ? depthText : ticksText)(tick, ticks)) }),
           axis({ size: labelledWidth, values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, this.unit.force) : "0")) }),
         ],
       },
       [[0, 1], [0, 0], [null, null]],
     );
+    this.dot = document.createElement("div");
+    this.dot.className = "loop-now";
+    this.plot.over.append(this.dot);
+    over.addEventListener("click", () => {
+      over.setAttribute("aria-pressed", over.getAttribute("aria-pressed") !== "true");
+      const { frame, shown } = this;
+      this.shown = null;
+      this.draw(frame, shown);
+    });
   }
 
   show(recording) {
@@ -195,8 +224,18 @@ export class ForceChart extends Chart {
 
   draw(frame, contact) {
     if (!contact) return;
+    this.frame = frame;
     if (contact !== this.shown) this.#show(contact);
-    this.mark(this.recording.timeAt(frame) - contact.onset);
+    this.line.hidden = this.dot.hidden = true;
+    if (!this.loop) {
+      this.mark(this.recording.timeAt(frame) - contact.onset);
+      return;
+    }
+    const [depth, force] = [this.recording.depthOf(contact), this.recording.forceOf(contact)].map((values) => this.recording.between(values, frame));
+    this.at = undefined;
+    this.dot.hidden = !(depth > 0);
+    const [left, top] = [this.plot.valToPos(depth, "x"), this.plot.valToPos(force, "y")];
+    this.dot.style.transform = `translate(${left}px, ${top}px)`;
   }
 
   #show(contact) {
@@ -213,9 +252,14 @@ export class ForceChart extends Chart {
     const inside = during(values);
     const along = recording.frictionOf(contact);
     const friction = along ? during(along) : times.map(() => null);
-    this.plot.setData([times, inside, friction], false);
+    const depths = recording.depthOf(contact);
+    this.over.hidden = !depths;
+    this.loop = depths && this.over.getAttribute("aria-pressed") === "true" ? [during(depths), inside] : null;
+    const most = Math.max(...(this.loop?.[0] ?? []), 1e-12);
+    this.plot.setData(this.loop ? [[0, most], [null, null], [null, null]] : [times, inside, friction], false);
     this.plot.batch(() => {
-      this.plot.setScale("x", { min: -margin, max: end - onset + margin });
+      if (this.loop) this.plot.setScale("x", { min: 0, max: 1.05 * most });
+      else this.plot.setScale("x", { min: -margin, max: end - onset + margin });
       this.plot.setScale("y", { min: Math.min(0, ...friction), max: Math.max(contact.peak ?? 0, ...friction) });
     });
     // an impact between two rows of the recording, or at a rigid wall, has no curve

@@ -64,8 +64,8 @@ function largest(values) {
 /**
  * What a `Recording` is made of.
  *
- * @param rows name, links, time, x and y of all points in rows, energies by name, touches { point, wall, force, friction,
- *   sticking } at the rows (of a joint with dry friction without wall and force), loads { joint, x, y } likewise, the forces
+ * @param rows name, links, time, x and y of all points in rows, energies by name, touches { point, wall, force, depth,
+ *   friction, sticking } at the rows (of a joint with dry friction without wall and force), loads { joint, x, y } likewise, the forces
  *   in joints if they are known, contacts, walls, how far walls have moved along their normals by name (moved, if any
  *   do), stops, radius, touching, pinned.
  * @param frames their times, and how many there are in a second on the screen; those are the rows if they have as many.
@@ -78,8 +78,8 @@ export function framesOf(rows, { times, frameRate }) {
   const [x, y] = [rows.x, rows.y].map((all) => at(all, links + 1));
   const forces = rows.touches
     .filter(({ wall, force }) => wall && force.some((value) => value > 0))
-    .map(({ point, wall, force, friction, sticking }) =>
-      ({ point, wall, values: at(force), friction: at(friction), spans: sticking ? held(sticking) : [] }));
+    .map(({ point, wall, force, depth, friction, sticking }) =>
+      ({ point, wall, values: at(force), depth: at(depth), friction: at(friction), spans: sticking ? held(sticking) : [] }));
   const stuckJoints = rows.touches
     .filter(({ wall }) => !wall)
     .map(({ point, sticking }) => ({ joint: point, spans: held(sticking) }));

@@ -4,7 +4,8 @@ import { make } from "./dom.js";
 import { forceText, touchingText, unitsOf } from "./format.js";
 
 const LONGEST_LIST = 2000; // impacts: each is a row of the page
-const COLUMNS = ["", "time", "point", "wall", "speed", "peak force"];
+const COLUMNS = ["", "time", "point", "wall", "speed", "e′", "peak force"];
+const TITLES = { "e′": "Speed after the impact over that before" };
 
 /** What is known of the peak of a force. */
 function peakText({ peak, atStop }) {
@@ -13,6 +14,11 @@ function peakText({ peak, atStop }) {
 
 function approachText(impact) {
   return `${impact.speed.toFixed(2)} ${unitsOf(impact).speed}`;
+}
+
+/** How much of the speed an impact has left, with its sign turned. */
+function reboundText({ speed, rebound }) {
+  return Number.isFinite(rebound ?? NaN) && speed > 0 ? (rebound / speed).toFixed(3) : "–";
 }
 
 export class ImpactList {
@@ -30,7 +36,7 @@ export class ImpactList {
     element.textContent = recording.impacts.length ? "" : "none";
     if (!recording.impacts.length) return;
     const table = make("table");
-    table.createTHead().insertRow().append(...COLUMNS.map((name) => make("th", { textContent: name, scope: "col" })));
+    table.createTHead().insertRow().append(...COLUMNS.map((name) => make("th", { textContent: name, scope: "col", title: TITLES[name] ?? "" })));
     const body = table.createTBody();
     this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact, number) => this.#row(body, impact, number, goTo));
     element.append(table);
@@ -43,7 +49,7 @@ export class ImpactList {
     const button = make("button", { type: "button", textContent: String(number + 1) });
     button.setAttribute("aria-label", `Go to impact ${number + 1}, at ${impact.onset.toFixed(6)} s`);
     row.insertCell().append(button);
-    const texts = [`${impact.onset.toFixed(5)} s`, impact.point, impact.wall, approachText(impact), peakText(impact)];
+    const texts = [`${impact.onset.toFixed(5)} s`, impact.point, impact.wall, approachText(impact), reboundText(impact), peakText(impact)];
     texts.forEach((text) => {
       row.insertCell().textContent = text;
     });

@@ -12,10 +12,10 @@ const STOPS = ["joint_min", "joint_max"];
 
 /** The impacts of a run as a recording has them. */
 function listed(impacts, scene, valueOf) {
-  return impacts.map(({ point, wall, onset, end, impact_speed: speed, max_penetration: depth, peak_force: peak }) => {
+  return impacts.map(({ point, wall, onset, end, impact_speed: speed, separation_speed: rebound, max_penetration: depth, peak_force: peak }) => {
     const atStop = scene.stops.length > 0 && STOPS.includes(scene.wallNames[wall]);
     const endSpeed = speed * (atStop ? valueOf(`link[${point}].length`) : 1);
-    return { point, wall: scene.wallNames[wall], onset, end: Number.isFinite(end) ? end : null, speed, endSpeed, peak, depth, atStop };
+    return { point, wall: scene.wallNames[wall], onset, end: Number.isFinite(end) ? end : null, speed, rebound, endSpeed, peak, depth, atStop };
   });
 }
 
@@ -56,7 +56,7 @@ export function* motion(kernel, values) {
   const contacts = contactsOf(listed(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
   const { times, frameRate } = timesOf(contacts, 0, end, scene.links, IMPACT_TIME);
   const { points, energies, touches, loads } = scene.drawn;
-  const ofTouches = touches.flatMap(({ force, friction, sticking }) => [force, friction, sticking]);
+  const ofTouches = touches.flatMap(({ force, depth, friction, sticking }) => [force, depth, friction, sticking]);
   const words = [...points.flat(), ...Object.values(energies), ...ofTouches, ...loads.flatMap((force) => [force.x, force.y])]
     .filter((word) => word !== null);
   const { time, columns } = yield* half(kernel.run(values, times, words.map((word) => ({ word }))), 0.5);
@@ -73,10 +73,11 @@ export function* motion(kernel, values) {
     x,
     y,
     energies: Object.fromEntries(Object.entries(energies).map(([name, word]) => [name, column(word)])),
-    touches: touches.map(({ point, wall, sign, force, friction, sticking }) => ({
+    touches: touches.map(({ point, wall, sign, force, depth, friction, sticking }) => ({
       point,
       wall,
       force: column(force)?.map((value) => Math.max(sign * value, 0)),
+      depth: column(depth),
       friction: column(friction),
       sticking: column(sticking),
     })),

@@ -23,7 +23,7 @@ export class Player {
       [({ energies }) => Object.keys(energies).length > 0, find("energy").closest("section"),
         new EnergyChart(find("energy"), find("energies"), (time) => this.clock.seek(time))],
       [({ forces }) => forces.length > 0, find("force").closest("section"),
-        new ForceChart(find("force"), find("close-what"))],
+        new ForceChart(find("force"), find("close-what"), find("over"))],
     ];
     this.impacts = new ImpactList(find("impacts"), (number) => this.clock.toImpact(number));
     this.hasChanged = connect(this.clock, this.scene);

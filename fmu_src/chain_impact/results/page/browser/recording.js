@@ -66,6 +66,11 @@ export class Recording {
     return this.#ofContact(point, wall)?.values;
   }
 
+  /** The same of the penetration [m]; undefined where it is not known. */
+  depthOf({ point, wall }) {
+    return this.#ofContact(point, wall)?.depth;
+  }
+
   /** The same of its dry friction, along the wall; undefined without friction. */
   frictionOf({ point, wall }) {
     return this.#ofContact(point, wall)?.friction;
