@@ -1,7 +1,9 @@
 """Results by name, and what they say of themselves; tables are in test_tables.py."""
 
+import html
 import math
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -131,12 +133,16 @@ def test_an_output_that_is_not_there_is_refused_before_anything_runs():
 def test_a_result_says_what_happened(result):
     lines = repr(result).splitlines()
     assert lines[0] == f"FourLinkBox  0 … 0.6 s, 2 impacts, 601 rows of {len(result.names)} outputs"
-    assert lines[1] == "first    impact at 0.499446 s: point 2 hits y_min at 4.9710 m/s"
-    assert lines[2] == "last     impact at 0.534169 s: point 4 hits y_min at 3.1488 m/s"
-    assert lines[3].startswith("energy   61.663 J at the start = ")
-    assert lines[4].startswith("balance  off by at most ")
-    assert lines[5].startswith(f"solver   {result.statistics['steps']} steps, of which ")
-    assert lines[6] == "status   0: done"
+    heads = ["#", "time, s", "point", "wall", "speed, m/s", "peak force, N", "impulse, N·s"]
+    assert re.split(r"  +", lines[1]) == heads
+    first = result.impacts[0]
+    told = ["1", "0.499446", "2", "y_min", "4.9710", f"{first['peak_force']:.4g}", f"{first['impulse']:.4g}"]
+    assert lines[2].split() == told
+    assert lines[3].split()[:5] == ["2", "0.534169", "4", "y_min", "3.1488"]
+    assert lines[4].startswith("energy   61.663 J at the start = ")
+    assert lines[5].startswith("balance  off by at most ")
+    assert lines[6].startswith(f"solver   {result.statistics['steps']} steps, of which ")
+    assert lines[7] == "status   0: done"
 
 
 def test_a_result_without_impacts_or_outputs_says_so():
@@ -146,9 +152,9 @@ def test_a_result_without_impacts_or_outputs_says_so():
 
 
 def test_a_notebook_shows_a_table_of_the_impacts(result):
-    html = result._repr_html_()
-    assert html.count("<tr>") == 3
-    assert "<td>2</td><td>0.534169</td><td>4</td><td>y_min</td><td>3.1488</td>" in html
+    shown = result._repr_html_()
+    assert shown.count("<tr>") == 3
+    assert "<td>2</td><td>0.534169</td><td>4</td><td>y_min</td><td>3.1488</td>" in shown
 
 
 # --- pictures --------------------------------------------------------------------------------------------
@@ -164,6 +170,13 @@ def test_plot_gives_a_figure_or_writes_a_file(result, tmp_path):
 def test_animate_writes_a_page(result, tmp_path):
     result.animate(tmp_path / "motion.html", speed=0.5)
     assert '"speed":0.5,"impactTime":0.6}' in (tmp_path / "motion.html").read_text(encoding="utf-8")
+
+
+def test_animate_without_a_path_is_a_page_in_a_notebook(result, tmp_path):
+    result.animate(tmp_path / "motion.html")
+    shown = result.animate()
+    assert shown.html == (tmp_path / "motion.html").read_text(encoding="utf-8")
+    assert html.unescape(re.search(r'srcdoc="([^"]*)"', shown._repr_html_())[1]) == shown.html
 
 
 def test_animate_needs_positions(tmp_path):

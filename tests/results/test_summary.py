@@ -1,9 +1,11 @@
 """The lines on a result; most of them test_result.py checks."""
 
 import numpy as np
+from rich.table import Table
 
 from chain_impact import simulate
-from chain_impact.results.summary import LISTED, energy_lines
+from chain_impact.cli import screen
+from chain_impact.results.summary import FEW, LISTED, energy_lines
 from chain_impact.results.text import plural
 from tests.problems import dropped_ball
 
@@ -32,3 +34,9 @@ def test_a_long_list_of_impacts_ends_with_how_many_more():
     assert more > 1
     assert result._repr_html_().count("<tr>") == 1 + LISTED
     assert f"… and {more} more impacts" in result._repr_html_()
+    lines = repr(result).splitlines()
+    assert lines[FEW + 1].split()[0] == str(FEW)
+    assert lines[FEW + 2] == f"… and {len(result.impacts) - FEW} more impacts"
+    printed = list(screen.summary(result))
+    assert [len(part.rows) for part in printed if isinstance(part, Table)] == [LISTED]
+    assert f"… and {more} more impacts; --impacts FILE writes all" in printed

@@ -53,3 +53,8 @@ def test_a_law_of_the_users_own_needs_the_compilers_and_says_so(tmp_path, monkey
     monkeypatch.setattr(ready, "find_spec", lambda _: None)
     with pytest.raises(BuildError, match=r"mine\.py: a contact law of your own needs a compiler: "):
         explore(tmp_path / "mine.toml", tmp_path / "a.html")
+
+
+def test_without_a_path_the_page_is_for_a_notebook(tmp_path):
+    explore("rod_drop", tmp_path / "page.html")
+    assert explore("rod_drop").html == (tmp_path / "page.html").read_text(encoding="utf-8")

@@ -16,7 +16,7 @@ from rich.table import Table
 from chain_impact.compilation.cache import LINKER, Entry
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import phase_cells
-from chain_impact.results.summary import energy_lines, impact_cells, impact_heads, load_lines
+from chain_impact.results.summary import LISTED, energy_lines, impact_list, load_lines
 from chain_impact.results.text import plural
 from chain_impact.scene.tables import Box
 from chain_impact.studies.compare import Comparison
@@ -30,7 +30,7 @@ from chain_impact.studies.compare_text import (
     told,
 )
 
-LISTED = 20  # phases of dry friction
+PHASES = 20  # of dry friction that are listed
 RELATIVE = {
     "impact_speed": "speed",
     "separation_speed": "rebound",
@@ -72,15 +72,18 @@ def variable_table(variables: Iterable[Any]) -> Iterator[RenderableType]:
 
 def summary(recording: Recording) -> Iterator[RenderableType]:
     """Impacts and energy balance."""
-    table = table_of(("#", *impact_heads(recording)))
-    for number, impact in enumerate(recording.impacts, start=1):
-        table.add_row(str(number), *impact_cells(recording, impact))
     count, listed = recording.impact_count, len(recording.impacts)
     impacts = plural(count, "impact")
     if listed < count:
         impacts += f", {listed} listed: an FMU shows only the latest in a communication step"
     yield f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}"
-    if listed:
+    for part in impact_list(recording, LISTED):
+        if isinstance(part, str):
+            yield f"{part}; --impacts FILE writes all"
+            continue
+        table = table_of(part.head)
+        for row in part.rows:
+            table.add_row(*row)
         yield table
     yield from meanings(recording)
     yield from stick_slip_table(recording)
@@ -103,11 +106,11 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
     if not len(phases):
         return
     table = table_of(("start, s", "end, s", "dry friction", "mode"), ("start, s", "end, s"))
-    for phase in phases[:LISTED]:
+    for phase in phases[:PHASES]:
         table.add_row(*phase_cells(phase, walls))
     yield table
-    if len(phases) > LISTED:
-        yield f"and {plural(len(phases) - LISTED, 'more phase')} of dry friction"
+    if len(phases) > PHASES:
+        yield f"and {plural(len(phases) - PHASES, 'more phase')} of dry friction"
 
 
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 
 from chain_impact.progress import Progress, silent
 from chain_impact.results.pacing import IMPACT_TIME
+from chain_impact.results.page.inline import InlinePage
+from chain_impact.results.page.recorded import page
 from chain_impact.results.recording import Recording
 from chain_impact.system import written_whole
 
@@ -20,16 +23,16 @@ class AnimationError(ValueError):
 
 def animate(
     recording: Recording,
-    path: Path | str,
+    path: str | os.PathLike[str] | None = None,
     *,
     speed: float = 1.0,
     impact_time: float = IMPACT_TIME,
     size: tuple[int, int] = SIZE,
     progress: Progress | None = None,
-) -> None:
-    """Write an animation of a recording, see ``chain_impact.animate``."""
-    path, progress = Path(path), progress or silent
-    kind = path.suffix.lower()
+) -> InlinePage | None:
+    """Write an animation of a recording, or return its page, see ``chain_impact.animate``."""
+    path, progress = None if path is None else Path(path), progress or silent
+    kind = path.suffix.lower() if path else ".html"
     if kind not in FORMATS:
         raise AnimationError(f"{path}: the name must end in {', '.join(FORMATS)}")
     if not 0.0 < speed < math.inf:
@@ -38,13 +41,14 @@ def animate(
         raise AnimationError(f"impact_time = {impact_time:g} must be a finite number >= 0 [s]")
     if len(recording.time) < 2 or not recording.points.shape[1]:  # noqa: PLR2004
         raise AnimationError(f"{recording.name}: an animation needs two rows at least, with point[0].x")
+    if path is None:
+        return InlinePage(page(recording, speed, impact_time))
     with written_whole(path) as fresh:
         if kind == ".html":
-            from chain_impact.results.page.recorded import page
-
             fresh.write_text(page(recording, speed, impact_time), encoding="utf-8")
         else:
             from chain_impact.results.plots.film import write_film
 
             write_film(recording, fresh, speed=speed, impact_time=impact_time, size=size, progress=progress)
     progress(1.0)
+    return None

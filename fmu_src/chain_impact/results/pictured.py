@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +17,8 @@ from chain_impact.variables.model import Model
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from chain_impact.results.page.inline import InlinePage
 
 
 class Pictured(Recording):
@@ -141,13 +142,13 @@ class Pictured(Recording):
         names = self._derivatives.drawn(outputs)
         return plots.drawn(partial(plots.fill_sensitivities, recording=self, outputs=names), path)
 
-    def animate(self, path: str | os.PathLike[str], **options: Any) -> None:
+    def animate(self, path: str | os.PathLike[str] | None = None, **options: Any) -> InlinePage | None:
         """Write an animation: a page for the browser, ``.html``, or a film, ``.gif`` or ``.mp4``.
 
         It shows an impact by the rows within it. ``record_slowly`` simulates a scene with more of them.
 
         Args:
-            path: the file.
+            path: the file; without it the page is returned, which a notebook shows.
             options: ``speed``, ``impact_time``, ``size``, ``progress`` of ``chain_impact.animate``.
 
         Raises:
@@ -156,7 +157,7 @@ class Pictured(Recording):
         """
         from chain_impact.results.animate import animate
 
-        animate(self, Path(path), **options)
+        return animate(self, path, **options)
 
     @property
     def _derivatives(self) -> Sensitivities:

@@ -15,6 +15,7 @@ from chain_impact.results.joint_stops import JointRange, ranges_of
 from chain_impact.results.pictured import Pictured
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.stick_slip import NO_PHASES
+from chain_impact.results.text import as_html, as_text
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.reading import UnknownNameError, matching
 from chain_impact.variables.model import Model, elsewhere
@@ -279,12 +280,12 @@ class Result(Pictured):
         return tables.stick_slip_table(self.stick_slip, self.wall_names)
 
     def __repr__(self) -> str:
-        """What happened, in a few lines."""
-        return summary.text(self, len(self.names), self._facts())
+        """What happened, in some lines, with the first impacts."""
+        return as_text(summary.parts(self, len(self.names), self._facts(), summary.FEW))
 
     def _repr_html_(self) -> str:
-        """The same in a notebook, with a table of the impacts."""
-        return summary.html(self, len(self.names), self._facts())
+        """The same in a notebook, with more impacts."""
+        return as_html(summary.parts(self, len(self.names), self._facts(), summary.LISTED))
 
     def _facts(self) -> list[str]:
         """Lines on the energy, on what may be meant otherwise, and on the solver."""

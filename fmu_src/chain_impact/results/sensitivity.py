@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from chain_impact.results.equality import same
-from chain_impact.results.text import plural
+from chain_impact.results.text import Table, as_html, plural
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import UnknownNameError
 from chain_impact.variables.model import Model
@@ -79,6 +79,21 @@ class Sensitivities:
             f"{plural(len(self.impacts), 'impact')}, with respect to {', '.join(self.parameters)}"
         )
 
+    def _repr_html_(self) -> str:
+        """The same in a notebook, with how usual outputs at the end change with each parameter."""
+        outputs = [name for name in self._usual if name in self.columns]
+        ends = [self.changes(name)[-1:] for name in outputs]
+        head = ("parameter", "value", "change", *(f"{name} [{self.units[name]}]" for name in outputs))
+        rows = [
+            (
+                *(name, f"{value:.6g} {self.units[name]}", f"+ {self.step_text(name)}"),
+                *(f"{change:+.3g}" for end in ends for change in end[:, k]),
+            )
+            for k, (name, value) in enumerate(self.parameters.items())
+        ]
+        told = ["Changes of outputs at the end, to first order"] if outputs else []
+        return as_html([repr(self), *told, Table(head, rows), *self.limits])
+
     def of_output(self, quantity: str, parameter: str) -> np.ndarray:
         """The derivative of an output over time, shape (T,)."""
         return self.slopes[:, self.columns[self._output(quantity)], self._number(parameter)]
@@ -93,9 +108,12 @@ class Sensitivities:
 
     def drawn(self, outputs: Sequence[str]) -> list[str]:
         """Some outputs by name; if none are named, the place of the last point, and the energy."""
+        return [self._output(name) for name in outputs or self._usual]
+
+    @property
+    def _usual(self) -> tuple[str, ...]:
         last = len(self.model.scene.chain.links)
-        usual = (f"point[{last}].x", f"point[{last}].y", "energy.total")
-        return [self._output(name) for name in outputs or usual]
+        return f"point[{last}].x", f"point[{last}].y", "energy.total"
 
     def _output(self, name: str) -> str:
         if name not in self.columns:

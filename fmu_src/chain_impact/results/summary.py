@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from html import escape
-from itertools import chain
 
 import numpy as np
 
@@ -13,10 +11,10 @@ from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import place_of
-from chain_impact.results.text import plural, speed_unit, what
+from chain_impact.results.text import Table, plural, speed_unit, what
 from chain_impact.scene.scene import Scene
 
-LISTED = 30  # impacts in a notebook
+LISTED, FEW = 30, 10  # impacts that are listed, and in a text
 SHOWN = 3  # contacts and joints that stick at the end
 
 
@@ -33,40 +31,36 @@ def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
     yield f"balance  off by at most {abs(balance - balance[0]).max():.1e} J, the error of the solver"
 
 
-def text(result: Recording, outputs: int, facts: list[str]) -> str:
-    """A result in a few lines: how many outputs it has, and facts of its scene and solver."""
-    lines = (_impact_lines(result), _friction_lines(result), load_lines(result), facts)
-    return "\n".join([_headline(result, outputs), *chain.from_iterable(lines)])
+def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Iterator[str | Table]:
+    """What happened: lines, and the list of so many impacts.
+
+    Args:
+        result: of a scene.
+        outputs: how many it has.
+        facts: lines on its scene and solver.
+        most: how many impacts are listed.
+    """
+    yield _headline(result, outputs)
+    yield from impact_list(result, most)
+    yield from _friction_lines(result)
+    yield from load_lines(result)
+    yield from facts
 
 
-def html(result: Recording, outputs: int, facts: list[str]) -> str:
-    """The same for a notebook: with a table of its impacts."""
-    head = "".join(f"<th>{name}</th>" for name in ("", *impact_heads(result)))
-    rows = [
-        "".join(f"<td>{escape(cell)}</td>" for cell in (str(number), *impact_cells(result, impact)))
-        for number, impact in enumerate(result.impacts[:LISTED], 1)
-    ]
-    more = len(result.impacts) - LISTED
-    table = f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>" if rows else ""
-    table += f"<p>… and {plural(more, 'more impact')}</p>" if more > 0 else ""
-    lines = "\n".join(map(escape, [*_friction_lines(result), *load_lines(result), *facts]))
-    return f"<div><b>{escape(_headline(result, outputs))}</b>{table}<pre>{lines}</pre></div>"
+def impact_list(result: Recording, most: int) -> Iterator[str | Table]:
+    """The first impacts as a table, and how many more there are."""
+    impacts = enumerate(result.impacts[:most], start=1)
+    rows = [(str(number), *impact_cells(result, impact)) for number, impact in impacts]
+    if rows:
+        yield Table(("#", *impact_heads(result)), rows)
+    if (more := len(result.impacts) - most) > 0:
+        yield f"… and {plural(more, 'more impact')}"
 
 
 def _headline(result: Recording, outputs: int) -> str:
     end = f"{result.time[-1]:g}" if len(result.time) else "0"
     rows = f"{plural(len(result.time), 'row')} of {plural(outputs, 'output')}"
     return f"{result.name}  0 … {end} s, {plural(len(result.impacts), 'impact')}, {rows}"
-
-
-def _impact_lines(result: Recording) -> Iterator[str]:
-    ends = {"first": result.impacts[:1], "last": result.impacts[1:][-1:]}
-    for word, rows in ends.items():
-        for row in rows:
-            time, _, wall, speed, *_ = impact_cells(result, row)
-            stop = result.is_stop(row["wall"])
-            hit = f"{what(row['point'], stop)} hits {wall} at {speed.split()[0]} {speed_unit(stop)}"
-            yield f"{word:9}impact at {time} s: {hit}"
 
 
 def impact_heads(result: Recording) -> tuple[str, ...]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from html import escape
+from itertools import groupby
+from typing import NamedTuple
 
 
 def plural(count: int, what: str) -> str:
@@ -25,3 +28,32 @@ def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]
     widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
     for row in (head, *rows):
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+
+
+class Table(NamedTuple):
+    """A table of texts."""
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+
+def as_text(parts: Iterable[str | Table]) -> str:
+    """Lines and tables as a text of several lines."""
+    blocks = ([part] if isinstance(part, str) else aligned(*part) for part in parts)
+    return "\n".join(line for block in blocks for line in block)
+
+
+def as_html(parts: Iterable[str | Table]) -> str:
+    """Lines and tables for a notebook; the first line is a title."""
+    title, *rest = parts
+    found = [f"<b>{escape(str(title))}</b>"]
+    for is_table, group in groupby(rest, lambda part: isinstance(part, Table)):
+        for part in group if is_table else ["\n".join(map(str, group)).strip("\n")]:
+            found.append(_html_table(*part) if isinstance(part, Table) else f"<pre>{escape(part)}</pre>")
+    return f"<div>{''.join(found)}</div>"
+
+
+def _html_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    cells = [("th", head), *(("td", row) for row in rows)]
+    lines = ("".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in row) for tag, row in cells)
+    return f"<table>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"

@@ -11,12 +11,13 @@ import os
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import Field, asdict, dataclass, is_dataclass, replace
+from html import escape
 from numbers import Integral
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from chain_impact.kernel.ode.control import SOLVER_METHODS
-from chain_impact.scene import checks, friction, scene_text, stops
+from chain_impact.scene import checks, drawing, friction, scene_text, stops
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.derived import above, of_every_link, rule_of, without_derived
 from chain_impact.scene.limits import keys
@@ -59,6 +60,10 @@ class Scene(Contents):
     def __repr__(self) -> str:
         """The scene in some lines."""
         return scene_text.text(self)
+
+    def _repr_html_(self) -> str:
+        """The same in a notebook, with a small drawing of the chain at its start."""
+        return f"<div>{drawing.svg(self)}<pre>{escape(repr(self))}</pre></div>"
 
 
 def scene_keys() -> Iterator[tuple[str, Field[Any]]]:

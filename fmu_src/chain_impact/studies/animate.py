@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from chain_impact.progress import Progress, silent
 from chain_impact.results import animate as results
 from chain_impact.results.pacing import IMPACT_TIME, WITHIN, frame_times, impact_ends, slow_spans
+from chain_impact.results.page.inline import InlinePage
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import SceneSource, scene_of
@@ -22,21 +24,22 @@ MOST_ROWS = 40_000
 
 def animate(
     recording: Recording | SceneSource,
-    path: Path | str,
+    path: Path | str | None = None,
     *,
     speed: float = 1.0,
     impact_time: float = IMPACT_TIME,
     size: tuple[int, int] = results.SIZE,
     progress: Progress | None = None,
-) -> None:
-    """Write an animation.
+) -> InlinePage | None:
+    """Write an animation, or show it in a notebook.
 
     Args:
         recording: what to show: a recording, as every result is one, in which slow motion shows more where
             rows are close in time; or a scene, or what ``load_scene`` takes, which ``record_slowly``
             simulates.
         path: the file, whose suffix says the kind: ``.html`` is a page that a browser opens and that needs no
-            other file, ``.gif`` and ``.mp4`` are films.
+            other file, ``.gif`` and ``.mp4`` are films. Without it the page is returned, which a notebook
+            shows.
         speed: simulated seconds in a second on the screen, but for impacts.
         impact_time: what each impact takes on the screen [s] at the speed 1: shortly before, the animation
             slows down. 0 shows all at one speed.
@@ -52,7 +55,8 @@ def animate(
     """
     if not isinstance(recording, Recording):
         recording = record_slowly(recording, impact_time)
-    results.animate(recording, path, speed=speed, impact_time=impact_time, size=size, progress=progress)
+    options: dict[str, Any] = {"speed": speed, "impact_time": impact_time, "size": size}
+    return results.animate(recording, path, **options, progress=progress)
 
 
 def record_slowly(

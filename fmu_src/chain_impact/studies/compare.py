@@ -8,16 +8,18 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from chain_impact.extras import require
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, silent
 from chain_impact.results.course import course_of
 from chain_impact.results.equality import same
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.result import Result
+from chain_impact.results.text import as_html, as_text
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
@@ -35,6 +37,9 @@ from chain_impact.studies.law_change import (
     with_law,
 )
 from chain_impact.system import written_whole
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +140,22 @@ class Comparison:
         """The table and the advice, as a text of several lines."""
         from chain_impact.studies.compare_text import report
 
-        return "\n".join(report(self))
+        return as_text(report(self))
+
+    def _repr_html_(self) -> str:
+        """The same in a notebook."""
+        from chain_impact.studies.compare_text import report
+
+        return as_html(report(self))
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The table of pandas with a row for each law; the columns are those of ``save_csv``.
+
+        Raises:
+            MissingExtraError: when pandas is not there: the extra ``pandas``.
+        """
+        columns = {name: [value(run) for run in self.runs] for name, value in COLUMNS.items()}
+        return require("pandas", "pandas").DataFrame(columns)
 
     def plot(
         self,

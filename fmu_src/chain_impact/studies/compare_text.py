@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.results.text import aligned
+from chain_impact.results.text import Table
 from chain_impact.studies.law_change import first_place
 
 if TYPE_CHECKING:
@@ -25,10 +25,10 @@ def head(comparison: Comparison) -> tuple[str, ...]:
     return ("law", *numbers, "")
 
 
-def report(comparison: Comparison) -> Iterator[str]:
-    """The lines of a text with all of it."""
+def report(comparison: Comparison) -> Iterator[str | Table]:
+    """All of it: lines and a table."""
     yield heading(comparison)
-    yield from aligned(head(comparison), [cells(run) for run in comparison.runs])
+    yield Table(head(comparison), [cells(run) for run in comparison.runs])
     yield legend(comparison)
     yield advice(comparison)
 

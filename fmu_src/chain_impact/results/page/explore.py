@@ -8,6 +8,7 @@ from pathlib import Path
 
 from chain_impact.compilation.library import browser_module
 from chain_impact.results.page.description import description, packed
+from chain_impact.results.page.inline import InlinePage
 from chain_impact.results.page.recorded import (
     PLAYER,
     assembled,
@@ -31,15 +32,17 @@ UNNAMED = "scene.toml"
 """What a scene that was not loaded from a file is called in the page's command."""
 
 
-def explore(scene: SceneSource, path: Path | str, *, command: Sequence[str] | None = None) -> None:
-    """Write a page that simulates a scene with the parameters that its reader chooses.
+def explore(
+    scene: SceneSource, path: Path | str | None = None, *, command: Sequence[str] | None = None
+) -> InlinePage | None:
+    """Write a page that simulates a scene with the parameters that its reader chooses, or show it.
 
     The page has the compiled kernel in it, and gives the numbers of ``simulate``. It is one file, which needs
     nothing else. Inputs are constant; the base and the walls keep their places.
 
     Args:
         scene: a scene, or what ``load_scene`` takes.
-        path: the file to write, for a browser.
+        path: the file to write, for a browser; without it the page is returned, which a notebook shows.
         command: what comes after ``chain-impact simulate`` in the command that the page gives to repeat a
             motion; by default the source of the scene, or the name of the model that it is.
 
@@ -51,8 +54,11 @@ def explore(scene: SceneSource, path: Path | str, *, command: Sequence[str] | No
     """
     known = [_source(scene)] if command is None else list(command)
     text = page(scene_of(scene), known)
+    if path is None:
+        return InlinePage(text)
     with written_whole(Path(path)) as fresh:
         fresh.write_text(text, encoding="utf-8")
+    return None
 
 
 def page(scene: Scene, command: Sequence[str]) -> str:

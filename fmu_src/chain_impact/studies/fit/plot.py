@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,16 +17,15 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
+from chain_impact.results.plots.pages import drawn
 from chain_impact.results.plots.style import (
     GREY,
     INK,
     PALE,
     PALETTE,
     SEPARATOR,
-    Page,
     headline,
     number,
-    save,
     styled,
 )
 from chain_impact.results.result import Result
@@ -61,20 +61,9 @@ class Column:
     at: np.ndarray
 
 
-def plot_fit(fit: Fit, path: str | Path) -> None:
-    """Draw a fit into a file; the suffix says which kind (png, svg, pdf).
-
-    Raises:
-        OSError: when the file cannot be written.
-    """
-    save(path, lambda page: fill(page, fit))
-
-
-def figure(fit: Fit) -> Figure:
-    """A fit as a figure."""
-    page = Page()
-    fill(page, fit)
-    return page
+def plot_fit(fit: Fit, path: str | Path | None = None) -> Figure | None:
+    """See ``Fit.plot``."""
+    return drawn(partial(fill, fit=fit), path)
 
 
 @styled()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from chain_impact.results.plots.style import number
-from chain_impact.results.text import aligned, plural
+from chain_impact.results.text import Table, plural
 from chain_impact.studies.fit.unknown import size_of
 
 if TYPE_CHECKING:
@@ -20,13 +20,13 @@ MANY = 8  # horizons, more are not listed
 EQUAL = 2.0  # of Akaike's criterion, a difference that says nothing
 
 
-def report(fit: Fit) -> Iterator[str]:
-    """The lines of a text with all that a fit says."""
+def report(fit: Fit) -> Iterator[str | Table]:
+    """All that a fit says: lines and tables."""
     yield heading(fit)
     yield ""
-    yield from aligned(("parameter", "start", "value", "standard error", "95 % interval"), _parameters(fit))
+    yield Table(("parameter", "start", "value", "standard error", "95 % interval"), _parameters(fit))
     yield ""
-    yield from aligned(("measured", "values", "σ", "rms residual"), _columns(fit))
+    yield Table(("measured", "values", "σ", "rms residual"), _columns(fit))
     yield ""
     yield _quality(fit)
     yield from _correlations(fit)
@@ -34,7 +34,7 @@ def report(fit: Fit) -> Iterator[str]:
     yield from fit.notes
     if fit.ranking:
         yield ""
-        yield from aligned(("law", "ΔAIC", "rms residual", *fit.values, ""), _laws(fit))
+        yield Table(("law", "ΔAIC", "rms residual", *fit.values, ""), _laws(fit))
         yield "The rms residual is in standard deviations σ of the best fit."
         equal = sum(
             one.fit is not None and not one.fewer and one.fit.aic < fit.aic + EQUAL for one in fit.ranking

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from chain_impact.extras import require
+from chain_impact.results.text import as_html, as_text
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import Differentiated
@@ -17,6 +19,7 @@ from chain_impact.studies.fit.data import Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
 if TYPE_CHECKING:
+    import pandas
     from matplotlib.figure import Figure
 
 
@@ -132,7 +135,29 @@ class Fit:
         """All of it, as a text of several lines."""
         from chain_impact.studies.fit.report import report
 
-        return "\n".join(report(self))
+        return as_text(report(self))
+
+    def _repr_html_(self) -> str:
+        """The same in a notebook."""
+        from chain_impact.studies.fit.report import report
+
+        return as_html(report(self))
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The estimates as a table of pandas, a row for each free parameter.
+
+        ``low`` and ``high`` are the ends of the interval that holds the value with a probability of 95 %.
+
+        Raises:
+            MissingExtraError: when pandas is not there: the extra ``pandas``.
+        """
+        rows = [
+            (one.label, one.unit, one.start, self.values[one.label], self.standard_errors[one.label])
+            + self.intervals[one.label]
+            for one in self.parameters
+        ]
+        columns = ["parameter", "unit", "start", "value", "standard_error", "low", "high"]
+        return require("pandas", "pandas").DataFrame(rows, columns=columns).set_index("parameter")
 
     def plot(self, path: str | Path | None = None) -> Figure | None:
         """Draw data, model, residuals and impacts.
@@ -144,12 +169,9 @@ class Fit:
         Raises:
             OSError: when the file cannot be written.
         """
-        from chain_impact.studies.fit.plot import figure, plot_fit
+        from chain_impact.studies.fit.plot import plot_fit
 
-        if path is None:
-            return figure(self)
-        plot_fit(self, path)
-        return None
+        return plot_fit(self, path)
 
     def save(self, path: str | Path, like: str | Path | None = None) -> None:
         """Write the fitted scene as TOML, with the comments and the order of the scene file that it is like.

@@ -8,6 +8,7 @@ map.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.results.plots.style import headline, number, save, styled
+from chain_impact.results.plots.pages import drawn
+from chain_impact.results.plots.style import headline, number, styled
 from chain_impact.results.text import plural
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
@@ -94,15 +96,15 @@ def check_picture(varied: int, samples: int | None, runs: int, source: str) -> N
         )
 
 
-def plot_sweep(found: Sweep, path: str | Path) -> None:
-    """Draw a sweep into a file; the suffix says which kind (png, svg, pdf).
+def plot_sweep(found: Sweep, path: str | Path | None = None) -> Figure | None:
+    """Draw a sweep, see ``Sweep.plot``.
 
     Raises:
         SceneError: when too many parameters vary, or there are too many runs.
         OSError: when the file cannot be written.
     """
     check_picture(len(found.varied), found.design.samples, len(found), found.scene.name)
-    save(path, lambda page: fill(page, found))
+    return drawn(partial(fill, found=found), path)
 
 
 @styled()

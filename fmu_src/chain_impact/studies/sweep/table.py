@@ -11,12 +11,13 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from chain_impact.extras import require
 from chain_impact.kernel.status import OK, STATUS_NAME
+from chain_impact.results.text import Table, as_html, plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.studies.sweep.dataset import Dataset
@@ -25,7 +26,11 @@ from chain_impact.studies.sweep.job import STATUS
 from chain_impact.studies.sweep.work import CHUNK, PARQUET, STATUS_WORD, Columns, columns_of, write_parquet
 from chain_impact.system import written_whole
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 TABLES = (".csv", PARQUET)
+LISTED = 10  # runs in a notebook
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,6 +86,13 @@ class Sweep:
         ends = ", ".join(f"{ended[code]} {STATUS_NAME[code]}" for code in most_first)
         return f"{self.scene.name}  {len(self)} run{'s' if len(self) != 1 else ''}: {ends}"
 
+    def _repr_html_(self) -> str:
+        """The same in a notebook, with the first runs."""
+        first = next(iter(self.chunks(self.names)), {})
+        rows = list(zip(*(map(_told, column[:LISTED].tolist()) for column in first.values()), strict=True))
+        more = [f"… and {plural(len(self) - LISTED, 'more run')}"] if len(self) > LISTED else []
+        return as_html([repr(self), Table(self.names, rows), *more])
+
     def __getitem__(self, name: str) -> np.ndarray:
         """A column, shape (R,); choices, as a contact law, by their names."""
         if name not in self.names:
@@ -128,8 +140,12 @@ class Sweep:
             else:
                 write_parquet(fresh, self.chunks(self.names))
 
-    def plot(self, path: str | Path) -> None:
-        """Draw the main results over what was varied; the suffix says which kind (png, svg, pdf).
+    def plot(self, path: str | Path | None = None) -> Figure | None:
+        """Draw the main results over what was varied.
+
+        Args:
+            path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
+                which a notebook shows.
 
         Raises:
             SceneError: when too many parameters vary for a picture.
@@ -137,7 +153,7 @@ class Sweep:
         """
         from chain_impact.studies.sweep.plot import plot_sweep
 
-        plot_sweep(self, path)
+        return plot_sweep(self, path)
 
     def chunks(self, names: Sequence[str]) -> Iterator[Columns]:
         """Some columns in the order of the runs, of a few thousand at once."""
@@ -186,6 +202,11 @@ def table_path(path: str | Path) -> Path:
     if folder or path.suffix.lower() == PARQUET:
         require("pyarrow", "sweep")
     return path
+
+
+def _told(value: object) -> str:
+    """A value in a table to read."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _cells(column: np.ndarray) -> list[Any]:

@@ -1,0 +1,24 @@
+"""A page for a browser within a notebook."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from html import escape
+
+HEIGHT = 640  # pixels
+
+
+@dataclass(frozen=True)
+class InlinePage:
+    """A page that a notebook shows as the value of a cell.
+
+    Attributes:
+        html: the whole page, which needs nothing else.
+    """
+
+    html: str = field(repr=False)
+
+    def _repr_html_(self) -> str:
+        """The page in a frame of its own."""
+        look = f'width="100%" height="{HEIGHT}" style="border:0"'
+        return f'<iframe {look} srcdoc="{escape(self.html)}"></iframe>'

@@ -1,0 +1,53 @@
+"""A scene as a small drawing for a notebook: the chain at its start, and the walls, as SVG."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from chain_impact.scene.scene import Scene
+
+LONGER_SIDE = 240  # pixels
+MARGIN, NEAR = 0.15, 1.0  # of the chain's size: around what is shown; a wall farther away is left out
+LINE, POINT = 0.012, 0.02  # of what is shown: the width of a line, the radius of a point
+
+
+def svg(scene: Scene) -> str:
+    """The drawing, in the colours of the page that shows it."""
+    steps = [
+        (link.length * np.cos(angle), link.length * np.sin(angle))
+        for link, angle in zip(scene.chain.links, scene.initial.angles, strict=True)
+    ]
+    points = np.cumsum([scene.initial.position, *steps], axis=0)
+    size = max(np.ptp(points, axis=0).max(), scene.contact.radius, 1e-6)
+    nearest = [
+        (wall, points - np.outer(points @ wall.normal - wall.offset, wall.normal))
+        for wall in scene.half_planes.values()
+    ]
+    near = [(wall, feet) for wall, feet in nearest if np.hypot(*(points - feet).T).min() <= NEAR * size]
+    shown = np.concatenate([points, *(feet for _, feet in near)])
+    low, high = shown.min(axis=0) - MARGIN * size, shown.max(axis=0) + MARGIN * size
+    width, height = high - low
+    reach, scale = width + height, LONGER_SIDE / max(width, height)
+    line, dot = (f"{part * max(width, height):.6g}" for part in (LINE, POINT))
+    parts = []
+    for wall, feet in near:
+        normal, at = np.array(wall.normal), feet[0]
+        along = reach * np.array([normal[1], -normal[0]])
+        corners = [at - along, at + along, at + along - reach * normal, at - along - reach * normal]
+        parts.append(f'<polygon points="{_listed(corners)}" fill="currentColor" fill-opacity="0.2"/>')
+    look = f'fill="none" stroke="currentColor" stroke-width="{line}"'
+    parts.append(f'<polyline points="{_listed(points)}" {look}/>')
+    parts += [f'<circle cx="{x:.6g}" cy="{-y:.6g}" r="{dot}"/>' for x, y in points]
+    view = f"{low[0]:.6g} {-high[1]:.6g} {width:.6g} {height:.6g}"
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{view}" width="{scale * width:.0f}" '
+        f'height="{scale * height:.0f}" fill="currentColor" stroke-linejoin="round">{"".join(parts)}</svg>'
+    )
+
+
+def _listed(points: np.ndarray | list[np.ndarray]) -> str:
+    """Points as SVG has them, whose y points down."""
+    return " ".join(f"{x:.6g},{-y:.6g}" for x, y in points)
