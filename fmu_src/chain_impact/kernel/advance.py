@@ -18,7 +18,6 @@ from chain_impact.kernel.events.marks import (
     drop_events,
     ends_in_onset,
     pending_changes,
-    pending_saturations,
 )
 from chain_impact.kernel.events.saturation import choose_saturation
 from chain_impact.kernel.events.search import find_event, onset_fraction
@@ -366,7 +365,7 @@ def begin_step(d):
 
 def apply_pending_events(d):
     """Apply the events and set the rate after them; returns their number, and whether any is a kink."""
-    events = pending_saturations(d)
+    events = d.drive.event
     kinked = events > 0
     for c in range(d.candidates):
         events += d.touch.event[c] != NONE

@@ -4,12 +4,11 @@ chain/state.py describes y.
 """
 
 from chain_impact.kernel.chain.joints import (
-    clear_mode_margins,
     elastic_stiffness,
     is_drive,
     joint_armature,
     joint_torque,
-    note_mode_margin,
+    mode_margin,
     spring_energy,
     stretch,
 )
@@ -137,8 +136,7 @@ def clear_stage_notes(d):
     clear_crossings(d)
     clear_least_forces(d)
     clear_margins(d)
-    if d.model.limited:
-        clear_mode_margins(d)
+    d.drive.margin = 0.0
 
 
 def joint_moments(d, y):
@@ -164,12 +162,12 @@ def joint_moments(d, y):
                 torque = d.inputs.joint_torque[i] - damping
                 dissipated += damping * relative
                 supplied += d.inputs.joint_torque[i] * relative
-            if d.model.limited:
-                note_mode_margin(d, y, i)
         d.work.moment[i] = torque
         if i > 0:
             d.work.moment[i - 1] -= torque
         before = omega
+    if d.model.limited:
+        d.drive.margin = min(d.drive.margin, mode_margin(d, y))
     if d.model.sprung:
         add_spring_moments(d, y)
     if d.model.jointed:

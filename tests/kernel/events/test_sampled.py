@@ -23,6 +23,7 @@ from chain_impact.kernel.events.marks import (
     STICKING_ENDS,
     pending_changes,
 )
+from chain_impact.kernel.events.sampled import search_for
 from chain_impact.kernel.forces.contact import begin_contact, kink_height, set_kink_sides
 from chain_impact.kernel.forces.contact_force import elastic_force
 from chain_impact.kernel.forces.friction import STICKS
@@ -63,6 +64,11 @@ def falling(height, law="jankowski", size=1.0, touching=(1,)):
 
 
 STEP = SimpleNamespace(step=SimpleNamespace(size=10.0))
+
+
+def find_force_event(d, found):
+    """θ of the event ``found`` or of an earlier one of a contact with a force."""
+    return sampled.find_kink(d, sampled.find_relatch(d, found))
 
 
 @pytest.mark.parametrize(("resolution", "halvings"), [(0.0, 50), (1e-12, 44)])
@@ -126,7 +132,7 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
     assert d.touch.beyond_kink[1] == 0
     end = 0.55
     locate_at(d, end)
-    found = sampled.find_force_event(d, end)
+    found = find_force_event(d, end)
     assert found == pytest.approx(low, abs=1e-14)
     # the points are there, and not where it was searched for others
     height = np.polynomial.polynomial.polyval(found, [0.0, -0.1, 0.05, 1.5])
@@ -146,14 +152,14 @@ def test_a_kink_is_crossed_first_where_a_sample_shows_it():
 
 def test_the_first_of_several_kinks_counts_and_those_at_one_moment_are_one_event():
     d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
-    found = sampled.find_force_event(d, -1.0)
+    found = find_force_event(d, -1.0)
     assert found == pytest.approx(0.5, abs=1e-14)
     assert d.touch.event[[1, 5, 9]].tolist() == [KINK] * 3
     # a contact that is on its own side is none of it
     d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
     d.touch.beyond_kink[5] = 1
     d.touch.kink_crossed[:] = 0
-    assert sampled.find_force_event(d, -1.0) == pytest.approx(0.5, abs=1e-14)
+    assert find_force_event(d, -1.0) == pytest.approx(0.5, abs=1e-14)
     assert d.touch.event[[1, 5, 9]].tolist() == [KINK, NONE, KINK]
 
 
@@ -164,7 +170,7 @@ def test_a_kink_comes_after_the_event_that_was_found_before():
         d.touch.event[4] = END
         d.touch.kink_crossed[:] = 1  # a stage was beyond it
         locate_at(d, touched)
-        assert sampled.find_force_event(d, touched) == pytest.approx(found, abs=1e-14)
+        assert find_force_event(d, touched) == pytest.approx(found, abs=1e-14)
         assert d.touch.event[4] == (END if found == touched else NONE)
         assert d.touch.event[1] == (NONE if found == touched else KINK)
 
@@ -174,7 +180,7 @@ def test_a_kink_that_only_a_stage_has_shown_is_looked_for(stage):
     """δ̇ < 0 between 0.3 and 0.45 s, and inward again at the end."""
     d, _ = falling([0.0, -0.135, 0.375, -1.0 / 3.0])
     d.touch.kink_crossed[1], d.touch.impact_speed[1] = stage, 1.0
-    found = sampled.find_force_event(d, -1.0)
+    found = find_force_event(d, -1.0)
     if stage:
         assert found == pytest.approx(0.3, abs=1e-13)
         assert d.touch.event[1] == KINK
@@ -190,7 +196,7 @@ def test_a_contact_is_latched_anew_where_it_is_pushed_in_at_twice_its_speed():
     assert sampled.slowness(d, 1, 0.369) > 0.0 > sampled.slowness(d, 1, 0.371)
     assert RELATCH_RATIO == 2.0
     locate_at(d, 1.0)
-    assert sampled.find_force_event(d, -1.0) == pytest.approx(0.37, abs=2e-12)
+    assert find_force_event(d, -1.0) == pytest.approx(0.37, abs=2e-12)
     assert d.touch.event.tolist() == [int(c == 1) * RELATCH for c in range(d.candidates)]
     # the points are there
     assert d.work.position.y[0] == pytest.approx(-(0.37**2), abs=1e-11)
@@ -201,7 +207,7 @@ def test_the_first_of_two_contacts_that_are_fast_is_latched_anew():
         d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf", touching=(1, 5))
         d.touch.impact_speed[slower], d.touch.impact_speed[faster] = 0.6, 0.25
         locate_at(d, 1.0)
-        assert sampled.find_force_event(d, -1.0) == pytest.approx(0.25, abs=2e-12)
+        assert find_force_event(d, -1.0) == pytest.approx(0.25, abs=2e-12)
         assert d.touch.event[[slower, faster]].tolist() == [NONE, RELATCH]
 
 
@@ -210,10 +216,10 @@ def test_an_excess_between_the_ends_is_found_if_an_end_is_nearly_fast():
     d, _ = falling([0.0, -1.0, -2.0, 2.0], law="zhang_sharf")
     d.touch.impact_speed[1], d.touch.speed[1], d.touch.damping[1] = 0.8, 1.0, 0.0
     locate_at(d, 1.0)
-    assert sampled.find_force_event(d, -1.0) == -1.0
+    assert find_force_event(d, -1.0) == -1.0
     d.touch.speed[1] = 1.21
     expected = (4.0 - math.sqrt(16.0 - 24.0 * 0.6)) / 12.0
-    assert sampled.find_force_event(d, -1.0) == pytest.approx(expected, abs=2e-12)
+    assert find_force_event(d, -1.0) == pytest.approx(expected, abs=2e-12)
 
 
 KINKED = ("kelvin_voigt", "tsuji", "kuwabara_kono", "jankowski")
@@ -334,7 +340,7 @@ def test_a_wall_pulls_from_there_on(theta, expected):
     d, _ = released()
     assert (sampled.least_force(d, -1, theta) < 0.0) == expected
     d, c = released()
-    sampled.mark_pulling(d, theta)
+    sampled.mark_pulling(d, 0, theta)
     assert d.touch.event[c] == (RELEASE if expected else NONE)
     assert not np.delete(d.touch.event, c).any()
 
@@ -344,7 +350,7 @@ def test_a_pull_by_round_off_is_none():
         limit = sampled.pull_limit(released()[0])
         d, c = released(force=(-times * limit,))
         assert (sampled.least_force(d, -1, 0.5) < 0.0) == (times > 1.0)
-        sampled.mark_pulling(d, 0.5)
+        sampled.mark_pulling(d, 0, 0.5)
         assert d.touch.event[c] == (RELEASE if times > 1.0 else NONE)
 
 
@@ -486,27 +492,26 @@ def rubbing():
 
 @pytest.fixture
 def changes(monkeypatch):
-    """Where modes change, element → θ, and the searches that are made: (element, end)."""
+    """Where modes change, element → θ; the elements that are searched; and the search."""
     at, asked = {}, []
 
-    def first_change(_d, e, end):
-        asked.append((e, end))
-        return at[e] if e in at and at[e] <= end else -1.0
+    def margin(_d, e, theta):
+        asked.append(e)
+        return -1.0 if at.get(e, 2.0) <= theta else 1.0
 
-    monkeypatch.setattr(sampled, "_first_change", first_change)
-    monkeypatch.setattr(sampled, "mode_margin", lambda _d, e, theta: -1.0 if at.get(e, 2.0) <= theta else 1.0)
-    return at, asked
+    monkeypatch.setattr(sampled, "element_margin", margin)
+    return at, asked, search_for(margin, sampled.has_changed, sampled.mark_changes, sampled.ELEMENTS)
 
 
 @pytest.mark.parametrize("found", [-1.0, 0.4])
 def test_only_what_a_stage_has_shown_is_searched(rubbing, changes, found):
     d, elements = rubbing
-    at, asked = changes
+    at, asked, find = changes
     at.update(dict.fromkeys(elements, 0.1))
     for e in elements:
         d.element.margin[e] = -0.9 * sampled.resolution_of(d, e)
     d.touch.event[3] = ONSET
-    assert sampled.find_mode_change(d, found) == found
+    assert find(d, found) == found
     assert asked == []
     assert d.touch.event[3] == ONSET
     assert not d.element.event.any()
@@ -531,7 +536,7 @@ def test_the_first_change_ends_the_step(rubbing, changes, case):
     d.element.margin[elements] = -1.0
     d.element.mode[elements[3]] = STICKS
     d.touch.event[3] = ONSET
-    assert sampled.find_mode_change(d, found) == right
+    assert changes[2](d, found) == pytest.approx(right, abs=1e-9)
     kinds = {k: STICKING_ENDS if k == 3 else SLIDING_ENDS for k in marked}
     assert {k: d.element.event[e] for k, e in enumerate(elements) if d.element.event[e]} == kinds
     assert d.touch.event[3] == (NONE if marked else ONSET)
@@ -540,9 +545,9 @@ def test_the_first_change_ends_the_step(rubbing, changes, case):
 def test_an_element_that_was_found_is_marked_whatever_round_off_says(rubbing, changes, monkeypatch):
     d, elements = rubbing
     changes[0][elements[2]] = 0.5
-    monkeypatch.setattr(sampled, "mode_margin", lambda _d, _e, _theta: 1.0)
+    monkeypatch.setattr(sampled, "element_margin", lambda _d, _e, _theta: 1.0)
     d.element.margin[elements] = -1.0
-    assert sampled.find_mode_change(d, -1.0) == 0.5
+    assert changes[2](d, -1.0) == pytest.approx(0.5, abs=1e-9)
     assert np.flatnonzero(d.element.event).tolist() == [elements[2]]
 
 
@@ -552,11 +557,11 @@ def test_sliding_has_ended_where_it_is_backward_by_more_than_round_off(rubbing, 
     e = elements[0]
     d.element.mode[e] = sign
     speed = sign * float(tangential_rate(d, e))
-    assert (sampled.mode_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
+    assert (sampled.element_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
     d.element.slack[e] = abs(speed) - 2.0 * sampled.rest_speed(d)
-    assert (sampled.mode_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
+    assert (sampled.element_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
     d.element.slack[e] = abs(speed)
-    assert sampled.mode_margin(d, e, 1.0) > 0.0
+    assert sampled.element_margin(d, e, 1.0) > 0.0
 
 
 def test_sticking_has_ended_where_the_force_is_beyond_the_limit():
@@ -567,7 +572,7 @@ def test_sticking_has_ended_where_the_force_is_beyond_the_limit():
     for offset, ended in ((1e-7, False), (-1e-7, True)):
         d.step.state[2:4] = d.step.state_end[2:4] = angle + offset
         d.element.anchor[joint] = 0.0
-        assert [sampled.mode_margin(d, joint, theta) < 0.0 for theta in (1.0, 0.0)] == [ended, ended]
+        assert [sampled.element_margin(d, joint, theta) < 0.0 for theta in (1.0, 0.0)] == [ended, ended]
     assert d.statistics.rhs_evaluations == evaluations + 4
 
 

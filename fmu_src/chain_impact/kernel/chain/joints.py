@@ -101,26 +101,19 @@ def joint_torque(d, y, i):
     return wanted_torque(d, y, i) if mode == 0 else float(mode) * d.model.joint_torque_limit[i]
 
 
-def mode_margin(d, y, i):
-    """By how much [N·m] the drive in joint i is from the end of its mode, plus round-off; ∞ without end."""
-    limit, mode = d.model.joint_torque_limit[i], d.drive.mode[i]
-    if not 0.0 < limit < math.inf:
-        return math.inf
-    torque = wanted_torque(d, y, i)
-    margin = limit - abs(torque) if mode == 0 else float(mode) * torque - limit
-    size = abs(y[ANGLES + i]) + abs(y[ANGLES + i - 1] if i > 0 else 0.0) + abs(d.inputs.joint_target_angle[i])
-    return margin + EXCESS * limit + ROUND_OFF * d.inputs.joint_stiffness[i] * size
-
-
-def clear_mode_margins(d):
-    """Begin to record how near the modes of drives are to their ends."""
+def mode_margin(d, y):
+    """By how much [N·m] drives are from the ends of their modes, plus round-off: the least; ∞ without end."""
+    least = math.inf
     for i in range(d.links):
-        d.drive.margin[i] = 0.0
-
-
-def note_mode_margin(d, y, i):
-    """Record how near the mode of the drive in joint i is to its end."""
-    d.drive.margin[i] = min(d.drive.margin[i], mode_margin(d, y, i))
+        limit, mode = d.model.joint_torque_limit[i], d.drive.mode[i]
+        if 0.0 < limit < math.inf:
+            torque = wanted_torque(d, y, i)
+            margin = limit - abs(torque) if mode == 0 else float(mode) * torque - limit
+            size = abs(y[ANGLES + i]) + abs(y[ANGLES + i - 1] if i > 0 else 0.0)
+            size += abs(d.inputs.joint_target_angle[i])
+            margin += EXCESS * limit + ROUND_OFF * d.inputs.joint_stiffness[i] * size
+            least = min(least, margin)
+    return least
 
 
 def joint_bound(d):

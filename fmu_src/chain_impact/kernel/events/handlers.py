@@ -22,7 +22,6 @@ from chain_impact.kernel.events.marks import (
     RELEASE,
     mark,
     pending_changes,
-    pending_saturations,
 )
 from chain_impact.kernel.events.saturation import choose_saturation
 from chain_impact.kernel.forces.contact import clear_loads, cross_kink, list_touching, relatch, start_contact
@@ -95,7 +94,7 @@ def apply_events(d):
         Whether a force may have jumped: a contact begins or ends, a v₀ was latched again, a mode changes.
     """
     touch, onset, jumped = d.touch, -1, False
-    goes_on = pending_changes(d) + pending_saturations(d) > 0
+    goes_on = pending_changes(d) + d.drive.event > 0
     rigid, rigid_impact = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
     if d.friction.count > 0:

@@ -1,8 +1,7 @@
 """The marks of events that the search has found in the last step, in ``event`` of touch, element and drive.
 
 Only this module sets them. They stay until the next step applies them (handlers.py, friction_modes.py,
-saturation.py).
-handlers.py and sampled.py describe the kinds.
+saturation.py). handlers.py and sampled.py describe the kinds.
 """
 
 NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5
@@ -36,19 +35,12 @@ def drop_changes(d):
     """Drop the changes of modes, of dry friction and drives, found in the last step."""
     for e in range(d.elements):
         d.element.event[e] = 0
-    drop_saturations(d)
+    mark_saturation(d, 0)
 
 
-def mark_saturation(d, i):
-    """Mark the drive of joint i, whose torque reaches its limit or falls below it."""
-    d.drive.event[i] = 1
-
-
-def drop_saturations(d):
-    """Drop the marks of drives."""
-    if d.model.limited:
-        for i in range(d.links):
-            d.drive.event[i] = 0
+def mark_saturation(d, ends):
+    """Mark whether the mode of a drive ends, 1, or none does, 0; all modes of drives are chosen anew then."""
+    d.drive.event = ends
 
 
 def copy_marks(d, t):
@@ -57,9 +49,7 @@ def copy_marks(d, t):
         t.touch.event[c] = d.touch.event[c]
     for e in range(d.elements):
         t.element.event[e] = d.element.event[e]
-    if d.model.limited:
-        for i in range(d.links):
-            t.drive.event[i] = d.drive.event[i]
+    t.drive.event = d.drive.event
 
 
 def ends_in_onset(d):
@@ -75,13 +65,4 @@ def pending_changes(d):
     changes = 0
     for i in range(d.friction.count):
         changes += d.element.event[d.element.index[i]] != 0
-    return changes
-
-
-def pending_saturations(d):
-    """The number of drives whose mode ends at the end of the last step."""
-    changes = 0
-    if d.model.limited:
-        for i in range(d.links):
-            changes += d.drive.event[i]
     return changes

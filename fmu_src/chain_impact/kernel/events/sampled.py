@@ -5,9 +5,10 @@
     RELEASE          force with which a rigid wall holds a point, the least of all
     SLIDING_ENDS     s t·v
     STICKING_ENDS    µ_s F_n − |F_t|
+    (drives)         torque of a drive from the end of its mode, the least of all
 
 The stages of a step, and its ends, show which of them to look for. To find one late does no harm but a little
-energy of its error.
+energy of its error. ``search_for`` makes the search for each kind.
 
 KINK: the force of a contact is continuous where it is cut off at 0 or, for a law that damps on approach only,
 at δ̇ = 0, and its slopes are not, so that a step across would lose its order. A step is computed with the
@@ -15,10 +16,14 @@ force of one side, continued smoothly beyond the kink. If a stage or the end is 
 repeated so as to end there, and the next step uses the force of the other side. A point without force that is
 still inside the wall moves as in flight until it leaves, or until the wall pushes again.
 
+The torque of a drive is continuous where it reaches its limit or falls below it, and its slopes are not: as
+with a kink, the mode of the torque is kept until the end of the step.
+
 RELATCH: a second impact, or an onset so slow that gravity soon makes δ̇ much larger. With the v₀ latched
 (fixed) at the onset of the contact, λ δ̇/v₀ and the force would grow without bound.
 """
 
+from chain_impact.kernel.chain.joints import mode_margin
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.equations import state_rate
@@ -26,7 +31,6 @@ from chain_impact.kernel.events.crossing import SIMULTANEOUS, first_passage, loc
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO, nearly_fast
 from chain_impact.kernel.events.marks import (
     KINK,
-    NONE,
     RELATCH,
     RELEASE,
     SLIDING_ENDS,
@@ -34,11 +38,13 @@ from chain_impact.kernel.events.marks import (
     drop_events,
     mark,
     mark_change,
+    mark_saturation,
 )
 from chain_impact.kernel.forces.contact import kink_height
 from chain_impact.kernel.forces.contact_force import note_crossing
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.forces.holding import least_impulse, project_state
+from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.ode.control import FAR_OFF, refuse
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.compliance import mean_mass
@@ -58,38 +64,60 @@ AT_REST = 1e-12
 EXCESS = 1e-10
 
 
+CONTACTS = (lambda d: d.touch.compliant_count, lambda d, k: d.touch.active_index[k])
+ELEMENTS = (lambda d: d.friction.count, lambda d, k: d.element.index[k])
+WHOLE = (lambda _d: 1, lambda _d, _k: 0)
+
+
+def search_for(value, suspected, mark_ended, members=WHOLE, samples=SAMPLES, resolution=SIMULTANEOUS):
+    """Make the search of the last step for one kind of event.
+
+    Args:
+        value: function of (d, c, θ) that falls below zero at the event.
+        suspected: function of (d, c): whether it may have one, by the stages and the located points.
+        mark_ended: function of (d, c, θ) that marks the event of c at θ, and others at the same time.
+        members: functions of d and (d, k) for the number of those c, and the k-th of them.
+        samples: number of samples of the step.
+        resolution: [s], as in ``first_passage``.
+
+    Returns:
+        A function of (d, found) that returns θ of an event of this kind before the one at ``found`` (−1:
+        before the end of the step), and marks it alone; or else ``found``. The points are located at
+        ``found`` before; afterwards those of contacts are located at the result.
+    """
+    count, member = members
+    first_end = first_passage(value, samples, resolution)
+
+    def find(d, found):
+        first, which = found if found >= 0.0 else 1.0, -1
+        for k in range(count(d)):
+            c = member(d, k)
+            if suspected(d, c):
+                theta = first_end(d, c, first)
+                if theta >= 0.0:
+                    first, which = theta, c
+                locate_at(d, first)
+        if which < 0:
+            return found
+        drop_events(d)
+        mark_ended(d, which, first)
+        return first
+
+    return find
+
+
 # ---- contacts with a force --------------------------------------------------------------------------------
 
 
-def find_force_event(d, touch):
-    """θ of the event at ``touch`` (−1: none), or of an earlier kink or new latch; marks its candidates.
-
-    The points are located at that event, or at the end of the step.
-    """
-    first, found, kind = touch if touch >= 0.0 else 1.0, -1, NONE
+def mark_kinks(d, c, theta):
+    """Mark the contacts that are at their kinks at θ; the points are located there before and after."""
+    mark(d, c, KINK)
+    # a symmetric chain crosses several kinks at the same time, up to round-off
+    locate_at(d, min(1.0, theta + SIMULTANEOUS / d.step.size))
     for k in range(d.touch.compliant_count):
-        c = d.touch.active_index[k]
-        fast, kinked = nearly_fast(d, c), has_crossed(d, c)
-        theta = _first_fast(d, c, first) if fast else -1.0
-        if theta >= 0.0:
-            first, found, kind = theta, c, RELATCH
-        theta = _first_kink(d, c, first) if kinked else -1.0
-        if theta >= 0.0:
-            first, found, kind = theta, c, KINK
-        if fast or kinked:
-            locate_at(d, first)
-    if found < 0:
-        return touch
-    drop_events(d)
-    mark(d, found, kind)
-    if kind == KINK:
-        # a symmetric chain crosses several kinks at the same time, up to round-off
-        locate_at(d, min(touch if touch >= 0.0 else 1.0, first + SIMULTANEOUS / d.step.size))
-        for k in range(d.touch.compliant_count):
-            if own_side(d, d.touch.active_index[k]) < 0.0:
-                mark(d, d.touch.active_index[k], KINK)
-        locate_at(d, first)
-    return first
+        if own_side(d, d.touch.active_index[k]) < 0.0:
+            mark(d, d.touch.active_index[k], KINK)
+    locate_at(d, theta)
 
 
 def own_side(d, c):
@@ -117,32 +145,29 @@ def slowness(d, c, theta):
     return RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate
 
 
-_first_kink = first_passage(own_side_at, SAMPLES, 0.0)
-_first_fast = first_passage(slowness, FEW_SAMPLES, SIMULTANEOUS)
+find_relatch = search_for(
+    slowness, nearly_fast, lambda d, c, _theta: mark(d, c, RELATCH), CONTACTS, samples=FEW_SAMPLES
+)
+find_kink = search_for(own_side_at, has_crossed, mark_kinks, CONTACTS, resolution=0.0)
 
 
 # ---- release by rigid walls -------------------------------------------------------------------------------
 
 
-def find_release(d, touch):
-    """θ of the event at ``touch`` (−1: none) or of an earlier release; marks the contacts that would pull.
+def may_pull(d, _c):
+    """Whether a stage of the last step has shown that a rigid wall pulls.
 
-    The step is refused, and the result is −1, if a stage has passed a configuration where forces go to
-    infinity.
+    The step is refused if a stage has passed a configuration where forces go to infinity.
     """
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         least = min(least, d.rigid.least_force[d.touch.active_index[k]])
     if not least < -pull_limit(d):
-        return touch
+        return False
     if least < -strongest(d) and d.step.size > SHORT:
         refuse(d, FAR_OFF)
-        return -1.0
-    theta = _first_pull(d, -1, touch if touch >= 0.0 else 1.0)
-    if theta < 0.0:
-        return touch
-    mark_pulling(d, theta)
-    return theta
+        return False
+    return True
 
 
 def pull_limit(d):
@@ -175,42 +200,31 @@ def least_force(d, _c, theta):
     return least_impulse(d) + pull_limit(d)
 
 
-def mark_pulling(d, theta):
-    """Mark the held contacts that pull at θ as RELEASE, and drop all other events."""
-    least_force(d, -1, theta)
-    drop_events(d)
+def mark_pulling(d, _c, theta):
+    """Mark the held contacts that pull at θ as RELEASE."""
+    least_force(d, 0, theta)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if d.rigid.impulse[k] + pull_limit(d) <= 0.0:
             mark(d, d.touch.active_index[k], RELEASE)
 
 
-_first_pull = first_passage(least_force, SAMPLES, SIMULTANEOUS)
+find_release = search_for(least_force, may_pull, mark_pulling)
 
 
 # ---- changes of the modes of dry friction -----------------------------------------------------------------
 
 
-def find_mode_change(d, found):
-    """θ of the event ``found`` (−1: none) or of an earlier change of a mode; marks its elements.
+def has_changed(d, e):
+    """Whether the stages of the last step have shown that the mode of element e ends (forces/friction.py)."""
+    return d.element.margin[e] < -resolution_of(d, e)
 
-    The stages have recorded the least value of each function (forces/friction.py).
-    """
-    first, which = found if found >= 0.0 else 1.0, -1
+
+def mark_changes(d, element, theta):
+    """Mark the element found at θ, and all others whose mode ends then: symmetric chains have such."""
     for i in range(d.friction.count):
         e = d.element.index[i]
-        if d.element.margin[e] < -resolution_of(d, e):
-            theta = _first_change(d, e, first)
-            if theta >= 0.0:
-                first, which = theta, e
-    if which < 0:
-        return found
-    drop_events(d)
-    # and all others whose mode ends then: symmetric chains have such
-    for i in range(d.friction.count):
-        e = d.element.index[i]
-        if e == which or mode_margin(d, e, first) < 0.0:
+        if e == element or element_margin(d, e, theta) < 0.0:
             mark_change(d, e, STICKING_ENDS if d.element.mode[e] == STICKS else SLIDING_ENDS)
-    return first
 
 
 def resolution_of(d, e):
@@ -228,7 +242,7 @@ def excess(d, e):
     return EXCESS * (d.element.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.size))
 
 
-def mode_margin(d, e, theta):
+def element_margin(d, e, theta):
     """How far the mode of element e is from its end at the fraction θ of the last step: m/s or N."""
     locate_at(d, theta)
     if d.element.mode[e] != STICKS:
@@ -239,4 +253,25 @@ def mode_margin(d, e, theta):
     return d.element.limit[e] - abs(d.element.force[e]) + resolution_of(d, e)
 
 
-_first_change = first_passage(mode_margin, SAMPLES, SIMULTANEOUS)
+find_mode_change = search_for(element_margin, has_changed, mark_changes, ELEMENTS)
+
+
+# ---- limits of torques in joints --------------------------------------------------------------------------
+
+
+def is_past_limit(d, _c):
+    """Whether a stage of the last step, or its end, is beyond the end of a drive's mode."""
+    if not d.model.limited:
+        return False
+    ensure_inputs(d, d.step.state_end)
+    return min(d.drive.margin, mode_margin(d, d.step.state_end)) < 0.0
+
+
+def drive_margin(d, _c, theta):
+    """``mode_margin`` at the fraction θ of the last step [N·m]."""
+    locate_at(d, theta)
+    ensure_inputs(d, d.work.y)
+    return mode_margin(d, d.work.y)
+
+
+find_saturation = search_for(drive_margin, is_past_limit, lambda d, _c, _theta: mark_saturation(d, 1))

@@ -27,8 +27,13 @@ from chain_impact.kernel.events.exclusion import (
     suspect_all,
 )
 from chain_impact.kernel.events.marks import END, NONE, ONSET, mark
-from chain_impact.kernel.events.sampled import find_force_event, find_mode_change, find_release
-from chain_impact.kernel.events.saturation import find_saturation
+from chain_impact.kernel.events.sampled import (
+    find_kink,
+    find_mode_change,
+    find_relatch,
+    find_release,
+    find_saturation,
+)
 from chain_impact.kernel.ode.control import FAR_OFF, IMPLICIT, accepted, refuse
 from chain_impact.kernel.ode.dense import interpolate, interpolate_component
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
@@ -96,15 +101,12 @@ def find_sampled_event(d, theta):
     """θ of the crossing at ``theta`` (−1: none) or of an earlier event of another kind."""
     if any_point_held(d):
         theta = find_release(d, theta)
+        if not accepted(d):
+            return -1.0
         if d.touch.compliant_count > 0:
             locate_at(d, theta if theta >= 0.0 else 1.0)
-    if d.touch.compliant_count > 0 and accepted(d):
-        theta = find_force_event(d, theta)
-    if d.friction.count > 0 and accepted(d):
-        theta = find_mode_change(d, theta)
-    if d.model.limited and accepted(d):
-        theta = find_saturation(d, theta)
-    return theta
+    theta = find_kink(d, find_relatch(d, theta))
+    return find_saturation(d, find_mode_change(d, theta))
 
 
 def credible(d, theta):

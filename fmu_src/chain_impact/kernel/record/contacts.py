@@ -55,18 +55,14 @@ def touch_dtype(candidates: int) -> np.dtype:
     )
 
 
-@written_by("events/saturation.py", event="events/marks.py", margin="chain/joints.py")
+@written_by("events/saturation.py", event="events/marks.py", margin="equations.py")
 def drive_dtype(links: int) -> np.dtype:
     """Whether the torques of drives are at their limits, see kernel/chain/joints.py."""
     return record(
         ("mode", INTEGER, (links,)),  # ±1: the torque is ± the limit, 0: it is below
         ("chosen", INTEGER, (links,)),  # of a tangent instance: the modes of the primal one
-        ("event", INTEGER, (links,)),  # 1: the last step ends where the mode does
-        (
-            "margin",
-            REAL,
-            (links,),
-        ),  # N·m, the least of the tried step by which the torque is from its end, or 0
+        ("event", INTEGER),  # 1: the last step ends where a mode does
+        ("margin", REAL),  # N·m, the least of the tried step by which a torque is from such an end, or 0
     )
 
 

@@ -52,7 +52,7 @@ def resists(constant):
 def choose_saturation(t):
     """Take the modes of drives that the primal instance has chosen."""
     for i in range(t.links):
-        t.drive.mode[i], t.drive.event[i] = t.drive.chosen[i], 0
+        t.drive.mode[i] = t.drive.chosen[i]
 
 
 def fraction(t, time):
