@@ -64,8 +64,8 @@ def test_a_scene_tells_what_it_derives_and_how():
         "link[1].inertia": "mass * length^2 / 12",
         "link[2].center_of_mass": "length / 2",
         "contact.points": "all that move",
-        "stop.exponent": "that of [contact]",
-        "stop.restitution": "that of [contact]",
+        "stop.exponent": "as in [contact]",
+        "stop.restitution": "as in [contact]",
     }
     assert finger().with_values(finger().values).derived == {}
 

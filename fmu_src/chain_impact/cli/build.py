@@ -38,7 +38,7 @@ def add(verbs: Verbs) -> None:
         type=_platforms,
         default=(HOST,),
         metavar="LIST",
-        help=f"comma-separated, of: {', '.join(PLATFORMS)}; or all; default: that of this machine",
+        help=f"comma-separated, of: {', '.join(PLATFORMS)}; or all; default: this machine",
     )
     build.add_argument(
         "--target",

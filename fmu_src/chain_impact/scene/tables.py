@@ -47,7 +47,7 @@ _ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), cons
 def _of_contact(key: str) -> Derived:
     """The value of a key of the table ``contact``, where there are stops."""
     return Derived(
-        "that of [contact]",
+        "as in [contact]",
         lambda known: getattr(known["contact"], key) if known["chain"].stops else None,
         (f"contact.{key}",),
     )
@@ -144,7 +144,7 @@ class Box:
 class Wall:
     """A straight wall at any angle, without ends; in place of the angle a file may give a normal."""
 
-    name: str = quantity("", "name, other than that of any other wall", matching=IDENTIFIER)
+    name: str = quantity("", "name; each wall has another", matching=IDENTIFIER)
     point: tuple[float, float] = quantity("m", "a point on the wall")
     angle: float | None = quantity("rad", "direction of the wall, from +x; its left is free", None)
     normal: tuple[float, float] | None = quantity("1", "in place of angle: a vector to the free side", None)
@@ -155,17 +155,17 @@ class Material:
     """The material of one wall, of the box or of ``walls``: what is not as in ``contact``."""
 
     stiffness: float | None = quantity(
-        "N/m^exponent", "contact stiffness, if not that of contact", None, above=0.0
+        "N/m^exponent", "contact stiffness; if missing: as in [contact]", None, above=0.0
     )
     restitution: float | None = quantity(
-        "1", "prescribed restitution, if not that of contact", None, minimum=0.0, maximum=1.0
+        "1", "prescribed restitution; if missing: as in [contact]", None, minimum=0.0, maximum=1.0
     )
     friction: float | None = quantity(
-        "1", "coefficient of sliding friction, if not that of contact", None, minimum=0.0
+        "1", "coefficient of sliding friction; if missing: as in [contact]", None, minimum=0.0
     )
     static_friction: float | None = quantity(
         "1",
-        "coefficient of static friction; if missing: the wall's own friction, or else that of contact",
+        "coefficient of static friction; if missing: the wall's friction, or else as in [contact]",
         None,
         minimum=0.0,
     )
@@ -190,7 +190,7 @@ class Contact:
     )
     friction: float = quantity("1", "coefficient of sliding friction", 0.0, minimum=0.0)
     static_friction: float = quantity(
-        "1", "coefficient of static friction, not less than friction; 0: that of friction", 0.0, minimum=0.0
+        "1", "coefficient of static friction, not less than friction; 0: equal to it", 0.0, minimum=0.0
     )
     wall: Mapping[str, Material] = quantity("", "materials of single walls, by the name of the wall", {})
 
@@ -204,7 +204,11 @@ class Stops:
     """The contact law of all stops in joints, in the angle of the joint; None where there are no stops."""
 
     model: str | None = quantity(
-        "", "law, if not that of contact", None, choices=tuple(CONTACT_LAWS), extended_by="contact.law_file"
+        "",
+        "law; default: as in [contact]",
+        None,
+        choices=tuple(CONTACT_LAWS),
+        extended_by="contact.law_file",
     )
     stiffness: float | None = quantity(
         "N.m/rad^exponent", "stiffness of the stops", _with_stops(1e5), above=0.0

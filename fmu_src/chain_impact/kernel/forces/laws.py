@@ -307,7 +307,7 @@ def jankowski(e):
     allows_zero=False,
 )
 def kuwabara_kono(e):
-    """Viscoelastic spheres: the prescribed e is that of a free impact at 1 m/s.
+    """Viscoelastic spheres: a free impact at 1 m/s has the prescribed e.
 
     Slower impacts rebound better and faster ones worse: restitution depends on f v₀^(1/5).
     """
