@@ -75,6 +75,20 @@ def test_what_an_importer_returns_is_taken_as_it_is():
     assert impacts_of(result) is result.impacts
 
 
+def test_impacts_have_the_names_of_their_walls():
+    """From columns of contacts or as given; those of the box are known without."""
+    scene = load_scene("sliding_rod").with_values({"outputs.impacts": 16})
+    expected = simulate(scene).impacts
+    names = [scene.wall_names[wall] for wall in expected["wall"]]
+    assert expected["wall_name"].tolist() == names
+    assert {"ramp", "y_min"} <= set(names)
+    record = recorded(scene, np.linspace(0.0, scene.simulation.stop_time, 201))
+    assert impacts_of(record, scene.wall_names)["wall_name"].tolist() == names
+    assert impacts_of(record)["wall_name"].tolist() == ["" if name == "ramp" else name for name in names]
+    outputs = {"contact[0].ramp.force": [0.0], "contact[1].y_min.force": [0.0]}
+    assert impacts_of(record | outputs)["wall_name"].tolist() == names
+
+
 def test_a_record_without_impacts_is_refused():
     with pytest.raises(ValueError, match=r"no column impact\.count"):
         impacts_of({"time": [0.0]})

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.extras import MissingExtraError
-from chain_impact.results.impacts import IMPACT_DTYPE
+from chain_impact.results.impacts import LOG_DTYPE
 from chain_impact.results.tables import IMPACT_UNITS
 from tests.friction import pendulum, sled
 from tests.problems import default_scene
@@ -31,13 +31,11 @@ def test_a_dataframe_has_time_as_index_and_a_column_for_each_output(result):
 
 def test_impacts_are_a_table_with_the_names_of_walls(result):
     table = result.impact_table()
-    assert tuple(table.columns) == IMPACT_DTYPE.names
+    assert tuple(table.columns) == LOG_DTYPE.names
     assert table.index.tolist() == [1, 2]
     assert table["wall"].tolist() == ["y_min", "y_min"]
     assert table["onset"].tolist() == result.impacts["onset"].tolist()
-    assert (
-        set(table.attrs["units"]) == set(IMPACT_DTYPE.names) - {"point", "wall", "joint"} == set(IMPACT_UNITS)
-    )
+    assert set(table.attrs["units"]) == set(LOG_DTYPE.names) - {"point", "wall", "joint"} == set(IMPACT_UNITS)
 
 
 def test_a_result_without_impacts_has_an_empty_table():

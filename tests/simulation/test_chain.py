@@ -276,6 +276,7 @@ def test_a_start_that_cannot_be_is_said_at_the_next_look(arm):
         chain.get("point[1].x")
     chain.reset()
     assert chain.impacts.dtype == IMPACT_DTYPE
+    assert chain.impacts["wall_name"].tolist() == [chain.scene.wall_names[k] for k in chain.impacts["wall"]]
     assert isinstance(chain.get("point[1].x"), float)
 
 

@@ -97,7 +97,7 @@ def record_fmu(
             name=description.modelName,
             time=np.asarray(rows["time"]),
             columns={name: rows[name] for name in outputs},
-            impacts=impacts_shown(rows),
+            impacts=impacts_shown(rows, names),
             walls=walls,
             wall_names=tuple(names),
             parameters=named | followed,

@@ -60,7 +60,7 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
                 f"{', '.join(walls) or 'none'}"
             )
     listed = "impact.count" in columns and scene is not None
-    impacts = impacts_shown({"time": time, **columns}) if listed else NO_IMPACTS
+    impacts = impacts_shown({"time": time, **columns}, names) if listed else NO_IMPACTS
     return replace(bare, impacts=impacts, stick_slip=phases_from(time, bare.touches, names))
 
 

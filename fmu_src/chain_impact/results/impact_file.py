@@ -19,7 +19,7 @@ SUFFIXES = (".csv", ".json", ".parquet")
 
 def impact_columns(impacts: np.ndarray, walls: Sequence[str]) -> dict[str, list[Any]]:
     """The columns of ``IMPACT_DTYPE`` with the names of the walls; what is not known, or not yet, is None."""
-    columns = {name: impacts[name].tolist() for name in impacts.dtype.names or ()}
+    columns = {name: impacts[name].tolist() for name in impacts.dtype.names or () if name != "wall_name"}
     columns["wall"] = [walls[wall] for wall in columns["wall"]]
     return {
         name: [None if isinstance(one, float) and math.isnan(one) else one for one in values]

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from itertools import count as naturals
 from typing import Any
 
 import numpy as np
 
-IMPACT_DTYPE = np.dtype(
+from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.scene.names import STOPS
+
+LOG_DTYPE = np.dtype(
     [
         ("point", np.int64),
         ("wall", np.int64),
@@ -24,10 +28,13 @@ IMPACT_DTYPE = np.dtype(
         ("joint", np.int64),
     ]
 )
+"""The columns of ``IMPACT_DTYPE`` that the kernel's log of contacts has."""
+IMPACT_DTYPE = np.dtype([*((name, LOG_DTYPE[name]) for name in LOG_DTYPE.names or ()), ("wall_name", "U32")])
 """One contact: point 0…N; wall as index into ``scene.wall_names``; onset and end [s]; impact and separation
 speed [m/s]; peak force [N]; largest penetration [m]; effective mass at onset [kg]; impulse of the wall [N·s],
 as accurate as the momentum of the chain, NaN if the scene asks for no impulses; the largest force in a joint
-while the contact lasts [N], and the number of this joint, 1…N, NaN and 0 if the scene asks for no loads. The
+while the contact lasts [N], and the number of this joint, 1…N, NaN and 0 if the scene asks for no loads; the
+name of the wall, its first 32 characters, "" where it is not known. The
 end and the separation speed of a contact that lasts to the end of the simulation are NaN. Under the law
 ``newton_impact`` a bounce has no duration, and peak forces of 0, in no joint, as an impulse has no peak;
 those of a contact that lasts are the largest forces while it is held. What a bounce gives to joint i is the
@@ -53,7 +60,17 @@ COLUMNS = {
 """Field of the table → last part of the FMU's variable."""
 
 
-def impacts_of(record: Mapping[str, Any] | np.ndarray | Any) -> np.ndarray:
+def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
+    """Impacts with the names of their walls, of which ``walls`` are those by their numbers."""
+    table = np.zeros(len(impacts), IMPACT_DTYPE)
+    for name in LOG_DTYPE.names or ():
+        table[name] = impacts[name]
+    known = (impacts["wall"] >= 0) & (impacts["wall"] < len(walls))
+    table["wall_name"][known] = np.array(walls)[impacts["wall"][known]]
+    return table
+
+
+def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str] = ()) -> np.ndarray:
     """Rebuild the table of impacts from a record of the FMU's outputs over time.
 
     An FMU shows the latest impacts at each communication point: `impact[1].time` and so on. If there are
@@ -64,6 +81,8 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any) -> np.ndarray:
         record: what has a column of values over time under each name, of shape (T,): a mapping, a
             structured array such as fmpy returns, or a data frame. The columns are `time`, `impact.count`
             and those of `impact[j]`, j = 1 … M. A `Result` is taken as well.
+        walls: the names of all walls by their numbers, `scene.wall_names`; by default those that the columns
+            of contacts and stops tell.
 
     Returns:
         A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. The FMU tells no
@@ -88,7 +107,7 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any) -> np.ndarray:
     row = np.searchsorted(counts, number + shown - 1, side="right") - 1
     seen = counts[row] >= number
     number, row = number[seen], row[seen]
-    table = np.zeros(len(number), IMPACT_DTYPE)
+    table = np.zeros(len(number), LOG_DTYPE)
     table["effective_mass"], table["joint_force"] = np.nan, np.nan
     for field, name in COLUMNS.items():
         columns = np.array([_column(record, f"impact[{j}].{name}") for j in range(1, shown + 1)])
@@ -100,24 +119,34 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any) -> np.ndarray:
     # what became of one that newer impacts have pushed out of the list is not known
     for field in ("peak_force", "max_penetration", "impulse"):
         table[field][lasting & (row < len(time) - 1)] = np.nan
-    return np.sort(table, order=["onset", "point", "wall"])
+    return named(np.sort(table, order=["onset", "point", "wall"]), walls or wall_names_of(record))
 
 
-def impacts_shown(record: Any) -> np.ndarray:
+def wall_names_of(record: Any) -> list[str]:
+    """The names of the walls by their numbers, as far as the names of the columns tell."""
+    names = [str(name) for name in names_of(record)]
+    touched = [found[1] for name in names if (found := re.match(r"contact\[\d+\]\.(\w+)\.force$", name))]
+    stops = STOPS if touched and any(name.endswith(".stop_moment") for name in names) else ()
+    return [*dict.fromkeys((*WALLS, *touched)), *stops]
+
+
+def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
     """The impacts that a record of an FMU's outputs shows, whatever the FMU lists, see `IMPACT_DTYPE`.
+
+    The walls are the names of all, by their numbers.
 
     From an FMU with `outputs.impacts = 0` it is only the last one in each communication step, without its end
     and what follows from that.
     """
     if "impact[1].time" in names_of(record):
-        return impacts_of(record)
+        return impacts_of(record, walls)
     rows = np.flatnonzero(np.diff(record["impact.count"], prepend=0))
-    table = np.full(len(rows), np.nan, np.dtype([(name, np.float64) for name in IMPACT_DTYPE.names or ()]))
+    table = np.full(len(rows), np.nan, np.dtype([(name, np.float64) for name in LOG_DTYPE.names or ()]))
     for field in ("point", "wall", "onset", "impact_speed"):
         table[field] = np.asarray(record[f"impact.last_{COLUMNS[field]}"])[rows]
     table["wall"] -= 1
     table["joint"] = 0
-    return table.astype(IMPACT_DTYPE)
+    return named(table.astype(LOG_DTYPE), walls)
 
 
 def names_of(record: Any) -> Any:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.extras import require
+from chain_impact.results.impacts import LOG_DTYPE
 from chain_impact.results.stick_slip import JOINT, MODES
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import AXES
@@ -49,7 +50,7 @@ def dataframe(model: Model, time: np.ndarray, columns: Mapping[str, np.ndarray])
 def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> Any:
     """See ``Result.impact_table``; ``stops`` tells whether joints have stops."""
     pandas = require("pandas", "pandas")
-    columns = {name: impacts[name] for name in impacts.dtype.names or ()}
+    columns = {name: impacts[name] for name in LOG_DTYPE.names or ()}
     columns["wall"] = np.array(walls, dtype=object)[columns["wall"]]
     table = pandas.DataFrame(columns, index=pandas.RangeIndex(1, len(impacts) + 1, name="impact"))
     table.attrs["units"] = dict(IMPACT_UNITS)

@@ -15,7 +15,7 @@ import numpy as np
 
 from chain_impact.kernel.forces.inputs import AT_ONCE
 from chain_impact.kernel.status import OK
-from chain_impact.results.impacts import IMPACT_DTYPE
+from chain_impact.results.impacts import LOG_DTYPE
 from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.results.text import plural
 from chain_impact.scene.angles import in_radians, or_degrees
@@ -119,7 +119,7 @@ class Chain:
         before = self._reals.copy()
         lasting = self._instance.open_contacts()  # drops what was solved ahead
         self._reals[:] = before
-        return in_order([*self._impacts, lasting])[1]
+        return in_order([*self._impacts, lasting], self.scene.wall_names)[1]
 
     @property
     def stick_slip(self) -> np.ndarray:
@@ -214,7 +214,7 @@ class Chain:
         """The whole present state: a chain of the same scene can restore it, and continues bit by bit."""
         self._ready()
         self._collect()
-        impacts = np.concatenate([np.zeros(0, IMPACT_DTYPE), *self._impacts])
+        impacts = np.concatenate([np.zeros(0, LOG_DTYPE), *self._impacts])
         changes = self._instance.all_changes
         head = STATE.pack(MAGIC, 0, self._digest, self._stepped, len(impacts), len(changes))
         checked = head[CHECKED_FROM:] + impacts.tobytes() + changes.tobytes() + self._reals.tobytes()
@@ -231,7 +231,7 @@ class Chain:
             raise SceneError(f"{self.scene.name}: {found} must be given the bytes that save() returned")
         state = bytes(state)
         magic, checksum, digest, stepped, *counts = STATE.unpack_from(state.ljust(STATE.size, b"\0"))
-        changes_at = STATE.size + counts[0] * IMPACT_DTYPE.itemsize
+        changes_at = STATE.size + counts[0] * LOG_DTYPE.itemsize
         record_at = changes_at + counts[1] * CHANGE_DTYPE.itemsize
         if (
             magic != MAGIC
@@ -244,7 +244,7 @@ class Chain:
         if checksum != zlib.crc32(state[CHECKED_FROM:]) or not self._instance.is_sound(words):
             raise SceneError(f"{self.scene.name}: restore: the state is damaged")
         self._reals[:] = words
-        self._impacts = [np.frombuffer(state, IMPACT_DTYPE, counts[0], STATE.size).copy()]
+        self._impacts = [np.frombuffer(state, LOG_DTYPE, counts[0], STATE.size).copy()]
         self._instance.changes = [np.frombuffer(state, CHANGE_DTYPE, counts[1], changes_at).copy()]
         self._stepped, self._initialized, self._observed = bool(stepped), True, False
 

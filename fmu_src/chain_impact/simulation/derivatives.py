@@ -18,7 +18,7 @@ from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
 from chain_impact.results.equality import same
-from chain_impact.results.impacts import IMPACT_DTYPE
+from chain_impact.results.impacts import LOG_DTYPE
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.text import what
 from chain_impact.scene.names import Place
@@ -31,7 +31,7 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.table import BEHIND, WORD, first_word, word_index
 from chain_impact.variables.variable import Variable
 
-IMPACT_QUANTITIES = tuple(name for name in IMPACT_DTYPE.names or () if name not in ("point", "wall", "joint"))
+IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
 """The quantities of an impact that have derivatives."""
 AT_ONSET = ("onset", "impact_speed", "effective_mass")  # those that are known from its onset on
 
@@ -266,7 +266,7 @@ class DifferentiatedRun:
 
     def _told(self, found: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
         width, count = len(self._words), len(self._places)
-        order, rows = in_order([np.zeros(0, IMPACT_DTYPE), *impacts])
+        order, rows = in_order([np.zeros(0, LOG_DTYPE), *impacts], self._instance.model.scene.wall_names)
         return Differentiated(
             values=found[:, :width],
             slopes=found[:, width:].reshape(len(found), width, count),

@@ -14,7 +14,7 @@ import numpy as np
 from chain_impact.compilation.library import kernel_library
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.progress import Progress, silent
-from chain_impact.results.impacts import IMPACT_DTYPE
+from chain_impact.results.impacts import LOG_DTYPE, named
 from chain_impact.results.result import Result
 from chain_impact.results.stick_slip import CHANGE_DTYPE
 from chain_impact.scene.candidates import places
@@ -264,12 +264,12 @@ class Instance:
 
     def _impacts(self, places: np.ndarray) -> np.ndarray:
         """The impacts at some places of the log, without the impulses and forces that are not followed."""
-        room, columns = len(self.record["finished"]["point"]), len(IMPACT_DTYPE.names or ())
+        room, columns = len(self.record["finished"]["point"]), len(LOG_DTYPE.names or ())
         # the log has the columns of the table, in the same order, behind two counts
         first = first_word(self._block.dtype, "finished") + 2
         table = self.words[first : first + columns * room].reshape(columns, room)
         found = table[:, places].T.copy()
-        rows = np.ndarray(len(found), IMPACT_DTYPE, found)
+        rows = np.ndarray(len(found), LOG_DTYPE, found)
         if not self.record["quadrature"]["wanted"]:
             rows["impulse"] = np.nan
         if not self.record["loads"]:
@@ -311,14 +311,14 @@ class Instance:
         return dict(zip(counts.dtype.names, counts.item(), strict=True))
 
 
-def in_order(parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """The order of contacts by onset, and the contacts in it."""
-    found, start = np.empty(sum(map(len, parts)), IMPACT_DTYPE), 0
+def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """The order of contacts by onset, and the contacts in it, with the names of their walls."""
+    found, start = np.empty(sum(map(len, parts)), LOG_DTYPE), 0
     for part in parts:
         found[start : start + len(part)] = part
         start += len(part)
     order = np.lexsort((found["wall"], found["point"], found["onset"]))
-    return order, found[order]
+    return order, named(found[order], walls)
 
 
 _loaded: dict[tuple[int, bool, str | None], ctypes.CDLL] = {}

@@ -127,7 +127,7 @@ def simulate(
     slopes = differentiated.slope_words(words) if differentiated else np.zeros(0, int)
     rows = WordRows(len(driven.times), np.concatenate([words, others, slopes]))
     done, impacts = instance.run(driven, rows, progress or silent)
-    order, found = in_order([*impacts, instance.open_contacts()])
+    order, found = in_order([*impacts, instance.open_contacts()], scene.wall_names)
     asked = slice(done) if driven.asked.all() else np.flatnonzero(driven.asked[:done])
     numbers = rows.numbers[asked]
     layout = model.row if output is None else np.dtype([(name, np.float64) for name in places.motion])

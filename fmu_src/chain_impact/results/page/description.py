@@ -18,7 +18,7 @@ import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.results.impacts import IMPACT_DTYPE, NO_IMPACTS
+from chain_impact.results.impacts import LOG_DTYPE, NO_IMPACTS
 from chain_impact.results.joint_stops import OPEN
 from chain_impact.results.page.recorded import free_sides
 from chain_impact.results.result import Result
@@ -94,7 +94,7 @@ def layout(record: np.dtype) -> dict[str, Any]:
             "count": word("finished", "count"),
             "collected": word("finished", "collected"),
             "room": record["finished"]["point"].shape[0],
-            "fields": {name: word("finished", name, 0) for name in IMPACT_DTYPE.names or ()},
+            "fields": {name: word("finished", name, 0) for name in LOG_DTYPE.names or ()},
         },
         "changes": word("changes", "count"),
         "active": word("touch", "active_count"),
