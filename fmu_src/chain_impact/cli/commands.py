@@ -16,6 +16,7 @@ from chain_impact.cli import (
     cache,
     compare,
     completion,
+    convert,
     explore,
     fit,
     info,
@@ -36,7 +37,7 @@ REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another
     (EROFS, EACCES, EPERM), "ask for the right to use it, or choose another place"
 )
 """What to do when a file cannot be written: number of an error → a clause."""
-VERBS = (build, simulate, animate, explore, compare, sweep, fit, info, validate, cache, completion)
+VERBS = (build, simulate, animate, explore, compare, sweep, fit, convert, info, validate, cache, completion)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

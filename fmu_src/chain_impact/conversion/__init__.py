@@ -1,0 +1,1 @@
+"""Scenes from URDF and MJCF, the formats of robots, and back to MJCF."""

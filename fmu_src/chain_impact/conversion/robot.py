@@ -1,0 +1,109 @@
+"""A robot as its file has it: a tree of bodies in space, before it is made a planar chain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True, kw_only=True)
+class Joint:
+    """What a body can do relative to the one before it. Angles count from the pose that the file gives.
+
+    Attributes:
+        name: as in the file.
+        kind: ``hinge``, ``slide`` or another that no scene has.
+        axis: its direction, in the axes of the body.
+        anchor: a point on it [m], likewise.
+        low: least angle [rad] or position [m], −∞ if there is none.
+        high: largest one.
+        damping: [N·m·s/rad].
+        stiffness: [N·m/rad].
+        rest: angle at which the spring is slack [rad].
+        friction: dry friction [N·m].
+        armature: [kg·m²].
+        torque_limit: [N·m], None if there is none.
+        start: angle [rad] or position [m] at the start.
+        speed: its rate at the start.
+    """
+
+    name: str
+    kind: str
+    axis: np.ndarray
+    anchor: np.ndarray
+    low: float = -math.inf
+    high: float = math.inf
+    damping: float = 0.0
+    stiffness: float = 0.0
+    rest: float = 0.0
+    friction: float = 0.0
+    armature: float = 0.0
+    torque_limit: float | None = None
+    start: float = 0.0
+    speed: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body:
+    """A rigid body.
+
+    Attributes:
+        name: as in the file.
+        parent: position of the body before it in ``Robot.bodies``, −1 for the world.
+        rotation: of its axes relative to those of its parent, shape (3, 3).
+        position: of its origin in its parent [m].
+        mass: [kg].
+        center: centre of mass, in its own axes [m].
+        inertia: about the centre of mass, in its own axes, shape (3, 3) [kg·m²].
+        joints: in the order in which they act.
+        frames: named points [m] in its own axes, of which one may be the tip.
+    """
+
+    name: str
+    parent: int
+    rotation: np.ndarray
+    position: np.ndarray
+    mass: float = 0.0
+    center: np.ndarray
+    inertia: np.ndarray
+    joints: Sequence[Joint] = ()
+    frames: Sequence[tuple[str, np.ndarray]] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plane:
+    """A plane that does not move: its free side is where its normal points."""
+
+    name: str
+    point: np.ndarray
+    normal: np.ndarray
+    friction: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Robot:
+    """A tree of bodies, parents first.
+
+    Attributes:
+        name: of the model.
+        bodies: see above.
+        gravity: [m/s²].
+        planes: walls.
+        inputs: what of ``[inputs]`` the drives ask for.
+        tables: tables of a scene that the file carries.
+        first_link: what link 1 has as a joint, which has no effect where the base is free.
+        left_out: what of the file no scene can hold, a sentence each.
+    """
+
+    name: str
+    bodies: Sequence[Body]
+    gravity: np.ndarray
+    planes: Sequence[Plane] = ()
+    inputs: dict[str, bool] = field(default_factory=dict)
+    tables: dict[str, Any] = field(default_factory=dict)
+    first_link: dict[str, float] = field(default_factory=dict)
+    left_out: Sequence[str] = ()

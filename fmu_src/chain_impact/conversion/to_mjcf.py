@@ -1,0 +1,175 @@
+"""A scene as MJCF: what MuJoCo knows, and a text with all else, which makes the same scene again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+from chain_impact.conversion.mjcf import CARRIED, UNLIMITED
+from chain_impact.scene.scene import Scene, scene_to_dict
+from chain_impact.scene.tables import Link
+
+WRITTEN = ("name", "gravity", "chain", "box", "walls", "initial")
+"""What of a scene the elements of MJCF hold."""
+HINGE = "0 -1 0"  # the plane of the motion is x–z, in which MuJoCo's pictures have z upwards
+LEAST_INERTIA = 2e-15  # kg·m², which MuJoCo asks for
+LEAST_RADIUS = 1e-4  # of the longest link, of points, which have none in MuJoCo
+LARGEST_STEP = 2e-3  # s, MuJoCo's usual one
+JOINT_KEYS = {
+    "joint_damping": "damping",
+    "joint_stiffness": "stiffness",
+    "joint_rest_angle": "springref",
+    "joint_friction": "frictionloss",
+    "joint_armature": "armature",
+}
+"""Key of a link → attribute of a joint."""
+
+
+def mjcf_of(scene: Scene) -> tuple[str, list[str]]:
+    """The MJCF of a scene, and what MuJoCo does not do as the scene says, a sentence each."""
+    root = Element("mujoco", model=scene.name)
+    SubElement(root, "compiler", angle="radian", autolimits="true")
+    SubElement(
+        root,
+        "option",
+        gravity=_numbers(scene.gravity[0], 0.0, scene.gravity[1]),
+        integrator="RK4",
+        timestep=repr(min(scene.simulation.step_size, LARGEST_STEP)),
+    )
+    free = scene.chain.base == "free"
+    tables = {key: table for key, table in scene_to_dict(scene).items() if key not in WRITTEN}
+    carried = {"tables": tables, "first_link": _of_the_joint(scene.chain.links[0]) if free else {}}
+    SubElement(SubElement(root, "custom"), "text", name=CARRIED, data=json.dumps(carried))
+    world = SubElement(root, "worldbody")
+    _add_walls(world, scene)
+    _add_chain(world, scene)
+    if scene.inputs.joint_torques:
+        actuators = SubElement(root, "actuator")
+        for i in range(2 if free else 1, len(scene.chain.links) + 1):
+            SubElement(actuators, "motor", name=f"joint[{i}].torque", joint=f"joint[{i}]")
+    _add_start(root, scene)
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode") + "\n", list(_differences(scene))
+
+
+def _add_walls(world: Element, scene: Scene) -> None:
+    """A plane for each wall: its z axis is the normal."""
+    points = {wall.name: wall.point for wall in scene.walls}
+    size = sum(link.length for link in scene.chain.links)
+    for name, plane in scene.half_planes.items():
+        normal = plane.normal
+        x, y = points.get(name, (normal[0] * plane.offset, normal[1] * plane.offset))
+        material = scene.contact.wall.get(name)
+        own = None if material is None else material.friction
+        friction = scene.contact.friction if own is None else own
+        SubElement(
+            world,
+            "geom",
+            name=name,
+            type="plane",
+            size=_numbers(3.0 * size, 3.0 * size, 0.1 * size),
+            pos=_numbers(x, 0.0, y),
+            zaxis=_numbers(normal[0], 0.0, normal[1]),
+            friction=_numbers(friction, 0.0, 0.0),
+            condim="3" if friction > 0.0 else "1",
+            contype="1",
+            conaffinity="2",
+            rgba="0.8 0.8 0.8 0.4",
+        )
+
+
+def _add_chain(world: Element, scene: Scene) -> None:
+    """A body for each link, with its origin in the joint nearer to the base and x along the link."""
+    free, links = scene.chain.base == "free", scene.chain.links
+    base, radius = scene.initial.position, LEAST_RADIUS * max(link.length for link in links)
+    width = repr(0.02 * sum(link.length for link in links) / len(links) ** 0.5)
+    parent, place = world, _numbers(0.0, 0.0, 0.0) if free else _numbers(base[0], 0.0, base[1])
+    for i, link in enumerate(links, 1):
+        body = SubElement(parent, "body", name=f"link[{i}]", pos=place)
+        inertia = max(link.inertia, LEAST_INERTIA)
+        SubElement(
+            body,
+            "inertial",
+            pos=_numbers(link.center_of_mass, 0.0, 0.0),
+            mass=repr(link.mass),
+            diaginertia=_numbers(inertia, inertia, inertia),
+        )
+        if free and i == 1:
+            SubElement(body, "joint", name="base.x", type="slide", axis="1 0 0")
+            SubElement(body, "joint", name="base.y", type="slide", axis="0 0 1")
+        keys = {} if free and i == 1 else _attributes(link)
+        SubElement(body, "joint", {"name": f"joint[{i}]", "type": "hinge", "axis": HINGE, **keys})
+        line = {"type": "capsule", "size": width, "fromto": _numbers(0.0, 0.0, 0.0, link.length, 0.0, 0.0)}
+        SubElement(body, "geom", line, name=f"link[{i}]", mass="0", contype="0", conaffinity="0")
+        for point, at in ((i - 1, 0.0), (i, link.length)) if i == 1 else ((i, link.length),):
+            if point in scene.contact.points:
+                ball = {"type": "sphere", "size": repr(max(scene.contact.radius, radius))}
+                ball |= {"pos": _numbers(at, 0.0, 0.0), "condim": "1", "friction": "0 0 0"}
+                SubElement(body, "geom", ball, name=f"point[{point}]", mass="0", contype="2", conaffinity="1")
+        SubElement(body, "site", name=f"point[{i}]", pos=_numbers(link.length, 0.0, 0.0))
+        parent, place = body, _numbers(link.length, 0.0, 0.0)
+
+
+def _attributes(link: Link) -> dict[str, str]:
+    """What a joint has, as attributes of its element."""
+    found = {name: repr(value) for key, name in JOINT_KEYS.items() if (value := getattr(link, key))}
+    low, high, limit = link.joint_min, link.joint_max, link.joint_torque_limit
+    if low is not None or high is not None:
+        found["range"] = _numbers(-UNLIMITED if low is None else low, UNLIMITED if high is None else high)
+    return found | ({"actuatorfrcrange": _numbers(-limit, limit)} if limit else {})
+
+
+def _of_the_joint(link: Link) -> dict[str, Any]:
+    """The keys of a joint that is none, as the base is free."""
+    keys = (*JOINT_KEYS, "joint_min", "joint_max", "joint_torque_limit")
+    return {key: value for key in keys if (value := getattr(link, key))}
+
+
+def _add_start(root: Element, scene: Scene) -> None:
+    """The start, as a keyframe."""
+    start, free = scene.initial, scene.chain.base == "free"
+    angles, speeds = ((values[0], *_steps(values)) for values in (start.angles, start.angular_velocities))
+    SubElement(
+        SubElement(root, "keyframe"),
+        "key",
+        name="start",
+        qpos=_numbers(*(start.position if free else ()), *angles),
+        qvel=_numbers(*(start.velocity if free else ()), *speeds),
+    )
+
+
+def _steps(values: tuple[float, ...]) -> Iterator[float]:
+    return (after - before for before, after in pairwise(values))
+
+
+def _differences(scene: Scene) -> Iterator[str]:
+    """What MuJoCo does otherwise, or not at all."""
+    contact, links = scene.contact, scene.chain.links
+    if scene.half_planes and contact.points:
+        law = f"contact.model = {contact.model}, stiffness, exponent and restitution"
+        yield f"{law}: MuJoCo has a soft contact of its own, solref and solimp"
+        if contact.radius == 0.0:
+            radius = LEAST_RADIUS * max(link.length for link in links)
+            yield f"contact.radius = 0: points have a radius of {radius:.3g} m"
+        if scene.has_contact_friction:
+            yield "static_friction: MuJoCo has one coefficient"
+    if scene.chain.stops:
+        yield "stops: MuJoCo has soft limits of its own, solreflimit and solimplimit"
+    for i, link in enumerate(links, 1):
+        if link.joint_torque_limit is not None:
+            yield f"link[{i}].joint_torque_limit: in MuJoCo it does not limit spring and damper"
+        if link.joint_torque_limit == 0.0:
+            yield f"link[{i}].joint_torque_limit = 0: MuJoCo knows no such limit"
+        if link.inertia < LEAST_INERTIA:
+            yield f"link[{i}].inertia = {link.inertia:g}: is {LEAST_INERTIA:g} kg.m2, the least"
+    for key in ("joint_targets", "tip_force", "base_motion", "wall_motion"):
+        if getattr(scene.inputs, key):
+            yield f"inputs.{key}: is no input of the MuJoCo model"
+
+
+def _numbers(*values: float) -> str:
+    return " ".join(repr(float(value) + 0.0) for value in values)  # no −0

@@ -1,0 +1,184 @@
+"""Robots in URDF and MJCF as scenes, and back; a scene in MuJoCo beside ours."""
+
+import numpy as np
+import pytest
+
+from chain_impact import SceneError, load_scene, model_names, simulate
+from chain_impact.cli import main
+from chain_impact.conversion.convert import convert, of_robot
+from chain_impact.conversion.to_mjcf import mjcf_of
+from tests.tiers import needs_interop
+
+pytestmark = needs_interop
+
+URDF = """
+<robot name="two links">
+  <link name="world"/>
+  <link name="base"><inertial><mass value="3"/>
+    <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <link name="upper">
+    <inertial><origin xyz="0 0 -0.1" rpy="0 0 0"/><mass value="0.5"/>
+      <inertia ixx="0.003" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.001"/></inertial>
+    <visual><geometry><mesh filename="package://upper.dae"/></geometry></visual>
+    <collision><geometry><sphere radius="0.1"/></geometry></collision>
+  </link>
+  <link name="lower">
+    <inertial><origin xyz="0 0 0.05" rpy="0 0 0"/><mass value="0.25"/>
+      <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/></inertial>
+  </link>
+  <link name="tool"/>
+  <joint name="mount" type="fixed"><origin xyz="0 0 1"/><parent link="world"/><child link="base"/></joint>
+  <joint name="shoulder" type="revolute">
+    <origin xyz="0.02 0 0"/><parent link="base"/><child link="upper"/><axis xyz="1 0 0"/>
+    <limit lower="-1" upper="2" effort="7" velocity="20"/>
+  </joint>
+  <joint name="elbow" type="continuous">
+    <origin xyz="0.03 0 -0.2" rpy="3.141592653589793 0 0"/><parent link="upper"/><child link="lower"/>
+    <axis xyz="1 0 0"/><dynamics damping="0.01" friction="0.02"/>
+  </joint>
+  <joint name="flange" type="fixed"><origin xyz="0 0 0.15"/><parent link="lower"/><child link="tool"/></joint>
+  <transmission name="drive"/>
+</robot>
+"""
+MJCF = """
+<mujoco model="hopper">
+  <compiler angle="degree"/>
+  <worldbody>
+    <geom name="floor" type="plane" size="5 5 1" friction="0.8 0.1 0.1"/>
+    <body name="thigh" pos="0 0 1.25">
+      <joint name="x" type="slide" axis="1 0 0"/>
+      <joint name="z" type="slide" axis="0 0 1" ref="1.25"/>
+      <joint name="turn" type="hinge" axis="0 1 0"/>
+      <geom name="thigh" type="capsule" fromto="0 0 0 0 0 -0.4" size="0.05"/>
+      <body name="leg" pos="0 0 -0.4">
+        <joint name="knee" type="hinge" axis="0 1 0" range="-150 0"
+               stiffness="4" springref="-20" armature="0.1"/>
+        <geom type="mesh" mesh="shin"/>
+        <geom name="leg" type="capsule" fromto="0 0 0 0 0 -0.5" size="0.04"/>
+        <site name="foot" pos="0 0 -0.5"/>
+      </body>
+    </body>
+  </worldbody>
+  <asset><mesh name="shin" file="not_there.obj"/></asset>
+  <actuator><motor name="drive" joint="knee" gear="20" ctrlrange="-1 1"/></actuator>
+  <sensor><jointpos name="bend" joint="knee"/></sensor>
+</mujoco>
+"""
+
+
+def written(tmp_path, name, text):
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path / name
+
+
+@pytest.mark.parametrize("model", model_names())
+def test_a_scene_is_the_same_again_after_mjcf(model, tmp_path):
+    scene = load_scene(model)
+    convert(model, tmp_path / "model.xml")
+    again, done = of_robot(tmp_path / "model.xml")
+    assert done.left_out == []
+    assert list(again.values) == list(scene.values)
+    for name, value in scene.values.items():
+        found = again.values[name]
+        assert found == value or found == pytest.approx(value, abs=1e-12, rel=1e-12), name
+
+
+FREE = {"box.x_min": None, "box.x_max": None, "box.y_min": None, "box.y_max": None}
+DRIVEN = {"box.x_max": None, "link[2].joint_armature": 0.05, "link[2].joint_stiffness": 3.0}
+
+
+@pytest.mark.parametrize(
+    ("model", "changes"),
+    [
+        ("four_link_box", FREE),
+        ("triple_pendulum", {}),
+        ("pinned_arm", DRIVEN | {"link[2].joint_rest_angle": 0.4}),
+    ],
+)
+def test_in_flight_mujoco_moves_as_the_scene(model, changes):
+    import mujoco
+
+    run = {"simulation.stop_time": 1.0, "solver.tolerance": 1e-12}
+    scene = load_scene(model).with_values({**changes, **run})
+    scene = scene.with_values({"contact.points": []})
+    known = mujoco.MjModel.from_xml_string(mjcf_of(scene)[0])
+    data = mujoco.MjData(known)
+    mujoco.mj_resetDataKeyframe(known, data, 0)
+    known.opt.timestep = 1e-3
+    for _ in range(1000):
+        mujoco.mj_step(known, data)
+    mujoco.mj_forward(known, data)
+    tip = data.site(f"point[{len(scene.chain.links)}]").xpos
+    assert tip[[0, 2]] == pytest.approx(simulate(scene).points[-1, -1], abs=1e-9)
+
+
+def test_a_urdf_becomes_a_scene_and_what_is_left_out_is_named(tmp_path, capsys):
+    file, scene = written(tmp_path, "arm.urdf", URDF), tmp_path / "arm.toml"
+    assert main(["convert", str(file), "-o", str(scene)]) == 0
+    found = load_scene(scene)
+    one, two = found.chain.links
+    assert found.name == "two_links"
+    assert (one.length, one.mass, one.center_of_mass, one.inertia) == (0.2, 0.5, 0.1, 0.003)
+    assert (two.length, two.mass, two.center_of_mass, two.inertia) == (0.15, 0.25, 0.05, 0.001)
+    assert (one.joint_torque_limit, two.joint_damping, two.joint_friction) == (7.0, 0.01, 0.02)
+    hanging = -0.5 * np.pi
+    assert (one.joint_min, one.joint_max) == pytest.approx((hanging - 1.0, hanging + 2.0))
+    assert found.initial.angles == pytest.approx((hanging, hanging))
+    assert found.initial.position == (0.0, 1.0)
+    assert found.inputs.joint_torques
+    said = capsys.readouterr().out
+    for line in (
+        "plane: x of the scene is (0 1 0) of the robot, y is (0 0 1)",
+        "link upper: visual mesh package://upper.dae",
+        "link upper: collision sphere",
+        "joint shoulder: limit of the velocity, 20 rad/s",
+        "element transmission drive",
+        "body base: does not move, so its mass has no effect",
+    ):
+        assert line in said
+        assert f"{line}\n" in scene.read_text(encoding="utf-8")
+
+
+def test_an_mjcf_of_others_becomes_a_scene_without_its_meshes(tmp_path):
+    found, done = of_robot(written(tmp_path, "hopper.xml", MJCF))
+    thigh, leg = found.chain.links
+    assert found.chain.base == "free"
+    assert (thigh.length, leg.length) == (0.4, 0.5)
+    assert found.initial.position == (0.0, 1.25)
+    assert found.half_planes["floor"].clearance(0.0, 1.25) == pytest.approx(1.25)
+    assert found.contact.wall["floor"].friction == 0.8
+    assert (leg.joint_armature, leg.joint_stiffness, leg.joint_torque_limit) == (0.1, 4.0, 20.0)
+    assert leg.joint_rest_angle == pytest.approx(np.radians(-20.0))
+    assert (leg.joint_min, leg.joint_max) == pytest.approx((np.radians(-150.0), 0.0), abs=1e-12)
+    assert found.inputs.joint_torques
+    assert {"body leg: mesh shin", "body thigh: capsule thigh", "sensor bend"} <= set(done.left_out)
+    assert thigh.mass == pytest.approx(1000.0 * (np.pi * 0.05**2 * 0.4 + 4.0 / 3.0 * np.pi * 0.05**3))
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("x.urdf", "<robot", "is no XML"),
+        ("x.xml", "<sdf/>", "its root element is 'sdf', must be 'robot' (URDF) or 'mujoco' (MJCF)"),
+        ("x.xml", "<mujoco><nothing/></mujoco>", "MuJoCo cannot read it"),
+        (
+            "x.urdf",
+            '<robot name="r"><link name="a"/><link name="b"/></robot>',
+            "must have one link that none",
+        ),
+    ],
+)
+def test_a_file_that_is_no_robot_is_refused_in_one_line(tmp_path, name, text, said):
+    with pytest.raises(SceneError) as caught:
+        of_robot(written(tmp_path, name, text))
+    assert said in str(caught.value)
+
+
+def test_the_command_refuses_other_suffixes_and_joints_of_a_scene(tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        main(["convert", "pinned_arm", "-o", str(tmp_path / "x.csv")])
+    assert "must end in .toml or .xml" in capsys.readouterr().err
+    assert main(["convert", "pinned_arm", "--joints", "a", "-o", str(tmp_path / "x.xml")]) == 2
+    assert "a scene has no joints to choose" in capsys.readouterr().err
+    assert main(["convert", "pinned_arm", "-o", str(tmp_path / "x.xml")]) == 0
+    assert "left out contact.model = zhang_sharf" in capsys.readouterr().out

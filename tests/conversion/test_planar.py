@@ -1,0 +1,176 @@
+"""A robot in space as a planar chain, without the packages that read files."""
+
+import math
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from chain_impact import SceneError, extras, load_scene
+from chain_impact.conversion.mjcf import read_mjcf
+from chain_impact.conversion.planar import planar_chain
+from chain_impact.conversion.robot import Body, Joint, Plane, Robot
+from chain_impact.conversion.to_mjcf import mjcf_of
+from chain_impact.conversion.urdf import read_urdf
+from chain_impact.extras import MissingExtraError
+from chain_impact.scene.scene import scene_from_dict
+
+DOWN = np.array([0.0, 0.0, -9.81])
+
+
+def hinge(name, axis=(0.0, 1.0, 0.0), **more):
+    return Joint(name=name, kind="hinge", axis=np.array(axis), anchor=np.zeros(3), **more)
+
+
+def body(name, parent, position, joints=(), **more):
+    return Body(
+        name=name,
+        parent=parent,
+        rotation=np.eye(3),
+        position=np.array(position),
+        center=np.array([0.1, 0.0, 0.0]),
+        joints=joints,
+        **{"mass": 1.0, "inertia": np.diag([0.01, 0.02, 0.03]), **more},
+    )
+
+
+def arm(*joints, **more):
+    """Links of 0.3 m, each along the x axis of the one before, and a tip."""
+    bodies = [body(f"b{i}", i - 1, (0.3 * (i > 0), 0.0, 0.5 * (i == 0)), [j]) for i, j in enumerate(joints)]
+    bodies.append(body("tip", len(joints) - 1, (0.2, 0.0, 0.0), mass=0.0, inertia=np.zeros((3, 3))))
+    return Robot(name="arm", bodies=bodies, gravity=DOWN, **more)
+
+
+def scene(robot, *wanted):
+    done = planar_chain(robot, wanted, "arm.urdf")
+    return scene_from_dict(done.data, "arm"), done
+
+
+def test_angles_and_torques_keep_the_sign_of_the_robot_and_lengths_are_those_between_joints():
+    first = hinge("a", start=0.4, low=-1.0, high=2.0, damping=0.1, friction=0.2, armature=0.3)
+    found, done = scene(arm(first, hinge("b", start=-0.2, stiffness=5.0, rest=0.1)))
+    one, two = found.chain.links
+    assert (one.length, two.length, one.center_of_mass, one.inertia) == (0.3, 0.2, 0.1, 0.02)
+    assert (one.joint_damping, one.joint_friction, one.joint_armature) == (0.1, 0.2, 0.3)
+    # about +y a positive angle turns x down: x of the scene is −x of the robot, where the links point
+    assert done.notes[0] == "plane: x of the scene is (-1 0 0) of the robot, y is (0 0 1)"
+    assert found.initial.angles == pytest.approx([math.pi + 0.4, math.pi + 0.2], abs=1e-11)
+    assert (one.joint_min, one.joint_max) == pytest.approx((math.pi - 1.0, math.pi + 2.0), abs=1e-11)
+    assert (two.joint_stiffness, two.joint_rest_angle) == (5.0, 0.1)
+    assert found.initial.position == (0.0, 0.5)
+    assert found.gravity == (0.0, -9.81)
+
+
+def test_a_joint_with_the_opposite_axis_counts_the_other_way():
+    second = hinge("b", (0.0, -1.0, 0.0), start=0.3, low=-0.1, high=0.5)
+    found, done = scene(arm(hinge("a"), second))
+    assert found.initial.angles == pytest.approx([math.pi, math.pi - 0.3], abs=1e-11)
+    link = found.chain.links[1]
+    assert (link.joint_min, link.joint_max) == pytest.approx((-0.5, 0.1))
+    assert "joint b: counts the other way round in the scene" in done.notes
+
+
+def test_an_offset_along_the_axes_has_no_effect_and_a_held_joint_merges_two_bodies():
+    robot = arm(hinge("a"), hinge("b"))
+    aside = [body("b0", -1, (0.0, 0.0, 0.5), [hinge("a")]), body("b1", 0, (0.3, 0.7, 0.0), [hinge("b")])]
+    aside.append(robot.bodies[-1])
+    moved, _ = scene(Robot(name="arm", bodies=aside, gravity=DOWN))
+    assert moved.chain == scene(robot)[0].chain
+    held, done = scene(arm(hinge("a"), hinge("b", start=0.5 * math.pi)), "a")
+    (link,) = held.chain.links
+    assert link.mass == 2.0
+    assert link.length == pytest.approx(math.hypot(0.3, 0.2))
+    assert "joint b: is held at its start" in done.notes
+    # of masses at 0.1 m ahead and at (0.3, 0.1) m, in part beside the line of the link
+    about = 2 * 0.02 + 0.1**2 + 0.3**2 + 0.1**2
+    assert link.inertia + link.mass * link.center_of_mass**2 == pytest.approx(about, abs=1e-10)
+    assert any("beside the line of the link" in line for line in done.left_out)
+
+
+def test_of_upright_axes_gravity_is_borne_by_the_joints():
+    found, done = scene(arm(hinge("a", (0.0, 0.0, 1.0)), hinge("b", (0.0, 0.0, 1.0))))
+    assert found.gravity == (0.0, 0.0)
+    assert found.initial.angles == (0.0, 0.0)
+    assert "gravity: its part along the axes, -9.81 m/s2, is borne by the joints" in done.notes
+
+
+def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
+    planes = [
+        Plane(name="y_min", point=np.zeros(3), normal=np.array([0.0, 0.0, 1.0]), friction=0.4),
+        Plane(name="", point=np.array([2.0, 0.0, 0.0]), normal=np.array([-1.0, 0.0, 0.0]), friction=0.0),
+        Plane(name="side", point=np.zeros(3), normal=np.array([0.0, 1.0, 0.0]), friction=0.0),
+    ]
+    found, done = scene(arm(hinge("a", start=0.1, low=0.2, high=0.5), planes=planes))
+    assert found.box.y_min == 0.0
+    assert found.contact.wall["y_min"].friction == 0.4
+    assert [wall.name for wall in found.walls] == ["wall_2"]
+    assert found.half_planes["wall_2"].normal == pytest.approx((1.0, 0.0), abs=1e-12)
+    assert "plane side: is not upright on the plane of the motion" in done.left_out
+    assert found.initial.angles[0] == pytest.approx(math.pi + 0.2)
+
+
+@pytest.mark.parametrize(
+    ("robot", "wanted", "said"),
+    [
+        (
+            arm(hinge("a"), hinge("b", (0.0, 0.0, 1.0)), hinge("c")),
+            (),
+            "arm.urdf: the axes of its joints are not parallel: it is no planar chain; --joints a,c "
+            "takes those",
+        ),
+        (arm(hinge("a")), ("c",), "arm.urdf: c is no joint; joints: a"),
+        (
+            arm(hinge("a"), Joint(name="b", kind="slide", axis=np.eye(3)[0], anchor=np.zeros(3))),
+            (),
+            "joint b slides",
+        ),
+        (arm(Joint(name="a", kind="ball", axis=np.eye(3)[1], anchor=np.zeros(3))), (), "is of the kind ball"),
+        (Robot(name="none", bodies=[body("b", -1, (0, 0, 0))], gravity=DOWN), (), "it has no hinge"),
+        (
+            Robot(
+                name="tree",
+                bodies=[body("b", -1, (0, 0, 0), [hinge("a")])]
+                + [body(name, 0, (0.3, 0, 0), [hinge(name)]) for name in ("left", "right")],
+                gravity=DOWN,
+            ),
+            (),
+            "joints left and right do not follow one another: a scene has one chain without branches",
+        ),
+        (
+            Robot(
+                name="twice",
+                bodies=[body("b", -1, (0, 0, 0), [hinge("a")]), body("c", 0, (0, 0.1, 0), [hinge("b")])],
+                gravity=DOWN,
+            ),
+            (),
+            "joints a and b have the same axis: hold one by --joints",
+        ),
+    ],
+)
+def test_what_is_no_planar_chain_is_refused_with_what_would_be_one(robot, wanted, said):
+    with pytest.raises(SceneError) as caught:
+        scene(robot, *wanted)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_mjcf_of_a_scene_has_its_links_walls_and_start():
+    text, left_out = mjcf_of(load_scene("pinned_arm"))
+    root = ElementTree.fromstring(text)
+    assert [body.get("name") for body in root.iter("body")] == ["link[1]", "link[2]"]
+    (wall,) = [geom for geom in root.iter("geom") if geom.get("type") == "plane"]
+    assert (wall.get("name"), wall.get("pos"), wall.get("zaxis")) == ("x_max", "0.3 0.0 0.0", "-1.0 0.0 0.0")
+    angles = [float(word) for word in root.find("keyframe/key").get("qpos").split()]
+    assert np.cumsum(angles) == pytest.approx([-2.4, -2.1])
+    assert [motor.get("joint") for motor in root.iter("motor")] == ["joint[1]", "joint[2]"]
+    assert left_out[0].startswith("contact.model = zhang_sharf")
+
+
+@pytest.mark.parametrize(("read", "package"), [(read_urdf, "yourdfpy"), (read_mjcf, "mujoco")])
+def test_without_the_extra_one_line_says_how_to_install_it(monkeypatch, tmp_path, read, package):
+    def missing(name):
+        raise ModuleNotFoundError(name=name)
+
+    monkeypatch.setattr(extras, "import_module", missing)
+    with pytest.raises(MissingExtraError, match=rf"{package} is not installed: .* -m pip install .*convert"):
+        read(tmp_path / "robot.xml")
