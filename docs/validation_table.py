@@ -33,6 +33,10 @@ SOURCES = {
     "glocker_rod": "Glocker 1995; cardillo",
     "stewart_rod": "Stewart & Trinkle 1996",
     "rocking_block": "Housner 1963",
+    "ball_between_walls": "Siconos, BouncingBallED-TwoContacts",
+    "ball_stays": "Siconos, BouncingBallED-withRestingContact",
+    "ball_on_a_spring": "Siconos, BouncingBallTS-CompliantContact",
+    "sliding_block": "Potra et al. 2006; Solfec",
 }
 # quantities that the page leaves out
 LEFT_OUT = (
@@ -45,6 +49,9 @@ LEFT_OUT = (
     "second contact",
     "speed at contact",
     "at 2 s [rad]",
+    "height at 3 s",
+    "at 8.001 s",
+    "at 6.151 s",
 )
 
 

@@ -69,6 +69,7 @@ def kane_pendulum(stiffness: float = FIRM) -> tuple[Table, KaneLevinson]:
 # from the first impact to the second: horizontal velocity of the centre [m/s], angular velocity [rad/s], and
 # the energy that was made [J], as stored
 SICONOS = ("-0.50373883", "1.6800228", "0.00070713554")
+FREMOND = ("-0.49631334", "1.6890682", "-0.00066901813")  # by Frémond's law, ImpactingStick-FremondNSL
 
 
 @dataclass(frozen=True)

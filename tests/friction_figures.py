@@ -104,6 +104,13 @@ def siconos_stick(tolerance: float) -> Problem:
         Figure(*row, True)
         for row in zip(names, exact.published, exact.limit, ours, held, errors, strict=True)
     ]
+    fremond = [f"Frémond's law: {name}" for name in names]
+    figures += [
+        Figure(*row, True)
+        for row in zip(
+            fremond, coulomb_literature.FREMOND, exact.limit, ours, held, (0.0013, 0.0041, 7e-5), strict=True
+        )
+    ]
     return problem("siconos_stick", result, figures)
 
 

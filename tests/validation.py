@@ -23,6 +23,7 @@ from tests.derivatives import differentiate
 from tests.figures import Figure, Problem, problem, run
 from tests.friction_figures import glocker_rod, kane_pendulum, rocking_block, siconos_stick, stewart_rod
 from tests.measured import golf_ball, triple_pendulum
+from tests.stored import ball_between_walls, ball_on_a_spring, ball_stays, sliding_block
 from tests.walker import kneed_leg
 
 # --- double pendulum at a wall -------------------------------------------------------------------------
@@ -350,5 +351,9 @@ PROBLEMS: dict[str, Callable[[float], Problem]] = {
         glocker_rod,
         stewart_rod,
         rocking_block,
+        ball_between_walls,
+        ball_stays,
+        ball_on_a_spring,
+        sliding_block,
     )
 }
