@@ -25,6 +25,22 @@ MAP = {"simulation.stop_time": 0.8}
 READ = re.compile(r"contact.restitution = ([\d.]+), initial.angle\[1\] = ([\d.]+): impact.count = (\d+)")
 
 
+PIXELS = """async ([chart, colour]) => {
+  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  const style = getComputedStyle(document.documentElement).getPropertyValue(`--${colour}`);
+  const wanted = style.match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
+  const canvas = document.querySelector(`#${chart} canvas`);
+  const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+  context.drawImage(canvas, 0, 0);
+  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+  let count = 0;
+  for (let k = 0; k < data.length; k += 4) {
+    if (data[k + 3] > 200 && wanted.every((part, c) => Math.abs(part - data[k + c]) < 30)) count += 1;
+  }
+  return count; }"""
+"""How many pixels of a chart have a colour of the style sheet."""
+
+
 def impacts_of(changes):
     return f"{len(simulate(load_scene('four_link_box').with_values(changes)).impacts)} impacts"
 
@@ -357,6 +373,10 @@ def test_the_motion_before_a_change_is_a_ghost_and_pinned_ones_stay(show):
         until_told(page, impacts_of({"contact.restitution": value}))
         page.wait_for_timeout(900)  # changes that follow each other faster are one
     assert page.locator("polyline.ghost").count() == 3
+    for chart in ("energy", "force"):
+        assert page.evaluate(PIXELS, [chart, "pin-2"]) > 20
+    page.get_by_role("button", name="F(δ)").click()
+    assert page.evaluate(PIXELS, ["force", "pin-2"]) > 20
     rows = page.locator("#pins tbody tr").all_inner_texts()
     for row, text in zip(rows, ("present", "as in the scene", "contact.restitution = 0.4"), strict=True):
         assert text in row

@@ -31,8 +31,27 @@ function labelledWidth(plot, labels, index, cycle) {
   return Math.ceil(Math.max(NARROWEST, LABEL_MARGIN + Math.max(...widths) + gap + ticks.size));
 }
 
+/** The largest of some numbers, and above zero. */
+function largest(...all) {
+  return Math.max(1e-12, ...all.map((numbers) => numbers.reduce((most, value) => Math.max(most, value), 0)));
+}
+
+/** The rows around a contact: times since its onset [s], and while it lasts its force, penetration and dry friction. */
+function around(recording, contact) {
+  const { onset, end } = contact;
+  const margin = AROUND * Math.max(end - onset, 1e-6);
+  const first = Math.floor(recording.frameAt(onset - margin));
+  const last = Math.ceil(recording.frameAt(end + margin)) + 1;
+  const times = Array.from(recording.time.slice(first, last), (time) => time - onset);
+  const during = (all) => all && times.map((time, index) => (time >= 0 && time <= end - onset ? all[first + index] : 0));
+  const [force, depth, friction] = [recording.forceOf(contact), recording.depthOf(contact), recording.frictionOf(contact)].map(during);
+  return { times, margin, force: force ?? times.map(() => 0), depth, friction };
+}
+
 /** A vertical line at the present time, and what the charts share. */
 class Chart {
+  others = []; // recordings to compare with: {recording, colour}
+
   constructor(element, height) {
     this.element = element;
     this.height = element.clientHeight || height;
@@ -108,9 +127,13 @@ export class EnergyChart extends Chart {
     this.make(
       {
         series: [{}, ...series],
-        scales: { x: { time: false, range: () => [this.recording.start, this.recording.end] } },
+        scales: { x: { time: false, range: () => [this.recording.start, this.recording.end] }, y: { range: (_, least, most) => this.#range(least, most) } },
         axes: [axis({ size: 26, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(6)} s`) }), axis({ size: labelledWidth })],
-        hooks: { drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)] },
+        hooks: {
+          drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)],
+          draw: [(plot) => this.others.forEach(({ recording: { time, energies }, colour: stroke }) =>
+            drawCurve(plot, [time, energies.total ?? []], stroke))],
+        },
       },
       data,
     );
@@ -125,6 +148,18 @@ export class EnergyChart extends Chart {
       go(event);
     });
     this.plot.over.addEventListener("pointermove", (event) => event.buttons && go(event));
+  }
+
+  /** The ends of the axis: the energies, and the total ones of the others, fit between them. */
+  #range(least, most) {
+    const totals = this.others.flatMap(({ recording: { energies } }) => Array.from(energies.total ?? []));
+    const [low, high] = totals.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [least, most]);
+    return uPlot.rangeNum(low, high, 0.1, true);
+  }
+
+  compare(others) {
+    this.others = others;
+    if (this.recording) this.show(this.recording);
   }
 
   draw(frame) {
@@ -157,15 +192,22 @@ function depthText(tick, ticks) {
   return `${+(factor * tick).toPrecision(6)} ${unit}`;
 }
 
-/** The curve through places of a chart, closed and filled. */
-function drawLoop({ ctx, valToPos }, [along, up]) {
+/** A curve through places of a chart: filled, or dashed. */
+function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill) {
   ctx.save();
   ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  ctx.beginPath();
   along.forEach((x, k) => ctx.lineTo(valToPos(x, "x", true), valToPos(up[k], "y", true)));
-  ctx.fillStyle = colour("force-fill");
-  ctx.fill();
-  ctx.strokeStyle = colour("force");
-  ctx.lineWidth = 2 * devicePixelRatio;
+  if (fill) {
+    ctx.fillStyle = colour(fill);
+    ctx.fill();
+  } else {
+    ctx.setLineDash([6, 3].map((length) => length * devicePixelRatio));
+  }
+  ctx.strokeStyle = colour(stroke);
+  ctx.lineWidth = 1.6 * devicePixelRatio;
   ctx.stroke();
   ctx.restore();
 }
@@ -198,7 +240,12 @@ export class ForceChart extends Chart {
           { stroke: () => colour("friction"), width: 1.6, points: { show: false } },
         ],
         scales: { x: { time: false }, y: { range: (_, least, most) => [1.08 * Math.min(least, 0), 1.08 * Math.max(most, 1e-9)] } },
-        hooks: { draw: [(plot) => this.loop && drawLoop(plot, this.loop)] },
+        hooks: {
+          draw: [(plot) => {
+            if (this.loop) drawCurve(plot, this.loop, "force", "force-fill");
+            this.curves?.forEach(({ places, stroke }) => drawCurve(plot, places, stroke));
+          }],
+        },
         axes: [
           axis({ size: 26, values: (_, ticks) => ticks.map((tick) => (this.loop ? depthText : ticksText)(tick, ticks)) }),
           axis({ size: labelledWidth, values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, this.unit.force) : "0")) }),
@@ -219,6 +266,11 @@ export class ForceChart extends Chart {
 
   show(recording) {
     this.recording = recording;
+    this.shown = null;
+  }
+
+  compare(others) {
+    this.others = others;
     this.shown = null;
   }
 
@@ -243,24 +295,23 @@ export class ForceChart extends Chart {
     const { wall, onset, end, number } = contact;
     this.shown = contact;
     Object.assign(this.unit, unitsOf(contact));
-    const margin = AROUND * Math.max(end - onset, 1e-6);
-    const values = recording.forceOf(contact);
-    const first = Math.floor(recording.frameAt(onset - margin));
-    const last = Math.ceil(recording.frameAt(end + margin)) + 1;
-    const times = Array.from(recording.time.slice(first, last), (time) => time - onset);
-    const during = (all) => times.map((time, index) => (time >= 0 && time <= end - onset ? all?.[first + index] ?? 0 : 0));
-    const inside = during(values);
-    const along = recording.frictionOf(contact);
-    const friction = along ? during(along) : times.map(() => null);
-    const depths = recording.depthOf(contact);
-    this.over.hidden = !depths;
-    this.loop = depths && this.over.getAttribute("aria-pressed") === "true" ? [during(depths), inside] : null;
-    const most = Math.max(...(this.loop?.[0] ?? []), 1e-12);
+    const { times, margin, force: inside, friction: along, depth } = around(recording, contact);
+    const friction = along ?? times.map(() => null);
+    this.over.hidden = !depth;
+    this.loop = depth && this.over.getAttribute("aria-pressed") === "true" ? [depth, inside] : null;
+    this.curves = this.others.flatMap(({ recording: other, colour: stroke }) => {
+      const same = other.impacts[number - 1];
+      const found = same && same.atStop === contact.atStop && around(other, same);
+      const x = found && (this.loop ? found.depth : found.times);
+      return x ? [{ places: [x, found.force], stroke }] : [];
+    });
+    const most = largest(this.loop?.[0] ?? [], ...this.curves.map(({ places: [x] }) => x));
     this.plot.setData(this.loop ? [[0, most], [null, null], [null, null]] : [times, inside, friction], false);
     this.plot.batch(() => {
       if (this.loop) this.plot.setScale("x", { min: 0, max: 1.05 * most });
       else this.plot.setScale("x", { min: -margin, max: end - onset + margin });
-      this.plot.setScale("y", { min: Math.min(0, ...friction), max: Math.max(contact.peak ?? 0, ...friction) });
+      const high = largest([contact.peak ?? 0, ...friction], ...this.curves.map(({ places: [, y] }) => y));
+      this.plot.setScale("y", { min: Math.min(0, ...friction), max: high });
     });
     // an impact between two rows of the recording, or at a rigid wall, has no curve
     const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";

@@ -58,6 +58,7 @@ export class Ghosts {
   /** List the pinned motions, and the impacts of all side by side. */
   show() {
     const { pinned, panel, table, player } = this;
+    player.panels.forEach(([, , chart]) => chart.compare(pinned.map(({ recording, colour }) => ({ recording, colour: `pin-${colour}` }))));
     panel.hidden = pinned.length === 0;
     if (panel.hidden) return;
     const all = [{ recording: player.recording, text: "present" }, ...pinned];
