@@ -22,7 +22,9 @@ pytestmark = needs_browser
 SUBTITLE = "document.getElementById('subtitle').textContent"
 COLOUR = "field => getComputedStyle(field).borderTopColor"
 MAP = {"simulation.stop_time": 0.8}
-READ = re.compile(r"contact.restitution = ([\d.]+), initial.angle\[1\] = ([\d.]+): impact.count = (\d+)")
+READ = re.compile(
+    r"contact.restitution = ([\d.]+), initial.angle\[1\] = ([\d.]+)\u202frad \(.*°\): impact.count = (\d+)"
+)
 
 
 PIXELS = """async ([chart, colour]) => {
@@ -406,6 +408,14 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     page.locator("#map-x-to").fill("0.95")
     draw_map(page)
     box = page.locator("#map-canvas").bounding_box()
+    titles = page.locator("#map-scales text").all_text_contents()
+    assert {"contact.restitution", "initial.angle[1], °", "impact.count", "0.4", "20"} <= set(titles)
+    assert page.locator(".map-present").count() == 1
+    table = saved(page, "Map as CSV").read_text().splitlines()
+    assert table[0] == "contact.restitution,initial.angle[1],impact.count"
+    assert len(table) == 1 + 41 * 41
+    picture = Image.open(saved(page, "Map as PNG")).convert("RGB")
+    assert picture.getcolors(1 << 20) is None or len(picture.getcolors(1 << 20)) > 5
     lower_right = {"x": box["width"] - 5, "y": box["height"] - 5}
     page.locator("#map-canvas").hover(position=lower_right)
     e, angle, count = READ.search(page.locator("#map-text").inner_text()).groups()

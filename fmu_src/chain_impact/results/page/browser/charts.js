@@ -32,7 +32,7 @@ function labelledWidth(plot, labels, index, cycle) {
 }
 
 /** The largest of some numbers, and above zero. */
-function largest(...all) {
+function highest(...all) {
   return Math.max(1e-12, ...all.map((numbers) => numbers.reduce((most, value) => Math.max(most, value), 0)));
 }
 
@@ -305,12 +305,12 @@ export class ForceChart extends Chart {
       const x = found && (this.loop ? found.depth : found.times);
       return x ? [{ places: [x, found.force], stroke }] : [];
     });
-    const most = largest(this.loop?.[0] ?? [], ...this.curves.map(({ places: [x] }) => x));
+    const most = highest(this.loop?.[0] ?? [], ...this.curves.map(({ places: [x] }) => x));
     this.plot.setData(this.loop ? [[0, most], [null, null], [null, null]] : [times, inside, friction], false);
     this.plot.batch(() => {
       if (this.loop) this.plot.setScale("x", { min: 0, max: 1.05 * most });
       else this.plot.setScale("x", { min: -margin, max: end - onset + margin });
-      const high = largest([contact.peak ?? 0, ...friction], ...this.curves.map(({ places: [, y] }) => y));
+      const high = highest([contact.peak ?? 0, ...friction], ...this.curves.map(({ places: [, y] }) => y));
       this.plot.setScale("y", { min: Math.min(0, ...friction), max: high });
     });
     // an impact between two rows of the recording, or at a rigid wall, has no curve

@@ -2,6 +2,7 @@
 
 import { find } from "./dom.js";
 import { numberText } from "./changes.js";
+import { pictureOf, save } from "./outside.js";
 import { unitText } from "./knobs.js";
 
 const POINTS = 41; // in each direction
@@ -9,6 +10,30 @@ const RUNS = POINTS * POINTS;
 const WORKERS = 8; // at most
 // viridis of matplotlib (CC0), at equal distances
 const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+
+const EDGE = { left: 64, right: 16, top: 8, bottom: 86 }; // pixels around the canvas, as the style sheet has them
+const TICKS = 5; // about, of an axis
+const DEGREES = 180 / Math.PI;
+
+/** How a value is shown: in degrees if it is an angle. */
+function shownIn({ unit }) {
+  return unit.startsWith("rad") ? { factor: DEGREES, text: unit.replace("rad", "°") } : { factor: 1, text: unitText(unit) };
+}
+
+/** A name with a unit. */
+function titleOf(name, unit) {
+  return unit ? `${name}, ${unit}` : name;
+}
+
+/** Round numbers between two. */
+function ticksBetween(low, high) {
+  const rough = (high - low) / TICKS;
+  if (!(rough > 0)) return [low];
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * [1, 2, 5, 10].find((factor) => factor * power >= rough);
+  const [first, last] = [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
+  return Array.from({ length: last - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(9)));
+}
 
 /** The colour of a share from 0 to 1. */
 function colourAt(share) {
@@ -33,10 +58,14 @@ export class GridMap {
     Object.assign(this, { begin, changes });
     this.dialog = find("map");
     this.canvas = find("map-canvas");
+    this.scales = SVG(find("map-scales"));
     this.inputs = ["x", "y"].map((axis) => ["name", "from", "to"].map((part) => find(`map-${axis}-${part}`)));
     this.output = find("map-output");
     this.#fill();
     find("map-run").addEventListener("click", () => this.run());
+    find("map-csv").addEventListener("click", () => save(new Blob([this.#table()], { type: "text/csv" }), `${changes.scene.name}-map.csv`));
+    find("map-png").addEventListener("click", () => this.#picture());
+    new ResizeObserver(() => this.shown && this.#drawScales()).observe(find("map-frame"));
     this.dialog.addEventListener("close", () => this.#stop());
     this.canvas.addEventListener("click", (event) => this.#choose(event));
     this.canvas.addEventListener("pointermove", (event) => this.#tell(event));
@@ -48,6 +77,7 @@ export class GridMap {
       if ([from, to].every((field) => field.value === field.dataset.own)) this.#range(k);
     });
     this.dialog.showModal();
+    if (this.shown) this.#drawScales();
   }
 
   /** The outputs that a map can have: those of the whole and of the tip. */
@@ -56,7 +86,7 @@ export class GridMap {
     const tip = `point[${scene.links}]`;
     return ["impact.count", "impact.last_time", "energy.total", `${tip}.x`, `${tip}.y`].flatMap((name) => {
       const column = scene.columns.find((one) => one.name === name);
-      return column ? [{ ...column, label: unitText(column.unit) ? `${name}, ${unitText(column.unit)}` : name }] : [];
+      return column ? [{ ...column, label: titleOf(name, unitText(column.unit)) }] : [];
     });
   }
 
@@ -185,9 +215,76 @@ export class GridMap {
       image.data.set(colour, 4 * (row * POINTS + column));
     });
     context.putImageData(image, 0, 0);
-    [["map-least", least], ["map-most", most]].forEach(([id, value]) => {
-      find(id).textContent = known.length ? numberText(Number(value.toPrecision(4))) : "";
+    this.shown.ends = known.length ? [least, most] : null;
+    find("map-files").hidden = false;
+    this.#drawScales();
+  }
+
+  /** The axes, the present run and the scale of the colours. */
+  #drawScales() {
+    const { scales, shown: { names, axes, output, ends } } = this;
+    const { clientWidth, clientHeight } = find("map-frame");
+    const [width, height] = [clientWidth - EDGE.left - EDGE.right, clientHeight - EDGE.top - EDGE.bottom];
+    if (!(width > 0 && height > 0)) return;
+    scales.clear().size(clientWidth, clientHeight).viewbox(0, 0, clientWidth, clientHeight);
+    const write = (text, x, y, anchor) => scales.plain(text).attr({ x, y, "text-anchor": anchor }).addClass("map-number");
+    const bottom = EDGE.top + height;
+    const at = (k, value) => {
+      const [first, last] = [axes[k][0], axes[k].at(-1)];
+      const share = ((POINTS - 1) * (value - first) / (last - first || 1) + 0.5) / POINTS;
+      return k ? bottom - share * height : EDGE.left + share * width;
+    };
+    const units = names.map((name) => shownIn(this.changes.parameters.get(name)));
+    names.forEach((name, k) => {
+      const { factor, text } = units[k];
+      const [low, high] = [axes[k][0] * factor, axes[k].at(-1) * factor].sort((a, b) => a - b);
+      ticksBetween(low, high).forEach((tick) => {
+        const place = at(k, tick / factor);
+        scales.line(k ? [[EDGE.left - 5, place], [EDGE.left, place]] : [[place, bottom], [place, bottom + 5]]).addClass("map-tick");
+        if (k) write(numberText(tick), EDGE.left - 8, place + 4, "end");
+        else write(numberText(tick), place, bottom + 18, "middle");
+      });
+      const title = titleOf(name, text);
+      if (k) write(title, 0, 0, "middle").attr({ transform: `translate(13 ${EDGE.top + height / 2}) rotate(-90)` });
+      else write(title, EDGE.left + width / 2, bottom + 34, "middle");
     });
+    scales.rect(width, height).move(EDGE.left, EDGE.top).addClass("map-tick");
+    this.#drawColours(write, EDGE.left, bottom + 52, width, titleOf(output.name, unitText(output.unit)), ends);
+    const present = names.map((name, k) => at(k, this.changes.valueOf(name)));
+    const isSeen = present[0] >= EDGE.left && present[0] <= EDGE.left + width && present[1] >= EDGE.top && present[1] <= bottom;
+    if (isSeen && this.#isOfPresent()) ["map-present-edge", "map-present"].forEach((kind) => scales.circle(13).center(...present).addClass(kind));
+  }
+
+  /** The scale of the colours, with its ends and what it is. */
+  #drawColours(write, left, top, width, title, ends) {
+    const bar = this.scales.gradient("linear", (add) => VIRIDIS.forEach((colour, k) => add.stop(k / (VIRIDIS.length - 1), `rgb(${colour})`)));
+    this.scales.rect(width, 9).move(left, top - 8).fill(bar);
+    const [least, most] = ends ? ends.map((value) => numberText(Number(value.toPrecision(4)))) : ["", ""];
+    write(least, left, top + 16, "start");
+    write(title, left + width / 2, top + 16, "middle");
+    write(most, left + width, top + 16, "end");
+  }
+
+  /** Whether what the page shows now differs from the runs of the map in the two parameters only. */
+  #isOfPresent() {
+    const others = (values) => JSON.stringify(Object.entries(values).filter(([name]) => !this.shown.names.includes(name)).sort());
+    return others(this.shown.values) === others(this.changes.values);
+  }
+
+  /** The runs as a table: both parameters and the output. */
+  #table() {
+    const { names, output, found } = this.shown;
+    const lines = Array.from(found, (value, index) => [...Object.values(this.#givenAt(index)), value ?? ""].join(","));
+    return [[...names, output.name].join(","), ...lines, ""].join("\r\n");
+  }
+
+  async #picture() {
+    const { offsetLeft: left, offsetTop: top, offsetWidth: width, offsetHeight: height } = this.canvas;
+    const picture = await pictureOf(find("map-scales"), getComputedStyle(this.dialog).backgroundColor, (context) => {
+      context.imageSmoothingEnabled = false;
+      context.drawImage(this.canvas, ...[left, top, width, height].map((length) => 2 * length));
+    });
+    save(picture, `${this.changes.scene.name}-map.png`);
   }
 
   /** The run at a place of the canvas; undefined where there is none yet. */
@@ -203,9 +300,17 @@ export class GridMap {
     const index = this.#at(event);
     if (index === undefined) return;
     const value = this.shown.found[index];
-    const parameters = Object.entries(this.#givenAt(index)).map(([name, one]) => `${name} = ${numberText(Number(one.toPrecision(5)))}`);
+    const parameters = Object.entries(this.#givenAt(index)).map(([name, one]) => this.#valueText(name, one));
     const result = value === null ? "the run fails" : `${this.shown.output.name} = ${numberText(Number(value.toPrecision(6)))}`;
     this.#say(`${parameters.join(", ")}: ${result}`);
+  }
+
+  /** A value of a parameter with its unit, of an angle in degrees, too. */
+  #valueText(name, value) {
+    const parameter = this.changes.parameters.get(name);
+    const { factor, text } = shownIn(parameter);
+    const degrees = factor === 1 ? "" : ` (${numberText(Number((factor * value).toPrecision(4)))}\u202f${text})`;
+    return `${name} = ${[numberText(Number(value.toPrecision(5))), unitText(parameter.unit)].filter(Boolean).join("\u202f")}${degrees}`;
   }
 
   /** Open a run; a finger that has not pointed at it yet reads it first. */

@@ -52,8 +52,8 @@ export function save(blob, name) {
 const DRAWN = ["fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "stroke-linecap", "stroke-linejoin",
   "opacity", "font", "paint-order", "text-anchor", "stroke-dasharray"];
 
-/** A picture of the scene as it is drawn now, twice as fine as on the screen. */
-export async function pictureOf(svg, background) {
+/** A picture of what is drawn now, twice as fine as on the screen; `below` draws what lies behind it. */
+export async function pictureOf(svg, background, below = () => {}) {
   const copy = svg.cloneNode(true);
   const [from, to] = [svg, copy].map((root) => [...root.querySelectorAll("*")]);
   from.forEach((element, k) => {
@@ -70,6 +70,7 @@ export async function pictureOf(svg, background) {
   const context = canvas.getContext("2d");
   context.fillStyle = background;
   context.fillRect(0, 0, canvas.width, canvas.height);
+  below(context);
   context.drawImage(image, 0, 0, canvas.width, canvas.height);
   return new Promise((done) => canvas.toBlob(done, "image/png"));
 }
