@@ -69,6 +69,7 @@ def test_many_impacts_in_one_step_are_all_collected():
     chain = Chain(scene)
     chain.step(3.0)
     assert len(chain.impacts) > 100
+    assert set(chain.impacts["wall_name"]) == {chain.scene.wall_names[k] for k in chain.impacts["wall"]}
     assert chain.impacts.tobytes() == simulate(scene, output_step=math.inf).impacts.tobytes()
 
 
@@ -276,7 +277,6 @@ def test_a_start_that_cannot_be_is_said_at_the_next_look(arm):
         chain.get("point[1].x")
     chain.reset()
     assert chain.impacts.dtype == IMPACT_DTYPE
-    assert chain.impacts["wall_name"].tolist() == [chain.scene.wall_names[k] for k in chain.impacts["wall"]]
     assert isinstance(chain.get("point[1].x"), float)
 
 
