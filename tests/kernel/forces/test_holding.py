@@ -168,27 +168,12 @@ def stuck_chain(base, contacts, joints, stuck):
     return d, y
 
 
-@pytest.mark.parametrize(
-    ("contacts", "joints", "stuck", "rigid", "alone"),
-    [
-        *((1, False, [], 0, False), (1, False, [0], 0, True), (2, False, [0, 1], 0, False)),
-        *((2, False, [1], 0, True), (1, True, [0], 0, True), (1, True, [1], 0, False)),
-        *((1, True, [0, 1], 0, False), (2, False, [1], 1, False)),  # the last one is beside a rigid wall
-    ],
-)
-def test_one_contact_alone_sticks(contacts, joints, stuck, rigid, alone):
-    d, _ = stuck_chain("free", contacts, joints, stuck)
-    make_rigid(d, np.isin(np.arange(d.candidates), d.touch.active_index[:rigid]))
-    assert d.touch.compliant_count == contacts - rigid
-    assert holding.sticks_alone(d) == alone
-
-
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize(("contacts", "stuck"), [(1, 0), (2, 0), (2, 1)])
-def test_its_force_is_that_of_the_constraint(base, contacts, stuck, monkeypatch):
+def test_the_force_of_one_that_sticks_alone_is_that_of_the_iteration(base, contacts, stuck, monkeypatch):
     results = []
-    for alone in (holding.sticks_alone, lambda _d: False):
-        monkeypatch.setattr(holding, "sticks_alone", alone)
+    for only_active in (constraints.only_active, lambda _d: -1):
+        monkeypatch.setattr(constraints, "only_active", only_active)
         d, y = stuck_chain(base, contacts, True, [stuck])
         rate = np.zeros(len(y))
         equations.free_rate(d, y, rate)

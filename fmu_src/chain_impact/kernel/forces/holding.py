@@ -8,24 +8,20 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, move_points
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, supplied_at, velocity_at
-from chain_impact.kernel.chain.tree import FREE, take_factors
+from chain_impact.kernel.chain.tree import take_factors
 from chain_impact.kernel.forces.contact import keep_force
 from chain_impact.kernel.forces.friction import keep_static_forces
-from chain_impact.kernel.rows.compliance import held_mobility, joints_loaded, mean_mass, solve_space
+from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass
 from chain_impact.kernel.rows.constraints import (
     activate_all,
     factorize_free,
     note_moving,
     note_squeezed,
-    set_impulse,
     solve_equality,
     solve_lcp,
 )
 from chain_impact.kernel.rows.geometry import (
-    add_along,
-    along,
     any_sticking,
-    clear_loads_of,
     clearance,
     constraint,
     constraint_acceleration,
@@ -33,7 +29,6 @@ from chain_impact.kernel.rows.geometry import (
     fastest_of_all,
     largest_acceleration,
     tangent,
-    tangential_acceleration,
     tangential_position,
     tangential_rate,
 )
@@ -86,44 +81,17 @@ def add_constraint_forces(d, y, rate):
     """
     own = d.rigid
     take_factors(d, joints_loaded(d))
-    if sticks_alone(d):
-        set_impulse(d, d.touch.active_count, add_sticking_force(d, y, rate))
-    else:
-        scale = start_from_accelerations(d, y, rate)
-        activate_all(d)
-        if solve_equality(d, scale) > d.solver.tolerance * scale:
-            note_moving(d, d.solver.tolerance * scale)
-        add_change(d, rate, velocity_at(d.links))
-        for k in range(d.touch.compliant_count, d.touch.active_count):
-            c = d.touch.active_index[k]
-            own.least_force[c] = min(own.least_force[c], own.impulse[k])
-            keep_force(d, c, own.impulse[k])
+    scale = start_from_accelerations(d, y, rate)
+    activate_all(d)
+    if solve_equality(d, scale) > d.solver.tolerance * scale:
+        note_moving(d, d.solver.tolerance * scale)
+    add_change(d, rate, velocity_at(d.links))
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        c = d.touch.active_index[k]
+        own.least_force[c] = min(own.least_force[c], own.impulse[k])
+        keep_force(d, c, own.impulse[k])
     if any_sticking(d):
         rate[dissipated_at(d.links)] += keep_static_forces(d)
-
-
-def sticks_alone(d):
-    """Whether one contact with a force is all that sticks, and no rigid wall holds a point."""
-    rigid = d.touch.active_count - d.touch.compliant_count
-    return d.friction.stuck_count == 1 and d.friction.stuck_joints == 0 and rigid == 0
-
-
-def add_sticking_force(d, y, rate):
-    """As ``add_constraint_forces``, for a contact that ``sticks_alone``; returns its force.
-
-    The recursion that found the accelerations ``rate`` last answers it, too: that costs one more response of
-    the chain, where constraints take several in general, and two eliminations of their own.
-    """
-    own, row = d.rigid, tangent(d, d.element.stuck[0])
-    accelerate_points(d, y, rate)
-    clear_loads_of(d, d.work.load)
-    add_along(row, d.work.load, 1.0)
-    solve_space(d, d.work.link, d.work, FREE, own.change)
-    # λ = −a_t/W_tt
-    force = -tangential_acceleration(d, d.element.stuck[0]) / held_mobility(d, along(row, d.work.motion))
-    for j in range(coordinate_count(d.links)):
-        rate[velocity_at(d.links) + j] += force * own.change[j]
-    return force
 
 
 def project_state(d, y):

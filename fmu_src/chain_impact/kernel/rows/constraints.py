@@ -36,8 +36,16 @@ from chain_impact.kernel.rows.compliance import (
     holding_impedance,
     mean_mass,
     solve_contacts,
+    solve_space,
 )
-from chain_impact.kernel.rows.geometry import along, any_sticking, constraint, constraint_rows
+from chain_impact.kernel.rows.geometry import (
+    add_along,
+    along,
+    any_sticking,
+    clear_loads_of,
+    constraint,
+    constraint_rows,
+)
 from chain_impact.kernel.status import count_other_work, work_exceeded
 
 # Near a toggle position 1/W is far more than the mass of a link. If an iteration leaves more than SLOW of the
@@ -169,10 +177,9 @@ def solve_single(d, row):
     That takes one solution of the chain, and the iteration six in most cases.
     """
     own = d.rigid
-    for k in range(constraint_rows(d)):
-        own.impulse[k] = 0.0
-    own.impulse[row] = 1.0
-    solve_contacts(d, FREE, own.impulse, own.change)
+    clear_loads_of(d, d.work.load)
+    add_along(constraint(d, row), d.work.load, 1.0)
+    solve_space(d, d.work.link, d.work, FREE, own.change)
     mobility = along(constraint(d, row), d.work.motion)
     if row >= d.touch.active_count:
         mobility = held_mobility(d, mobility)
@@ -182,8 +189,8 @@ def solve_single(d, row):
     for j in range(len(own.change)):
         own.change[j] *= impulse
     for k in range(constraint_rows(d)):
+        own.impulse[k] = impulse if k == row else 0.0
         own.reached[k] = own.start[k] + impulse * along(constraint(d, k), d.work.motion)
-    own.impulse[row] = impulse
     count_other_work(d, 1)
     return True
 
@@ -328,11 +335,6 @@ def require(d, k, target):
     """Put constraint k into the active set, with the least required value of its motion."""
     d.rigid.in_active_set[k] = 1
     d.rigid.target[k] = target
-
-
-def set_impulse(d, k, impulse):
-    """Set the impulse of constraint k, which was found without the others."""
-    d.rigid.impulse[k] = impulse
 
 
 def release(d, k):
