@@ -45,7 +45,7 @@ from chain_impact.kernel.forces.holding import (
     project_state,
     solve_positions,
     start_from_accelerations,
-    start_from_clearances,
+    start_from_state,
     work_of_impulses,
 )
 from chain_impact.kernel.ode.dense import give_impulses
@@ -178,7 +178,7 @@ def find_impulses(d, share):
     """
     own, lost, moved = d.rigid, 0.0, 0.0
     activate_all(d)
-    start_from_clearances(d, 1)
+    start_from_state(d, 1)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         least = d.law.minimum_impact_speed[c]
@@ -262,7 +262,7 @@ def end_unstopped_contacts(d):
 def release_contacts(d):
     """End the contacts that no force holds, and move their points off the wall by RELEASE_GAP."""
     parting = False
-    start_from_clearances(d, 0)
+    start_from_state(d, 0)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         released = not d.rigid.in_active_set[k]
         require(d, k, RELEASE_GAP * d.model.size if released else 0.0)

@@ -45,13 +45,21 @@ MISPLACED = 10.0
 RESISTANCE = 1e3
 
 
-def start_from_clearances(d, derivative):
-    """Set ``start`` to the clearances of contacts (derivative 1: their rates), and to 0 for what sticks."""
-    for k in range(d.touch.active_count):
+def start_from_state(d, derivative):
+    """Set ``start`` to clearances of contacts and distances of what sticks from its anchors, or their rates.
+
+    The rates are meant with a ``derivative`` of 1.
+    """
+    own, first = d.rigid, d.touch.active_count
+    for k in range(first):
         gap, gap_rate = clearance(d, d.touch.active_index[k])
-        d.rigid.start[k] = gap_rate if derivative else gap
-    for k in range(d.touch.active_count, constraint_rows(d)):
-        d.rigid.start[k] = 0.0
+        own.start[k] = gap_rate if derivative else gap
+    for i in range(d.friction.stuck_count):
+        e = d.element.stuck[i]
+        if derivative:
+            own.start[first + i] = tangential_rate(d, e)
+        else:
+            own.start[first + i] = tangential_position(d, e) - d.element.anchor[e]
 
 
 def clear_least_forces(d):
@@ -106,11 +114,11 @@ def project_state(d, y):
     keep their ġ > 0, in ``d.rigid.reached``. The loss of kinetic energy by all this counts as dissipated.
     """
     own, lost = d.rigid, dissipated_at(d.links)
+    for k in range(d.touch.compliant_count if any_sticking(d) else 0):
+        own.resistance[k] = contact_resistance(d)
     for derivative in range(2):
         activate_all(d)
-        start_from_clearances(d, derivative)
-        if any_sticking(d):
-            start_sticking(d, derivative)
+        start_from_state(d, derivative)
         if derivative:
             solve_stopping_impulses(d)
         else:
@@ -187,19 +195,6 @@ def momentum(d, values):
         inner, outer = values[i], values[i + 1]
         total += d.model.mass[i] * (inner + d.model.center_of_mass_ratio[i] * (outer - inner))
     return total
-
-
-def start_sticking(d, derivative):
-    """Set the start of the projection for what sticks, and let the contacts with a force law resist it."""
-    own, first = d.rigid, d.touch.active_count
-    for k in range(d.touch.compliant_count):
-        own.resistance[k] = contact_resistance(d)
-    for i in range(d.friction.stuck_count):
-        e = d.element.stuck[i]
-        if derivative:
-            own.start[first + i] = tangential_rate(d, e)
-        else:
-            own.start[first + i] = tangential_position(d, e) - d.element.anchor[e]
 
 
 def contact_resistance(d):

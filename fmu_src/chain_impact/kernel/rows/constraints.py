@@ -112,21 +112,37 @@ def solve_equality(d, scale):
     set_impedance(d, impedance)
     factorize_contacts(d, HELD, own.impedance)
     clear_impulses(d)
+    worst = iterate(d, scale, impedance)
     if any_point_held(d):
-        return hold_points(d, scale, impedance)
-    hold_sticking(d, scale)
+        return worst
+    if worst > ROUND_OFF * scale:
+        least = NEGLIGIBLE * d.solver.tolerance * d.solver.tolerance * scale
+        leave_free(d, least * least / (least * least + worst * worst))
     return 0.0
 
 
-def hold_sticking(d, scale):
-    """Iterate until the residual is round-off, but at most SWEEPS times; a negligible one is left free."""
-    for i in range(SWEEPS):
-        if find_residual(d) <= ROUND_OFF * scale and iterated_enough(d, i):
-            return
+def iterate(d, scale, impedance):
+    """Iterate until the residual is round-off, or no impedance [kg] reduces it, as constraints contradict.
+
+    This ends: each iteration but the last leaves less than SLOW of the residual, or D grows, which it does
+    twice. What sticks beside no rigid wall is held by SWEEPS iterations at most.
+
+    Returns:
+        The largest residual.
+    """
+    own, rigid, round_off = d.rigid, any_point_held(d), ROUND_OFF * scale
+    before, worst, iterations = math.inf, find_residual(d), 0
+    while worst > round_off or not iterated_enough(d, iterations):
+        slow = rigid and worst > round_off and not worst < SLOW * before
+        if slow and worst > SIGN_TOLERANCE * scale and impedance < STIFFEST * mean_mass(d):
+            impedance *= STIFFER
+            set_impedance(d, impedance)
+            factorize_contacts(d, HELD, own.impedance)
+        elif (slow and iterated_enough(d, iterations)) or (not rigid and iterations == SWEEPS):
+            break
         correct_impulses(d)
-    worst, least = find_residual(d), NEGLIGIBLE * d.solver.tolerance * d.solver.tolerance * scale
-    if worst > ROUND_OFF * scale:
-        leave_free(d, least * least / (least * least + worst * worst))
+        before, worst, iterations = worst, find_residual(d), iterations + 1
+    return worst
 
 
 def leave_free(d, share):
@@ -135,29 +151,6 @@ def leave_free(d, share):
     for k in range(constraint_rows(d)):
         own.impulse[k] -= share * SWEEPS * own.impedance[k] * own.residual[k]
     move_by_impulses(d)
-
-
-def hold_points(d, scale, impedance):
-    """Iterate until the residual is round-off, or no impedance [kg] reduces it, as constraints contradict.
-
-    This ends: each iteration but the last leaves less than SLOW of the residual, or D grows, which it does
-    twice.
-
-    Returns:
-        The largest residual.
-    """
-    own, before, worst, iterations = d.rigid, math.inf, find_residual(d), 0
-    while worst > ROUND_OFF * scale or not iterated_enough(d, iterations):
-        slow = worst > ROUND_OFF * scale and not worst < SLOW * before
-        if slow and worst > SIGN_TOLERANCE * scale and impedance < STIFFEST * mean_mass(d):
-            impedance *= STIFFER
-            set_impedance(d, impedance)
-            factorize_contacts(d, HELD, own.impedance)
-        elif slow and iterated_enough(d, iterations):
-            break
-        correct_impulses(d)
-        before, worst, iterations = worst, find_residual(d), iterations + 1
-    return worst
 
 
 def only_active(d):
