@@ -1,6 +1,7 @@
 """What a scene refuses and how: values, keys, walls, starts inside walls."""
 
 import math
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.checks import hints
+from chain_impact.scene.reading import SceneWarning
 from chain_impact.scene.scene import (
     load_scene,
     model_names,
@@ -116,6 +118,15 @@ def test_initial_angles_of_joints_take_the_place_of_those_of_links():
     assert changed.initial == scene.initial
     part = {"initial.joint_angles": joints["joint_angles"], "initial.angle[1]": 0.2}
     assert "both angles and joint_angles" in refusal(load_scene("four_link_box").with_values, part)
+    told = r"initial.angle\[1\] is set, and the absolute angles of the links behind it stay"
+    with pytest.warns(SceneWarning, match=told):
+        alone = scene.with_values({"link[1].joint_damping": 0.1}).with_values({"initial.angle[1]": 0.2})
+    assert alone.initial.angles == (0.2, *scene.initial.angles[1:])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", SceneWarning)
+        scene.with_values({"initial.angle[4]": 0.2})
+        scene.with_values({"initial.angles": scene.initial.angles}).with_values({"initial.angle[1]": 0.2})
+        load_scene("four_link_box").with_values({"initial.angle[1]": 0.2})
     both = data | {"initial": data["initial"] | {"joint_angles": [0.0, 0.0, 0.0, 0.0]}}
     assert "both angles and joint_angles" in refusal(scene_from_dict, both, "here")
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import inspect
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -61,7 +62,8 @@ def with_absolute_angles(scene: AnyScene) -> AnyScene:
     if ANGLES not in places:
         raise SceneError("initial has both angles and joint_angles; must have one of them", ANGLES)
     places = tuple(place for place in places if place != ANGLES)
-    return replace(scene, initial=replace(initial, joint_angles=None), derived_places=places)
+    absolute = replace(initial, joint_angles=None)
+    return replace(scene, initial=absolute, derived_places=places, has_joint_angles=True)
 
 
 def with_materials(scene: AnyScene) -> AnyScene:
@@ -184,6 +186,16 @@ def hints(scene: Contents) -> list[str]:
         longer = f"simulation.step_size = {step:g} s is longer than simulation.stop_time = {stop:g} s"
         found.append(f"{longer}: there are two rows only, the start and the end")
     return found
+
+
+def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
+    """A sentence on an absolute angle that is set where joint angles were given: those behind it stay."""
+    if not scene.has_joint_angles:
+        return []
+    names, given = [f"initial.angle[{i}]" for i in range(1, len(scene.chain.links) + 1)], {*changes}
+    alone = [one for one, behind in pairwise(names) if one in given and behind not in given]
+    stay = "is set, and the absolute angles of the links behind it stay"
+    return [f"{alone[0]} {stay}; initial.joint_angles turns these, too"] if alone else []
 
 
 def law_hints(scene: Contents) -> list[str]:

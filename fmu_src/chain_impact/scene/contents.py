@@ -50,6 +50,7 @@ class Contents:
     solver: Solver
     simulation: Simulation
     derived_places: tuple[Place, ...] = field(default=(), metadata=NO_KEY)
+    has_joint_angles: bool = field(default=False, compare=False, metadata=NO_KEY)  # in place of angles
 
     @property
     def wall_names(self) -> tuple[str, ...]:

@@ -203,6 +203,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
     scene = scene_of(scene)
+    checks.warn(scene.name, checks.turning_hints(scene, changes))
     if (quick := with_numbers(scene, changes)) is not None:
         return quick
     values = [_place_and_value(scene, change, given) for change, given in changes.items()]
@@ -228,7 +229,9 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
             functools.reduce(operator.getitem, parents, data)[last] = value
         except (LookupError, TypeError, ValueError):
             raise SceneError(f"{scene.name}: {shown(path)} is no path to a value of the scene") from None
-    return _validated(_without_empty(data), scene.name, in_file=False)
+    found = _validated(_without_empty(data), scene.name, in_file=False)
+    kept = scene.has_joint_angles and checks.ANGLES not in paths
+    return replace(found, has_joint_angles=kept or found.has_joint_angles)
 
 
 JOINT_ANGLES = ("initial", "joint_angles")
