@@ -276,7 +276,7 @@ def find_step(d):
     h, grow = prepare(d, limited), control.GROW
     if limited < wanted:
         h = min(h, limited)  # a step made longer to pass the end of a contact must not pass the piece
-    while not too_short(d, h):
+    while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # else it is lost in the time
         try_step(d, h)
         suggested = h * min(grow, control.factor(d))
         if control.accepted(d):
@@ -288,11 +288,6 @@ def find_step(d):
             return TOO_MUCH_WORK
         h, grow = suggested, 1.0
     return control.no_step(d)
-
-
-def too_short(d, h):
-    """Whether a step of size h is lost in the time."""
-    return h < SHORTEST_STEP or d.step.end + h == d.step.end
 
 
 def try_step(d, h):

@@ -27,7 +27,7 @@ from chain_impact.kernel.ode.balance import start_balance
 from chain_impact.kernel.ode.control import (
     IMPLICIT,
     SOLVER_METHODS,
-    first_method,
+    chosen,
     in_flight,
     keep_for_flight,
     propose,
@@ -68,7 +68,7 @@ def initialize(d, time):
         return d.statistics.status
     set_start(d, time)
     size = first_size(d)
-    propose(d, size if first_method(d.solver.method) == IMPLICIT else stable(d, size))
+    propose(d, size if chosen(d.solver.method) == IMPLICIT else stable(d, size))
     keep_for_flight(d)
     start_balance(d, time)
     begin_explicit(d)

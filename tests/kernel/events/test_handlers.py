@@ -11,11 +11,7 @@ from chain_impact.kernel.events.handlers import (
     apply_events,
     bends_force,
     choose_size,
-    handle_end,
-    handle_kink,
-    handle_none,
-    handle_onset,
-    handle_relatch,
+    handle,
 )
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.forces.contact_force import elastic_energy
@@ -57,7 +53,7 @@ def begins_explicit(d):
 def test_a_contact_begins_on_its_side_of_the_kink(law):
     d = arrived(law)
     d.touch.beyond_kink[C] = 1
-    assert handle_onset(d, C) == JUMPS[law]
+    assert handle(d, C, ONSET) == JUMPS[law]
     assert d.touch.active[C] == 1
     assert d.touch.beyond_kink[C] == 0
     assert d.touch.onset[C] == 1.5
@@ -80,7 +76,7 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
     press_in(d, C, times * LEFT * 0.2 / 4.0 * abs(speed))
     if speed == 0.0:
         d.candidate.offset[C] -= 1e-9
-    assert handle_end(d, C) == JUMPS[law]
+    assert handle(d, C, END) == JUMPS[law]
     assert d.touch.active[C] == 1 - ends
     assert d.finished.count == ends
 
@@ -88,10 +84,10 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
 def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
     """The depth of an elastic impact at twice v₀, and half of the damping λ K/v₀."""
     d = arrived()
-    handle_onset(d, C)
+    handle(d, C, ONSET)
     mass, damping = d.touch.effective_mass[C], d.touch.damping[C]
     d.touch.beyond_kink[C] = 1
-    assert handle_relatch(d, C)
+    assert handle(d, C, RELATCH)
     assert d.touch.impact_speed[C] == pytest.approx(2.0, rel=1e-9)
     energy = 0.5 * mass * 2.0**2
     assert elastic_energy(d, C, d.touch.depth_scale[C]) == pytest.approx(energy, rel=1e-8)
@@ -104,9 +100,9 @@ def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
 def test_past_its_kink_a_contact_goes_on_with_the_other_force(law, beyond):
     """One without a force has one again that rises; one that turned does so no more."""
     d = arrived(law)
-    handle_onset(d, C)
+    handle(d, C, ONSET)
     d.touch.beyond_kink[C], d.touch.force_rate[C], d.touch.speed[C] = beyond, -7.0, 3.0
-    assert handle_kink(d, C)
+    assert handle(d, C, KINK)
     assert d.touch.beyond_kink[C] == 1 - beyond
     assert d.touch.force_rate[C] == (1.0 if beyond and law != "jankowski" else -7.0)
     assert d.touch.speed[C] == (0.0 if law == "jankowski" else 3.0)
@@ -115,7 +111,8 @@ def test_past_its_kink_a_contact_goes_on_with_the_other_force(law, beyond):
 def test_no_event_leaves_all_as_it_is():
     d = arrived()
     before = d._record.tobytes()
-    assert not handle_none(d, C)
+    assert not handle(d, C, NONE)
+    assert not handle(d, C, RELEASE)
     assert d._record.tobytes() == before
 
 

@@ -139,9 +139,9 @@ def test_the_polynomial_goes_through_the_stages(step):
     d, n = step, sundman_u_at(LINKS)
     stages = d.implicit.stages.copy()
     d.touch.listings = 7
-    collocation.keep_stages(d, H)
+    collocation.keep_stages(d)
     assert d.implicit.last[:, : quadrature_at(d, 2)].tolist() == stages[:, : quadrature_at(d, 2)].tolist()
-    assert (d.implicit.began, d.implicit.span, d.implicit.listing) == (0.5, H, 7)
+    assert d.implicit.listing == 7
     y = np.zeros(len(d.step.state))
     for theta in (0.0, *NODES, 0.43):
         dense.interpolate(d.step, theta, y)
@@ -162,7 +162,7 @@ def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
     bends = np.abs(np.diff(basis(parts)[:RADAU_STAGES], 2, axis=1)).max(axis=1) / parts[1] ** 2
     assert bends == pytest.approx(bound, rel=1e-2, abs=1e-6)
     d = step
-    collocation.keep_stages(d, H)
+    collocation.keep_stages(d)
     d.search.curvature[:] = -1.0
     collocation.curvatures(d, H)
     for k, c in enumerate(d.touch.active_index[:2]):
@@ -174,7 +174,7 @@ def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
 def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clearances(step, monkeypatch):
     """At a third and at two thirds of the step; at its ends they stay."""
     d, rng = step, np.random.default_rng(43)
-    collocation.keep_stages(d, H)
+    collocation.keep_stages(d)
     before, changes = {}, {}
     for theta in (0.0, 1 / 3, 2 / 3, 1.0):
         before[theta] = np.zeros(len(d.step.state))
@@ -206,7 +206,7 @@ def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clea
 
 def test_without_contacts_with_a_force_there_is_nothing_to_follow(step):
     d = step
-    collocation.keep_stages(d, H)
+    collocation.keep_stages(d)
     make_rigid(d)
     before = d.step.dense.copy()
     locate_points(d, d.step.state_end)
@@ -320,7 +320,7 @@ def last_polynomial(d, degree, end=1.0):
     parts[1:] = np.random.default_rng(degree).uniform(0.5, 1.0, (degree, size))
     columns = [np.polynomial.Polynomial(column) for column in parts.T]
     own.last[:, :size] = np.transpose([column(np.array(NODES)) for column in columns])
-    own.began, own.span, own.listing = 3.0, 0.2, d.touch.listings
+    own.listing, d.step.start, d.step.size = d.touch.listings, 3.0, 0.2
     d.step.end, d.step.last_method = 3.0 + 0.2 * end, IMPLICIT
     return columns
 

@@ -159,7 +159,8 @@ def locate(d, a, b):
     first, found = b, -1
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        mark(d, c, kind_of(d, c) if check_candidate(d, c, a, b) == CROSSES else NONE)
+        kind = END if d.touch.active[c] else ONSET
+        mark(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NONE)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         # φ is that at `first`: a candidate with φ ≥ 0 there has its event later
@@ -277,8 +278,3 @@ def measure(d, theta):
     u, slope = sundman_u_now(d, d.work.y)
     for k in range(d.search.suspect_count):
         set_clearance(d, d.search.suspect[k], u, slope)
-
-
-def kind_of(d, c):
-    """The kind of event that a crossing of candidate c is."""
-    return END if d.touch.active[c] else ONSET

@@ -61,7 +61,8 @@ def excludes_events(d):
     remember_clearances(d, WITH_CURVES)
     # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain in uniform rotation, and
     # that of a motion which decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
-    fade = fading(d)
+    # ρ h, with a bound ρ on the rate of decay or oscillation by resisting joints
+    fade = (d.step.end - d.step.start) * d.model.joint_bound
     way = way_per_radian(d)
     if d.channels > 0:
         way += travel_of_piece(d)
@@ -128,11 +129,6 @@ def way_per_radian(d):
     if d.model.stopped and d.links > 1:
         return max(d.model.reach, 2.0 * d.model.size)
     return d.model.reach
-
-
-def fading(d):
-    """ρ h of the last step, with a bound ρ on the rate of decay or oscillation by resisting joints."""
-    return (d.step.end - d.step.start) * d.model.joint_bound
 
 
 def remains_far(d):

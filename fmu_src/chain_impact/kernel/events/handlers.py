@@ -1,10 +1,10 @@
-"""The table of events: which function handles what can happen to a contact within a step.
+"""What is done at events, and the size of the step after them.
 
 Crossings of clearances, ONSET and END, are found with bounds, so that none is missed (crossing.py); the other
-events by sampling a step, because to find one of them late does no harm (sampled.py, which lists them). A
-handler takes (d, c), with the points located, and returns whether a force has jumped. For rigid walls,
-handle_impact handles all simultaneous events together (impacts.py). If a point arrives at one, the
-simultaneous onsets of contacts with a force wait for the impulses.
+events by sampling a step, because to find one of them late does no harm (sampled.py, which lists them). At
+an event the points are located. For rigid walls, handle_impact handles all simultaneous events together
+(impacts.py). If a point arrives at one, the simultaneous onsets of contacts with a force wait for the
+impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -19,14 +19,12 @@ from chain_impact.kernel.events.marks import (
     NONE,
     ONSET,
     RELATCH,
-    RELEASE,
     mark,
     pending_changes,
 )
 from chain_impact.kernel.events.saturation import choose_saturation
 from chain_impact.kernel.forces.contact import clear_loads, cross_kink, list_touching, relatch, start_contact
 from chain_impact.kernel.forces.contact_force import may_jump
-from chain_impact.kernel.functions import dispatch
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.methods import begin_flight, begin_impact
@@ -39,13 +37,7 @@ from chain_impact.kernel.status import count_evaluations
 LEFT = 0.01
 
 
-def handle_onset(d, c):
-    """Begin the contact of a point that has arrived at a wall."""
-    start_contact(d, c)
-    return may_jump(d, c)
-
-
-def handle_end(d, c):
+def end_if_left(d, c):
     """End the contact of a point that has left its wall.
 
     A point that still moves inward, or needs long to get out, has not left: the located end of a contact may
@@ -56,35 +48,19 @@ def handle_end(d, c):
     # −g/ġ ≤ LEFT δ*/v₀
     if gap_rate >= 0.0 and -gap * touch.impact_speed[c] <= LEFT * touch.depth_scale[c] * gap_rate:
         end_contact(d, c, False)
-    return may_jump(d, c)
 
 
-def handle_relatch(d, c):
-    """Double the latched v₀ of a point that moves inward much faster than it arrived."""
-    relatch(d, c, RELATCH_RATIO)
-    return True
-
-
-def handle_kink(d, c):
-    """Switch candidate c to the force of the other side of its kink."""
-    cross_kink(d, c)
-    return True
-
-
-def handle_none(_d, _c):
-    """Leave the contact as it is."""
-    return False
-
-
-_HANDLERS = {
-    NONE: handle_none,
-    ONSET: handle_onset,
-    END: handle_end,
-    RELATCH: handle_relatch,
-    RELEASE: handle_none,
-    KINK: handle_kink,
-}
-_handle = dispatch([_HANDLERS[kind] for kind in range(len(_HANDLERS))])
+def handle(d, c, kind):
+    """Apply an event of candidate c, which has a force law; returns whether its force may have jumped."""
+    if kind == ONSET:
+        start_contact(d, c)
+    elif kind == END:
+        end_if_left(d, c)
+    elif kind == RELATCH:
+        relatch(d, c, RELATCH_RATIO)
+    elif kind == KINK:
+        cross_kink(d, c)
+    return kind in (RELATCH, KINK) or (kind in (ONSET, END) and may_jump(d, c))
 
 
 def apply_events(d):
@@ -111,7 +87,7 @@ def apply_events(d):
             continue
         if rigid_impact and kind == ONSET:
             continue
-        jumped = _handle(kind, d, c) or jumped
+        jumped = handle(d, c, kind) or jumped
         goes_on = goes_on or kind in (RELATCH, KINK)
         onset = c if kind == ONSET else onset
         mark(d, c, NONE)

@@ -249,7 +249,8 @@ def note_given(d, j, now):
     speeds, ignored = lasted * (abs(before) + abs(v)), TOUCH_OFF * d.model.size
     if not unexplained > UNEXPLAINED * speeds + ignored:
         return True
-    if j >= base_channels(d) and unexplained > speeds + ignored:
+    of_base = d.model.base_moves and j < 2  # its channels come first
+    if not of_base and unexplained > speeds + ignored:
         own.contradiction, own.distance, own.lasted, own.speed = j + 1, moved, lasted, v
         return False
     if own.contradiction == 0:
@@ -257,8 +258,3 @@ def note_given(d, j, now):
     if rest and lasted > 0.0:
         own.mean[j] = moved / lasted
     return True
-
-
-def base_channels(d):
-    """The number of channels of the base, which come first."""
-    return 2 if d.model.base_moves else 0

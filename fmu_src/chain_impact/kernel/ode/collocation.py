@@ -226,8 +226,9 @@ def extrapolate_stages(d, h, size):
 def extrapolate_polynomial(d, h, size):
     """Set the stages by extrapolating the last step's polynomial, of a lower degree if it is far."""
     own = d.implicit
-    base = (d.step.end - own.began) / own.span
-    beyond = base + h / own.span - 1.0
+    span = d.step.size
+    base = (d.step.end - d.step.start) / span
+    beyond = base + h / span - 1.0
     dropped = 0
     while dropped < len(FORETOLD) and beyond > FORETOLD[dropped]:
         dropped += 1
@@ -235,7 +236,7 @@ def extrapolate_polynomial(d, h, size):
     for i in range(RADAU_STAGES):
         for j in range(size):
             own.stages[i, j] = 0.0
-        at = base + h * NODES[i] / own.span
+        at = base + h * NODES[i] / span
         for m in range(max(1, dropped), RADAU_STAGES + 1):
             weight = lagrange(dropped, m, at) - lagrange(dropped, m, base)
             for j in range(size):
@@ -327,13 +328,13 @@ def coefficient(stages, m, j):
     return total
 
 
-def keep_stages(d, h):
+def keep_stages(d):
     """Store the stages of the step that was tried, to predict the next ones, and the dense output."""
     own = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
             own.last[i, j] = own.stages[i, j]
-    own.began, own.span, own.listing = d.step.start, h, d.touch.listings
+    own.listing = d.touch.listings
     for j in range(len(d.work.y)):
         set_dense(d.step, j, own.last, j, RADAU_STAGES if j < sundman_u_at(d.links) else 1)
     for k in range(d.quadrature.count):

@@ -51,11 +51,6 @@ def chosen(choice):
     return choice - AUTO - 1
 
 
-def first_method(choice):
-    """The number of the method that a run begins with."""
-    return EXPLICIT if choice == AUTO else chosen(choice)
-
-
 # Limits of the factor by which the size of a step changes. DOP853's authors use 1/3 and 6.
 SHRINK, GROW = 0.1, 6.0
 EXPONENT = tuple(-1.0 / order for order in ORDER)

@@ -190,7 +190,7 @@ def attempt(d, h):
 def finish(d):
     """Store what its method needs of the last step, which has just been accepted."""
     if d.step.last_method == IMPLICIT:
-        collocation.keep_stages(d, d.step.size)
+        collocation.keep_stages(d)
 
 
 def dense_evaluations(d):

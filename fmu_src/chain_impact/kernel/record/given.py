@@ -166,11 +166,7 @@ def inputs_dtype(links: int) -> np.dtype:
         ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
         ("joint_stiffness", REAL, (links,)),  # N·m/rad, likewise
         ("joint_torque", REAL, (links,)),  # N·m
-        (
-            "joint_target_angle",
-            REAL,
-            (links,),
-        ),  # rad, at which the spring is slack: the rest angle, or an input
+        ("joint_target_angle", REAL, (links,)),  # rad, at which the spring is slack: given, or an input
         ("joint_target_velocity", REAL, (links,)),  # rad/s, at which the damper is without moment
         ("tip_force", REAL, (2,)),  # N
         ("course", course_dtype(links)),

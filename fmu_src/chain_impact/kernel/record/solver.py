@@ -199,7 +199,7 @@ def search_dtype(candidates: int) -> np.dtype:
     **dict.fromkeys(("start", "start_rate", "link", "stiffness", "damping"), "ode/extended.py"),
     **dict.fromkeys(("shift", "pairs"), "ode/extended.py"),
     **dict.fromkeys(("iterations", "correction", "contraction"), "ode/radau.py"),
-    **dict.fromkeys(("last", "began", "span", "listing", "thirds"), "ode/collocation.py"),
+    **dict.fromkeys(("last", "listing", "thirds"), "ode/collocation.py"),
     **dict.fromkeys(("z", "stages", "parts", "slowness"), ("ode/collocation.py", "ode/radau.py")),
     normal=("ode/collocation.py", "ode/extended.py"),
     weight="ode/collocation.py",
@@ -229,8 +229,6 @@ def implicit_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("rates", REAL, (RADAU_STAGES, extended)),  # … and ż there
         ("parts", REAL, (RADAU_STAGES, extended)),  # residuals in the eigenvectors of Q, then corrections
         ("last", REAL, (RADAU_STAGES, extended)),  # the increments of the last step, …
-        ("began", REAL),  # s, … its start, …
-        ("span", REAL),  # s, … its size, …
         ("listing", INTEGER),  # … and the value of `touch.listings` for which they can be extrapolated
         ("iterations", INTEGER),  # in the tried step, …
         ("correction", REAL),  # … the largest component of the last correction, over the tolerance, …
