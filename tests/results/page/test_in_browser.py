@@ -327,13 +327,66 @@ def test_the_page_within_a_lesson_without_a_worker_and_in_an_old_browser(browser
     page.close()
 
 
-@pytest.mark.parametrize("size", [DESK, PHONE])
+@pytest.mark.parametrize("size", [DESK, PHONE, {"width": 320, "height": 320}])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nothing_stands_out_of_the_screen(show, size, scheme):
     page = show(viewport=size, color_scheme=scheme)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     assert page.locator("#scene").is_visible()
-    assert page.get_by_role("button", name="Play").is_visible()
+    play = page.get_by_role("button", name="Play")
+    stage, below = page.locator("#view").bounding_box(), play.bounding_box()
+    assert below["y"] + below["height"] <= size["height"]
+    assert min(below["y"], stage["y"] + stage["height"]) - stage["y"] > 100, "the motion is in sight"
+    play.click()
+    page.get_by_role("button", name="Pause").wait_for()
+
+
+def test_keys_move_the_grips_and_the_scene_is_described_with_numbered_points(show):
+    page = show()
+    assert page.locator("#description").inner_text() == load_scene("four_link_box").description
+    assert page.locator(".point-number").all_text_contents() == ["0", "1", "2", "3", "4"]
+    names = {
+        "Point 0: arrow keys move it": "initial.x",
+        "Velocity of point 2: arrow keys change it": "initial.angular_velocity[2]",
+        "Wall x_max: arrow keys move it": "box.x_max",
+    }
+    for spoken, name in names.items():
+        page.get_by_role("button", name=spoken).focus()
+        for _ in range(2):
+            before = float(page.evaluate("chainImpact.parameters")[name])
+            page.keyboard.press("ArrowRight")
+            until(page, f"Number(chainImpact.parameters['{name}']) !== {before}")
+            until(page, f"document.activeElement.getAttribute('aria-label') === '{spoken}'")
+
+
+def test_a_loop_plays_again_and_a_key_fills_the_screen(show):
+    page = show(hash_="#simulation.stop_time=0.2")
+    page.keyboard.press("l")
+    assert page.get_by_label("Loop").is_checked()
+    page.keyboard.press("End")
+    page.keyboard.press("Space")
+    for _ in range(2):
+        until(page, "Number(document.getElementById('scrub').value) > 0.1")
+        until(page, "Number(document.getElementById('scrub').value) < 0.1")
+    page.get_by_role("button", name="Pause").wait_for()
+    page.keyboard.press("f")
+    until(page, "document.fullscreenElement === document.documentElement")
+    page.keyboard.press("f")
+    until(page, "document.fullscreenElement === null")
+
+
+def test_a_law_without_friction_offers_to_take_it_away(show):
+    page = show("sliding_rod")
+    page.evaluate("chainImpact.show({'contact.model': 'newton_impact'})")
+    until_told(page, "newton_impact has no contact friction", "status")
+    page.get_by_role("button", name="Set the friction of walls to 0").click()
+    until(page, "document.getElementById('status').hidden")
+    values = page.evaluate("chainImpact.parameters")
+    frictions = {
+        one for name, one in values.items() if name.startswith(("wall", "contact")) and "friction" in name
+    }
+    assert frictions == {"0"}
+    assert values["contact.model"] == "newton_impact"
 
 
 def test_the_list_has_what_is_left_of_each_speed_and_the_chart_has_the_loop_of_an_impact(show):

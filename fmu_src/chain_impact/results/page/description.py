@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.results.impacts import LOG_DTYPE, NO_IMPACTS
 from chain_impact.results.joint_stops import OPEN
 from chain_impact.results.page.recorded import free_sides
@@ -64,6 +64,7 @@ def description(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
         ],
         "columns": columns(model),
         "drawn": drawn(model),
+        "rigidWithFriction": FRICTION_WITH_RIGID_WALLS,
         "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
     }
 

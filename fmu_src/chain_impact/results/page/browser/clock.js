@@ -13,6 +13,7 @@ export class Clock {
     this.frame = 0;
     this.playing = false;
     this.slow = true;
+    this.loop = false;
   }
 
   /** Take another recording; the simulated time stays, or is the nearest that there is. */
@@ -44,7 +45,7 @@ export class Clock {
     return this.speed * (this.slow ? this.recording.rateAt(this.frame) : 1);
   }
 
-  /** Change some of: frame, playing, slow, speed; nothing until there is a recording. */
+  /** Change some of: frame, playing, slow, loop, speed; nothing until there is a recording. */
   set(changes) {
     if (!this.recording) return;
     Object.assign(this, changes);
@@ -68,7 +69,8 @@ export class Clock {
     const frame = this.slow
       ? this.frame + seconds * this.speed * this.recording.frameRate
       : this.recording.frameAt(this.time + seconds * this.speed);
-    this.set({ frame, playing: this.playing && frame < this.last });
+    const again = this.loop && this.playing && frame >= this.last;
+    this.set({ frame: again ? 0 : frame, playing: this.playing && (again || frame < this.last) });
   }
 
   /** Pause, and go one step back (−1) or ahead (1). */

@@ -21,6 +21,8 @@ export function connect(clock, scene) {
     End: () => clock.seek(clock.recording.end),
     s: () => find("slow").click(),
     t: () => find("trace").click(),
+    l: () => find("loop").click(),
+    f: () => find("full").click(),
     "?": () => find("help").showModal(),
   };
   document.addEventListener("keydown", (event) => {
@@ -33,6 +35,10 @@ export function connect(clock, scene) {
   const buttons = { play: actions[" "], previous: actions.ShiftArrowLeft, next: actions.ShiftArrowRight };
   Object.entries(buttons).forEach(([id, action]) => find(id).addEventListener("click", () => clock.recording && action()));
   find("slow").addEventListener("change", ({ target }) => clock.set({ slow: target.checked }));
+  find("loop").addEventListener("change", ({ target }) => clock.set({ loop: target.checked }));
+  find("full").hidden = !document.fullscreenEnabled;
+  find("full").addEventListener("click", () =>
+    (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()));
   find("trace").addEventListener("change", ({ target }) => {
     scene.showTrace = target.checked;
     clock.set({});

@@ -1,6 +1,6 @@
 // The page that simulates: each change of a parameter gives another motion.
 
-import { find } from "./dom.js";
+import { find, make } from "./dom.js";
 import { Player } from "./player.js";
 import { Recording } from "./recording.js";
 import { Changes } from "./changes.js";
@@ -49,7 +49,8 @@ function sentenceOf({ status, reached }, found) {
 }
 
 let remembering; // the timer of `remember`
-let sentence = ""; // how the last simulation ended
+let sentence = ""; // how the last simulation ended …
+let ending = 0; // … and its status
 let notice = ""; // what is wrong with the address, until something changes
 
 function say(next = sentence) {
@@ -58,6 +59,15 @@ function say(next = sentence) {
   find("status").classList.add("begun");
   find("status").textContent = all;
   find("status").hidden = !all;
+  if (ending === scene.rigidWithFriction) find("status").append(" ", withoutFriction());
+}
+
+/** A button that sets all friction of walls to zero, for a law that does not go with it. */
+function withoutFriction() {
+  const button = make("button", { type: "button", className: "action", textContent: "Set the friction of walls to 0" });
+  const names = [...changes.parameters.keys()].filter((name) => /^(contact|wall\..*)\.(static_)?friction$/.test(name));
+  button.addEventListener("click", () => changes.set(Object.fromEntries(names.map((name) => [name, 0]))));
+  return button;
 }
 
 /** Simulate with the parameters as they are, and show it, unless they change again meanwhile. */
@@ -72,6 +82,7 @@ async function update() {
   if (!result) return;
   document.body.classList.remove("computing");
   document.body.classList.toggle("stale", !result.parts);
+  ending = result.status;
   say(result.fault ?? sentenceOf(result, result.parts));
   if (result.parts) {
     player.show(Object.assign(new Recording(steady(result.parts)), { text }));
@@ -172,6 +183,8 @@ find("map-open").addEventListener("click", () => {
   grid ??= new GridMap(begin, changes);
   grid.open();
 });
+find("description").textContent = scene.text;
+find("description").hidden = !scene.text;
 find("inputs").hidden = scene.still.length === 0;
 find("inputs").textContent = `These inputs keep their start values here: ${scene.still.join(", ")}.`;
 showKnobs(find("main-knobs"), changes);

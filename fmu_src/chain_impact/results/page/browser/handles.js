@@ -9,6 +9,13 @@ const GRIP = 26; // pixels, what a finger hits
 const STEM = 32; // pixels from a joint to where its arrow begins: so the grip of a joint at rest lies beside it
 const WALL = 18; // pixels, the grip of a wall
 const MOST_DECIMALS = 15;
+const STEPS_OF_KEYS = [4, 24]; // pixels that an arrow key moves a grip, alone and with Shift
+const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+const SPOKEN = {
+  joint: (index) => `Point ${index}: arrow keys move it`,
+  velocity: (index) => `Velocity of point ${index}: arrow keys change it`,
+  wall: (name) => `Wall ${name}: arrow keys move it`,
+};
 
 /** A value that is set by hand: with the decimals that tell it from one that is a pixel away. */
 function byHand(value, pixel) {
@@ -27,6 +34,10 @@ export class Handles {
     element.addEventListener("pointerdown", (event) => this.#grasp(event));
     element.addEventListener("pointermove", (event) => isDragging(event) && this.#drag(event));
     ["pointerup", "pointercancel"].forEach((name) => element.addEventListener(name, (event) => isDragging(event) && this.#drop()));
+    element.setAttribute("role", "group"); // with grips in it, it is no image
+    element.addEventListener("keydown", (event) => this.#press(event));
+    // a pointer gives no focus to a grip: the arrow keys then still step in time
+    element.addEventListener("mousedown", (event) => gripOf(event) && event.preventDefault());
     // a finger on a handle does not scroll the page
     const keepStill = (event) => gripOf(event) && event.preventDefault();
     element.addEventListener("touchstart", keepStill, { passive: false });
@@ -76,6 +87,7 @@ export class Handles {
   /** Draw the handles, if the clock shows the start. */
   draw() {
     const { scene } = this.player;
+    const held = gripOf({ target: document.activeElement });
     scene.above.clear();
     if (!this.areShown) return;
     const { place, velocity } = this.#start;
@@ -85,7 +97,7 @@ export class Handles {
     group.polyline(place.map(screen)).addClass("pose").fill("none");
     this.#walls.forEach(({ name, middle }) => {
       const [x, y] = screen(middle);
-      group.rect(WALL, WALL).radius(5).center(x, y).addClass("wall-grip").data("grip", `wall ${name}`);
+      group.rect(WALL, WALL).radius(5).center(x, y).addClass("wall-grip").attr(gripFor("wall", name));
     });
     place.forEach((point, k) => {
       if (k === 0 && !this.changes.parameters.has("initial.vx")) return;
@@ -94,8 +106,9 @@ export class Handles {
     });
     place.forEach((point, k) => {
       group.circle(15).center(...screen(point)).addClass("joint-ring");
-      group.circle(GRIP).center(...screen(point)).addClass("grip").data("grip", `joint ${k}`);
+      group.circle(GRIP).center(...screen(point)).addClass("grip").attr(gripFor("joint", k));
     });
+    if (held) this.element.querySelector(`[data-grip="${held}"]`)?.focus({ preventScroll: true });
   }
 
   /** The arrow of a velocity, at the end of a stem in its direction; `way` is its length on the screen. */
@@ -107,7 +120,7 @@ export class Handles {
     group.line([from, foot]).addClass("velocity-stem");
     group.line([foot, to]).addClass("velocity");
     group.circle(9).center(...to).addClass("velocity-tip");
-    group.circle(GRIP).center(...to).addClass("grip").data("grip", `velocity ${k}`);
+    group.circle(GRIP).center(...to).addClass("grip").attr(gripFor("velocity", k));
   }
 
   /** Where on the screen the stem of a point at rest points: off the chain at the base, else where its link turns to. */
@@ -132,7 +145,27 @@ export class Handles {
 
   #drag(event) {
     const { left, top } = this.element.getBoundingClientRect();
-    const at = this.player.scene.camera.at(event.clientX - left, event.clientY - top);
+    this.#move(event.clientX - left, event.clientY - top);
+  }
+
+  /** An arrow key moves the grip that has the focus. */
+  #press(event) {
+    const grip = gripOf(event);
+    const way = KEYS[event.key];
+    if (!grip || !way || this.dragged) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const [kind, index] = grip.split(" ");
+    const { x, y, width, height } = event.target.getBBox();
+    const step = STEPS_OF_KEYS[Number(event.shiftKey)];
+    this.dragged = { kind, index, time: this.#arrowTime(this.#start.velocity) };
+    this.#move(x + width / 2 + step * way[0], y + height / 2 + step * way[1]);
+    this.dragged = null;
+  }
+
+  /** Move what is grasped to a place on the screen. */
+  #move(left, top) {
+    const at = this.player.scene.camera.at(left, top);
     const { kind, index } = this.dragged;
     try {
       this.changes.set(this[kind](at, index));
@@ -188,6 +221,11 @@ export class Handles {
 /** The handle that an event is at, if any. */
 function gripOf({ target }) {
   return target.closest("[data-grip]")?.dataset.grip;
+}
+
+/** What makes an element a grip, for a pointer and for keys. */
+function gripFor(kind, index) {
+  return { "data-grip": `${kind} ${index}`, tabindex: 0, role: "button", "aria-label": SPOKEN[kind](index) };
 }
 
 /** The way from a place to another. */

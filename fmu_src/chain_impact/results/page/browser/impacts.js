@@ -4,7 +4,7 @@ import { make } from "./dom.js";
 import { forceText, touchingText, unitsOf } from "./format.js";
 
 const LONGEST_LIST = 2000; // impacts: each is a row of the page
-const COLUMNS = ["", "time", "point", "wall", "speed", "e′", "peak force"];
+const COLUMNS = ["#", "time", "point", "wall", "speed", "e′", "peak force"];
 const TITLES = { "e′": "Speed after the impact over that before" };
 
 /** What is known of the peak of a force. */

@@ -19,6 +19,7 @@ const STUCK_DOT = 10; // pixels, the mark of a joint that sticks
 const ARC = 0.25; // of a link's length: the radius of the arc of its joint's range
 const TICK = 0.3; // of the radius: the length of the mark of a stop
 const ARC_CORNERS = 33;
+const NUMBERED = 12; // links, above which points have no numbers
 const MANY_LINKS = 60; // above which the chain is one line, without joints
 
 export class Scene {
@@ -35,6 +36,7 @@ export class Scene {
     this.circles = this.drawing.group();
     this.links = this.drawing.group();
     this.joints = this.drawing.group();
+    this.numbers = this.drawing.group();
     this.arrows = this.drawing.group();
     this.labels = this.drawing.group();
     this.above = this.drawing.group(); // … and in front of it
@@ -43,7 +45,7 @@ export class Scene {
   /** Take another recording. */
   show(recording) {
     this.recording = recording;
-    [this.arcs, this.circles, this.links, this.joints].forEach((group) => group.clear());
+    [this.arcs, this.circles, this.links, this.joints, this.numbers].forEach((group) => group.clear());
     this.ranges = recording.stops.map(() => ["range", "range-mark", "range-mark"].map((kind) =>
       this.arcs.polyline().addClass(kind).fill("none")));
     this.#makeChain();
@@ -57,6 +59,8 @@ export class Scene {
     this.lines = lines.flatMap((range) => ["link-edge", "link"].map((kind) =>
       [range, this.links.polyline().addClass(kind).fill("none")]));
     this.discs = radius > 0 ? touching.map((point) => [point, this.circles.circle().addClass("disc")]) : [];
+    this.names = Array.from({ length: links <= NUMBERED ? links + 1 : 0 }, (_, point) =>
+      this.numbers.plain(String(point)).addClass("point-number"));
     const shown = links < MANY_LINKS ? Array.from({ length: links + 1 }, (_, point) => point) : [0, links];
     this.dots = shown.map((point) => {
       const kind = point === links ? "tip" : "joint";
@@ -121,6 +125,7 @@ export class Scene {
     this.lines.forEach(([range, line]) => line.plot(places.slice(...range)));
     this.dots.forEach(([point, dot]) => dot.center(...places[point]));
     this.discs.forEach(([point, disc]) => disc.center(...places[point]));
+    this.names.forEach((name, point) => name.attr({ x: places[point][0] + 7, y: places[point][1] - 10 }));
     if (recording.moved.length) this.#drawRoom(frame);
     this.#drawRanges(frame);
     this.#drawTrace(frame, places.at(-1));
