@@ -365,6 +365,25 @@ def _model(name: str, found: dict[str, float]) -> str:
     return f"{ours} {e:.2f}"
 
 
+def measured_arm() -> str:
+    """Fitted parameters of the measured arm, with dry friction and without, and how well they predict."""
+    record = json.loads((RESULTS / "measured_arm.json").read_text(encoding="utf-8"))
+    found = record["results"]
+    names = max((list(one["parameters"]) for one in found.values()), key=len)
+    rows = [
+        (code(name), *(_interval(one["parameters"].get(name)) for one in found.values())) for name in names
+    ]
+    for run in ("fitted", "unseen"):
+        errors = (f"{one[f'rms, {run}']:.3f}" for one in found.values())
+        rows.append((f"error, rms [rad], {run} run", *errors))
+    when = f"Measured {record['date'][:10]} at commit `{record['commit'][:7]}`."
+    return f"{when}\n\n" + table(("", *found), rows)
+
+
+def _interval(one: dict[str, float] | None) -> str:
+    return "–" if one is None else f"{round(one['value'], 6):.3g} ± {one['±']:.2g}"
+
+
 def asked_elsewhere() -> str:
     """Public questions to other programs, with a closed form and our figure."""
     rows = []
@@ -392,6 +411,7 @@ TABLES = {
         planted_faults,
         command_line,
         measured_impacts,
+        measured_arm,
         asked_elsewhere,
     )
 }

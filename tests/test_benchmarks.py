@@ -3,6 +3,7 @@
 import ast
 import importlib
 import json
+import math
 import os
 import re
 import sys
@@ -156,3 +157,32 @@ def test_the_measured_impacts_support_no_compliance_along_the_wall():
     assert (
         min(medians[name] for name in medians if name.startswith("compliance")) > 0.9 * medians["zhang_sharf"]
     )
+
+
+# --- the measured arm ---------------------------------------------------------------------------------------
+
+
+def test_the_friction_of_a_made_up_arm_is_found_again(charts, tmp_path):
+    module = charts("measured_arm")
+    true = {"link[1].joint_friction": 0.2, "link[2].joint_friction": 0.1, "link[2].joint_damping": 0.02}
+    true |= {"link[1].center_of_mass": 0.15, "link[2].center_of_mass": 0.2}
+    torques = {
+        "joint[1].torque": lambda t: math.sin(5 * t),
+        "joint[2].torque": lambda t: 0.6 * math.cos(7 * t),
+    }
+    scene = module.arm().with_values(true)
+    run = chain_impact.simulate(scene, stop_time=4.0, output_step=2e-3, inputs=torques)
+    first, second = run["link[1].angle"] + math.pi / 2, run["link[2].angle"] - run["link[1].angle"]
+    drives = [[drive(time) for time in run.time] for drive in torques.values()]
+    columns = np.stack([run.time, first, second, *drives], axis=1)
+    names = "time,pos_meas1,pos_meas2,tau_meas1,tau_meas2"
+    np.savetxt(tmp_path / "run.csv", columns, delimiter=",", header=names, comments="")
+    found, _ = module.fitted(module.read(tmp_path / "run.csv"), dry=True)
+    for name, value in true.items():
+        assert found[name]["value"] == pytest.approx(value, rel=0.05), name
+
+
+def test_dry_friction_predicts_the_measured_arm_better():
+    results = stored("measured_arm")["results"]
+    dry, viscous = (one["rms, unseen"] for one in results.values())
+    assert dry < 0.5 * viscous

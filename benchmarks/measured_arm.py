@@ -1,0 +1,167 @@
+"""A measured arm under torque, with dry friction in its joints: ``python benchmarks/measured_arm.py FOLDER``.
+
+FOLDER is ``data/experiment_records/design_C.1/sys_id/20230629`` of dfki-ric-underactuated-lab/double_pendulum
+(BSD-3-Clause, commit 1e8544e): a double pendulum with motors in both joints, whose angles and torques were
+measured. Both torques act on the model as they were measured. Centres of mass, inertias, viscous damping and
+dry friction are fitted to one run by derivatives, with intervals, and judged by a run that the fit has not
+seen. ``fit`` has no inputs that change, so it is SciPy's ``least_squares``.
+
+A motion is predicted over short spans, each from the angles and rates measured at its start: where the arm is
+upright, errors grow fast.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import argparse
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import t as student
+
+from chain_impact import simulate
+from chain_impact.scene.scene import Scene, scene_from_dict
+
+FITTED, UNSEEN = "20230629-143601", "20230629-143524"
+SPAN, STEP = 0.5, 0.02  # s
+AROUND = 5  # samples before and after a start, through which a parabola gives the rates there
+KEYS = ("center_of_mass", "inertia", "joint_damping", "joint_friction")
+START, HIGHEST, SCALE = (0.2, 0.005, 0.01, 0.1), (1.0, 0.2, 0.5, 1.0), (0.1, 0.005, 0.02, 0.05)
+DRY = "joint_friction"
+
+
+class Span(NamedTuple):
+    """A part of a run, of T samples.
+
+    Attributes:
+        times: from 0 on [s], shape (T,).
+        angles: of the joints [rad], shape (2, T).
+        torques: [N·m], shape (2, T).
+        rates: of the joints at the start [rad/s], shape (2,).
+    """
+
+    times: np.ndarray
+    angles: np.ndarray
+    torques: np.ndarray
+    rates: np.ndarray
+
+
+def arm() -> Scene:
+    """The scene: lengths and masses as the design has them; zero angles hang down."""
+    links = [{"length": 0.2, "mass": 0.5}, {"length": 0.3, "mass": 0.6}]
+    table = {
+        "name": "MeasuredArm",
+        "chain": {"base": "pinned", "links": links},
+        "inputs": {"joint_torques": True},
+        "initial": {"angles": [-math.pi / 2] * 2},
+        "solver": {"tolerance": 1e-6},
+        "simulation": {"stop_time": SPAN, "step_size": STEP},
+    }
+    return scene_from_dict(table, "measured_arm")
+
+
+def read(file: Path, first: float = 0.5) -> list[Span]:
+    """The spans of a run; what is before the first time is left out."""
+    data = np.genfromtxt(file, delimiter=",", names=True)
+    time = data["time"]
+    angles, torques = (np.array([data[f"{name}_meas{i}"] for i in (1, 2)]) for name in ("pos", "tau"))
+    spans = []
+    for start in np.arange(first, time[-1] - SPAN - STEP, SPAN):
+        at = int(np.searchsorted(time, start))
+        near, part = (
+            slice(at - AROUND, at + AROUND + 1),
+            slice(at, np.searchsorted(time, start + SPAN + STEP)),
+        )
+        bend = np.polyfit(time[near] - time[at], angles[:, near].T, 2)
+        taken = angles[:, part].copy()
+        taken[:, 0] = bend[2]
+        spans.append(Span(time[part] - time[at], taken, torques[:, part], bend[1]))
+    return spans
+
+
+def off(
+    x: np.ndarray, span: Span, names: list[str], derivatives: bool = False
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """Errors of both joint angles [rad], one after the other, and their derivatives by the parameters."""
+    angles, rates = np.cumsum(span.angles[:, 0]) - math.pi / 2, np.cumsum(span.rates)
+    start = {f"initial.angle[{i + 1}]": float(math.remainder(a, math.tau)) for i, a in enumerate(angles)}
+    start |= {f"initial.angular_velocity[{i + 1}]": float(rate) for i, rate in enumerate(rates)}
+    result = simulate(
+        arm().with_values(dict(zip(names, map(float, x), strict=True)) | start),
+        inputs={f"joint[{i}].torque": (span.times, torque) for i, torque in enumerate(span.torques, 1)},
+        interpolation="linear",
+        output=["link[*].angle"],
+        sensitivities=names if derivatives else None,
+    )
+
+    def joints(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        return np.concatenate([first - first[0], second - first - (second[0] - first[0])])
+
+    seen = [np.interp(result.time, span.times, angle - angle[0]) for angle in span.angles]
+    errors = joints(result["link[1].angle"], result["link[2].angle"]) - np.concatenate(seen)
+    if not derivatives:
+        return errors, None
+    slopes = [[result.sensitivity(f"link[{i}].angle", name) for i in (1, 2)] for name in names]
+    # where there is no derivative, as when a joint just does not stop, a step of the fit does without it
+    return errors, np.nan_to_num(np.stack([joints(*pair) for pair in slopes], axis=1))
+
+
+def all_off(x: np.ndarray, spans: list[Span], names: list[str]) -> np.ndarray:
+    """Errors over all spans [rad]."""
+    return np.concatenate([off(x, span, names)[0] for span in spans])
+
+
+def fitted(spans: list[Span], dry: bool) -> tuple[dict[str, dict[str, float]], np.ndarray]:
+    """The parameters with their 95 % intervals, with dry friction or without; and their values."""
+    keys = [k for k in range(len(KEYS)) if dry or KEYS[k] != DRY]
+    names = [f"link[{i}].{KEYS[k]}" for i in (1, 2) for k in keys]
+
+    def both(values: tuple[float, ...]) -> list[float]:
+        return [values[k] for k in keys] * 2
+
+    found = least_squares(
+        all_off,
+        both(START),
+        jac=lambda x, spans, names: np.concatenate([off(x, span, names, True)[1] for span in spans]),
+        args=(spans, names),
+        x_scale=both(SCALE),
+        bounds=(np.full(len(names), 1e-9), both(HIGHEST)),
+    )
+    freedom = len(found.fun) - len(names)
+    covariance = np.linalg.inv(found.jac.T @ found.jac) * (found.fun @ found.fun) / freedom
+    half = student.ppf(0.975, freedom) * np.sqrt(np.diag(covariance))
+    table = {
+        name: {"value": common.rounded(value, 3), "±": common.rounded(width, 2)}
+        for name, value, width in zip(names, found.x, half, strict=True)
+    }
+    return table, found.x
+
+
+def measure(known: list[Span], unseen: list[Span]) -> dict[str, Any]:
+    """Parameters, and the root mean square error [rad] in the run of the fit and in the other one."""
+    rows: dict[str, Any] = {}
+    for title, dry in (("viscous and dry friction", True), ("viscous friction only", False)):
+        table, x = fitted(known, dry)
+        errors = (all_off(x, spans, list(table)) for spans in (known, unseen))
+        rms = [common.rounded(math.sqrt(float((one**2).mean())), 3) for one in errors]
+        rows[title] = {"parameters": table, "rms, fitted": rms[0], "rms, unseen": rms[1]}
+    return rows
+
+
+def main() -> None:
+    """Measure, and record the aggregates."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, help="…/design_C.1/sys_id/20230629 of double_pendulum")
+    folder = parser.parse_args().folder
+    started = common.environment()
+    runs = [read(folder / name / "trajectory.csv") for name in (FITTED, UNSEEN)]
+    settings = {"data": "dfki-ric-underactuated-lab/double_pendulum 1e8544e", "span [s]": SPAN}
+    common.save("measured_arm", started, settings | {"runs": [FITTED, UNSEEN]}, measure(*runs))
+
+
+if __name__ == "__main__":
+    main()
