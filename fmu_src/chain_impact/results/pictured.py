@@ -118,7 +118,8 @@ class Pictured(Recording):
             fill = partial(plots.fill_impact, recording=self, number=number, course=course)
             return plots.drawn(fill, path, size, plots.IMPACT_SIZE)
         plots.check_alone(path, size)
-        plots.draw_loop(ax, impact, course, at_stop=self.is_stop(impact["wall"]))
+        with plots.styled({}):
+            plots.draw_loop(ax, impact, course, at_stop=self.is_stop(impact["wall"]))
         return ax
 
     def plot_sensitivities(

@@ -43,7 +43,7 @@ def plot_comparison(
     if ax is None:
         return drawn(partial(fill, comparison=comparison), path, size, SIZE)
     check_alone(path, size)
-    with styled():
+    with styled({}):
         draw_loops(ax, comparison, looks_of(comparison))
         ax.legend()
     return ax

@@ -4,6 +4,7 @@ import itertools
 import re
 
 import matplotlib as mpl
+import matplotlib.style
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
@@ -202,6 +203,15 @@ def test_panels_are_drawn_into_axes_that_are_there():
     one = page.add_subplot()
     assert result.plot(ax=one) is one
     assert one.get_xlabel() == "x [m]"
+
+
+def test_axes_of_a_dark_style_have_texts_and_a_total_that_can_be_seen():
+    with matplotlib.style.context("dark_background"):
+        axes = Figure().add_subplot()
+        recorded("rod_drop").plot(kind="energy", ax=axes)
+    assert {to_hex(text.get_color()) for text in axes.get_legend().get_texts()} == {"#ffffff"}
+    total = next(line for line in axes.lines if line.get_label() == "total")
+    assert to_hex(total.get_color()) == "#ffffff"
 
 
 def test_a_kind_is_the_only_panel_and_axes_are_called_as_panels():

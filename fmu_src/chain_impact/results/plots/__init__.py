@@ -6,6 +6,7 @@ from chain_impact.results.plots.motion import draw_chain
 from chain_impact.results.plots.overview import fill, fill_axes, plot
 from chain_impact.results.plots.pages import check_alone, drawn
 from chain_impact.results.plots.room import draw_walls
+from chain_impact.results.plots.style import styled
 
 __all__ = [
     "IMPACT_SIZE",
@@ -19,4 +20,5 @@ __all__ = [
     "fill_impact",
     "fill_sensitivities",
     "plot",
+    "styled",
 ]

@@ -62,7 +62,6 @@ def fill_impact(page: Figure, recording: Recording, number: int, course: Course)
     settle(page)
 
 
-@styled()
 def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
     """Draw the force over the penetration; the area within is the energy that the contact has taken."""
     (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, at_stop)

@@ -65,7 +65,7 @@ def fill(page: Figure, recording: Recording, panels: Sequence[str] = ()) -> None
         NUMBERS[name](found[name], recording)
 
 
-@styled()
+@styled({})
 def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
     """Draw each of some panels into axes that are there: one, or as many as panels.
 

@@ -72,10 +72,13 @@ SEPARATOR = "  ·  "
 
 
 @contextmanager
-def styled() -> Iterator[None]:
-    """Draw in the style of all pictures; also a decorator of functions that draw."""
+def styled(colours: dict[str, str] = COLOURS) -> Iterator[None]:
+    """Draw in the style of all pictures; also a decorator of functions that draw.
+
+    Into axes that are there one draws without ``colours``: in those of the style that they have.
+    """
     kept = {key: value for key, value in STYLE.items() if mpl.rcParams[key] == mpl.rcParamsDefault[key]}
-    with mpl.rc_context(kept | COLOURS):
+    with mpl.rc_context(kept | colours):
         yield
 
 
