@@ -32,7 +32,8 @@ ORDER = 12  # of the Taylor polynomials of a part of a step
 PARTS = (2, 6, 18, 54, 162)  # of a step: as many as are needed to decide on all candidates
 BEYOND = 1.01  # times as far as its end a step is followed, in search of an event that is marked there
 MARGINS = (0.3, 1.0, 3.0, 10.0)  # of the logarithmic norm above the largest Re λ, over a step
-TUBE, LARGEST = 1e-4, 50.0  # the first radius that is tried; the largest ∫ µ over a part
+TUBE, WIDEST = 1e-4, 0.1  # radius of the tube: the first one that is tried, and a bound
+FASTEST = 30.0  # ∫ µ over a part, at most
 DEEPEST = 14  # halvings of a part, with which a candidate remains undecided
 ctx.prec = 90
 # of floats: relative for one operation with a margin, for a few of them, and absolute
@@ -191,6 +192,12 @@ class Step:
             rate += arm * (ny * cos - nx * sin) * spin
         return gap, rate
 
+    def phi(self, c: int, z: Row, gap: tuple[Any, Any]) -> tuple[Any, Any]:
+        """φ, which falls through zero at an event, and a rate with its sign: those of g, δ, or u."""
+        if c not in self.active:
+            return gap
+        return z[-1] if c == self.regularized else -gap[0], -gap[1]
+
     def _force(self, c: int, z: Row, gap: tuple[Any, Any]) -> Any:
         """The force of a contact, from √δ, which in its own variable is u √δ*."""
         stiffness, exponent, damping, rate_exponent = self.forces[c]
@@ -288,7 +295,7 @@ class Part:
     Attributes:
         values: balls that hold the variables.
         defects: D (P′ − f(P)) in the units of errors, by powers of x − middle.
-        gaps: of each candidate g and ġ, likewise.
+        courses: φ and its rate of each candidate, likewise.
     """
 
     def __init__(self, step: Step, low: float, high: float) -> None:
@@ -296,16 +303,16 @@ class Part:
         self.low, self.high, self.middle = low, high, 0.5 * (low + high)
         whole = arb(low).union(arb(high))
         self.radius = _upper(whole - self.middle)
-        asked = range(len(step.candidates))
-        z, rate = step.course(arb(self.middle), ORDER)
-        thin, thin_gaps = step.residual(z, rate, asked)
-        self.root = z[-1]
-        z, rate = step.course(whole, ORDER)
-        wide, wide_gaps = step.residual(z, rate, asked)
+        found, asked = [], range(len(step.candidates))
+        for at in (arb(self.middle), whole):
+            z, rate = step.course(at, ORDER)
+            rows, gaps = step.residual(z, rate, asked)
+            found.append((rows, [step.phi(c, z, gaps[c]) for c in asked]))
         self.values = [series[0] for series in z]
+        (thin, courses), (wide, wide_courses) = found
         rows = zip(thin, wide, step.unit, strict=True)
         self.defects = Matrix.of([[float(u) * entry for entry in _joined(a, b)] for a, b, u in rows])
-        self.gaps = [[_joined(a, b) for a, b in zip(thin_gaps[c], wide_gaps[c], strict=True)] for c in asked]
+        self.courses = [tuple(map(_joined, a, b)) for a, b in zip(courses, wide_courses, strict=True)]
 
     def range_of(self, terms: Row, low: float, high: float) -> arb:
         """A ball that holds a function for all x in [low, high]."""
@@ -343,8 +350,8 @@ class Certificate:
         self.step, self.tube, self.error = step, TUBE, math.inf
         self._choose_norm()
         ends = np.linspace(0.0, step.kept, count + 1).tolist() + [BEYOND * step.kept] * bool(step.marked)
-        self.parts = [Part(step, low, high) for low, high in pairwise(ends)]
-        self._bound()
+        self.parts: list[Part] = []
+        self._bound(list(pairwise(ends)))
         self.verdicts = [self._decide(c) for c in range(len(step.candidates))]
 
     def _choose_norm(self) -> None:
@@ -367,7 +374,7 @@ class Certificate:
         self.reach = np.linalg.norm(self.from_norm.size, axis=1) / step.unit * SLACK
         self.reference = Matrix((sample[0].inertia @ self.from_norm).middle)
 
-    def _bound(self) -> None:
+    def _bound(self, pieces: list[tuple[float, float]]) -> None:
         """Find a tube that holds y, and the bound at its end.
 
         Raises:
@@ -375,14 +382,18 @@ class Certificate:
         """
         for _ in range(4):
             error = 0.0
-            for part in self.parts:
-                size, growth = self._of_part(part)
+            for k, piece in enumerate(pieces):
+                if k == len(self.parts):
+                    self.parts.append(Part(self.step, *piece))
+                size, growth = self._of_part(self.parts[k])
                 error = (error + size) * math.exp(max(0.0, growth)) * SLACK
+                if not error < WIDEST:
+                    raise RefusalError("the bound grows too fast")
             if error <= self.tube:
                 self.error = error
                 return
             self.tube = 2.0 * error
-        raise RefusalError("no tube holds the solution")
+        raise RefusalError("the bound grows too fast")
 
     def _of_part(self, part: Part) -> tuple[float, float]:
         """∫ ‖T δ‖ over a part, and a bound on the integral of the logarithmic norm on the tube."""
@@ -398,8 +409,8 @@ class Certificate:
         aside = 0.5 * (np.abs(turned.middle + turned.middle.T) + turned.radius + turned.radius.T)
         np.fill_diagonal(aside, turned.middle.diagonal() + turned.radius.diagonal())
         growth = float(aside.sum(axis=1).max()) * length + 1e-9
-        if not (size < math.inf and growth < LARGEST):
-            raise RefusalError("a force varies too much")
+        if not (size < WIDEST and growth < FASTEST):
+            raise RefusalError("the bound grows too fast")
         return size, growth
 
     def spread(self, c: int) -> tuple[float, float]:
@@ -419,16 +430,6 @@ class Certificate:
             rate += abs(nx) * far[n] + abs(ny) * far[n + 1]
         return float(far[-1] if c == step.regularized else gap) * SLACK, float(rate) * SLACK
 
-    def _course(self, c: int, part: Part) -> tuple[Row, Row]:
-        """φ and a rate with the sign of φ′: of the clearance, of δ, or of u of the regularized contact."""
-        gap, rate = part.gaps[c]
-        if c not in self.step.active:
-            return gap, rate
-        sinking = [-term for term in rate]
-        if c == self.step.regularized:
-            return [part.root[k] for k in range(ORDER + 1)], sinking
-        return [-term for term in gap], sinking
-
     def _decide(self, c: int) -> str:
         """Whether φ falls through zero in the step; if its event is marked, or just beyond its end."""
         balls = [arb(0, size) for size in self.spread(c)]
@@ -437,7 +438,7 @@ class Certificate:
         above, falling = False, False  # whether φ > 0 where the interval begins; or where it began to fall
         while waiting:
             part, low, high, depth = waiting.pop()
-            terms = self._course(c, part)
+            terms = part.courses[c]
             phi, rate = (part.range_of(one, low, high) + ball for one, ball in zip(terms, balls, strict=True))
             start, end = (part.range_of(terms[0], x, x) + balls[0] for x in (low, high))
             if phi > 0:
