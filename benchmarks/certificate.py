@@ -192,6 +192,14 @@ class Step:
             rate += arm * (ny * cos - nx * sin) * spin
         return gap, rate
 
+    def rate(self, z: np.ndarray) -> np.ndarray:
+        """f(z) in floats."""
+        ctx.cap = 1
+        series = [arb_series([arb(float(value))]) for value in z]
+        rest, _ = self.residual(series, [arb_series([0])] * len(z), self.active)
+        inertia = Matrix.of(self.inertia([value[0] for value in series])).middle
+        return np.linalg.solve(inertia, [-float(row[0].mid()) for row in rest])
+
     def phi(self, c: int, z: Row, gap: tuple[Any, Any]) -> tuple[Any, Any]:
         """φ, which falls through zero at an event, and a rate with its sign: those of g, δ, or u."""
         if c not in self.active:

@@ -22,7 +22,7 @@ GROUPS = {
     "browser": ("marionette_driver", "playwright"),
     "interop": ("av", "dask", "distributed", "ecospy", "libcosimpy", "pyarrow", "xarray"),
     "notebook": ("ipykernel", "nbconvert"),
-    "dev": ("yaml",),
+    "dev": ("flint", "yaml"),
 }
 """Extra of the package → what ``pytest --full`` needs of it."""
 
@@ -34,6 +34,7 @@ needs_compilers = pytest.mark.full("needs compilers")
 needs_interop = pytest.mark.full("needs other tools")
 
 IMPORTING = {
+    "flint": ["test_certificate.py"],
     "numba": ["test_dual_numbers.py", "test_lower.py", "test_record_type.py"],
     "nbconvert": ["test_notebook.py"],
     "yaml": ["test_workflows.py"],
