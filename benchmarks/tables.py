@@ -243,9 +243,9 @@ def proven() -> str:
         f"{of_those:.1f} % of those whose equations the certificate has. It does not have {listed(absent)}. "
         f"Undecided: {listed(begins(found, 'undecided: '))}. Of {record['settings']['random scenes']} random "
         f"scenes, many of them extreme, {random['proven']:.0f} % of the steps are proven, {of_random:.0f} % "
-        f"of those that it has. {faults or 'None'} of the {proofs} proofs of steps contradicts its run. An "
-        f"accurate solution of the equations shows whether an undecided candidate hides a contact: none does, "
-        f"but {open_ones} of {undecided} are in steps too stiff, or not smooth enough, for such a solution."
+        f"of those that it has. {faults or 'None'} of the {proofs} proofs of steps contradicts its run. "
+        "An accurate solution of the equations shows whether an undecided candidate hides a contact: none "
+        f"does, but {open_ones} of {undecided} are in steps too stiff or not smooth enough for such a solution."
     )
 
 
