@@ -245,7 +245,7 @@ def proven() -> str:
         f"scenes, many of them extreme, {random['proven']:.0f} % of the steps are proven, {of_random:.0f} % "
         f"of those that it has. {faults or 'None'} of the {proofs} proofs of steps contradicts its run. "
         "An accurate solution of the equations shows whether an undecided candidate hides a contact: none "
-        f"does, but {open_ones} of {undecided} are in steps too stiff or not smooth enough for such a solution."
+        f"does, but {open_ones} of {undecided} are in steps that have no such solution."
     )
 
 

@@ -1,11 +1,13 @@
 """Certificates of single steps: the bound holds, and nothing is proven of an event that is not so."""
 
+import math
+
 import numpy as np
 import pytest
 from flint import arb
 from scipy.integrate import solve_ivp
 
-from benchmarks.certificate import NO_EVENT, ONE_EVENT, Step, certify
+from benchmarks.certificate import NO_EVENT, ONE_EVENT, UNDECIDED, Step, certify
 from chain_impact import load_scene
 from chain_impact.kernel.status import OK
 from chain_impact.simulation.instance import Instance
@@ -104,3 +106,28 @@ def test_a_graze_is_never_proven_away(motion):
             assert ONE_EVENT not in verdicts
         decided += verdicts in ({NO_EVENT}, {NO_EVENT, ONE_EVENT}, {ONE_EVENT})
     assert decided >= 12
+
+
+def test_a_wall_between_the_polynomial_and_the_solution_is_undecided():
+    random, looked, rod = np.random.default_rng(6), 0, instance("hertz")
+    for _ in range(60):
+        set_motion(rod.record, random, "spinning")
+        half = 0.5 * float(rod.record["model"]["length"][0])
+        rod.record["model"]["wall"][3] = FAR
+        rod.record["solver"]["tolerance"] = 10.0 ** random.uniform(-5.0, -3.0)
+        rod.initialize()
+        step = None
+        while step is None or at(step, step.kept)[2] < 0.5 * math.pi:
+            assert rod.advance(np.nextafter(rod.record["step"]["end"], np.inf)) == OK
+            step = Step(rod.record)
+        # the middle goes along the wall, and the rod turns at a constant rate
+        start = at(step, 0.0)
+        x = (0.5 * math.pi - start[2]) / (start[5] * step.size)
+        highest = start[1] + half
+        near = (at(step, x + part * 1e-3 * step.kept) for part in np.linspace(-1.0, 1.0, 41))
+        top = max(z[1] + half * math.sin(z[2]) for z in near)
+        if 0.1 < x / step.kept < 0.9 and abs(top - highest) > 1e-10:
+            step.offsets = [arb(-0.5 * (top + highest))]
+            assert certify(step)[0] == [UNDECIDED]
+            looked += 1
+    assert looked >= 5
