@@ -66,7 +66,8 @@ class Step:
         self.free = len(free)
         self.first = self.free - self.links  # of the angles
         self.polynomials = [_powers(step["state"][j], step["dense"][:, j]) for j in variables]
-        self.base = [arb(float(value)) for value in step["state"][:2]]
+        place = d["moved"]["position"] if model["base_moves"] else step["state"]
+        self.base = [arb(float(value)) for value in place[:2]]
         self.marked = [c for c, event in enumerate(touch["event"]) if event in (ONSET, END)]
         self.gravity, self.tip = model["gravity"].tolist(), own["tip_force"].tolist()
         self._bodies(model)
@@ -78,6 +79,11 @@ class Step:
         self.candidates = d["candidate"][["point", "stop", "normal_x", "normal_y"]].tolist()
         self.offsets = [arb(float(o)) + float(d["contact"]["radius"]) for o in d["candidate"]["offset"]]
         self.active = touch["active_index"][: touch["active_count"]].tolist()
+        rubbing = d["element"]["index"][: d["friction"]["count"]].tolist()
+        slides = {e: -float(d["element"]["mode"][e]) for e in rubbing}  # against the direction of sliding
+        for i, joint in enumerate(self.joints):
+            joint[0] = arb(joint[0]) + slides.get(len(self.candidates) + i, 0.0) * model["joint_friction"][i]
+        self.drags = {c: arb(slides.get(c, 0.0)) * float(d["law"]["friction"][c]) for c in self.active}
         self.forces = {}  # K, n, d, p of F = K δⁿ + d δᵖ δ̇
         for c in self.active:
             law, beyond = d["law"][c], bool(touch["beyond_kink"][c])
@@ -155,7 +161,8 @@ class Step:
             if stop:
                 moments[point - 1] += stop * self.lever * force
             else:
-                loads.append((point, nx * force, ny * force))
+                drag = self.drags[c]
+                loads.append((point, (nx + drag * ny) * force, (ny - drag * nx) * force))
         rows = [rate[j] - pace * z[n + j] for j in range(n)]
         for k in range(self.first):
             force = sum((load[1 + k] for load in loads), self.mass * self.gravity[k])

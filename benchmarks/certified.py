@@ -43,18 +43,23 @@ AIM, ALL, SHORT = 1e-8, 1000, 4  # the tolerance at which so many are taken, of 
 STEPS_OF_LONG = 12  # of chains of more links
 SCENES, RANDOM = 500, "random scenes"  # of each of them one step, anywhere in its run
 KINDS = (0, SLANTED, SPRUNG, FOLDED, TAUT, UNEVEN, STOPPED, RUBBED, DRIVEN)
-CALLS = 1500  # of the equations, for a solution
+CALLS = 600  # of the equations, for a solution
 HIDDEN = 1e-8  # m, or of u: a fall below zero that is deeper was missed; the solution has an error of 1e-10
 
 
 def missing(d: Any) -> str:
     """What acts in the last step that the certificate does not have, in words; "" if it has all."""
+    course, touch = d["inputs"]["course"], d["touch"]
+    varied = [course[name][1:] for name in course.dtype.names if name.startswith(("joint_", "tip_"))]
+    active = touch["active_index"][: touch["active_count"]]
+    drawn = (d["law"]["approach_only"] & (d["law"]["friction"] > 0.0))[active]
     reasons = {
-        "points held by rigid walls": d["touch"]["active_count"] > d["touch"]["compliant_count"],
-        "dry friction": d["friction"]["count"] > 0,
+        "points held by rigid walls": touch["active_count"] > touch["compliant_count"],
+        "what sticks by dry friction": d["friction"]["stuck_count"] > 0,
+        "dry friction of laws that damp on approach only": drawn.any(),
         "rotors of drives": d["model"]["geared"],
-        "moving base, walls or belts": d["channels"] > 0,
-        "inputs that vary in a step": d["inputs"]["course"]["order"] > 0,
+        "moving base or walls": d["channels"] > 0 and d["moved"]["course"][1:].any(),
+        "inputs that vary in a step": course["order"] > 0 and any(part.any() for part in varied),
         "contact law of the user": USER_LAW in d["law"]["number"],
     }
     return next((name for name, present in reasons.items() if present), "")
