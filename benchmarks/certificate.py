@@ -11,7 +11,8 @@ place of a free base, x_k = x_C + Σ_j a_kj (cos θ_j, sin θ_j). From the kerne
 the scene, the state at the start of the step, its dense output, and what a contact has latched at its onset.
 
 The solution is that of the phase of the step: a force that is cut off or that damps on approach only is
-continued smoothly across its kink, and in the variable of a contact its δ is δ* u².
+continued smoothly across its kink, sliding keeps its direction, and in the variable of a contact its δ is
+δ* u². There the verdicts on the others hold up to its end, u = 0: until then time goes on.
 """
 
 from __future__ import annotations

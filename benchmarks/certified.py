@@ -39,8 +39,8 @@ from tests.random_scenes import (
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 STEPS, LATEST = 60, 4000  # of a model's run, at most, and the last one that is taken
-AIM, ALL, SHORT = 1e-8, 1000, 4  # the tolerance at which so many are taken, of chains of so many links
-STEPS_OF_LONG = 12  # of chains of more links
+AIM, ALL = 1e-8, 1000  # the tolerance at which so many are taken
+SHORT, STEPS_OF_LONG = 4, 12  # links; of chains of more links, and as many as STEPS at that tolerance
 SCENES, RANDOM = 500, "random scenes"  # of each of them one step, anywhere in its run
 KINDS = (0, SLANTED, SPRUNG, FOLDED, TAUT, UNEVEN, STOPPED, RUBBED, DRIVEN)
 CALLS = 600  # of the equations, for a solution
@@ -151,8 +151,8 @@ def main() -> None:
     for name in model_names():
         for tolerance in TOLERANCES:
             scene = load_scene(name).with_values({"solver.tolerance": tolerance})
-            most = ALL if tolerance == AIM else STEPS
-            most = most if len(scene.chain.links) <= SHORT else STEPS_OF_LONG
+            choices = (ALL, STEPS) if len(scene.chain.links) <= SHORT else (STEPS, STEPS_OF_LONG)
+            most = choices[tolerance != AIM]
             count: Counter = Counter()
             since = time.process_time()
             look_at_run(scene, 5 if quick else most, count)

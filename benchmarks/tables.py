@@ -216,7 +216,7 @@ def begins(found: dict[str, float], what: str) -> dict[str, float]:
 
 def listed(found: dict[str, float]) -> str:
     """Shares in words."""
-    return ", ".join(f"{name} ({value:.1f} %)" for name, value in found.items())
+    return ", ".join(f"{name} ({value:.2g} %)" for name, value in found.items())
 
 
 def proven_share() -> str:
