@@ -14,7 +14,7 @@ from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
 from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_change, time_rate_of
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, speed_bound
 
-# rad. If a link turns more in a step, the estimated remainder of the interpolant is no bound any more.
+# rad. If a link turns more in a step, the estimate of the interpolant's remainder fails.
 SMALL_TURN = 1.0
 # Fraction of the range of the Bernstein coefficients: a margin for round-off and the estimated remainder.
 MARGIN = 0.05
@@ -40,10 +40,11 @@ def remember_clearances(d, what):
 
 
 def excludes_events(d):
-    """Whether the state and rate at the ends of the last step prove that there is no event in it.
+    """Whether the state and rate at the ends of the last step show that there is no event in it.
 
-    Its method must provide the rate at the end; the points are located and accelerated there. If the result
-    is false, φ and φ′ of all candidates are known at both ends, and the suspects are chosen.
+    This rests on an estimate of the remainder of the interpolant, which is no bound. The step's method must
+    provide the rate at the end; the points are located and accelerated there. If the result is false, φ and
+    φ′ of all candidates are known at both ends, and the suspects are chosen.
     """
     # an input may change the acceleration between the ends as much as rotation does
     turn = max(largest_turn(d), (d.step.end - d.step.start) * d.inputs.course.change_rate)
@@ -59,8 +60,8 @@ def excludes_events(d):
         d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
     measure_all(d, d.step.state_end)
     remember_clearances(d, WITH_CURVES)
-    # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain in uniform rotation, and
-    # that of a motion which decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
+    # the remainder is h⁶ φ⁽⁶⁾/46080, estimated as ten times that of the tip of a stretched chain in uniform
+    # rotation, and of a motion which decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
     # ρ h, with a bound ρ on the rate of decay or oscillation by resisting joints
     fade = (d.step.end - d.step.start) * d.model.joint_bound
     way = way_per_radian(d)
