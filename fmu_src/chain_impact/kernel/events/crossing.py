@@ -13,9 +13,10 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.events.exclusion import keep_start, set_clearance, sundman_u_now
 from chain_impact.kernel.events.marks import END, NONE, ONSET, mark
+from chain_impact.kernel.ode.collocation import curvatures
+from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import TRIES, interpolate, next_guess, rate_bounds, rate_bounds_along
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
-from chain_impact.kernel.ode.methods import bound_curvatures
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.rows.geometry import normal
 from chain_impact.kernel.status import count_other_work, work_exceeded
@@ -235,7 +236,8 @@ def bound_curvature(d):
             v, a = v + speed, a + p * push
         of_links = links[d.candidate.point[c]] if d.candidate.stop[c] == 0 else 0.0
         d.search.curvature[c] = p * a + change * v + of_links
-    bound_curvatures(d)
+    if d.step.last_method == IMPLICIT:
+        curvatures(d, d.step.size)
 
 
 def motion_bounds(d, c, along_x, along_y):

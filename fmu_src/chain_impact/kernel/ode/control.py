@@ -1,10 +1,10 @@
 """Control of the step's size: the error of a tried step, and the size of the next one.
 
-The methods of integration are data here; which function does what for them is in methods.py. Explicit steps
-are stable for equations that are not stiff; they evaluate the rate at their end, as the first stage of the
-next step. Implicit steps are stable however stiff the equations are. The end of an implicit step is more
-accurate than its dense output, so that it is repeated to end at an event, and its method finds a size for the
-first step after one.
+The methods of integration are data here; methods.py chooses between them. Explicit steps are stable for
+equations that are not stiff; they evaluate the rate at their end, as the first stage of the next step.
+Implicit steps are stable however stiff the equations are. The end of an implicit step is more accurate than
+its dense output, so that it is repeated to end at an event, and its method finds a size for the first step
+after one.
 
 A method tries a step and concludes it with its error. If that is within the tolerance, the search for events
 and the energy check can still refuse the step: it is accepted if its error is at most 1 after them. A

@@ -17,7 +17,8 @@ from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_a
 from chain_impact.kernel.equations import located_rate, state_rate
 from chain_impact.kernel.forces.friction import keep_anchors
 from chain_impact.kernel.forces.holding import project_state
-from chain_impact.kernel.ode.control import EXPLICIT, rescale
+from chain_impact.kernel.ode import collocation, explicit
+from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, rescale
 from chain_impact.kernel.ode.dense import (
     append_quadratures,
     fraction,
@@ -28,7 +29,6 @@ from chain_impact.kernel.ode.dense import (
     settle_impulses,
     truncate_quadratures,
 )
-from chain_impact.kernel.ode.methods import dense_evaluations, dense_output, finish
 from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.status import count_evaluations, counted_work, uncount_work
@@ -78,8 +78,9 @@ def accept(d):
     step.dense_for = NOT_REQUESTED
     step.rate_known = 0
     note_points_elsewhere(d)
-    finish(d)
-    if step.last_method == EXPLICIT:
+    if step.last_method == IMPLICIT:
+        collocation.keep_stages(d)
+    else:
         # the error control of this method has located the points if contacts are active
         find_rate(d, d.touch.active_count > 0)
 
@@ -235,7 +236,10 @@ def ensure_dense(d, reader):
     known, step.dense_for = step.dense_for, max(step.dense_for, reader)
     if known == NOT_REQUESTED:
         counted = counted_work(d)
-        dense_output(d)
+        if step.last_method == IMPLICIT:
+            collocation.keep_clearances(d)
+        else:
+            explicit.dense_output(d, step.size)
         uncount_work(d, counted)
-    if known < SOLVER <= reader:
-        count_evaluations(d, dense_evaluations(d))
+    if known < SOLVER <= reader and step.last_method == EXPLICIT:
+        count_evaluations(d, explicit.DENSE_EVALUATIONS)

@@ -1,4 +1,4 @@
-"""The choice of the method for the next step, and which function does what for each method.
+"""The choice of the method for the next step, which is then prepared and tried by it.
 
 The explicit method is better as long as accuracy limits its step: in flight and in impacts. In sustained
 contact its stability limits the step, or its loss of order. The fastest motion of a contact has the rate
@@ -185,28 +185,3 @@ def attempt(d, h):
         collocation.attempt(d, h)
     else:
         explicit.attempt(d, h)
-
-
-def finish(d):
-    """Store what its method needs of the last step, which has just been accepted."""
-    if d.step.last_method == IMPLICIT:
-        collocation.keep_stages(d)
-
-
-def dense_evaluations(d):
-    """The right-hand sides that the dense output of the last step needs: none if it was implicit."""
-    return explicit.DENSE_EVALUATIONS if d.step.last_method == EXPLICIT else 0
-
-
-def dense_output(d):
-    """Set the dense output of the last step."""
-    if d.step.last_method == IMPLICIT:
-        collocation.keep_clearances(d)
-    else:
-        explicit.dense_output(d, d.step.size)
-
-
-def bound_curvatures(d):
-    """Replace the general bounds on |g̈| [m/s²] over the last step by those that its method knows."""
-    if d.step.last_method == IMPLICIT:
-        collocation.curvatures(d, d.step.size)
