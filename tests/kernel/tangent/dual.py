@@ -58,6 +58,9 @@ class Dual:
     def __rtruediv__(self, other: float) -> Dual:
         return self.dual(other) / self
 
+    def __float__(self) -> float:
+        return float(self.value)
+
     def __abs__(self) -> Dual:
         return self if self.value >= 0.0 else -self
 

@@ -78,7 +78,7 @@ def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     d.step = SimpleNamespace(last_method=method, size=0.2, kept=kept, regularized=regularized, end=1.5)
     d.step.state_end = rng.normal(size=SIZE)
     d.model = SimpleNamespace(limited=0)
-    d.touch = SimpleNamespace(event=list(events))
+    d.touch, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
     d.element = SimpleNamespace(event=[NONE, SLIDING_ENDS, NONE])
     t.touch = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])
     t.touch.impact_speed = [dual(0.5, 1.0, 2.0)] * 2
@@ -105,7 +105,7 @@ def calls(monkeypatch):
         called.append((name, *(one for one in arguments if not isinstance(one, SimpleNamespace))))
 
     names = (
-        "copy_modes apply_pending_events copy_inputs choose_variable set_first_stage check_turns mark_jump"
+        "copy_modes apply_pending_events copy_values choose_variable set_first_stage check_turns mark_jump"
     )
     names += " truncate_step settle_impulses accept ensure_rate ensure_points check_onsets"
     for name in names.split():
@@ -129,7 +129,7 @@ def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
     monkeypatch.setattr(replay, "take_values", lambda _d, _t: calls.append(("take_values",)))
     monkeypatch.setattr(replay, "move_end", lambda t: calls.append(("move_end", *t.touch.event)))
     replay.replay(d, t)
-    begin = [("copy_modes",), ("apply_pending_events",), ("copy_inputs",), ("choose_variable", True)]
+    begin = [("copy_modes",), ("apply_pending_events",), ("copy_values",), ("choose_variable", True)]
     made = [("set_first_stage",), ("make", last.get("method", EXPLICIT), size), ("check_turns",)]
     end = [("settle_impulses",), ("move_end", *last["events"])]
     cut, jump = more

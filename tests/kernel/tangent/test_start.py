@@ -7,6 +7,7 @@ from chain_impact import CONTACT_LAWS
 from chain_impact.kernel import advance
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.forces import contact, contact_force, contact_law
+from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.record.fields import AT_START
 from chain_impact.kernel.status import OK
@@ -15,7 +16,7 @@ from tests.complex_laws import TINY
 from tests.derivative_scenes import Case
 from tests.kernel.chains import chain, press_in, random_state, touch, vectors
 from tests.kernel.forces.test_contact_laws import FACTORS
-from tests.kernel.tangent.dual import Dual, random_duals, started
+from tests.kernel.tangent.dual import random_duals, started
 from tests.plain import Plain, make_rigid, record_of
 from tests.problems import ball, of_law
 
@@ -81,27 +82,13 @@ def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
     d.given.law = CONTACT_LAWS["hunt_crossley"].number
     assert contact_law.update_laws(d) == OK
     duals.copy_given(d, t, AT_START)
-    starts.apply_given_of(d, t)  # which takes the walls, whose material may change in a run
+    starts.take_given(d, t)  # which takes the walls, whose material may change in a run
     for (record, name), own in before.items():
         found = getattr(getattr(t, record), name)
         np.testing.assert_array_equal(values(found), d[record][name], err_msg=name)
         np.testing.assert_array_equal(slopes(found), own, err_msg=name)
     assert t.contact.minimum_impact_speed == d.contact.minimum_impact_speed
     assert t.solver.tolerance == d.solver.tolerance
-
-
-def test_the_inputs_that_hold_are_the_constants_of_their_course(both):
-    d, t = both
-    d.inputs.course.order = 1
-    d.inputs.course.joint_torque[:], d.inputs.course.tip_force[:] = 9.0, 9.0
-    d.inputs.course.joint_torque[0], d.inputs.course.tip_force[0] = 7.0, 8.0
-    starts.copy_inputs(d, t)
-    own = t.inputs
-    assert list(own.joint_torque) == list(own.course.joint_torque[0])
-    assert list(own.tip_force) == list(own.course.tip_force[0])
-    assert list(own.joint_target_angle) == list(own.course.joint_target_angle[0])
-    assert (values(own.joint_torque) == 7.0).all()
-    assert (values(own.tip_force) == 8.0).all()
 
 
 def test_what_was_given_holds_with_its_derivatives(both):
@@ -113,7 +100,9 @@ def test_what_was_given_holds_with_its_derivatives(both):
     d.given.course.order, d.given.course.until = 1, 6.5
     before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
     assert contact_law.update_laws(d) == OK
-    starts.apply_given_of(d, t)
+    starts.take_given(d, t)
+    apply_inputs(t)
+    assert contact_law.update_laws(t) == OK
     assert (t.law.number == number).all()
     assert t.given.law == number
     assert t.contact.any_friction == 1
@@ -135,8 +124,9 @@ def test_the_factor_of_a_law_has_the_value_of_the_instance_and_its_own_derivativ
     d.given.law, d.given.restitution = entry.number, e
     d.contact.exponent = 1.5
     assert contact_law.start_laws(d) == OK
-    t.law.restitution[0] = Dual(e, t.law.restitution[0].slope)
-    starts.derive_law_of(d, t, 0)
+    duals.copy_given(d, t, AT_START)
+    starts.take_given(d, t)
+    assert contact_law.start_laws(t) == OK
     slope = (entry.damping_factor(e + h) - entry.damping_factor(e - h)) / (2 * h)
     own = t.law
     factor = own.damping_factor[0]
@@ -147,10 +137,6 @@ def test_the_factor_of_a_law_has_the_value_of_the_instance_and_its_own_derivativ
         assert own.rate_exponent[0] is own.exponent[0]
     else:
         assert own.rate_exponent[0] == entry.rate_exponent
-    # a user's law has that of the instance
-    d.law.number[0], d.law.damping_factor[0], d.law.rate_exponent[0] = len(CONTACT_LAWS) + 1, 0.0, 1.5
-    starts.derive_law_of(d, t, 0)
-    assert (own.damping_factor[0], own.rate_exponent[0]) == (0.0, 1.5)
 
 
 @pytest.fixture

@@ -171,7 +171,7 @@ def check_law(d, c):
         return FRICTION_WITH_RIGID_WALLS
     if number == USER_LAW:
         return OK
-    if EXPONENTS[number - 1] not in (ANY, exponent(d, c)):
+    if ANY != EXPONENTS[number - 1] != exponent(d, c):
         return EXPONENT_NOT_ALLOWED
     return OK if restitution >= LEAST_RESTITUTIONS[number - 1] else RESTITUTION_NOT_ALLOWED
 

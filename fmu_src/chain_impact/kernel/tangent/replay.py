@@ -24,15 +24,14 @@ Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Ap
 
 import math
 
-from chain_impact.kernel.advance import apply_laws, apply_pending_events, set_first_stage
+from chain_impact.kernel.advance import apply_pending_events, apply_pending_inputs, set_first_stage
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, time_at, velocity_at
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.marks import END, ONSET, RELATCH, copy_marks, pending_changes
 from chain_impact.kernel.forces.contact import clear_loads
-from chain_impact.kernel.forces.contact_law import copy_law, set_parameters
+from chain_impact.kernel.forces.contact_law import start_laws
 from chain_impact.kernel.forces.inputs import apply_inputs
-from chain_impact.kernel.forces.laws import ANY, LAW_COUNT, RATE_EXPONENTS, damping_factor
 from chain_impact.kernel.initialize import clear_run, derive_chain, derive_resistance, set_start
 from chain_impact.kernel.ode import explicit
 from chain_impact.kernel.ode.collocation import (
@@ -93,10 +92,11 @@ def start_tangent(d, t):
     copy_given(d, t, AT_START)
     derive_chain(t)
     clear_run(t, d.step.time)
-    apply_given_of(d, t)
+    take_given(d, t)
+    apply_inputs(t)
     derive_resistance(t)
+    start_laws(t)
     trust(t)
-    copy_modes(d, t)
     set_start(t, d.step.time)
     check_coefficients(t)
     begin_explicit(t)
@@ -108,30 +108,25 @@ def reinit_tangent(d, t):
     # derivatives that ended in the part of the run that is dropped may go on: the new part decides
     if t.trust.time > value(t.step.end):
         trust(t)
-    apply_given_of(d, t)
-    derive_resistance(t)
-    copy_modes(d, t)
-    apply_laws(t)
+    take_given(d, t)
+    apply_pending_inputs(t)
     check_coefficients(t)
     clear_loads(t)
 
 
-def apply_given_of(d, t):
-    """Apply the values that were given to d to t, which keeps the derivatives that it has of them."""
+def take_given(d, t):
+    """Take the values that were given to d, and what d has chosen; t keeps the derivatives it has of them.
+
+    Those of all motions are set by what is given of them: as for constants that are added.
+    """
     copy_given(d, t, AT_ANY_TIME)
-    vary_motion(d, t)
-    apply_inputs(t)
-    derive_laws_of(d, t)
-
-
-def vary_motion(d, t):
-    """Set the derivatives of all motions by what is given of them: as for constants that are added."""
     if d.channels > 0:
         copy_values(d.moved, t.moved)
     for j in range(d.channels):
         t.moved.added[j] = carried(0.0, 1.0, t.motion.position[j])
         t.moved.added_rate[j] = carried(0.0, 1.0, t.motion.velocity[j])
         t.moved.added_push[j] = carried(0.0, 1.0, t.motion.acceleration[j])
+    copy_modes(d, t)
 
 
 def copy_modes(d, t):
@@ -141,46 +136,6 @@ def copy_modes(d, t):
     if d.model.limited:
         for i in range(d.links):
             t.drive.chosen[i] = d.drive.mode[i]
-
-
-def copy_inputs(d, t):
-    """Copy the present inputs of d to t: a derivative is that for a constant added to an input."""
-    own = t.inputs
-    copy_values(d.inputs.course, own.course)
-    if d.channels > 0:
-        copy_values(d.moved, t.moved)
-    for i in range(t.links):
-        own.joint_torque[i] = own.course.joint_torque[0, i]
-        own.joint_target_angle[i] = own.course.joint_target_angle[0, i]
-        own.joint_target_velocity[i] = own.course.joint_target_velocity[0, i]
-    for j in range(2):
-        own.tip_force[j] = own.course.tip_force[0, j]
-
-
-def derive_laws_of(d, t):
-    """Derive the constants of the laws of d from the parameters of t."""
-    own, law = t.law, d.law
-    t.contact.any_force, t.contact.any_rigid = d.contact.any_force, d.contact.any_rigid
-    t.contact.any_friction = d.contact.any_friction
-    for c in range(t.candidates):
-        own.same_as[c] = law.same_as[c]
-        if law.same_as[c] == c:
-            set_parameters(t, c)
-            derive_law_of(d, t, c)
-        else:
-            copy_law(own, law.same_as[c], c)
-
-
-def derive_law_of(d, t, c):
-    """Derive the constants of the law of candidate c of d from the parameters of t."""
-    own, law, number = t.law, d.law, d.law.number[c]
-    own.impulsive[c], own.approach_only[c] = law.impulsive[c], law.approach_only[c]
-    own.rate_exponent[c], own.damping_factor[c] = law.rate_exponent[c], law.damping_factor[c]
-    if number <= LAW_COUNT:
-        if RATE_EXPONENTS[number - 1] == ANY:
-            own.rate_exponent[c] = own.exponent[c]
-        factor = damping_factor(number, own.restitution[c])
-        own.damping_factor[c] = carried(law.damping_factor[c], 1.0, factor)
 
 
 ENOUGH = 0.01  # of the tolerance: the largest last correction of the derivatives, relative to them
@@ -291,7 +246,10 @@ def replay(d, t):
     """Repeat the last step of d in dual numbers."""
     copy_modes(d, t)
     apply_pending_events(t)
-    copy_inputs(d, t)
+    # a derivative is that for a constant added to an input
+    copy_values(d.inputs, t.inputs)
+    if d.channels > 0:
+        copy_values(d.moved, t.moved)
     t.step.method = d.step.last_method
     choose_variable(t, True)
     set_first_stage(t)
