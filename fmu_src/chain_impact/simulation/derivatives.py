@@ -123,47 +123,43 @@ class DifferentiatedInstance(Instance):
         """Take the finished contacts out of the log, and their derivatives."""
         places = self._finished_places
         rows = super().collect()
-        if not len(rows):
-            return rows
-        log, last = self._tangents["finished"], int(self.record["finished"]["count"])
+        last = int(self.record["finished"]["count"])
         # in a step that has failed a contact may have ended, of which there are no derivatives
-        known = (np.arange(last - len(rows), last) < log["count"][0])[:, np.newaxis]
-        slopes = {name: log[name]["slope"][:, places] for name in IMPACT_QUANTITIES}
-        self._keep_slopes(rows, {name: np.where(known, slope, np.nan) for name, slope in slopes.items()})
+        self._keep_slopes(rows, places, np.arange(last - len(rows), last) < self._log["count"][0])
         return rows
 
     def open_contacts(self) -> np.ndarray:
         """The contacts that have not ended yet; drops what was solved ahead."""
         rows = super().open_contacts()
-        if not len(rows):
-            return rows
-        log, places = self._tangents["finished"], self._open_places
-        slopes = {name: log[name]["slope"][:, places] for name in IMPACT_QUANTITIES}
+        places = self._open_places
         # after a fault, other contacts may last there
-        same = (log["point"][:, places] == rows["point"]) & (log["wall"][:, places] == rows["wall"])
-        known = (same.all(axis=0) & (self.status == OK))[:, np.newaxis]
-        self._keep_slopes(rows, {name: np.where(known, slope, np.nan) for name, slope in slopes.items()})
+        same = [(self._log[name][:, places] == rows[name]).all(axis=0) for name in ("point", "wall")]
+        self._keep_slopes(rows, places, same[0] & same[1] & (self.status == OK))
         return rows
 
-    def _keep_slopes(self, rows: np.ndarray, slopes: Mapping[str, np.ndarray]) -> None:
-        """Keep the derivatives of some impacts, of shape (B, I, DIRECTIONS) for each quantity."""
+    @property
+    def _log(self) -> np.ndarray:
+        """The finished contacts of each instance of dual numbers."""
+        log: np.ndarray = self._tangents["finished"]
+        return log
+
+    def _keep_slopes(self, rows: np.ndarray, places: Any, known: np.ndarray) -> None:
+        """Keep the derivatives of the impacts at some places of the log; NaN where they are not ``known``."""
         kept = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]
         distrusted = np.inf if trust["reason"] == TRUSTED else trust["time"]
         for name in IMPACT_QUANTITIES:
-            together = slopes[name].transpose(1, 0, 2).reshape(len(rows), self._directions)
-            kept[name] = together[:, : len(self.parameters)]
+            slopes = self._log[name]["slope"][:, places].transpose(1, 0, 2)
+            kept[name] = slopes.reshape(len(rows), self._directions)[:, : len(self.parameters)]
             until = (
                 rows["onset"] if name in AT_ONSET else np.where(np.isnan(rows["end"]), self.time, rows["end"])
             )
-            kept[name][(until >= distrusted) | ~np.isfinite(rows[name])] = np.nan
+            kept[name][~known | (until >= distrusted) | ~np.isfinite(rows[name])] = np.nan
         self._impact_slopes.append(kept)
 
     def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
         """The derivatives of all impacts that were collected, in an order of them: name → shape (I, P)."""
-        if not self._impact_slopes:
-            return {name: np.zeros((0, len(self.parameters))) for name in IMPACT_QUANTITIES}
-        together = np.concatenate(self._impact_slopes)[order]
+        together = np.concatenate([np.zeros(0, self._impact_layout), *self._impact_slopes])[order]
         return {name: together[name] for name in IMPACT_QUANTITIES}
 
     @property
