@@ -10,6 +10,7 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.tangent import entry
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.entry import HOOKS
+from chain_impact.kernel.tangent.replay import reinit_tangent, replay, start_tangent
 from chain_impact.scene.scene import load_scene
 from tests.plain import record_of
 
@@ -17,38 +18,37 @@ SIZES = {"links": 4, "candidates": 20, "elements": 24, "loads": 8, "channels": 4
 FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]
 # what each does with every instance of dual numbers: the functions of the kernel, in their order
 DONE = {
-    hooks.on_start: ["start_tangent"],
-    hooks.on_reinit: ["reinit_tangent"],
-    hooks.on_step: ["replay"],
-    hooks.on_output_time: ["set_own_output_time"],
-    hooks.on_observe: ["fill_outputs", "trusted"],
-    hooks.on_trial: ["keep_state"],
+    hooks.on_observe: ["set_own_output_time", "fill_outputs", "trusted"],
     hooks.on_observe_trial: ["return_to_kept_state", "refill_motion", "trusted"],
-    hooks.on_truncate: ["update_own_to_output_time", "move_end"],
+    hooks.on_truncate: ["set_own_output_time", "keep_state", "update_own_to_output_time", "move_end"],
     hooks.indices_valid: ["within_bounds"],
     hooks.words_behind: [],
 }
 ANSWERS = {hooks.indices_valid: 1, hooks.words_behind: 0}
-
-# those after which derivatives may have ended
-ENDING = {hooks.on_start, hooks.on_reinit, hooks.on_step, hooks.on_truncate}
+# those that do one thing with each
+ONE = {hooks.on_start: start_tangent, hooks.on_reinit: reinit_tangent, hooks.on_step: replay}
 
 
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: one.__name__)
 def test_a_plain_run_has_hooks_that_do_nothing(function):
     d = record_of(load_scene("four_link_box"))
     before = d._record.tobytes()
-    answer = function(*[d, 1.5][: len(inspect.signature(function).parameters)])
+    answer = function(d)
     assert answer == ANSWERS.get(function)
     assert d._record.tobytes() == before
 
 
-@pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: one.__name__)
+@pytest.mark.parametrize("function", ONE, ids=lambda one: one.__name__)
+def test_a_hook_that_does_one_thing_does_it_with_each(function):
+    assert inspect.getclosurevars(HOOKS[function]).nonlocals == {"act": ONE[function]}
+
+
+@pytest.mark.parametrize("function", DONE, ids=lambda one: one.__name__)
 def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monkeypatch):
-    count, called = len(inspect.signature(function).parameters), []
+    called = []
     output = SimpleNamespace(words=[0.0])
     tangents = [SimpleNamespace(**SIZES, output=output, words=[0.0] * 5) for _ in range(3)]
-    d = SimpleNamespace(tangents=3, tangent_instances=tangents, **SIZES)
+    d = SimpleNamespace(tangents=3, tangent_instances=tangents, step=SimpleNamespace(time=1.5), **SIZES)
     d.statistics = SimpleNamespace(status=0)
 
     def note(name):
@@ -63,17 +63,16 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
         monkeypatch.setattr(entry, name, note(name))
     shared = []
     monkeypatch.setattr(entry, "share_reason", lambda t, other: shared.append((id(t), id(other))))
-    answer = HOOKS[function](*[d, 1.5][:count])
+    answer = HOOKS[function](d)
     first, *others = map(id, tangents)
     # the earliest end of all gets to the first one, and from there to the others
     pairs = [(first, other) for other in others] + [(other, first) for other in others]
-    assert shared == (pairs if function in ENDING else [])
+    assert shared == ([] if function in ANSWERS else pairs)
     assert answer == {hooks.indices_valid: 1, hooks.words_behind: 15}.get(function)
     assert [(name, id(t)) for name, t, _ in called] == [
         (name, id(t)) for t in tangents for name in DONE[function]
     ]
-    if function is hooks.on_output_time:
-        assert all(last == 1.5 for *_, last in called)
+    assert all(last == 1.5 for name, _, last in called if name == "set_own_output_time")
 
 
 def test_one_that_does_not_fit_is_not_sound(monkeypatch):
@@ -97,6 +96,8 @@ def test_slopes_that_cannot_be_trusted_are_none(trusted, status, kept, monkeypat
     words = [float(k) for k in range(2 * (1 + DIRECTIONS))]
     t = SimpleNamespace(output=SimpleNamespace(words=words))
     d = SimpleNamespace(tangents=1, tangent_instances=[t], statistics=SimpleNamespace(status=status))
+    d.step = SimpleNamespace(time=0.0)
+    monkeypatch.setattr(entry, "set_own_output_time", lambda t, time: None)
     monkeypatch.setattr(entry, "fill_outputs", lambda t: None)
     monkeypatch.setattr(entry, "trusted", lambda t: trusted)
     HOOKS[hooks.on_observe](d)
@@ -106,4 +107,4 @@ def test_slopes_that_cannot_be_trusted_are_none(trusted, status, kept, monkeypat
 
 
 def test_each_function_has_a_stand_in():
-    assert set(HOOKS) == set(FUNCTIONS) == set(DONE)
+    assert set(HOOKS) == set(FUNCTIONS) == {*DONE, *ONE}

@@ -86,13 +86,11 @@ _ON_INSTANCE = (
     "on_reinit",
     "on_step",
     "on_observe",
-    "on_trial",
     "on_observe_trial",
     "on_truncate",
 )
 HOOKS: Open = {
     **dict.fromkeys(_ON_INSTANCE, ("ptr", ("ptr",), 0)),
-    "on_output_time": ("ptr", ("ptr", "double"), 0),
     "indices_valid": ("i64", ("ptr",), 1),
     "words_behind": ("i64", ("ptr",), 0),
 }

@@ -188,10 +188,9 @@ def advance_one_step(d):
 
 
 def set_output_time(d, time):
-    """Make a ``time`` [s] in the last step the communication point, and call the hook."""
+    """Make a ``time`` [s] in the last step the communication point."""
     set_own_output_time(d, time)
     begin_call(d)
-    hooks.on_output_time(d, time)
 
 
 def reinit(d):

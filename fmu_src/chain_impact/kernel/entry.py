@@ -141,7 +141,6 @@ def observe_trial(d):
     """
     counted = counted_work(d)
     keep_state(d)
-    hooks.on_trial(d)
     status = reinit(d)
     if status == OK:
         # a rigid wall corrects the state at the start of a step

@@ -19,20 +19,12 @@ def on_step(_d):
     """The instance has accepted a step."""
 
 
-def on_output_time(_d, _time):
-    """A time [s] in the last step has become the communication point."""
-
-
 def on_observe(_d):
     """The outputs have been set to their values at the communication point."""
 
 
-def on_trial(_d):
-    """What has been set is about to be tried at the communication point."""
-
-
 def on_observe_trial(_d):
-    """The outputs that it moves at once have been set."""
+    """What has been set is tried: the outputs that it moves at once have been set."""
 
 
 def on_truncate(_d):

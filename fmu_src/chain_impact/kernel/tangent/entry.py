@@ -17,64 +17,37 @@ from chain_impact.kernel.tangent.replay import move_end, reinit_tangent, replay,
 from chain_impact.kernel.tangent.trust import share_reason, trusted
 
 
-def start_all(d):
-    """Initialize all tangent instances at the start of a run."""
-    for b in range(d.tangents):
-        start_tangent(d, block(d, b))
-    share_reasons(d)
+def for_all(act):
+    """The function that does something with an instance and each of its tangent instances.
+
+    Derivatives that end in one of these end in all, where they end first in any.
+    """
+
+    def act_on_all(d):
+        for b in range(d.tangents):
+            act(d, block(d, b))
+        for b in range(1, d.tangents):
+            share_reason(block(d, 0), block(d, b))
+        for b in range(1, d.tangents):
+            share_reason(block(d, b), block(d, 0))
+
+    return act_on_all
 
 
-def reinit_all(d):
-    """Re-initialize all tangent instances at the communication point."""
-    for b in range(d.tangents):
-        reinit_tangent(d, block(d, b))
-    share_reasons(d)
-
-
-def replay_all(d):
-    """Repeat the last step of d in all tangent instances."""
-    for b in range(d.tangents):
-        replay(d, block(d, b))
-    share_reasons(d)
-
-
-def share_reasons(d):
-    """End the derivatives in all tangent instances where they end first in any."""
-    for b in range(1, d.tangents):
-        share_reason(block(d, 0), block(d, b))
-    for b in range(1, d.tangents):
-        share_reason(block(d, b), block(d, 0))
-
-
-def set_output_time_of_all(d, time):
-    """Make a ``time`` [s] the communication point of all tangent instances."""
-    for b in range(d.tangents):
-        set_own_output_time(block(d, b), time)
-
-
-def observe_all(d):
+def observe_tangent(d, t):
     """Set the derivatives of the outputs: NaN where they cannot be trusted, and after a fault."""
-    for b in range(d.tangents):
-        t = block(d, b)
-        fill_outputs(t)
-        if not trusted(t) or d.statistics.status != OK:
-            forget_slopes(words(t.output))
+    set_own_output_time(t, d.step.time)
+    fill_outputs(t)
+    if not trusted(t) or d.statistics.status != OK:
+        forget_slopes(words(t.output))
 
 
-def keep_states(d):
-    """Keep the states of all tangent instances at the communication point."""
-    for b in range(d.tangents):
-        keep_state(block(d, b))
-
-
-def observe_trial_of_all(d):
+def observe_trial_of_tangent(_d, t):
     """Set the derivatives of the outputs that a trial moves at once."""
-    for b in range(d.tangents):
-        t = block(d, b)
-        return_to_kept_state(t)
-        refill_motion(t)
-        if not trusted(t):
-            forget_slopes(words(t.output))
+    return_to_kept_state(t)
+    refill_motion(t)
+    if not trusted(t):
+        forget_slopes(words(t.output))
 
 
 def forget_slopes(dual_numbers):
@@ -84,13 +57,12 @@ def forget_slopes(dual_numbers):
             dual_numbers[j] = math.nan
 
 
-def truncate_all(d):
-    """Update the contacts of all tangent instances to the communication point."""
-    for b in range(d.tangents):
-        t = block(d, b)
-        update_own_to_output_time(t)
-        move_end(t)
-    share_reasons(d)
+def truncate_tangent(d, t):
+    """Update the contacts to the communication point, and keep the state there, which may be tried."""
+    set_own_output_time(t, d.step.time)
+    keep_state(t)
+    update_own_to_output_time(t)
+    move_end(t)
 
 
 def all_valid(d):
@@ -110,14 +82,12 @@ def words_of_all(d):
 
 
 HOOKS = {
-    hooks.on_start: start_all,
-    hooks.on_reinit: reinit_all,
-    hooks.on_step: replay_all,
-    hooks.on_output_time: set_output_time_of_all,
-    hooks.on_observe: observe_all,
-    hooks.on_trial: keep_states,
-    hooks.on_observe_trial: observe_trial_of_all,
-    hooks.on_truncate: truncate_all,
+    hooks.on_start: for_all(start_tangent),
+    hooks.on_reinit: for_all(reinit_tangent),
+    hooks.on_step: for_all(replay),
+    hooks.on_observe: for_all(observe_tangent),
+    hooks.on_observe_trial: for_all(observe_trial_of_tangent),
+    hooks.on_truncate: for_all(truncate_tangent),
     hooks.indices_valid: all_valid,
     hooks.words_behind: words_of_all,
 }
