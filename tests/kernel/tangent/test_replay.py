@@ -77,7 +77,7 @@ def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     d, t = SimpleNamespace(**sizes), SimpleNamespace(links=LINKS, **sizes)
     d.step = SimpleNamespace(last_method=method, size=0.2, kept=kept, regularized=regularized, end=1.5)
     d.step.state_end = rng.normal(size=SIZE)
-    d.model = SimpleNamespace(limited=0)
+    d.model, d.drive, t.drive = SimpleNamespace(limited=0), SimpleNamespace(event=0), SimpleNamespace()
     d.touch, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
     d.element = SimpleNamespace(event=[NONE, SLIDING_ENDS, NONE])
     t.touch = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])
