@@ -206,6 +206,25 @@ def test_the_command_repeats_the_motion_and_a_picture_shows_it(show, tmp_path, m
     assert chain.sum() > 2000
 
 
+@pytest.mark.parametrize(
+    ("model", "changes"),
+    [
+        ("four_link_box", {"contact.model": "flores", "link[2].mass": 1.5, "initial.vx": 0.25}),
+        ("sliding_rod", {"wall.ramp.angle": -0.44, "wall.y_min.friction": 0.1, "wall.ramp.x": -0.01}),
+        ("kneed_leg", {"stop.restitution": 0.5, "link[3].joint_max": 0.25, "simulation.stop_time": 0.5}),
+        ("rod_drop", {"initial.angular_velocity[1]": 2.0, "gravity.y": -1e-8, "solver.tolerance": 1e-9}),
+        ("steel_bar", {"link[20].center_of_mass": 0.01, "initial.vx": -1.0}),
+    ],
+)
+def test_the_scene_file_of_the_page_is_the_scene_with_its_changes(show, model, changes, tmp_path):
+    page = show(model)
+    page.evaluate("changes => chainImpact.show(changes)", changes)
+    page.get_by_role("button", name="Export…").click()
+    file = tmp_path / f"{model}.toml"
+    file.write_text(saved(page, "Scene file").read_text())
+    assert load_scene(file).values == load_scene(model).with_values(changes).values
+
+
 # --- what cannot be --------------------------------------------------------------------------------------
 
 

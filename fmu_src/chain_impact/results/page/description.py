@@ -24,7 +24,7 @@ from chain_impact.results.page.recorded import free_sides
 from chain_impact.results.result import Result
 from chain_impact.scene.limits import allowed
 from chain_impact.scene.names import STOPS
-from chain_impact.scene.scene import Scene, scene_keys
+from chain_impact.scene.scene import Scene, scene_keys, scene_to_dict
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import MOTION, UNLESS_SET, WORD, first_word, word_index
 from chain_impact.variables.variable import Item, Variable
@@ -44,6 +44,7 @@ def description(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
     record = model.new_instance([])
     return {
         "name": scene.name,
+        "file": scene_to_dict(scene),
         "text": scene.description,
         "command": list(command),
         "links": len(scene.chain.links),
@@ -113,6 +114,7 @@ def parameter(model: Model, variable: Variable) -> dict[str, Any]:
     _, _, _, _, low, high, _, word = model.table_row(variable)
     return {
         "name": variable.name,
+        "place": model.parameter_paths.get(variable.name),
         "word": word,
         "type": variable.type,
         "low": low,
@@ -152,6 +154,7 @@ def times(scene: Scene) -> list[dict[str, Any]]:
     return [
         {
             "name": key,
+            "place": key.split("."),
             "word": -1,
             "type": "real",
             "low": np.nextafter(0.0, 1.0),

@@ -9,7 +9,7 @@ import { Ghosts } from "./ghosts.js";
 import { Handles } from "./handles.js";
 import { showKnobs, showList } from "./knobs.js";
 import { GridMap } from "./map.js";
-import { changesIn, commandOf, csvOf, hashOf, pictureOf, save } from "./outside.js";
+import { changesIn, commandOf, csvOf, hashOf, pictureOf, save, sceneFileOf } from "./outside.js";
 import { unpacked } from "./unpacked.js";
 
 const WAITING = 120; // ms after which what is shown is greyed
@@ -134,6 +134,10 @@ function connectExport() {
     const result = await engine.ask("rows", { ...changes.values });
     save(new Blob([csvOf(result)], { type: "text/csv" }), `${scene.name}.csv`);
     return sentenceOf(result, result.time.length > 0);
+  });
+  connectFile("toml", async () => {
+    save(new Blob([sceneFileOf(changes)], { type: "application/toml" }), `${scene.name}.toml`);
+    return "";
   });
   connectFile("png", async () => {
     const background = getComputedStyle(document.body).backgroundColor;

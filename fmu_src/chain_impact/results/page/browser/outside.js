@@ -1,4 +1,6 @@
-// Out of the page: the command that repeats a motion, a link, tables and pictures.
+// Out of the page: the command that repeats a motion, a link, the scene file, tables and pictures.
+
+import { numberText } from "./changes.js";
 
 /** A word of a command as a shell takes it: in double quotes, which those of Windows take too, where they do. */
 function quoted(word) {
@@ -22,6 +24,41 @@ export function commandOf(changes) {
 function dictionary(pairs) {
   const value = (text) => ({ true: "True", false: "False" })[text] ?? (text.startsWith("[") || !Number.isNaN(Number(text)) ? text : JSON.stringify(text));
   return `{${pairs.map(([name, text]) => `${JSON.stringify(name)}: ${value(text)}`).join(", ")}}`;
+}
+
+const LENGTHS = { position: () => 2, velocity: () => 2, angles: (links) => links, angular_velocities: (links) => links };
+
+/** The scene file with the changes in it, TOML; without inputs, which a scene does not have. */
+export function sceneFileOf(changes) {
+  const file = structuredClone(changes.scene.file);
+  for (const [name, value] of Object.entries(changes.values)) {
+    const { place, items } = changes.parameters.get(name);
+    if (place) put(file, place, items.length ? items[value - 1][0] : value, changes.scene.links);
+  }
+  const isTable = (value) => typeof value === "object" && !Array.isArray(value);
+  const all = Object.entries(file);
+  const lines = (pairs) => pairs.map(([key, value]) => `${key} = ${tomlOf(value)}\n`).join("");
+  const tables = all.filter(([, value]) => isTable(value)).map(([key, table]) => `\n[${key}]\n${lines(Object.entries(table))}`);
+  return lines(all.filter(([, value]) => !isTable(value))) + tables.join("");
+}
+
+/** Put a value at its place in a scene file; what is not there on the way is made, lists with zeros. */
+function put(table, [key, ...rest], value, links) {
+  if (!rest.length) {
+    table[key] = value;
+    if (key === "angle") delete table.normal; // which tells the same
+    return;
+  }
+  table[key] ??= typeof rest[0] === "number" ? Array(LENGTHS[key](links)).fill(0) : {};
+  put(table[key], rest, value, links);
+}
+
+/** A value as TOML has it. */
+function tomlOf(value) {
+  if (Array.isArray(value)) return `[${value.map(tomlOf).join(", ")}]`;
+  if (typeof value === "number") return numberText(value);
+  if (typeof value !== "object") return JSON.stringify(value);
+  return `{ ${Object.entries(value).map(([key, one]) => `${key} = ${tomlOf(one)}`).join(", ")} }`;
 }
 
 /** The changes as the part of an address after #. */
