@@ -96,7 +96,7 @@ def test_a_run_in_firefox_has_the_bits_of_simulate(firefox, tmp_path, model):
         assert list(map(int, ends)) == expected.tolist(), name
 
 
-def test_a_joint_is_dragged_and_a_map_is_drawn_in_firefox(firefox, tmp_path):
+def test_a_joint_is_dragged_and_moved_by_keys_and_a_map_is_drawn_in_firefox(firefox, tmp_path):
     scene = load_scene("rod_drop").with_values({"simulation.stop_time": 0.6})
     explore(scene, tmp_path / "rod.html")
     firefox.open(tmp_path / "rod.html")
@@ -106,13 +106,19 @@ def test_a_joint_is_dragged_and_a_map_is_drawn_in_firefox(firefox, tmp_path):
     start = scene.values["initial.angle[1]"]
     firefox.wait(f"chainImpact.parameters['initial.angle[1]'] > {start} + 0.01")
     firefox.find("#reset-all").click()
+    firefox.wait(f"Number(chainImpact.parameters['initial.angle[1]']) === {start}")
+    firefox.answer("document.querySelector('[data-grip=\"joint 1\"]').focus(); return true;")
+    up = "\ue013"
+    for reached in (0.005, 0.01):
+        firefox.driver.actions.sequence("key", "keyboard").key_down(up).key_up(up).perform()
+        firefox.wait(f"chainImpact.parameters['initial.angle[1]'] > {start} + {reached}")
     firefox.find("#map-open").click()
     firefox.find("#map-run").click()
     firefox.wait("document.getElementById('map-text').textContent.includes('1681 runs in')")
     pointer = firefox.driver.actions.sequence("pointer", "mouse", {"pointerType": "mouse"})
     pointer.pointer_move(3, 3, origin=firefox.find("#map-canvas")).perform()
     said = re.search(
-        r"contact.restitution = ([\d.]+), initial.angle\[1\] = ([\d.]+): impact.count = (\d+)",
+        r"contact.restitution = ([\d.]+), initial.angle\[1\] = ([\d.]+)\s?rad \(.*\): impact.count = (\d+)",
         firefox.find("#map-text").text,
     )
     values = {"contact.restitution": float(said[1]), "initial.angle[1]": float(said[2])}
