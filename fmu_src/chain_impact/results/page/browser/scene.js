@@ -19,8 +19,22 @@ const STUCK_DOT = 10; // pixels, the mark of a joint that sticks
 const ARC = 0.25; // of a link's length: the radius of the arc of its joint's range
 const TICK = 0.3; // of the radius: the length of the mark of a stop
 const ARC_CORNERS = 33;
+const BESIDE = 15; // pixels from a point to its number
 const NUMBERED = 12; // links, above which points have no numbers
 const MANY_LINKS = 60; // above which the chain is one line, without joints
+
+/** A place beside a point of the chain on the screen, outside the bend there. */
+function besideChain(places, point) {
+  const [x, y] = places[point];
+  const ways = [places[point - 1], places[point + 1]].filter(Boolean).map(([x1, y1]) => {
+    const length = Math.hypot(x1 - x, y1 - y) || 1;
+    return [(x1 - x) / length, (y1 - y) / length];
+  });
+  const bend = [0, 1].map((axis) => ways.reduce((sum, way) => sum - way[axis], 0));
+  const size = Math.hypot(...bend);
+  const [dx, dy] = size > 0.2 ? bend.map((part) => part / size) : [ways[0][1], -ways[0][0]];
+  return [x + BESIDE * dx, y + BESIDE * dy];
+}
 
 export class Scene {
   constructor(element) {
@@ -125,7 +139,10 @@ export class Scene {
     this.lines.forEach(([range, line]) => line.plot(places.slice(...range)));
     this.dots.forEach(([point, dot]) => dot.center(...places[point]));
     this.discs.forEach(([point, disc]) => disc.center(...places[point]));
-    this.names.forEach((name, point) => name.attr({ x: places[point][0] + 7, y: places[point][1] - 10 }));
+    this.names.forEach((name, point) => {
+      const [x, y] = besideChain(places, point);
+      name.attr({ x, y: y + 4 });
+    });
     if (recording.moved.length) this.#drawRoom(frame);
     this.#drawRanges(frame);
     this.#drawTrace(frame, places.at(-1));
