@@ -254,7 +254,7 @@ export class ForceChart extends Chart {
       [[0, 1], [0, 0], [null, null]],
     );
     this.dot = document.createElement("div");
-    this.dot.className = "loop-now";
+    Object.assign(this.dot, { className: "loop-now", hidden: true });
     this.plot.over.append(this.dot);
     over.addEventListener("click", () => {
       over.setAttribute("aria-pressed", over.getAttribute("aria-pressed") !== "true");
