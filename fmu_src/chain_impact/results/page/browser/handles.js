@@ -161,6 +161,7 @@ export class Handles {
     this.dragged = { kind, index, time: this.#arrowTime(this.#start.velocity) };
     this.#move(x + width / 2 + step * way[0], y + height / 2 + step * way[1]);
     this.dragged = null;
+    this.draw(); // so that the next key finds it where it is now
   }
 
   /** Move what is grasped to a place on the screen. */
