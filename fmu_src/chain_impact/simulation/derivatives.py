@@ -123,18 +123,20 @@ class DifferentiatedInstance(Instance):
         """Take the finished contacts out of the log, and their derivatives."""
         places = self._finished_places
         rows = super().collect()
-        last = int(self.record["finished"]["count"])
-        # in a step that has failed a contact may have ended, of which there are no derivatives
-        self._keep_slopes(rows, places, np.arange(last - len(rows), last) < self._log["count"][0])
+        if len(rows):
+            last = int(self.record["finished"]["count"])
+            # in a step that has failed a contact may have ended, of which there are no derivatives
+            self._keep_slopes(rows, places, np.arange(last - len(rows), last) < self._log["count"][0])
         return rows
 
     def open_contacts(self) -> np.ndarray:
         """The contacts that have not ended yet; drops what was solved ahead."""
         rows = super().open_contacts()
-        places = self._open_places
-        # after a fault, other contacts may last there
-        same = [(self._log[name][:, places] == rows[name]).all(axis=0) for name in ("point", "wall")]
-        self._keep_slopes(rows, places, same[0] & same[1] & (self.status == OK))
+        if len(rows):
+            log, places = self._log, self._open_places
+            # after a fault, other contacts may last there
+            same = (log["point"][:, places] == rows["point"]) & (log["wall"][:, places] == rows["wall"])
+            self._keep_slopes(rows, places, same.all(axis=0) & (self.status == OK))
         return rows
 
     @property
