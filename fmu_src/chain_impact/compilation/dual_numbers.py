@@ -11,6 +11,7 @@ A. Griewank and A. Walther 2008, Evaluating Derivatives, SIAM, chapter 3.
 
 from __future__ import annotations
 
+import functools
 import math
 import operator
 from collections.abc import Callable, Sequence
@@ -131,65 +132,40 @@ def _of_numbers(context: Any, builder: ir.IRBuilder, function: Any, *numbers: ir
 
 # ---- arithmetic -------------------------------------------------------------------------------------------
 
-_ARITHMETIC = {
-    operator.add: (operator.iadd, "fadd"),
-    operator.sub: (operator.isub, "fsub"),
-    operator.mul: (operator.imul, "fmul"),
-    operator.truediv: (operator.itruediv, "fdiv"),
+_IN_PLACE = {
+    operator.add: operator.iadd,
+    operator.sub: operator.isub,
+    operator.mul: operator.imul,
+    operator.truediv: operator.itruediv,
 }
+_ONE = ir.Constant(ir.DoubleType(), 1.0)
 
 
-def _sum(operation: str) -> tuple[Code, Code, Code]:
-    """The sum or difference of two dual numbers, for a dual and a plain one, and the other way round."""
+def _bilinear(operation: str, slopes: Callable[..., tuple[ir.Value, ir.Value]]) -> tuple[Code, ...]:
+    """A sum, difference or product, for each of ``_KINDS``; ``slopes(a, b)`` are its derivatives by both."""
 
-    def both(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
-        (a, da), (b, db) = _parts(builder, x), _parts(builder, y)
-        act = getattr(builder, operation)
-        return _made(builder, act(a, b), act(da, db))
+    def code(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
+        (a, *da), (b, *db) = (
+            (one,) if one.type == ir.DoubleType() else _parts(builder, one) for one in (x, y)
+        )
+        by_a, by_b = slopes(a, b)
+        terms = [_times(builder, by_a, one) for one in da] + [_times(builder, by_b, one) for one in db]
+        return _made(builder, getattr(builder, operation)(a, b), functools.reduce(builder.fadd, terms))
 
-    def first(_context: Any, builder: ir.IRBuilder, x: ir.Value, b: ir.Value) -> ir.Value:
-        a, da = _parts(builder, x)
-        return _made(builder, getattr(builder, operation)(a, b), da)
-
-    def second(_context: Any, builder: ir.IRBuilder, a: ir.Value, y: ir.Value) -> ir.Value:
-        b, db = _parts(builder, y)
-        act = getattr(builder, operation)
-        return _made(builder, act(a, b), db if operation == "fadd" else builder.fneg(db))
-
-    return both, first, second
+    return code, code, code
 
 
-def _product() -> tuple[Code, Code, Code]:
-    def both(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
-        (a, da), (b, db) = _parts(builder, x), _parts(builder, y)
-        # (a b)′ = b a′ + a b′
-        slopes = builder.fadd(_times(builder, b, da), _times(builder, a, db))
-        return _made(builder, builder.fmul(a, b), slopes)
-
-    def first(_context: Any, builder: ir.IRBuilder, x: ir.Value, b: ir.Value) -> ir.Value:
-        a, da = _parts(builder, x)
-        return _made(builder, builder.fmul(a, b), _times(builder, b, da))
-
-    def second(_context: Any, builder: ir.IRBuilder, a: ir.Value, y: ir.Value) -> ir.Value:
-        b, db = _parts(builder, y)
-        return _made(builder, builder.fmul(a, b), _times(builder, a, db))
-
-    return both, first, second
-
-
-def _quotient() -> tuple[Code, Code, Code]:
-    one = ir.Constant(ir.DoubleType(), 1.0)
-
+def _quotient() -> tuple[Code, ...]:
     def both(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
         (a, da), (b, db) = _parts(builder, x), _parts(builder, y)
         quotient = builder.fdiv(a, b)
         # (a/b)′ = (a′ − (a/b) b′)/b
         slopes = builder.fsub(da, _times(builder, quotient, db))
-        return _made(builder, quotient, _times(builder, builder.fdiv(one, b), slopes))
+        return _made(builder, quotient, _times(builder, builder.fdiv(_ONE, b), slopes))
 
     def first(_context: Any, builder: ir.IRBuilder, x: ir.Value, b: ir.Value) -> ir.Value:
         a, da = _parts(builder, x)
-        return _made(builder, builder.fdiv(a, b), _times(builder, builder.fdiv(one, b), da))
+        return _made(builder, builder.fdiv(a, b), _times(builder, builder.fdiv(_ONE, b), da))
 
     def second(_context: Any, builder: ir.IRBuilder, a: ir.Value, y: ir.Value) -> ir.Value:
         b, db = _parts(builder, y)
@@ -201,15 +177,15 @@ def _quotient() -> tuple[Code, Code, Code]:
 
 
 _CODES = {
-    operator.add: _sum("fadd"),
-    operator.sub: _sum("fsub"),
-    operator.mul: _product(),
+    operator.add: _bilinear("fadd", lambda _a, _b: (_ONE, _ONE)),
+    operator.sub: _bilinear("fsub", lambda _a, _b: (_ONE, ir.Constant(ir.DoubleType(), -1.0))),
+    operator.mul: _bilinear("fmul", lambda a, b: (b, a)),
     operator.truediv: _quotient(),
 }
 _KINDS = ((Dual, Dual), (Dual, types.Float), (types.Float, Dual))
 
 for _function, _codes in _CODES.items():
-    for _one in (_function, _ARITHMETIC[_function][0]):
+    for _one in (_function, _IN_PLACE[_function]):
         _declare(_one, DUAL)
         for _kinds, _code in zip(_KINDS, _codes, strict=True):
             _lower(_one, _code, *_kinds)
