@@ -16,7 +16,7 @@ from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, sup
 from chain_impact.kernel.equations import mechanical_energy, state_rate, stored_energy
 from chain_impact.kernel.events.contact_log import clear_log
 from chain_impact.kernel.events.friction_modes import clear_changes, reinit_modes
-from chain_impact.kernel.events.saturation import choose_saturation
+from chain_impact.kernel.events.saturation import choose_saturation, clear_saturation
 from chain_impact.kernel.forces.contact import clear_impacts, clear_loads
 from chain_impact.kernel.forces.contact_law import start_laws
 from chain_impact.kernel.forces.friction import clear_friction
@@ -169,7 +169,7 @@ def derive_chain(d):
 
 def derive_resistance(d):
     """Derive how joints resist by the dampers and springs in use; at first no drive is at its limit."""
-    clear(d.drive)
+    clear_saturation(d)
     model = d.model
     model.damped, model.sprung = 0, 0
     for i in range(d.links):

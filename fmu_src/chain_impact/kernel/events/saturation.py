@@ -5,6 +5,13 @@ from chain_impact.kernel.events.marks import mark_saturation
 from chain_impact.kernel.forces.inputs import ensure_inputs
 
 
+def clear_saturation(d):
+    """Begin with no drive at its limit, and no mark of one; what a tangent instance shall choose stays."""
+    for i in range(d.links):
+        d.drive.mode[i] = 0
+    mark_saturation(d, 0)
+
+
 def choose_saturation(d):
     """Choose the modes of drives for the end of the last step, which is past the end of an old mode."""
     if not d.model.limited:
