@@ -265,7 +265,8 @@ def test_the_motion_is_the_same_without_them(name):
     for one, values in without.columns.items():
         assert np.array_equal(with_loads[one], values), one
     for field in set(without.impacts.dtype.names) - {"joint_force", "joint"}:
-        assert np.array_equal(with_loads.impacts[field], without.impacts[field], equal_nan=True)
+        known = without.impacts[field]
+        assert np.array_equal(with_loads.impacts[field], known, equal_nan=known.dtype.kind == "f")
     assert np.isnan(without.impacts["joint_force"]).all()
     assert not without.impacts["joint"].any()
     assert ("loads    at most" in str(with_loads)) == any(
