@@ -20,7 +20,17 @@ MOST_WORKERS = 8
 GROUPS = {
     "compiler": ("llvmlite", "numba", "ziglang"),
     "browser": ("marionette_driver", "playwright"),
-    "interop": ("av", "dask", "distributed", "ecospy", "libcosimpy", "pyarrow", "xarray"),
+    "interop": (
+        "av",
+        "dask",
+        "distributed",
+        "ecospy",
+        "libcosimpy",
+        "mujoco",
+        "pyarrow",
+        "xarray",
+        "yourdfpy",
+    ),
     "notebook": ("ipykernel", "nbconvert"),
     "dev": ("flint", "yaml"),
 }
