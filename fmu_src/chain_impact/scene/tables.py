@@ -176,7 +176,9 @@ class Contact:
     """The force of the walls, and the points that may touch them."""
 
     law_file: str = quantity("", "file with a law of your own, named as the law", "", matching=_PYTHON_FILE)
-    model: str = quantity("", "force law", "zhang_sharf", choices=tuple(CONTACT_LAWS), extended_by="law_file")
+    model: str = quantity(
+        "", "contact law", "zhang_sharf", choices=tuple(CONTACT_LAWS), extended_by="law_file"
+    )
     stiffness: float = quantity("N/m^exponent", "contact stiffness", 1e8, above=0.0)
     exponent: float = quantity("1", "exponent of penetration, 3/2 for Hertz", 1.5, minimum=1.0, maximum=3.0)
     restitution: float = quantity("1", "prescribed restitution", 0.7, minimum=0.0, maximum=1.0)
