@@ -7,6 +7,7 @@ import pytest
 
 from chain_impact import SceneError, SimulationError, load_scene, model_names, simulate, sweep
 from chain_impact.kernel import status
+from chain_impact.results.impacts import LOG_DTYPE
 from chain_impact.results.page.description import description
 from chain_impact.results.view import framed, pin_mark, radius_of
 from chain_impact.studies.animate import record_slowly
@@ -51,7 +52,7 @@ def assert_same_bits(found, result):
     assert found["statistics"] == result.statistics
     assert len(found["impacts"]) == len(result.impacts)
     for here, there in zip(found["impacts"], result.impacts, strict=True):
-        for name in result.impacts.dtype.names:
+        for name in LOG_DTYPE.names:
             np.testing.assert_equal(float(here[name]), float(there[name]), name)
 
 
