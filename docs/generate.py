@@ -181,11 +181,12 @@ KINDS = {
     "; with inputs": lambda scene: any(astuple(scene.inputs)),
     "; with dry friction": lambda scene: scene.has_friction,
 }
-# variables of one wall, stop or input, which are there with it
+# variables of one wall, stop or input, which are there with it, and the rest angle in place of a target
 NAMED_AFTER = ("box.", "wall.", "stop.", "joint[", "tip.", "base.")
 NAMED_AFTER += (
     "link[i].joint_min",
     "link[i].joint_max",
+    "link[i].joint_rest_angle",
     "link[i].joint_friction",
     "link[i].joint_armature",
     "link[i].joint_torque_limit",
