@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact import Chain, SceneError, simulate
+from chain_impact import Chain, SceneError, load_scene, simulate
 from chain_impact.scene.scene import with_values
 from tests.driven_chain import DrivenChain
 from tests.problems import build
@@ -323,10 +323,19 @@ BOTH = {"inputs": {"joint_targets": True, "joint_torques": True}}
 def test_a_chain_of_limited_servos_moves_as_the_textbook_says(count, base, method):
     scene = random_chain(count, base, limits=True, **BOTH)
     scene = with_values(scene, {f"link[{i + 1}].joint_stiffness": 40.0 for i in range(count)})
-    inputs = functions_of(scene)
-    exact = DrivenChain(scene, inputs).reached(1.0)
+    check_against_the_textbook(scene, 1.0, method, functions_of(scene))
+
+
+def test_the_arm_of_a_real_robot_moves_as_the_textbook_says_until_its_impact():
+    """All its drives reach their limits."""
+    check_against_the_textbook(load_scene("ur5e"), 0.2, "explicit")
+
+
+def check_against_the_textbook(scene, stop_time, method, inputs=None):
+    """Compare the state at an end [s], and the energy that the drives have supplied."""
+    exact = DrivenChain(scene, inputs).reached(stop_time)
     tolerance = 1e-9 if method == "implicit" else TOLERANCE
-    result = simulate(scene, inputs=inputs, method=method, tolerance=tolerance)
+    result = simulate(scene, stop_time, inputs=inputs, method=method, tolerance=tolerance)
     end = result.outputs[-1]
     found = [*end["point_position"][0], *end["angle"], *end["point_velocity"][0], *end["angular_velocity"]]
     np.testing.assert_allclose([*found, end["supplied"]], exact, rtol=0, atol=100 * tolerance)

@@ -7,6 +7,7 @@ from chain_impact import SceneError, load_scene, model_names, simulate
 from chain_impact.cli import main
 from chain_impact.conversion.convert import convert, of_robot
 from chain_impact.conversion.to_mjcf import mjcf_of
+from chain_impact.scene.models import models_folder
 from tests.tiers import needs_interop
 
 pytestmark = needs_interop
@@ -81,6 +82,19 @@ def test_a_scene_is_the_same_again_after_mjcf(model, tmp_path):
     for name, value in scene.values.items():
         found = again.values[name]
         assert found == value or found == pytest.approx(value, abs=1e-12, rel=1e-12), name
+
+
+def test_the_model_of_a_real_arm_is_what_convert_makes_of_its_file():
+    """But for the start, the targets, and the limits of the angles."""
+    joints = ["shoulder_lift_joint", "elbow_joint", "wrist_1_joint"]
+    made, _ = of_robot(models_folder() / "ur5e" / "ur5e.xml", joints)
+    model = load_scene("ur5e")
+    assert made.initial.position == model.initial.position
+    assert made.inputs == model.inputs
+    kept = ("length", "mass", "center_of_mass", "inertia", "joint_damping", "joint_stiffness")
+    kept += ("joint_friction", "joint_armature", "joint_torque_limit")
+    for one, other in zip(made.chain.links, model.chain.links, strict=True):
+        assert [getattr(one, key) for key in kept] == [getattr(other, key) for key in kept]
 
 
 FREE = {"box.x_min": None, "box.x_max": None, "box.y_min": None, "box.y_max": None}
