@@ -49,8 +49,18 @@ def row(model: str) -> str:
     return f"<li>{show} <span>{escape(load_scene(model).description)}; {more}</span></li>"
 
 
+def lead_to_simulations(gallery: str) -> str:
+    """The page of all models, its pictures linked to the pages that simulate; RuntimeError if one is not."""
+    led, count = re.subn(r'<a href="(\w+\.html)">(?=<img )', rf'<a href="../{FOLDER}/\1">', gallery)
+    if count != len(model_names()):
+        raise RuntimeError(f"{count} pictures of {len(model_names())} models have a link")
+    return led
+
+
 def finish(site: Path) -> None:
     """Put the pages that simulate into the site, and links to them into the pages of the models."""
+    gallery = site / "models" / "index.html"
+    gallery.write_text(lead_to_simulations(gallery.read_text(encoding="utf-8")), encoding="utf-8")
     (site / FOLDER).mkdir(exist_ok=True)
     for model in model_names():
         explore(model, site / FOLDER / f"{model}.html")

@@ -234,3 +234,18 @@ def test_the_page_to_try_has_every_model_and_links_to_its_page(tmp_path, monkeyp
     for model in found:
         assert f'<a href="models/{model}.html">' in text
         assert (ROOT / "docs" / "models" / f"{model}.md").is_file()
+
+
+def test_pictures_of_the_gallery_lead_to_the_pages_that_simulate_and_names_to_the_pages_of_models():
+    source = (ROOT / "docs" / "models" / "index.md").read_text(encoding="utf-8")
+    pictures = re.findall(
+        r"\]\(\.\./images/(\w+)\.png\)\{[^}]*\}\]\((\w+)\.md\)<br>\[`(\w+)`\]\((\w+)\.md\)", source
+    )
+    assert sorted(pictures) == [(name,) * 4 for name in sorted(model_names())]
+    link = '<a href="{0}.html"><img src="{0}.png" /></a><br /><a href="{0}.html"><code>{0}</code></a>'
+    led = try_it.lead_to_simulations("".join(link.format(name) for name in model_names()))
+    for name in model_names():
+        assert f'<a href="../try/{name}.html"><img src="{name}.png" />' in led
+        assert f'<a href="{name}.html"><code>{name}</code>' in led
+    with pytest.raises(RuntimeError, match=r"^1 pictures of \d+ models have a link$"):
+        try_it.lead_to_simulations(link.format("whip"))
