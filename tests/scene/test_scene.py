@@ -66,8 +66,9 @@ def test_models_are_found_by_name_folder_and_file(tmp_path, monkeypatch):
     for name in model_names():
         folder = models_folder() / name
         assert load_scene(name) == load_scene(folder) == load_scene(folder / "scene.toml")
-        # double_pendulum_wall is DoublePendulumWall
-        assert load_scene(name).name == name.title().replace("_", "")
+        # double_pendulum_wall is DoublePendulumWall, and ur5e is UR5e
+        assert load_scene(name).name.lower() == name.replace("_", "")
+        assert load_scene(name).name[0].isupper()
 
 
 def test_four_link_box_is_the_scene_of_the_design():
