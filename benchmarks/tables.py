@@ -230,6 +230,7 @@ def proven() -> str:
     rows = record["results"]
     found = shares([row for row in rows if row["of"] != RANDOM and row["tolerance"] == AIM])
     random = shares([row for row in rows if row["of"] == RANDOM])
+    count = len({row["of"] for row in rows} - {RANDOM})
     absent = begins(found, "without ")
     of_those, of_random = (
         100.0 * one["proven"] / (100.0 - sum(begins(one, "without ").values())) for one in (found, random)
@@ -239,7 +240,7 @@ def proven() -> str:
         for key in ("proven", "faults", "undecided", "undecided, without a solution")
     )
     return (
-        f"**{found['proven']:.1f} % of the steps of the models** are proven at a tolerance of {AIM:g}, "
+        f"**{found['proven']:.1f} % of the steps of {count} models** are proven at a tolerance of {AIM:g}, "
         f"{of_those:.1f} % of those whose equations the certificate has. It does not have {listed(absent)}. "
         f"Undecided: {listed(begins(found, 'undecided: '))}. Of {record['settings']['random scenes']} random "
         f"scenes, many of them extreme, {random['proven']:.0f} % of the steps are proven, {of_random:.0f} % "

@@ -39,7 +39,10 @@ def settle(page):
 def drag(page, grip, by, origin=None):
     """Drag a grip to some pixels from where it, or another origin, is; returns the parameters that follow."""
     settle(page)  # a grip that is still drawn anew is not there to be taken
-    page.mouse.move(*middle(page, grip))
+    x, y = middle(page, grip)
+    there = f"document.elementFromPoint({x}, {y})?.closest('[data-grip]')?.dataset.grip === '{grip}'"
+    until(page, there)  # a late frame may put the grip elsewhere, or another one above it
+    page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(*(middle(page, origin or grip) + by), steps=4)
     page.mouse.up()
