@@ -179,8 +179,7 @@ def refuse_jumps(
     for order, what in enumerate(("position", "velocity")):
         for k in np.flatnonzero((jumps(pieces, columns, order) & ~belts).any(axis=0)):
             time = pieces.start[jumps(pieces, columns, order)[:, k]][0]
-            first = "a velocity, " if order == 0 else ""
-            remedy = f"give {first}a smooth function, or samples, which are joined smoothly"
+            remedy = "give a velocity, a smooth function, or samples, which are joined smoothly"
             raise SceneError(
                 f"{source}: {motions[int(k)].name}: the {what} jumps at t = {time:.9g} s, which would be an "
                 f"impact of unknown strength: {remedy}"
