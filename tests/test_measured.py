@@ -29,7 +29,7 @@ def test_the_triple_pendulum_swings_as_measured():
     assert result.time == pytest.approx(columns["time"], abs=1e-9)
     angles = np.stack([columns[f"link[{i}].angle"] for i in (1, 2, 3)])
     off = np.abs(angles - result.angles.T)
-    # what docs/models/triple_pendulum.md says
+    # docs/models/triple_pendulum.md has the largest distances
     assert np.ptp(angles, axis=1) == pytest.approx([0.86, 1.10, 2.18], abs=5e-3)
     assert off[:, columns["time"] <= 2.0].max() == pytest.approx(0.008, abs=5e-4)
     assert off.max(axis=1) == pytest.approx([0.026, 0.030, 0.044], abs=6e-4)
@@ -40,7 +40,7 @@ def test_the_golf_ball_bounces_as_heard():
     onsets, heard = simulate("golf_ball").impacts["onset"], heard_impacts()
     assert len(onsets) == len(heard) == 9
     early = heard - onsets
-    # what docs/models/golf_ball.md says
+    # docs/models/golf_ball.md: the simulated impacts are ever earlier
     assert early[0] == pytest.approx(0.0, abs=1e-5)
     assert early[[1, 2, 8]] == pytest.approx([0.0015, 0.0037, 0.066], abs=1e-3)
     assert (np.diff(early) > 0).all()
