@@ -28,7 +28,7 @@ from tests.walker import kneed_leg
 
 # --- double pendulum at a wall -------------------------------------------------------------------------
 
-# time [s] → energy above that at 2.5 s [J], stored in the tests of Solfec
+# time [s] → energy minus energy at 2.5 s [J], stored in the tests of Solfec
 SOLFEC = {0.0: "11.6766522245", 0.6: "9.02830180065", 1.0: "0.892467558418", 1.5: "0.642073700206"}
 
 
@@ -41,7 +41,7 @@ def double_pendulum_wall(tolerance: float) -> Problem:
     ours = result["energy.kinetic"] + result["energy.potential"]
     figures = [
         Figure(
-            f"energy at {time} s, above that at 2.5 s [J]",
+            f"energy at {time} s minus energy at 2.5 s [J]",
             stored,
             energy[row] - energy[-1],
             ours[round(time * 1000)] - ours[-1],
