@@ -29,7 +29,6 @@ from chain_impact.scene.scene import load_scene, model_names, scene_keys, with_v
 from chain_impact.simulation.reasons import REASONS, REASONS_OF_FRICTION
 from chain_impact.variables.kinds import kind_of, of_its_kind
 from chain_impact.variables.model import Model
-from chain_impact.variables.units import UNITS
 from chain_impact.variables.variable import Variable
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -157,33 +156,32 @@ def variable_patterns() -> str:
     found = [(scene, {kind_of(v.name) for v in Model(scene).variables}) for scene in scenes]
     blocks = []
     for causality in ("parameter", "input", "output"):
-        lines = [
-            (
-                code(pattern),
-                *([variable.variability] if causality == "parameter" else []),
-                code(variable.unit),
-                _meaning(pattern, variable) + _where(pattern, found),
-            )
-            for pattern, variable in rows.items()
-            if variable.causality == causality
-        ]
-        kind = ["variability"] if causality == "parameter" else []
-        head = ("name", *kind, "unit", "meaning")
-        blocks.append(f"### {causality.capitalize()}s\n\n{table(head, lines)}")
+        alike: dict[str, list[tuple[str, str]]] = {}
+        for pattern, variable in rows.items():
+            if variable.causality == causality:
+                tunable = "; tunable" if variable.variability == "tunable" else ""
+                meaning = _meaning(pattern, variable) + _where(pattern, found) + tunable
+                alike.setdefault(meaning, []).append((code(pattern), code(variable.unit)))
+        lines = []
+        for meaning, some in alike.items():
+            names, units = (", ".join(dict.fromkeys(column)) for column in zip(*some, strict=True))
+            lines.append((names, units, meaning))
+        blocks.append(f"### {causality.capitalize()}s\n\n{table(('name', 'unit', 'meaning'), lines)}")
     return "\n\n".join(blocks)
 
 
 # what a scene has, and whether it has it: the first that tells the scenes of a variable from the others
-KINDS = {
-    "": lambda _: True,
-    "; with walls": lambda scene: bool(scene.half_planes),
-    "; with a free base": lambda scene: scene.chain.base == "free",
-    "; with inputs": lambda scene: any(astuple(scene.inputs)),
-    "; with dry friction": lambda scene: scene.has_friction,
-}
+KINDS = (
+    ("", lambda _: True),
+    ("", lambda scene: bool(scene.half_planes)),  # as the page says of contacts
+    ("; with a free base", lambda scene: scene.chain.base == "free"),
+    ("; with inputs", lambda scene: any(astuple(scene.inputs))),
+    ("; with dry friction", lambda scene: scene.has_friction),
+)
 # variables of one wall, stop or input, which are there with it, and the rest angle in place of a target
 NAMED_AFTER = ("box.", "wall.", "stop.", "joint[", "tip.", "base.")
 NAMED_AFTER += (
+    "initial.",
     "link[i].joint_min",
     "link[i].joint_max",
     "link[i].joint_rest_angle",
@@ -198,44 +196,57 @@ def _where(pattern: str, found: list[tuple[Any, set[str]]]) -> str:
     if pattern.startswith(NAMED_AFTER):
         return ""
     having = [pattern in patterns for _, patterns in found]
-    return next(kind for kind, has in KINDS.items() if [has(scene) for scene, _ in found] == having)
+    return next(kind for kind, has in KINDS if [has(scene) for scene, _ in found] == having)
 
 
 def _generic(description: str) -> str:
-    """The description of a kind; long lists of codes stand elsewhere."""
-    text = of_its_kind(description)
-    text = re.sub(r"(wall of the last impact: .*y_max).*", r"\1, 5 and on: those of the scene", text)
-    return re.sub(r"(impact i, .*: wall): 0 if there is none.*", r"\1, as `impact.last_wall`", text)
+    """The description of a kind, without what its name or scene.md says; lists of codes stand elsewhere."""
+    text = re.sub(r"\b[xy] of\b", "x and y of", of_its_kind(description))
+    text = re.sub(r" (of|in) the joint nearer to the base|; must be > 0", "", text)
+    text = re.sub(r"^(link i|joint i|point k( at a wall)?|at one wall|impact i, 1 the latest): ", "", text)
+    return re.sub(r"^(wall( of the last impact)?): 0 .*", r"\1: its [code](#codes)", text)
+
+
+# one description for alike variables
+ALIKE = {
+    r"box\..*": "position of the wall",
+    r"link\[i\]\.joint_(min|max)": "stops: least and largest angle",
+    r"initial\.v?[xy]": "initial position and velocity of the base; a pinned base has no velocity",
+    r"initial\.ang.*": "initial angle and angular velocity of link i, absolute, from +x",
+    r"base\..*": "position, velocity and acceleration of the base",
+    r"point.*": "position, velocity and acceleration",
+    r"link\[i\]\.(angle|angular_.*)": "angle, angular velocity and angular acceleration, absolute, from +x",
+    r"joint\[i\]\.(angle|angular_velocity)": "angle and angular velocity, relative to the link before",
+    r"joint\[i\]\.target_.*": "angle that the spring follows, and angular velocity that the damper follows",
+    r"wall\.<wall>\.(displacement|velocity|acceleration)": "motion along the inward normal n",
+    r"contact.*friction_[fi].*": "dry friction along t = (n_y, -n_x), and its impulse since the start",
+    r"solver\.(.*steps|rhs.*)": "steps, rejected steps, evaluations of the equations, implicit steps",
+}
 
 
 def _meaning(pattern: str, variable: Variable) -> str:
     """The description; long lists of codes stand elsewhere."""
+    for alike, meaning in ALIKE.items():
+        if re.fullmatch(alike, pattern):
+            return meaning
     if pattern == "contact.model":
         return "law of walls, and of stops without one of their own: its [number](contact_laws.md#the-laws)"
     if pattern == "solver.status":
         return "status of the solver: see its [codes](troubleshooting.md#statuses-of-the-solver)"
-    kind = "" if variable.type == "real" else f" ({variable.type})"
-    return _generic(variable.description) + (f": {_choices(variable)}" if variable.items else kind)
+    return _generic(variable.description) + (f": {_choices(variable)}" if variable.items else "")
 
 
 def _choices(variable: Variable) -> str:
     return ", ".join(f"{number} = {item.name}" for number, item in enumerate(variable.items, 1))
 
 
-def units() -> str:
-    """The units of the FMU's variables."""
-    return table(("unit", "quantity"), ((code(name), unit.quantity) for name, unit in UNITS.items()))
-
-
 def walls() -> str:
     """The numbers of the walls in `impact.last_wall`."""
-    box = ((str(n), code(w)) for n, w in enumerate(WALLS, 1))
-    others = (f"{len(WALLS) + 1} and on", "`[[walls]]` of the scene, in their order")
-    stops = (
-        "the two after these",
-        "`joint_min` and `joint_max`, in a scene with stops; the point is the joint",
+    box = ", ".join(f"{number} {code(wall)}" for number, wall in enumerate(WALLS, 1))
+    return (
+        f"0 none, {box}, {len(WALLS) + 1} and on the `[[walls]]` of the scene in their order. In a scene "
+        "with stops the two numbers after these are `joint_min` and `joint_max`; the point is then the joint."
     )
-    return table(("number", "wall"), (("0", "none yet"), *box, others, stops))
 
 
 def statuses() -> str:
@@ -391,7 +402,6 @@ TABLES = {
     for function in (
         scene_reference,
         variable_patterns,
-        units,
         walls,
         statuses,
         contact_laws,

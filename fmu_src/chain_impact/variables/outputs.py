@@ -191,10 +191,13 @@ def _motions(shape: Shape) -> Iterator[Variable]:
     """How far walls and belts have moved."""
     channel = 2 if shape.base_moves else 0
     for wall in shape.moving_walls:
-        along = {"position": "along its inward normal n", "belt_position": "its belt, along t = (n_y, -n_x)"}
-        for k, (key, way) in enumerate(along.items()):
-            text = f"at wall {wall}: how far it has moved, {way}"
-            yield _output(f"wall.{wall}.{key}", "m", text, "output", "channel", channel + k)
+        moved = {
+            "position": "how far it has moved along its inward normal n",
+            "belt_position": "how far its belt has moved along t = (n_y, -n_x)",
+        }
+        for k, (key, text) in enumerate(moved.items()):
+            place = ("output", "channel", channel + k)
+            yield _output(f"wall.{wall}.{key}", "m", f"at wall {wall}: {text}", *place)
         channel += 2
 
 
