@@ -22,7 +22,6 @@ from chain_impact import sphere_plane_stiffness
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.scene.angles import or_degrees
 from chain_impact.scene.limits import Derived, allowed, without_none
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import load_scene, model_names, scene_keys, with_values
@@ -77,9 +76,8 @@ def scene_reference() -> str:
         rows = sections.setdefault(section, [])
         if entry.metadata and not _is_table(entry.type):
             rule = entry.metadata
-            rows.append(
-                (code(name), _default(rule["default"]), _allowed(entry.type, rule), rule["description"])
-            )
+            meaning = _of_the_joint(rule["description"])
+            rows.append((code(name), _default(rule["default"]), _allowed(entry.type, rule), meaning))
     blocks = []
     for section, rows in sections.items():
         if rows:
@@ -87,6 +85,11 @@ def scene_reference() -> str:
             heading = f"### `{title}`" if section else "### Top level"
             blocks.append(f"{heading}\n\n{table(('key', 'default', 'value', 'meaning'), rows)}")
     return "\n\n".join(blocks)
+
+
+def _of_the_joint(description: str) -> str:
+    """A description without the words which joint of a link it is, which the pages say once."""
+    return re.sub(r" (of|in) the joint nearer to the base", "", description)
 
 
 def _is_table(kind: Any) -> bool:
@@ -110,25 +113,22 @@ def _default(default: Any) -> str:
 def _allowed(kind: Any, rule: Any) -> str:
     kind = without_none(kind)
     item, *rest = get_args(kind) or (kind,)
-    text = _readable(allowed(item, rule) + or_degrees(rule["unit"]))
+    text = _readable(allowed(item, rule))
     if get_origin(kind) is not tuple:
         return text
     if rule["per_link"]:
-        return f"a list, for each link {text}"
+        return f"list, for each link {text}"
     true = "`true`, or " if rule["or_true"] else ""
-    return (
-        f"{true}a list of any length, each {text}"
-        if ... in rest
-        else f"a list of {1 + len(rest)}, each {text}"
-    )
+    return f"{true}list, each {text}" if ... in rest else f"list of {1 + len(rest)}, each {text}"
 
 
 def _readable(text: str) -> str:
     if all(f'"{law}"' in text for law in CONTACT_LAWS):
         return "the id of a [contact law](contact_laws.md#the-laws)"
-    choices = re.sub(r'"(\w+)"', r'`"\1"`', text)
-    choices = choices.replace("a finite number", "a number").replace("a whole number", "an integer")
-    return choices.replace(">=", "≥").replace("<=", "≤")
+    text = re.sub(r'"(\w+)"', r'`"\1"`', text.partition(", and no name")[0])
+    text = re.sub(r"^a finite number (?=[<>])|^one of | without control characters$", "", text)
+    text = text.replace("a finite number", "a number").replace("a whole number", "an integer")
+    return text.replace(">=", "≥").replace("<=", "≤").replace(" and ≤", ", ≤")
 
 
 # ---- FMU variables --------------------------------------------------------------------------------------
@@ -202,7 +202,7 @@ def _where(pattern: str, found: list[tuple[Any, set[str]]]) -> str:
 def _generic(description: str) -> str:
     """The description of a kind, without what its name or scene.md says; lists of codes stand elsewhere."""
     text = re.sub(r"\b[xy] of\b", "x and y of", of_its_kind(description))
-    text = re.sub(r" (of|in) the joint nearer to the base|; must be > 0", "", text)
+    text = _of_the_joint(text).removesuffix("; must be > 0")
     text = re.sub(r"^(link i|joint i|point k( at a wall)?|at one wall|impact i, 1 the latest): ", "", text)
     return re.sub(r"^(wall( of the last impact)?): 0 .*", r"\1: its [code](#codes)", text)
 
