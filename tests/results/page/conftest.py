@@ -9,16 +9,16 @@ import pytest
 
 from chain_impact import explore, load_scene
 from chain_impact.compilation.library import browser_module
-from chain_impact.results.page.description import description, packed
-from chain_impact.results.page.explore import WORKER
-from chain_impact.results.page.recorded import program
+from chain_impact.results.page.explore import TOML, WORKER, contents, packed
+from chain_impact.results.page.recorded import program, text_of
 from tests.tiers import CHROMIUM
 
 DESK, PHONE, ON_ITS_SIDE = (
     {"width": width, "height": height} for width, height in ((1366, 768), (390, 844), (844, 390))
 )
 
-RUN = """async ({ module, scene, values, stop, step }) => {
+RUN = """async ({ module, file, kit, values, stop, step }) => {
+  const scene = sceneOf({ file, kit });
   const kernel = await Kernel.load(await compiled(module), scene);
   const times = rowTimes(stop, step);
   const run = runThrough(kernel.run(values, times, scene.columns));
@@ -30,16 +30,19 @@ RUN = """async ({ module, scene, values, stop, step }) => {
   });
   const impacts = run.impacts.map((impact) =>
     Object.fromEntries(Object.entries(impact).map(([name, value]) => [name, String(value)])));
-  return { ...run, impacts, time: text([run.time]), columns: text(run.columns) };
+  return { ...run, impacts, time: text([run.time]), columns: text(run.columns), names: scene.columns };
 }"""
 
 
+SCENE = ("unpacked", "changes", "scene_file", "model")
+"""The modules that make a scene of a file, beside those of the worker."""
 COMPILED = """
 const modules = new Map();
 async function compiled(text) {
   if (!modules.has(text)) modules.set(text, await WebAssembly.compile(await unpacked(text)));
   return modules.get(text);
-}"""
+}
+const sceneOf = ({ file, kit }) => describe(kit, complete(file, kit), []);"""
 
 
 @pytest.fixture(scope="module")
@@ -117,7 +120,8 @@ def until_told(page, text, where="subtitle"):
 def worker(browser):
     """A page with the worker's program, but for the worker itself; ``compiled`` makes a module of a text."""
     page = browser.new_page()
-    page.set_content(f"<script>{program((*WORKER[:-1], 'changes'))}{COMPILED}</script>")
+    toml = f"const TOML = {{}}; (function (exports) {{ {text_of(TOML)} }})(TOML);"
+    page.set_content(f"<script>{program((*WORKER[:-1], *SCENE))}{COMPILED}{toml}</script>")
     yield page
     page.close()
 
@@ -127,19 +131,22 @@ def kernel(worker):
     """Run a scene in a browser: its columns by name, its impacts, and the rest of what the kernel found."""
 
     def run(scene, values=None):
-        found = description(scene, scene.name)
         times = {"stop": scene.simulation.stop_time, "step": scene.simulation.step_size}
-        # JSON knows no infinite numbers
         module = packed_module(scene.contact.law_file)
-        given = {"module": module, "scene": json.loads(json.dumps(found)), "values": values or {}, **times}
+        given = {"module": module, "values": values or {}, **page_contents(scene), **times}
         result = worker.evaluate(RUN, given)
         columns = {}
-        for one, text in zip(found["columns"], result["columns"], strict=True):
+        for one, text in zip(result.pop("names"), result["columns"], strict=True):
             numbers = bits(text)
             columns[one["name"]] = numbers.view(np.float64).astype(int) if one["integer"] else numbers
         return {**result, "time": bits(result["time"][0]), "columns": columns}
 
     return run
+
+
+def page_contents(scene):
+    """What a page has of a scene: the contents of its file, and what it knows of all scenes."""
+    return json.loads(json.dumps(contents(scene, [])))
 
 
 @cache

@@ -14,7 +14,6 @@ import pytest
 from PIL import Image
 
 from chain_impact import cli, explore, load_scene, simulate
-from chain_impact.results.page.description import description
 from tests.results.page.conftest import DESK, PHONE, until, until_told
 from tests.tiers import needs_browser
 
@@ -118,7 +117,7 @@ def test_the_list_has_every_parameter_and_is_searched(show):
     page.get_by_text("All parameters").click()
     rows = page.locator(".parameter")
     rows.first.wait_for()
-    assert rows.count() == len(description(load_scene("four_link_box"), [])["parameters"])
+    assert rows.count() == page.evaluate("Object.keys(chainImpact.parameters).length") > 50
     row = rows.filter(has_text="link[2].\u200bmass").first
     row.locator("input").fill("heavy")
     row.locator("input").press("Enter")

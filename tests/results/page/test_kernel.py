@@ -1,28 +1,20 @@
 """The page's worker: the bits of `simulate()` and `sweep()`, the frames of an animation, what it refuses."""
 
-import json
-
 import numpy as np
 import pytest
 
 from chain_impact import SceneError, SimulationError, load_scene, model_names, simulate, sweep
 from chain_impact.kernel import status
 from chain_impact.results.impacts import LOG_DTYPE
-from chain_impact.results.page.description import description
 from chain_impact.results.view import framed, pin_mark, radius_of
 from chain_impact.studies.animate import record_slowly
 from tests.compilation.test_browser import SINH
 from tests.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
-from tests.results.page.conftest import bits, packed_module
+from tests.results.page.conftest import bits, packed_module, page_contents
 from tests.stops import knee
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
-
-
-def given(scene):
-    """The description of a scene as a page has it."""
-    return json.loads(json.dumps(description(scene, [])))
 
 
 CHANGES = [
@@ -110,9 +102,10 @@ def test_a_start_that_cannot_be_has_a_status_and_no_rows(kernel):
 
 def test_a_thousand_runs_leave_the_module_as_large_as_it_was(worker):
     """It does not allocate: runs of one scene, with and without rows, and studies of it."""
-    scene = given(load_scene("four_link_box"))
+    scene = page_contents(load_scene("four_link_box"))
     before, after, same = worker.evaluate(
-        """async ([module, scene]) => {
+        """async ([module, contents]) => {
+          const scene = sceneOf(contents);
           const kernel = await Kernel.load(await compiled(module), scene);
           const times = rowTimes(0.6, 0.01);
           const asked = [["contact.restitution"], Float64Array.of(0.5, 0.7), Float64Array.of(0.5, 0.6)];
@@ -150,7 +143,9 @@ def test_a_law_of_ones_own_gives_the_numbers_of_simulate(kernel, tmp_path):
 # --- studies, and what the page works out itself: frames, view, what follows from what ---------------------
 
 
-RUN = """async ([module, scene, names, grid, stops, words]) => {
+RUN_EACH = """async ([module, contents, names, grid, stops, outputs]) => {
+  const scene = sceneOf(contents);
+  const words = outputs.map((name) => scene.columns.find((one) => one.name === name).word);
   const kernel = await Kernel.load(await compiled(module), scene);
   const given = [Float64Array.from(grid), Float64Array.from(stops), words];
   const found = runThrough(kernel.runEach({ "link[2].mass": 1.2 }, names, ...given));
@@ -164,12 +159,10 @@ def test_the_runs_of_a_map_have_the_bits_of_a_sweep(worker):
     varied = {"contact.restitution": np.linspace(0.2, 0.9, 9), "initial.angle[1]": np.linspace(0.1, 0.7, 9)}
     outputs = ["energy.total", "impact.last_time", "point[4].x", "impact.count"]
     known = sweep(scene.with_values({"link[2].mass": 1.2}), varied, outputs=outputs).table
-    data = given(scene)
-    words = {one["name"]: one["word"] for one in data["columns"]}
     grid = np.column_stack([known[name] for name in varied])
-    stops, asked = [1.2] * len(grid), [words[name] for name in outputs]
-    study = [packed_module(), data, list(varied), grid.ravel().tolist(), stops, asked]
-    text, rows_after = worker.evaluate(RUN, study)
+    stops = [1.2] * len(grid)
+    study = [packed_module(), page_contents(scene), list(varied), grid.ravel().tolist(), stops, outputs]
+    text, rows_after = worker.evaluate(RUN_EACH, study)
     found = bits(text).reshape(len(grid), len(outputs))
     for place, name in enumerate(outputs):
         column = np.ascontiguousarray(known[name])
@@ -183,7 +176,8 @@ def motions(worker):
 
     def run(scene):
         return worker.evaluate(
-            """async ([text, scene]) => {
+            """async ([text, contents]) => {
+              const scene = sceneOf(contents);
               const kernel = await Kernel.load(await compiled(text), scene);
               const { parts, status } = runThrough(motion(kernel, {}));
               const { time, view, anchor, pin, energies, forces, stops, radius, peakForce, loads } = parts;
@@ -191,7 +185,7 @@ def motions(worker):
                 loads: loads.map(({ joint, x, y }) => [joint, Math.min(...x), Math.max(...y)]),
                 stops, peakForce, forces: forces.map(({ point, wall }) => [point, wall]) };
             }""",
-            [packed_module(), given(scene)],
+            [packed_module(), page_contents(scene)],
         )
 
     return run
@@ -233,7 +227,8 @@ def test_the_page_shows_what_an_animation_shows(motions, scene):
 def begun(worker, scene, changes):
     """The sentence with which the page refuses changes of a scene; else the status of the run's start."""
     return worker.evaluate(
-        """async ([text, scene, changes]) => {
+        """async ([text, contents, changes]) => {
+          const scene = sceneOf(contents);
           const kernel = await Kernel.load(await compiled(text), scene);
           let values;
           try {
@@ -244,7 +239,7 @@ def begun(worker, scene, changes):
           }
           return runThrough(kernel.run(values, [0, 0.01], [])).status;
         }""",
-        [packed_module(), given(scene), changes],
+        [packed_module(), page_contents(scene), changes],
     )
 
 
@@ -282,8 +277,8 @@ def test_parameters_that_do_not_go_together_are_refused_as_by_a_scene(worker, mo
 
 def test_a_value_is_not_set_back_where_it_does_not_go_with_another(worker):
     fault, values = worker.evaluate(
-        """(scene) => {
-          const changes = new Changes(scene);
+        """(contents) => {
+          const changes = new Changes(sceneOf(contents));
           changes.set({ "box.x_min": -5, "box.x_max": -1 });
           try {
             changes.reset("box.x_min");
@@ -291,7 +286,7 @@ def test_a_value_is_not_set_back_where_it_does_not_go_with_another(worker):
             return [error.message, changes.values];
           }
         }""",
-        given(load_scene("four_link_box")),
+        page_contents(load_scene("four_link_box")),
     )
     assert fault == "box.x_max = -1 must be > 0 [m], which is x_min + 2 contact.radius"
     assert values == {"box.x_min": -5, "box.x_max": -1}
@@ -309,18 +304,19 @@ def test_a_value_is_not_set_back_where_it_does_not_go_with_another(worker):
 )
 def test_what_follows_from_others_is_shown_as_in_the_edited_file(worker, changes):
     """And follows them again once it is set back."""
-    scene, expected = given(finger()), edited(FINGER, changes)
-    shown, text, back = worker.evaluate(
-        """([scene, given]) => {
+    expected = edited(FINGER, changes)
+    shown, text, back, starts = worker.evaluate(
+        """([contents, given]) => {
+          const scene = sceneOf(contents);
           const changes = new Changes(scene);
           changes.set(given);
           const names = scene.parameters.map(({ name }) => name);
           const all = () => Object.fromEntries(names.map((name) => [name, changes.valueOf(name)]));
           const [shown, text] = [all(), changes.texts().map(([name]) => name)];
           for (const name of Object.keys(given)) changes.reset(name);
-          return [shown, text, all()];
+          return [shown, text, all(), changes.starts];
         }""",
-        [scene, changes],
+        [page_contents(finger()), changes],
     )
     for name in ("center_of_mass", "inertia"):
         for link in (1, 2, 3):
@@ -328,4 +324,4 @@ def test_what_follows_from_others_is_shown_as_in_the_edited_file(worker, changes
     for name in ("stop.restitution", "stop.exponent"):
         assert shown[name] == expected.values[name]
     assert set(text) == set(changes)
-    assert back == {one["name"]: one["start"] for one in scene["parameters"]}
+    assert back == starts

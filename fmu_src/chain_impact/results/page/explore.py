@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import base64
 import os
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from chain_impact.compilation.library import browser_module
-from chain_impact.results.page.description import description, packed
 from chain_impact.results.page.inline import InlinePage
+from chain_impact.results.page.kit import kit
 from chain_impact.results.page.recorded import (
     PLAYER,
     assembled,
@@ -18,16 +21,30 @@ from chain_impact.results.page.recorded import (
     text_of,
 )
 from chain_impact.scene.models import model_names
-from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of
+from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, scene_to_dict
 from chain_impact.system import written_whole
 
-WORKER = ("unpacked", "kernel", "pacing", "room", "view", "frames", "motion", "worker")
+WORKER = ("kernel", "pacing", "room", "view", "frames", "motion", "worker")
 """The modules of the worker, each after those that it imports from."""
 MODULES = (
     *PLAYER,
-    *("unpacked", "changes", "engine", "knobs", "ghosts", "view", "handles", "outside", "map", "explore"),
+    *(
+        "unpacked",
+        "view",
+        "scene_file",
+        "model",
+        "changes",
+        "engine",
+        "knobs",
+        "ghosts",
+        "handles",
+        "outside",
+    ),
+    *("map", "edit", "explore"),
 )
 """Those of the page."""
+TOML = "vendor/smol-toml.cjs"
+"""The library that reads scene files."""
 UNNAMED = "scene.toml"
 """What a scene that was not loaded from a file is called in the page's command."""
 
@@ -38,7 +55,8 @@ def explore(
     """Write a page that simulates a scene with the parameters that its reader chooses, or show it.
 
     The page has the compiled kernel in it, and gives the numbers of ``simulate``. It is one file, which needs
-    nothing else. Inputs are constant; the base and the walls keep their places.
+    nothing else. Its reader can change all parameters, and add or remove links, walls and stops. Inputs are
+    constant; the base and the walls keep their places.
 
     Args:
         scene: a scene, or what ``load_scene`` takes.
@@ -73,9 +91,21 @@ def page(scene: Scene, command: Sequence[str]) -> str:
         scene.name,
         [*styles(), text_of("explore.css")],
         program(MODULES),
-        data=script_data(description(scene, command) | {"module": packed(module)}),
+        data=script_data(contents(scene, command) | {"module": packed(module)}),
+        toml=text_of(TOML),
         worker=program(WORKER),
     )
+
+
+def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
+    """What the page makes its scene of: the contents of its file, and what it needs to know of all scenes."""
+    return {"file": scene_to_dict(scene), "kit": kit(scene), "command": list(command)}
+
+
+def packed(content: bytes) -> str:
+    """Bytes as text for a page: compressed, as a browser can undo it."""
+    compressor = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
+    return base64.b64encode(compressor.compress(content) + compressor.flush()).decode("ascii")
 
 
 def _source(scene: SceneSource) -> str:

@@ -8,12 +8,29 @@ export function numberText(value) {
 
 export class Changes {
   #listeners = [];
+  #openers = [];
 
   constructor(scene) {
+    this.#take(scene);
+  }
+
+  #take(scene) {
     this.scene = scene;
     this.starts = Object.fromEntries(scene.parameters.map(({ name, start }) => [name, start]));
     this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
     this.values = {}; // what differs from the scene: name → number
+  }
+
+  /** Take another scene, without changes. */
+  open(scene) {
+    this.#take(scene);
+    this.#openers.forEach((opener) => opener());
+    this.replace({});
+  }
+
+  /** Tell who listens when there is another scene, before it is told of its values. */
+  onOpen(opener) {
+    this.#openers.push(opener);
   }
 
   onChange(listener) {

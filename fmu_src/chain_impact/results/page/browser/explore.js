@@ -4,27 +4,31 @@ import { find, make } from "./dom.js";
 import { Player } from "./player.js";
 import { Recording } from "./recording.js";
 import { Changes } from "./changes.js";
+import { contentsIn, Editor } from "./edit.js";
 import { Engine } from "./engine.js";
 import { Ghosts } from "./ghosts.js";
 import { Handles } from "./handles.js";
 import { showKnobs, showList } from "./knobs.js";
 import { GridMap } from "./map.js";
-import { changesIn, commandOf, csvOf, hashOf, pictureOf, save, sceneFileOf } from "./outside.js";
+import { describe } from "./model.js";
+import { changesIn, commandOf, contentsOf, csvOf, hashOf, pictureOf, save, tomlText } from "./outside.js";
+import { complete } from "./scene_file.js";
 import { unpacked } from "./unpacked.js";
 
 const WAITING = 120; // ms after which what is shown is greyed
 const REST = 300; // ms without a change, after which the address has the changes
 const KEPT = 0.5; // of the size of the view: a motion that fills more of it does not change it
 
-const scene = JSON.parse(find("data").textContent);
-const changes = new Changes(scene);
+const { file, kit, command, module: packedModule } = JSON.parse(find("data").textContent);
+const own = describe(kit, complete(file, kit), command);
+const changes = new Changes(own);
 const needed = ["Worker", "WebAssembly", "DecompressionStream"].filter((name) => !(name in window));
 if (needed.length) throw new Error(`this browser has no ${needed.join(", no ")}`);
-const { module: packedModule, ...described } = scene;
 const module = unpacked(packedModule).then((bytes) => WebAssembly.compile(bytes));
 const program = URL.createObjectURL(new Blob([find("worker").textContent], { type: "text/javascript" }));
-const begin = () => new Engine(program, described, module);
-const engine = begin();
+const begin = () => new Engine(program, changes.scene, module);
+let engine = begin();
+let opened = ""; // the text of the scene file that is open; of the page's own scene nothing
 const player = new Player(1);
 const ghosts = new Ghosts(player, find("pins"), find("pin-table"));
 const handles = new Handles(player, changes, find("scene"));
@@ -44,7 +48,7 @@ function steady(next) {
 /** What went wrong, in a sentence; nothing if all is well. `found` tells whether there is a motion. */
 function sentenceOf({ status, reached }, found) {
   if (status === 0) return "";
-  const text = scene.statuses[status];
+  const text = changes.scene.statuses[status];
   return found ? `The simulation stopped at t = ${+reached.toPrecision(6)} s: ${text}.` : `The simulation cannot start: ${text}.`;
 }
 
@@ -59,7 +63,7 @@ function say(next = sentence) {
   find("status").classList.add("begun");
   find("status").textContent = all;
   find("status").hidden = !all;
-  if (ending === scene.rigidWithFriction) find("status").append(" ", withoutFriction());
+  if (ending === kit.rigidWithFriction) find("status").append(" ", withoutFriction());
 }
 
 /** A button that sets all friction of walls to zero, for a law that does not go with it. */
@@ -94,7 +98,7 @@ async function update() {
 
 /** The address of the page with the changes. */
 function address() {
-  const hash = hashOf(changes);
+  const hash = hashOf(changes, opened);
   return location.href.split("#")[0] + (hash && `#${hash}`);
 }
 
@@ -104,10 +108,41 @@ function remember() {
   remembering = setTimeout(() => history.replaceState(null, "", address()), REST);
 }
 
-/** Take the changes of the address; one that cannot be is told, and changes nothing. */
+/** Show another scene, and its name; `text` is that of its file, and nothing of the page's own scene. */
+function show(scene, text) {
+  opened = text;
+  engine.end();
+  changes.open(scene);
+  showWords();
+}
+
+/** Open a scene of some contents of a file; an error says what is wrong with them. */
+function open(contents) {
+  const whole = complete(contents, kit);
+  show(describe(kit, whole, [`${whole.name}.toml`]), tomlText(whole));
+}
+
+/** Name and description of the scene, and the inputs that it has in vain. */
+function showWords() {
+  const { name, text, still } = changes.scene;
+  document.querySelector("h1").textContent = name;
+  document.title = `${name} – chain-impact`;
+  find("description").textContent = text;
+  find("description").hidden = !text;
+  find("inputs").hidden = still.length === 0;
+  find("inputs").textContent = `These inputs keep their start values here: ${still.join(", ")}.`;
+  find("edit-first").hidden = !opened;
+}
+
+/** Take the scene and the changes of the address; what cannot be is told, and changes nothing. */
 function takeAddress() {
   try {
-    changes.replace(new Changes(scene).with(changesIn(location.hash)));
+    const { scene: text = "", ...given } = changesIn(location.hash);
+    if (text !== opened) {
+      if (text) open(contentsIn(text));
+      else show(own, "");
+    }
+    changes.replace(new Changes(changes.scene).with(given));
   } catch (error) {
     notice = `The link cannot be used: ${error.message}.`;
     remember();
@@ -132,16 +167,16 @@ function connectExport() {
   }));
   connectFile("csv", async () => {
     const result = await engine.ask("rows", { ...changes.values });
-    save(new Blob([csvOf(result)], { type: "text/csv" }), `${scene.name}.csv`);
+    save(new Blob([csvOf(result)], { type: "text/csv" }), `${changes.scene.name}.csv`);
     return sentenceOf(result, result.time.length > 0);
   });
   connectFile("toml", async () => {
-    save(new Blob([sceneFileOf(changes)], { type: "application/toml" }), `${scene.name}.toml`);
+    save(new Blob([tomlText(contentsOf(changes))], { type: "application/toml" }), `${changes.scene.name}.toml`);
     return "";
   });
   connectFile("png", async () => {
     const background = getComputedStyle(document.body).backgroundColor;
-    save(await pictureOf(find("scene"), background), `${scene.name}.png`);
+    save(await pictureOf(find("scene"), background), `${changes.scene.name}.png`);
     return "";
   });
 }
@@ -155,13 +190,16 @@ function connectFile(id, write) {
 
 /** For the console, and for pages of others that show this one. */
 window.chainImpact = {
-  scene: scene.name,
+  get scene() {
+    return changes.scene.name;
+  },
   /** Name → value of all parameters as the page has them, of a choice its name. */
   get parameters() {
-    return Object.fromEntries(changes.texts(Object.fromEntries(scene.parameters.map(({ name }) => [name, changes.valueOf(name)]))));
+    return Object.fromEntries(changes.texts(Object.fromEntries(changes.scene.parameters.map(({ name }) => [name, changes.valueOf(name)]))));
   },
   /** Simulate the scene with some parameters changed, whatever the page shows: {time, columns, impacts, statistics}. */
   async simulate(given = {}, { output } = {}) {
+    const { scene } = changes;
     const values = new Changes(scene).with(given);
     if (output && !Array.isArray(output)) throw new TypeError("output must be a list of names");
     const unknown = output?.find((name) => !scene.columns.some((column) => column.name === name));
@@ -171,7 +209,7 @@ window.chainImpact = {
     const named = impacts.map((impact) => ({ ...impact, wall: scene.wallNames[impact.wall] }));
     const found = { time, columns, impacts: named, statistics };
     if (status !== 0) {
-      const sentence = `the simulation stopped at t = ${+reached.toPrecision(9)} s: ${scene.statuses[status]}`;
+      const sentence = `the simulation stopped at t = ${+reached.toPrecision(9)} s: ${changes.scene.statuses[status]}`;
       throw Object.assign(new Error(sentence), { status, time: reached, result: found });
     }
     return found;
@@ -187,10 +225,11 @@ find("map-open").addEventListener("click", () => {
   grid ??= new GridMap(begin, changes);
   grid.open();
 });
-find("description").textContent = scene.text;
-find("description").hidden = !scene.text;
-find("inputs").hidden = scene.still.length === 0;
-find("inputs").textContent = `These inputs keep their start values here: ${scene.still.join(", ")}.`;
+changes.onOpen(() => {
+  engine = begin();
+});
+new Editor(changes, open, () => show(own, ""));
+showWords();
 showKnobs(find("main-knobs"), changes);
 showList(find("list-of-parameters"), changes);
 connectExport();

@@ -28,7 +28,6 @@ export class Handles {
     this.player = player;
     this.changes = changes;
     this.element = element;
-    this.links = changes.scene.links;
     this.dragged = null; // {kind, index, time, pointer}
     const isDragging = ({ pointerId }) => this.dragged?.pointer === pointerId;
     element.addEventListener("pointerdown", (event) => this.#grasp(event));
@@ -56,7 +55,7 @@ export class Handles {
   get #start() {
     const place = [[this.#value("initial.x"), this.#value("initial.y")]];
     const velocity = [[this.#value("initial.vx"), this.#value("initial.vy")]];
-    for (let link = 1; link <= this.links; link += 1) {
+    for (let link = 1; link <= this.changes.scene.links; link += 1) {
       const [length, angle, rate] = [`link[${link}].length`, `initial.angle[${link}]`, `initial.angular_velocity[${link}]`].map((name) => this.#value(name));
       const [x, y] = [length * Math.cos(angle), length * Math.sin(angle)];
       place.push([place.at(-1)[0] + x, place.at(-1)[1] + y]);

@@ -1,7 +1,5 @@
-// The kernel: the WebAssembly module, one instance in its memory, and runs of it. `description.py` says where in the
+// The kernel: the WebAssembly module, one instance in its memory, and runs of it. `model.js` says where in the
 // instance's record things are.
-
-import { unpacked } from "./unpacked.js";
 
 const WORD = 8; // bytes
 const ROWS = 256; // of outputs that the kernel fills at once
@@ -36,7 +34,7 @@ export class Kernel {
   /** The kernel of a module for the scene of a description. */
   static async load(module, scene) {
     const { exports } = await WebAssembly.instantiate(module, {});
-    return new Kernel(exports, scene, await unpacked(scene.record));
+    return new Kernel(exports, scene, scene.record);
   }
 
   constructor(exports, scene, start) {

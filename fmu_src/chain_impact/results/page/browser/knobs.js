@@ -157,13 +157,17 @@ function knobsOf(changes) {
   }).filter(({ name }) => parameters.has(name)).concat(inputKnobs(changes));
 }
 
-/** Fill an element with the knobs that the scene has. */
+/** Fill an element with the knobs that the scene has, whenever there is another one. */
 export function showKnobs(element, changes) {
-  const there = knobsOf(changes);
-  const knobs = there.map((entry) => knob(changes, entry));
-  element.append(...knobs.map(({ row }) => row));
+  let knobs;
+  const fill = () => {
+    knobs = knobsOf(changes).map((entry) => knob(changes, entry));
+    element.replaceChildren(...knobs.map(({ row }) => row));
+  };
   const refresh = () => knobs.forEach((one) => one.refresh());
+  changes.onOpen(fill);
   changes.onChange(refresh);
+  fill();
   refresh();
 }
 
@@ -182,11 +186,16 @@ export function showList(details, changes) {
   const fill = () => {
     if (rows || !details.open) return;
     rows = changes.scene.parameters.map((parameter) => listRow(changes, parameter));
-    body.append(...rows.map(({ row }) => row));
+    body.replaceChildren(...rows.map(({ row }) => row));
     refresh();
+    filter();
   };
   details.addEventListener("toggle", fill);
   search.addEventListener("input", filter);
+  changes.onOpen(() => {
+    rows = undefined;
+    fill();
+  });
   changes.onChange(refresh);
 }
 

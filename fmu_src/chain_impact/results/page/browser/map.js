@@ -61,7 +61,9 @@ export class GridMap {
     this.scales = SVG(find("map-scales"));
     this.inputs = ["x", "y"].map((axis) => ["name", "from", "to"].map((part) => find(`map-${axis}-${part}`)));
     this.output = find("map-output");
+    this.inputs.forEach(([name], k) => name.addEventListener("change", () => this.#range(k)));
     this.#fill();
+    changes.onOpen(() => this.#fill());
     find("map-run").addEventListener("click", () => this.run());
     find("map-csv").addEventListener("click", () => save(new Blob([this.#table()], { type: "text/csv" }), `${changes.scene.name}-map.csv`));
     find("map-png").addEventListener("click", () => this.#picture());
@@ -90,16 +92,21 @@ export class GridMap {
     });
   }
 
+  /** Offer what the scene has; the map of another scene goes. */
   #fill() {
+    this.shown = undefined;
+    this.canvas.getContext("2d").clearRect(0, 0, POINTS, POINTS);
+    this.scales.clear();
+    find("map-files").hidden = true;
+    this.#say("");
     const reals = this.changes.scene.parameters.filter(({ type, word }) => type === "real" && word >= 0);
     const preferred = ["contact.restitution", "stop.restitution", "initial.angle[1]", "gravity.y"].filter((name) => this.changes.parameters.has(name));
     this.inputs.forEach(([name], k) => {
-      name.append(...reals.map((parameter) => new Option(parameter.name)));
+      name.replaceChildren(...reals.map((parameter) => new Option(parameter.name)));
       name.value = preferred[k];
-      name.addEventListener("change", () => this.#range(k));
       this.#range(k);
     });
-    this.output.append(...this.#outputs.map(({ name, label }) => new Option(label, name)));
+    this.output.replaceChildren(...this.#outputs.map(({ name, label }) => new Option(label, name)));
   }
 
   #range(k) {

@@ -3,12 +3,11 @@
 
 import { contactsOf, framesOf, timesOf } from "./frames.js";
 import { rowTimes } from "./kernel.js";
-import { viewOf, wallsAt } from "./view.js";
+import { STOPS, viewOf, wallsAt } from "./view.js";
 
 const IMPACT_TIME = 0.6; // s on the screen that an impact takes
 const PARTS = 100; // of the first run, between which it can be stopped
 const ALONE = 1e-3; // of the size of the motion: a smaller radius is not drawn
-const STOPS = ["joint_min", "joint_max"];
 
 /** The impacts of a run as a recording has them. */
 function listed(impacts, scene, valueOf) {

@@ -26,31 +26,30 @@ function dictionary(pairs) {
   return `{${pairs.map(([name, text]) => `${JSON.stringify(name)}: ${value(text)}`).join(", ")}}`;
 }
 
-const LENGTHS = { position: () => 2, velocity: () => 2, angles: (links) => links, angular_velocities: (links) => links };
-
-/** The scene file with the changes in it, TOML; without inputs, which a scene does not have. */
-export function sceneFileOf(changes) {
+/** The contents of the scene file with the changes in it; without inputs, which a scene does not have. */
+export function contentsOf(changes) {
   const file = structuredClone(changes.scene.file);
   for (const [name, value] of Object.entries(changes.values)) {
     const { place, items } = changes.parameters.get(name);
-    if (place) put(file, place, items.length ? items[value - 1][0] : value, changes.scene.links);
+    if (place) put(file, place, items.length ? items[value - 1][0] : value);
   }
+  return file;
+}
+
+/** The contents of a scene file as TOML. */
+export function tomlText(file) {
   const isTable = (value) => typeof value === "object" && !Array.isArray(value);
-  const all = Object.entries(file);
-  const lines = (pairs) => pairs.map(([key, value]) => `${key} = ${tomlOf(value)}\n`).join("");
+  const isThere = ([, value]) => !isTable(value) || Object.keys(value).length > 0;
+  const all = Object.entries(file).filter(isThere);
+  const lines = (pairs) => pairs.filter(isThere).map(([key, value]) => `${key} = ${tomlOf(value)}\n`).join("");
   const tables = all.filter(([, value]) => isTable(value)).map(([key, table]) => `\n[${key}]\n${lines(Object.entries(table))}`);
   return lines(all.filter(([, value]) => !isTable(value))) + tables.join("");
 }
 
-/** Put a value at its place in a scene file; what is not there on the way is made, lists with zeros. */
-function put(table, [key, ...rest], value, links) {
-  if (!rest.length) {
-    table[key] = value;
-    if (key === "angle") delete table.normal; // which tells the same
-    return;
-  }
-  table[key] ??= typeof rest[0] === "number" ? Array(LENGTHS[key](links)).fill(0) : {};
-  put(table[key], rest, value, links);
+/** Put a value at its place in a scene file; tables on the way that are not there are made. */
+function put(table, [key, ...rest], value) {
+  if (rest.length) put((table[key] ??= {}), rest, value);
+  else table[key] = value;
 }
 
 /** A value as TOML has it. */
@@ -61,12 +60,13 @@ function tomlOf(value) {
   return `{ ${Object.entries(value).map(([key, one]) => `${key} = ${tomlOf(one)}`).join(", ")} }`;
 }
 
-/** The changes as the part of an address after #. */
-export function hashOf(changes) {
-  return changes.texts().map(([name, text]) => `${name}=${encodeURIComponent(text)}`).join("&");
+/** The changes as the part of an address after #, behind the text of the scene file if it is not the page's own. */
+export function hashOf(changes, opened = "") {
+  const texts = [...(opened ? [["scene", opened]] : []), ...changes.texts()];
+  return texts.map(([name, text]) => `${name}=${encodeURIComponent(text)}`).join("&");
 }
 
-/** The changes in an address: name → text. */
+/** The changes in an address: name → text; and `scene`, the text of a scene file. */
 export function changesIn(hash) {
   const parts = hash.replace(/^#/, "").split("&").filter(Boolean).map((part) => part.split("="));
   return Object.fromEntries(parts.map(([name, text = ""]) => [decodeURIComponent(name), decodeURIComponent(text)]));

@@ -1,4 +1,4 @@
-// What `packed` of `description.py` made, as bytes.
+// What `packed` of `explore.py` made, as bytes.
 
 /** The bytes of such a text. */
 export async function unpacked(text) {

@@ -8,6 +8,8 @@ const MARGIN = 0.06; // of the size of what is seen
 const UPRIGHT = 0.5; // of a wall's normal along an axis
 const PIN = 0.08; // of the motion's width
 const LEAST = 1e-6; // m
+/** The stops of a joint: keys of a link, and what they are called among the walls. */
+export const STOPS = ["joint_min", "joint_max"];
 const PIN_LINES = [
   [[0, 0], [-0.4, 0.65], [0.4, 0.65], [0, 0]],
   [[-0.75, 0.65], [0.75, 0.65]],

@@ -1,0 +1,266 @@
+// A scene as the page works with it: its variables and its record, from the contents of its file and the templates of
+// `kit.py`.
+
+import { movablePoints, stopsOf, wallsOf } from "./scene_file.js";
+import { STOPS, wallsAt } from "./view.js";
+
+const BYTES = 8; // of a word
+const ASKED = {
+  point: "points", link: "links", contact: "contacts", moved: "contacts", stop: "contacts", rubbing: "contacts",
+  energy: "energies", "joint load": "loads", "wall load": "loads", solver: "solver",
+}; // outputs of what → the key of the scene that asks for them
+
+/** Numbers of some length, from 0. */
+const range = (length) => Array.from({ length }, (_, k) => k);
+
+/** The place of a word in a record of these sizes, a + bN + cC + dF + eL + fK + g·index. */
+function placeOf([constant, ...slopes], sizes, index = 0) {
+  return [...sizes, index].reduce((sum, size, k) => sum + slopes[k] * size, constant);
+}
+
+/** All such places in nested tables. */
+function placesOf(words, sizes) {
+  if (Array.isArray(words)) return placeOf(words, sizes);
+  return Object.fromEntries(Object.entries(words).map(([name, inner]) => [name, placesOf(inner, sizes)]));
+}
+
+/** What a scene has, that its variables and its record depend on. */
+function partsOf(file, { boxWalls }) {
+  const { chain: { base, links }, walls, contact, inputs, outputs } = file;
+  const count = links.length;
+  const [points, stops, there] = [contact.points ?? movablePoints(file), stopsOf(file), wallsOf(file)];
+  const wallNames = [...boxWalls, ...(points.length ? walls.map(({ name }) => name) : []), ...(stops.length ? STOPS : [])];
+  const numbers = wallNames.flatMap((name, number) => (there.includes(name) ? [number] : []));
+  const pairs = points.flatMap((point) => numbers.map((wall) => [point, wall]));
+  const materials = Object.values(contact.wall);
+  const rubs = pairs.length > 0 && (contact.friction > 0 || contact.static_friction > 0 ||
+    materials.some(({ friction, static_friction: least }) => friction !== undefined || least !== undefined));
+  const firstJoint = base === "pinned" ? 1 : 2;
+  const joints = range(count).map((k) => k + 1).filter((joint) => joint >= firstJoint);
+  const rubbing = joints.filter((joint) => links[joint - 1].joint_friction > 0);
+  const moving = wallNames.filter((name) => there.includes(name) && inputs.wall_motion.some((one) => one === "*" || one === name));
+  const candidates = [...pairs, ...stops.map(([joint, stop]) => [joint, wallNames.indexOf(stop)])];
+  const hasFriction = rubs || rubbing.length > 0;
+  const sizes = [
+    count,
+    candidates.length,
+    hasFriction ? count + candidates.length : 0,
+    outputs.loads ? count + wallNames.length : 0,
+    2 * inputs.base_motion + 2 * moving.length,
+  ];
+  return { file, points, stops, there, wallNames, pairs, candidates, rubs, rubbing, hasFriction, moving, joints, sizes };
+}
+
+/** What there are of each kind: the number that is shown, the name of a wall, and the index in the record. */
+function elementsOf({ file, points, stops, there, wallNames, pairs, candidates, rubbing, moving, joints, sizes: [links] }) {
+  const ofLinks = range(links).map((at) => ({ n: at + 1, at }));
+  const ofJoints = (wanted) => wanted.map((n) => ({ n, at: n - 1 }));
+  const { inputs, outputs } = file;
+  const touched = wallNames.flatMap((name, number) => (pairs.some(([, wall]) => wall === number) ? [{ name, at: links + number }] : []));
+  return {
+    one: [{}],
+    energy: [{}],
+    solver: [{}],
+    link: ofLinks,
+    angle: ofLinks,
+    rate: ofLinks,
+    point: range(links + 1).map((n) => ({ n, at: n })),
+    joint: ofJoints(joints),
+    "joint load": ofJoints(joints),
+    rubbing: ofJoints(rubbing),
+    torque: inputs.joint_torques ? ofJoints(joints) : [],
+    target: inputs.joint_targets ? ofJoints(joints) : [],
+    wall: file.walls.map(({ name }, at) => ({ name, at })),
+    material: points.length ? there.map((name) => ({ name, at: wallNames.indexOf(name) })) : [],
+    contact: pairs.map(([n, wall], at) => ({ n, name: wallNames[wall], at })),
+    stop: [...new Set(stops.map(([joint]) => joint))].map((n) =>
+      ({ n, at: pairs.length + candidates.slice(pairs.length).findIndex(([joint]) => joint === n) })),
+    moved: moving.map((name, k) => ({ name, at: 2 * inputs.base_motion + 2 * k })),
+    "wall load": touched,
+    latest: range(outputs.impacts).map((at) => ({ n: at + 1, at })),
+  };
+}
+
+/** A template with what it is of filled in. */
+function filled(text, { n, name }) {
+  return text.replaceAll("{n}", n).replaceAll("{name}", name).replaceAll("{before}", n > 1 ? `link ${n - 1}` : "the base");
+}
+
+/** The rows of templates, each for every element that it is of. */
+function instances(groups, elements) {
+  return groups.flatMap(({ of, rows }) =>
+    elements[of].flatMap((element) => rows.map((row) => ({ ...row, of, element, name: filled(row.name, element) }))));
+}
+
+/** The values of all that may be a parameter: name → number, and whether it is derived. */
+function valuesOf(file, rows) {
+  const values = new Map();
+  for (const { name, path, element, rule, items, of } of rows) {
+    const steps = path.map((step) => ({ "{at}": element.at, "{name}": element.name })[step] ?? step);
+    const given = steps.reduce((table, step) => table?.[step], file);
+    const number = items.length && given !== undefined ? items.findIndex(([id]) => id === given) + 1 : given;
+    if (number !== undefined) values.set(name, { number, steps });
+    else if (rule && (of !== "one" || stopsOf(file).length)) {
+      const factors = rule.factors.map((factor) => filled(factor, element));
+      const product = factors.reduce((found, factor) => found * values.get(factor).number, 1) / rule.divisor;
+      values.set(name, { number: product, steps, derived: { ...rule, factors } });
+    }
+  }
+  return values;
+}
+
+/** Whether the FMU of the scene has a parameter. */
+function isParameter({ name, of, element, path }, number, { file, pairs, stops, rubs, rubbing, joints }) {
+  const key = path.at(-1);
+  if (of === "link") {
+    const follows = file.inputs.joint_targets && joints.includes(element.n);
+    return !((key === "joint_armature" && number === 0) || (key === "joint_friction" && !rubbing.includes(element.n)) ||
+      (key === "joint_rest_angle" && follows));
+  }
+  if (of === "wall" || of === "material") return pairs.length > 0;
+  if (name.startsWith("initial.v")) return file.chain.base === "free";
+  if (name === "contact.model") return pairs.length > 0 || (stops.length > 0 && !file.stops.model);
+  if (name.startsWith("contact.")) return pairs.length > 0 && (rubs || !key.endsWith("friction"));
+  return true;
+}
+
+/** Whether the scene asks for an output. */
+function isOutput({ name, of }, { file, rubs, hasFriction }) {
+  if (of in ASKED && !file.outputs[ASKED[of]]) return false;
+  if (of === "contact") return rubs || !/friction|sticking/.test(name);
+  const isDriven = anyInput(file.inputs) || file.chain.links.some((link) => link.joint_torque_limit !== undefined);
+  return (name !== "energy.supplied" || isDriven) && (name !== "energy.friction" || hasFriction);
+}
+
+function anyInput({ joint_torques: torques, joint_targets: targets, tip_force: tip, base_motion: base, wall_motion: walls }) {
+  return torques || targets || tip || base || walls.length > 0;
+}
+
+/** The record of the scene, not initialized. */
+function recordOf(kit, parts, rows, values) {
+  const { file, sizes, candidates, pairs, stops, rubs, hasFriction, moving, wallNames, points } = parts;
+  const { inputs, outputs, initial, chain } = file;
+  const bytes = new Uint8Array(placeOf(kit.size, sizes) * BYTES);
+  const [reals, integers] = [new Float64Array(bytes.buffer), new BigInt64Array(bytes.buffer)];
+  const write = (words, value, isReal, index = 0) => {
+    const place = placeOf(words, sizes, index);
+    if (isReal) reals[place] = value;
+    else integers[place] = BigInt(value);
+  };
+  const put = (name, value, index = 0) => write(kit.places[name].word, value, kit.places[name].real, index);
+  const each = (name, all) => all.forEach((value, index) => put(name, value, index));
+  ["links", "candidates", "elements", "loads", "channels"].forEach((name, k) => put(name, sizes[k]));
+  put("regularized", kit.constants.noContact);
+  range(sizes[0]).forEach((k) => {
+    put("joint_min", -Infinity, k);
+    put("joint_max", Infinity, k);
+    put("joint_torque_limit", Infinity, k);
+  });
+  each("candidate_point", candidates.map(([point]) => point));
+  each("candidate_wall", candidates.map(([, wall]) => wall));
+  stops.forEach(([, stop], k) => put("candidate_stop", stop === STOPS[0] ? 1 : -1, pairs.length + k));
+  put("pinned", Number(chain.base === "pinned"));
+  put("driven", Number(anyInput(inputs)));
+  put("followed", Number(inputs.joint_targets));
+  put("base_moves", Number(inputs.base_motion));
+  put("follows", 1);
+  const first = 2 * inputs.base_motion;
+  moving.forEach((_, k) => put("belt", 1, first + 2 * k + 1));
+  if (inputs.base_motion) each("moved", initial.position);
+  each("channel", candidates.map(([, wall]) => (moving.includes(wallNames[wall]) ? first + 2 * moving.indexOf(wallNames[wall]) : -1)));
+  put("kept", outputs.impacts);
+  put("impulses", Number(outputs.contacts || outputs.impacts > 0 || outputs.loads || (hasFriction && outputs.energies)));
+  ["wall_restitution", "wall_friction", "wall_static_friction"].forEach((name) =>
+    each(name, range(kit.boxWalls.length + sizes[1]).map(() => -1)));
+  const laws = kit.laws.map(({ name }) => name);
+  put("stop_law", laws.indexOf(file.stops.model) + 1);
+  for (const { name, of, word, given, type, element } of rows) {
+    const value = values.get(name);
+    if (!value || !word || (of === "wall" && !points.length)) continue;
+    write(word, value.number, type === "real", element.at);
+    if (given) write(given, value.derived ? kit.constants.derived : value.number, true, element.at);
+  }
+  return bytes;
+}
+
+/** What the page draws, each a word of the record. */
+function drawnOf(kit, { sizes, pairs, wallNames, rubbing, stops, joints }, columns) {
+  const words = new Map(columns.map(({ name, word }) => [name, word]));
+  const word = (name) => words.get(name) ?? null;
+  const ofJoint = (joint) => ["stop", "rubbing"].flatMap((kind) => {
+    if (kind === "rubbing") return rubbing.includes(joint) ? [{ point: joint, wall: "", sign: 1, force: null, depth: null, friction: word(`joint[${joint}].friction_moment`), sticking: word(`joint[${joint}].sticking`) }] : [];
+    const moment = word(`joint[${joint}].stop_moment`);
+    return stops.some(([one]) => one === joint) ? STOPS.map((wall, k) => ({ point: joint, wall, sign: k ? -1 : 1, force: moment, depth: null, friction: null, sticking: null })) : [];
+  });
+  const touches = pairs.map(([point, wall]) => {
+    const name = `contact[${point}].${wallNames[wall]}`;
+    const [force, depth, friction, sticking] = ["force", "penetration", "friction_force", "sticking"].map((key) => word(`${name}.${key}`));
+    return { point, wall: wallNames[wall], sign: 1, force, depth, friction, sticking };
+  });
+  const known = [...touches, ...joints.flatMap(ofJoint)].filter(({ force, sticking }) => force !== null || sticking !== null);
+  return {
+    points: range(sizes[0] + 1).map((k) => kit.points.map((place) => placeOf(place, sizes, k))),
+    energies: Object.fromEntries(columns.flatMap(({ name, word: at }) => (name.startsWith("energy.") ? [[name.slice(7), at]] : []))),
+    touches: known,
+    loads: joints.flatMap((joint) => {
+      const [x, y] = ["x", "y"].map((axis) => word(`joint[${joint}].force.${axis}`));
+      return x === null ? [] : [{ joint, x, y }];
+    }),
+  };
+}
+
+/** The inputs that keep their start values here. */
+function stillOf({ base, wall }, { file: { inputs }, moving }) {
+  return [...(inputs.base_motion ? base : []), ...moving.flatMap((name) => wall.map((one) => filled(one, { name })))];
+}
+
+/** A scene as the page works with it; `command` is what comes after `chain-impact simulate` to repeat it. */
+export function describe(kit, file, command) {
+  const parts = partsOf(file, kit);
+  const { sizes, stops, wallNames, there } = parts;
+  const elements = elementsOf(parts);
+  const rows = instances(kit.parameters, elements);
+  const values = valuesOf(file, rows);
+  const record = recordOf(kit, parts, rows, values);
+  const reals = new Float64Array(record.buffer);
+  const shown = rows.filter((row) => values.has(row.name) && isParameter(row, values.get(row.name).number, parts));
+  const names = new Set(shown.map(({ name }) => name));
+  const inputs = instances(kit.inputs, elements)
+    .filter(({ of }) => of !== "one" || file.inputs.tip_force)
+    .map((row) => ({ ...row, number: reals[placeOf(row.word, sizes, row.element.at)] }));
+  const parameter = ({ name, element, given, word, rule, number, of, path, ...row }) => {
+    const { steps = null, derived, number: start = number } = values.get(name) ?? {};
+    const follows = derived?.factors.every((factor) => names.has(factor)) ? derived : null;
+    // an initial position is that of a base that moves, too
+    const moves = file.inputs.base_motion && steps?.[1] === "position";
+    const place = moves ? placeOf(kit.places.moved.word, sizes, steps[2]) : word ? placeOf(given ?? word, sizes, element.at) : -1;
+    return { ...row, name, place: steps, word: place, text: filled(row.text, element), start, derived: follows };
+  };
+  const times = kit.times.map((row) => ({ ...row, element: {} }));
+  valuesOf(file, times).forEach((value, name) => values.set(name, value));
+  const columns = instances(kit.outputs, elements)
+    .filter((row) => isOutput(row, parts))
+    .map(({ name, unit, word, integer, element }) => ({ name, unit, word: placeOf(word, sizes, element.at), integer }));
+  return {
+    name: file.name,
+    file,
+    text: file.description,
+    command,
+    links: sizes[0],
+    pinned: file.chain.base === "pinned",
+    wallNames,
+    walls: wallsAt({ walls: Object.fromEntries(there.map((name) => [name, null])) }, (name) => values.get(name)?.number),
+    stops: [...new Set(stops.map(([joint]) => joint))],
+    openArc: kit.constants.openArc,
+    contactPoints: parts.points,
+    record,
+    layout: placesOf(kit.layout, sizes),
+    inputs: inputs.map(({ name }) => name),
+    still: stillOf(kit.still, parts),
+    parameters: [...shown, ...inputs, ...times].map(parameter),
+    columns,
+    drawn: drawnOf(kit, parts, columns),
+    rigidWithFriction: kit.rigidWithFriction,
+    statuses: kit.statuses,
+  };
+}

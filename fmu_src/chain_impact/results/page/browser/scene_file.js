@@ -1,0 +1,165 @@
+// The contents of a scene file, complete and checked by the rules of its keys, as `kit.py` has them. The kernel refuses
+// what only the numbers together can tell.
+
+import { STOPS } from "./view.js";
+
+const IN_DEGREES = { rad: "deg", "rad/s": "deg/s" };
+const LONGEST_VALUE = 60; // characters of a value in a message
+
+const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
+
+/** A value as a message shows it. */
+function quotedValue(value) {
+  const text = JSON.stringify(value) ?? String(value);
+  return text.length > LONGEST_VALUE ? `${text.slice(0, LONGEST_VALUE)}…` : text;
+}
+
+/** Refuse what is at a path of the file. */
+function refuse(path, what) {
+  throw new RangeError([path, what].filter(Boolean).join(" "));
+}
+
+/** An angle in text, "90 deg", in radians; all else stays as it is. */
+function inRadians(value, unit) {
+  const [, number, given] = (typeof value === "string" && /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(deg(?:\/s)?)\s*$/.exec(value)) || [];
+  return given && given === IN_DEGREES[unit] ? (Number(number) * Math.PI) / 180 : value;
+}
+
+/** Whether a value keeps a rule. */
+function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
+  const types = { float: Number.isFinite(value), int: Number.isInteger(value), bool: typeof value === "boolean", str: typeof value === "string" };
+  return types[kind] && !(value < minimum) && !(value <= above) && !(value > maximum) &&
+    (!choices || choices.includes(value)) && (!pattern || new RegExp(pattern).test(value));
+}
+
+class ContentsReader {
+  constructor({ keys, laws, lawFile }) {
+    Object.assign(this, { keys, lawFile, laws: laws.map(({ name }) => name) });
+  }
+
+  table(data, keys, path) {
+    if (!isTable(data)) refuse(path || "the file", `= ${quotedValue(data)} must be a table`);
+    const inner = (key) => (path ? `${path}.${key}` : key);
+    const unknown = Object.keys(data).find((key) => !(key in keys));
+    if (unknown !== undefined) refuse(inner(unknown), `is unknown; the keys here are ${Object.keys(keys).join(", ")}`);
+    const found = {};
+    for (const [key, rule] of Object.entries(keys)) {
+      const given = data[key] ?? (rule.needed ? undefined : { table: {}, named: {}, tables: [] }[rule.kind] ?? rule.default);
+      if (given === undefined && rule.needed) refuse(inner(key), `is missing (${rule.needed})`);
+      if (given !== undefined && given !== null) found[key] = this.value(given, rule, inner(key));
+      if (key === "links" && rule.kind === "tables") found.links = this.#each(found.links);
+    }
+    return found;
+  }
+
+  value(given, rule, path) {
+    if (rule.kind === "table") return this.table(given, rule.keys, path);
+    if (rule.kind === "tables" || rule.kind === "list") return this.#list(given, rule, path);
+    if (rule.kind === "named") {
+      if (!isTable(given)) refuse(path, `= ${quotedValue(given)} must be a table of tables`);
+      return Object.fromEntries(Object.entries(given).map(([name, one]) => [name, this.table(one, rule.keys, `${path}.${name}`)]));
+    }
+    const value = inRadians(given, rule.unit);
+    const known = rule.choices?.includes(this.laws[0]) ? { ...rule, choices: this.laws } : rule;
+    if (!keeps(value, known)) refuse(path, `= ${quotedValue(given)} must be ${rule.allowed}`);
+    return value;
+  }
+
+  #list(given, { kind, keys, entries, each, length, orTrue }, path) {
+    if (orTrue && typeof given === "boolean") return given ? ["*"] : [];
+    if (!Array.isArray(given)) refuse(path, `= ${quotedValue(given)} must be a list`);
+    const wanted = length === "links" ? this.links : length;
+    if (typeof wanted === "number" && given.length !== wanted) refuse(path, `has ${given.length} values, must have ${wanted}`);
+    if (entries && !(given.length >= entries[0] && given.length <= entries[1])) {
+      refuse(path, `has ${given.length} entries, must have ${entries.join(" to ")}`);
+    }
+    const read = (one, k) => (kind === "tables" ? this.table(one, keys, `${path}[${k + 1}]`) : this.value(one, each, `${path}[${k + 1}]`));
+    return given.map(read);
+  }
+
+  /** One entry for each of the equal links of a `count`. */
+  #each(links) {
+    const all = links.flatMap(({ count = 1, ...link }) => Array.from({ length: count }, () => ({ ...link })));
+    const [, most] = this.keys.chain.keys.links.entries;
+    if (all.length > most) refuse("chain.links", `are ${all.length}, must be at most ${most}`);
+    this.links = all.length;
+    return all;
+  }
+}
+
+/** The stops that are there: pairs of a joint, counted from 1, and the key of its link. */
+export function stopsOf({ chain: { links } }) {
+  return links.flatMap((link, k) => STOPS.filter((stop) => link[stop] !== undefined).map((stop) => [k + 1, stop]));
+}
+
+/** The names of the walls that are there. */
+export function wallsOf({ box, walls }) {
+  return [...Object.keys(box), ...walls.map(({ name }) => name)];
+}
+
+/** The points that can touch a wall unless the file tells them. */
+export function movablePoints({ chain: { base, links } }) {
+  return Array.from({ length: links.length + 1 }, (_, point) => point).slice(base === "pinned" ? 1 : 0);
+}
+
+/**
+ * The contents of a scene file with every default, links one by one, all angles absolute and in radians; what a scene
+ * derives from other values is left out. An error says which key is not as it must be.
+ */
+export function complete(data, kit) {
+  const file = new ContentsReader(kit).table(data, kit.keys, "");
+  if ((file.contact.law_file || "") !== kit.lawFile) {
+    refuse("contact.law_file", `= ${quotedValue(file.contact.law_file)}: this page has no compiler; chain-impact explore makes a page with this law`);
+  }
+  setAngles(file);
+  setStops(file, kit.keys.stops.keys);
+  checkContents(file, kit.boxWalls);
+  file.outputs.sensitivities = []; // the page has no derivatives
+  return file;
+}
+
+/** The angles of links and walls in place of what else tells them. */
+function setAngles({ initial, chain, walls }) {
+  if (initial.joint_angles && initial.angles) refuse("initial", "has both angles and joint_angles; must have one of them");
+  let sum = 0;
+  initial.angles ??= initial.joint_angles?.map((angle) => (sum += angle));
+  if (!initial.angles) refuse("initial.angles", "is missing (angle of each link, absolute, from +x)");
+  delete initial.joint_angles;
+  initial.angular_velocities ??= chain.links.map(() => 0);
+  walls.forEach((wall) => {
+    if ((wall.angle === undefined) === (wall.normal === undefined)) refuse(`wall.${wall.name}`, "must have one of angle and normal");
+    wall.angle ??= Math.atan2(-wall.normal[0], wall.normal[1]) + 0;
+    delete wall.normal;
+  });
+}
+
+/** The numbers of the stops' law that follow from no others, where there are stops. */
+function setStops(file, keys) {
+  const [found] = stopsOf(file);
+  const [given] = Object.keys(file.stops);
+  if (!found && given) refuse(`stops.${given}`, "must be left out: no link has a joint_min or joint_max");
+  if (!found) return;
+  if (found[0] === 1 && file.chain.base === "free") refuse(`chain.links[1].${found[1]}`, "must be left out: a free base has no joint 1");
+  for (const [key, { ofStops }] of Object.entries(keys)) {
+    if (ofStops !== undefined) file.stops[key] ??= ofStops;
+  }
+}
+
+/** Refuse what the page could not make a record of. */
+function checkContents(file, boxWalls) {
+  const { contact, inputs, initial, chain, walls } = file;
+  const movable = movablePoints(file);
+  const strange = contact.points?.find((point, k) => !movable.includes(point) || contact.points.indexOf(point) !== k);
+  if (strange !== undefined) refuse("contact.points", `holds ${strange}, must hold ${movable[0]} to ${movable.at(-1)}, each once`);
+  walls.forEach(({ name }, k) => {
+    const others = [...boxWalls, ...STOPS, ...walls.slice(0, k).map((wall) => wall.name)];
+    if (others.includes(name)) refuse(`walls[${k + 1}].name`, `= "${name}" must be none of ${others.join(", ")}`);
+  });
+  const there = wallsOf(file);
+  const named = [...Object.keys(contact.wall).map((name) => [`contact.wall.${name}`, name]), ...inputs.wall_motion.map((name) => ["inputs.wall_motion", name])];
+  for (const [path, name] of named) {
+    if (name !== "*" && !there.includes(name)) refuse(path, `= "${name}" is no wall of the scene; must be one of ${there.join(", ")}`);
+  }
+  if (inputs.base_motion && chain.base === "free") refuse("inputs.base_motion", "= true must be false for a free base");
+  if (chain.base === "pinned" && initial.velocity.some(Boolean)) refuse("initial.velocity", "must be zero for a pinned base");
+}

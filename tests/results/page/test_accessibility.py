@@ -1,0 +1,35 @@
+"""What axe finds on the pages: nothing."""
+
+import pytest
+
+from chain_impact import animate
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+SCHEMES = pytest.mark.parametrize("scheme", ["light", "dark"])
+
+
+def assert_clean(page, where):
+    from axe_playwright_python.sync_playwright import Axe  # the quick tier does without it
+
+    found = Axe().run(page).response["violations"]
+    assert [(one["id"], [node["html"] for node in one["nodes"]]) for one in found] == [], where
+
+
+@SCHEMES
+def test_the_page_that_simulates_and_its_dialogs_are_clean(show, scheme):
+    page = show("sliding_rod", color_scheme=scheme)
+    assert_clean(page, "page")
+    page.get_by_text("All parameters", exact=True).click()
+    page.get_by_role("button", name="Pin").click()
+    assert_clean(page, "list of parameters and a pinned motion")
+    for button in ("Edit…", "Map…", "Export…", "Help"):
+        page.get_by_role("button", name=button).click()
+        assert_clean(page, button)
+        page.keyboard.press("Escape")
+
+
+@SCHEMES
+def test_the_page_of_a_recording_is_clean(open_page, tmp_path, scheme):
+    animate("four_link_box", tmp_path / "box.html")
+    assert_clean(open_page((tmp_path / "box.html").as_uri(), color_scheme=scheme), "recording")
