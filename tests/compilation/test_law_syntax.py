@@ -99,8 +99,10 @@ def test_what_a_law_needs_is_allowed_and_compiles(text):
 
 
 def test_the_laws_of_the_page_are_allowed(tmp_path):
-    page = Path(__file__).parents[2] / "docs" / "own_law.md"
-    blocks = re.findall(r"^```python.*?\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+    page = Path(__file__).parents[2] / "docs" / "walls.md"
+    blocks = re.findall(
+        r"^```python[^\n]*\n((?:(?!```).)*^def .*?)^```", page.read_text(encoding="utf-8"), re.M | re.S
+    )
     functions = [re.search(r"^def .*?(?=^\S|\Z)", block, re.M | re.S) for block in blocks]
     laws = {found[0].split("(")[0].removeprefix("def "): (block, found[0])
             for block, found in zip(blocks, functions, strict=True)}  # fmt: skip

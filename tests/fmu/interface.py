@@ -392,4 +392,4 @@ LIMITS = {
     "fmi2GetRealOutputDerivatives": ALWAYS,
 }
 """Where pythonfmu's wrapper answers otherwise: it accepts what it should refuse, or refuses what it does not
-support, though nothing is asked for. docs/fmu.md says so."""
+support, though nothing is asked for. docs/fmi.md says so."""

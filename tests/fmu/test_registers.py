@@ -71,7 +71,7 @@ def test_the_bits_are_the_same_whatever_a_host_has_set(ways):
 
 @needs_compilers
 def test_the_stack_of_a_thread_that_the_docs_tell_is_enough(ways):
-    (told,) = re.findall(r"a stack of (\d+) KiB", (ROOT / "docs" / "fmu.md").read_text(encoding="utf-8"))
+    (told,) = re.findall(r"a stack of (\d+) KiB", (ROOT / "docs" / "fmi.md").read_text(encoding="utf-8"))
     assert max(stack for stack, _ in ways.values()) < 1024 * int(told)
 
 
