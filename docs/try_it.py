@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from html import escape
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from chain_impact import explore, load_scene, model_names
 
 DOCS = Path(__file__).parent
 PAGE = DOCS / "try_it.md"
+GALLERY = DOCS / "models" / "index.md"
 FOLDER = "try"  # of the pages that simulate, in the site
 FIRST = "four_link_box"
 HEAD = f"""---
@@ -31,15 +33,21 @@ scene: `chain-impact explore my_scene.toml`.
 LINK = '<p class="try-link"><a href="../{folder}/{model}.html">Open it in the browser, and change it</a></p>'
 
 
-def write_page(models: list[str] | None = None) -> None:
-    """Write the page that has all models, before the site is built."""
-    rows = [row(model) for model in models or ordered()]
-    PAGE.write_text(HEAD + '<ul class="try-list">\n' + "\n".join(rows) + "\n</ul>\n", encoding="utf-8")
+def write_page() -> None:
+    """Write the page that has all models, before the site is built, in the groups of the gallery."""
+    groups = [
+        f"## {title}\n\n" + '<ul class="try-list">\n' + "\n".join(map(row, names)) + "\n</ul>\n"
+        for title, names in gallery()
+    ]
+    PAGE.write_text(HEAD + "\n".join(groups), encoding="utf-8")
 
 
-def ordered() -> list[str]:
-    """All models, the default first."""
-    return sorted(model_names(), key=lambda name: (name != FIRST, name))
+def gallery() -> Iterator[tuple[str, list[str]]]:
+    """The headings of the page of all models, with the models that stand below each."""
+    for section in GALLERY.read_text(encoding="utf-8").split("\n## ")[1:]:
+        title, _, rest = section.partition("\n")
+        if names := re.findall(r"\[`(\w+)`\]\(", rest):
+            yield title, names
 
 
 def row(model: str) -> str:
