@@ -88,7 +88,7 @@ tip_force = true
 base_motion = true
 wall_motion = true
 [initial]
-joint_angles = ["-90 deg", 0.1, 0.2]
+joint_angles = ["-77.7 deg", 0.1, 0.2]
 [outputs]
 loads = true
 impacts = 3

@@ -6,6 +6,7 @@ import { contentsOf } from "./outside.js";
 import { movablePoints, stopsOf } from "./scene_file.js";
 import { STOPS } from "./view.js";
 
+const BOX = { x_min: "left", x_max: "right", y_min: "floor", y_max: "ceiling" };
 const BELOW = 0.5; // of the longest link: a new wall is so far below the chain
 
 /** The text of a file as the contents of a scene file; an error names the line. */
@@ -83,28 +84,30 @@ export class Editor {
   #draw() {
     const { scene: { file } } = this.changes;
     find("edit-base").value = file.chain.base;
-    const links = file.chain.links.map((link, k) => {
-      const free = k === 0 && file.chain.base === "free";
-      const fields = ["length", "mass"].map((key) => this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setOrRemove(all.chain.links[k], key, value)));
-      const stops = STOPS.map((key) => (free ? "" : this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setStop(all, k, key, value))));
-      return [`${k + 1}`, ...fields, ...stops, file.chain.links.length > 1 ? this.#remover(`link ${k + 1}`, (all) => removeLink(all, k)) : ""];
-    });
-    fillTable(find("edit-links"), ["Link", "Length, m", "Mass, kg", "Stop from, rad", "Stop to, rad", ""], links);
-    const box = { x_min: "left", x_max: "right", y_min: "floor", y_max: "ceiling" };
-    fillTable(find("edit-box"), Object.values(box).map((text) => `${text}, m`), [Object.keys(box).map((key) =>
+    const heads = ["Link", "Length, m", "Mass, kg", "Stop from, rad", "Stop to, rad", ""];
+    fillTable(find("edit-links"), heads, file.chain.links.map((link, k) => this.#linkRow(file, link, k)));
+    fillTable(find("edit-box"), Object.values(BOX).map((text) => `${text}, m`), [Object.keys(BOX).map((key) =>
       this.#field(`box.${key}`, file.box[key], (value, all) => setBox(all, key, value)))]);
-    const walls = file.walls.map((wall, k) => [
-      wall.name,
-      ...[0, 1].map((axis) => this.#field(`wall.${wall.name}.${"xy"[axis]}`, wall.point[axis], (value, all) => {
-        all.walls[k].point[axis] = value;
-      })),
-      this.#field(`wall.${wall.name}.angle`, wall.angle, (value, all) => {
-        all.walls[k].angle = value;
-      }),
-      this.#remover(`wall ${wall.name}`, (all) => removeWall(all, k)),
-    ]);
-    fillTable(find("edit-walls"), ["Wall", "x, m", "y, m", "Angle, rad", ""], walls);
-    find("edit-walls").hidden = walls.length === 0;
+    fillTable(find("edit-walls"), ["Wall", "x, m", "y, m", "Angle, rad", ""], file.walls.map((wall, k) => this.#wallRow(wall, k)));
+    find("edit-walls").hidden = file.walls.length === 0;
+  }
+
+  /** The fields of a link; a free base has no joint that could have a stop, and the last link stays. */
+  #linkRow({ chain: { base, links } }, link, k) {
+    const field = (key) => this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setOfLink(all, k, key, value));
+    const stops = k === 0 && base === "free" ? ["", ""] : STOPS.map(field);
+    const remover = links.length > 1 ? this.#remover(`link ${k + 1}`, (all) => removeLink(all, k)) : "";
+    return [`${k + 1}`, field("length"), field("mass"), ...stops, remover];
+  }
+
+  #wallRow({ name, point, angle }, k) {
+    const place = ["x", "y"].map((axis, way) => this.#field(`wall.${name}.${axis}`, point[way], (value, all) => {
+      all.walls[k].point[way] = value;
+    }));
+    const turn = this.#field(`wall.${name}.angle`, angle, (value, all) => {
+      all.walls[k].angle = value;
+    });
+    return [name, ...place, turn, this.#remover(`wall ${name}`, (all) => removeWall(all, k))];
   }
 
   /** A field for a number, or an angle in text; nothing in it stands for no value. */
@@ -138,7 +141,7 @@ function setOrRemove(table, key, value) {
   else table[key] = value;
 }
 
-function setStop(file, k, key, value) {
+function setOfLink(file, k, key, value) {
   setOrRemove(file.chain.links[k], key, value);
   if (!stopsOf(file).length) file.stops = {}; // the law of stops goes with the last of them
 }
@@ -147,7 +150,7 @@ function setStop(file, k, key, value) {
 function setBase(file, base) {
   file.chain.base = base;
   if (base === "free") {
-    STOPS.forEach((stop) => setStop(file, 0, stop, undefined));
+    STOPS.forEach((stop) => setOfLink(file, 0, stop, undefined));
     file.inputs.base_motion = false;
   } else {
     file.initial.velocity = [0, 0];
@@ -174,7 +177,7 @@ function removeLink(file, k) {
   [file.chain.links, file.initial.angles, file.initial.angular_velocities].forEach((list) => list.splice(k, 1));
   const { links } = file.chain;
   // the link that is the first one now has no stop that it had against the removed one
-  STOPS.forEach((stop) => setStop(file, 0, stop, k === 0 ? undefined : links[0][stop]));
+  STOPS.forEach((stop) => setOfLink(file, 0, stop, k === 0 ? undefined : links[0][stop]));
   keepPoints(file);
 }
 

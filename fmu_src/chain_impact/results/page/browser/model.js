@@ -183,29 +183,28 @@ function recordOf(kit, parts, rows, values) {
   return bytes;
 }
 
-/** What the page draws, each a word of the record. */
-function drawnOf(kit, { sizes, pairs, wallNames, rubbing, stops, joints }, columns) {
+/** What the page draws, each a word of the record; what the scene does not ask for is null. */
+function drawnOf(kit, { sizes, pairs, wallNames, joints }, columns) {
   const words = new Map(columns.map(({ name, word }) => [name, word]));
   const word = (name) => words.get(name) ?? null;
-  const ofJoint = (joint) => ["stop", "rubbing"].flatMap((kind) => {
-    if (kind === "rubbing") return rubbing.includes(joint) ? [{ point: joint, wall: "", sign: 1, force: null, depth: null, friction: word(`joint[${joint}].friction_moment`), sticking: word(`joint[${joint}].sticking`) }] : [];
-    const moment = word(`joint[${joint}].stop_moment`);
-    return stops.some(([one]) => one === joint) ? STOPS.map((wall, k) => ({ point: joint, wall, sign: k ? -1 : 1, force: moment, depth: null, friction: null, sticking: null })) : [];
+  const touch = (point, wall, values) => ({ point, wall, sign: 1, force: null, depth: null, friction: null, sticking: null, ...values });
+  const atWalls = pairs.map(([point, wall]) => {
+    const of = `contact[${point}].${wallNames[wall]}`;
+    const [force, depth] = [word(`${of}.force`), word(`${of}.penetration`)];
+    return touch(point, wallNames[wall], { force, depth, friction: word(`${of}.friction_force`), sticking: word(`${of}.sticking`) });
   });
-  const touches = pairs.map(([point, wall]) => {
-    const name = `contact[${point}].${wallNames[wall]}`;
-    const [force, depth, friction, sticking] = ["force", "penetration", "friction_force", "sticking"].map((key) => word(`${name}.${key}`));
-    return { point, wall: wallNames[wall], sign: 1, force, depth, friction, sticking };
+  const inJoints = joints.flatMap((joint) => {
+    const of = `joint[${joint}]`;
+    const stops = STOPS.map((stop, k) => touch(joint, stop, { sign: k ? -1 : 1, force: word(`${of}.stop_moment`) }));
+    return [...stops, touch(joint, "", { friction: word(`${of}.friction_moment`), sticking: word(`${of}.sticking`) })];
   });
-  const known = [...touches, ...joints.flatMap(ofJoint)].filter(({ force, sticking }) => force !== null || sticking !== null);
   return {
     points: range(sizes[0] + 1).map((k) => kit.points.map((place) => placeOf(place, sizes, k))),
-    energies: Object.fromEntries(columns.flatMap(({ name, word: at }) => (name.startsWith("energy.") ? [[name.slice(7), at]] : []))),
-    touches: known,
-    loads: joints.flatMap((joint) => {
-      const [x, y] = ["x", "y"].map((axis) => word(`joint[${joint}].force.${axis}`));
-      return x === null ? [] : [{ joint, x, y }];
-    }),
+    energies: Object.fromEntries([...words].flatMap(([name, at]) => (name.startsWith("energy.") ? [[name.slice(7), at]] : []))),
+    touches: [...atWalls, ...inJoints].filter(({ force, sticking }) => force !== null || sticking !== null),
+    loads: joints
+      .map((joint) => ({ joint, x: word(`joint[${joint}].force.x`), y: word(`joint[${joint}].force.y`) }))
+      .filter(({ x }) => x !== null),
   };
 }
 

@@ -4,6 +4,7 @@
 import { STOPS } from "./view.js";
 
 const IN_DEGREES = { rad: "deg", "rad/s": "deg/s" };
+const DEGREES_TEXT = /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(deg(?:\/s)?)\s*$/;
 const LONGEST_VALUE = 60; // characters of a value in a message
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
@@ -21,14 +22,14 @@ function refuse(path, what) {
 
 /** An angle in text, "90 deg", in radians; all else stays as it is. */
 function inRadians(value, unit) {
-  const [, number, given] = (typeof value === "string" && /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(deg(?:\/s)?)\s*$/.exec(value)) || [];
-  return given && given === IN_DEGREES[unit] ? (Number(number) * Math.PI) / 180 : value;
+  const [, number, given] = (typeof value === "string" && DEGREES_TEXT.exec(value)) || [];
+  return given && given === IN_DEGREES[unit] ? Number(number) * (Math.PI / 180) : value;
 }
 
 /** Whether a value keeps a rule. */
 function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
-  const types = { float: Number.isFinite(value), int: Number.isInteger(value), bool: typeof value === "boolean", str: typeof value === "string" };
-  return types[kind] && !(value < minimum) && !(value <= above) && !(value > maximum) &&
+  const is = { float: Number.isFinite, int: Number.isInteger, bool: (one) => typeof one === "boolean", str: (one) => typeof one === "string" };
+  return is[kind](value) && !(value < minimum) && !(value <= above) && !(value > maximum) &&
     (!choices || choices.includes(value)) && (!pattern || new RegExp(pattern).test(value));
 }
 
@@ -156,7 +157,10 @@ function checkContents(file, boxWalls) {
     if (others.includes(name)) refuse(`walls[${k + 1}].name`, `= "${name}" must be none of ${others.join(", ")}`);
   });
   const there = wallsOf(file);
-  const named = [...Object.keys(contact.wall).map((name) => [`contact.wall.${name}`, name]), ...inputs.wall_motion.map((name) => ["inputs.wall_motion", name])];
+  const named = [
+    ...Object.keys(contact.wall).map((name) => [`contact.wall.${name}`, name]),
+    ...inputs.wall_motion.map((name) => ["inputs.wall_motion", name]),
+  ];
   for (const [path, name] of named) {
     if (name !== "*" && !there.includes(name)) refuse(path, `= "${name}" is no wall of the scene; must be one of ${there.join(", ")}`);
   }
