@@ -25,7 +25,6 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.limits import Derived, allowed, without_none
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import load_scene, model_names, scene_keys, with_values
-from chain_impact.simulation.reasons import REASONS, REASONS_OF_FRICTION
 from chain_impact.variables.kinds import kind_of, of_its_kind
 from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
@@ -317,11 +316,6 @@ def stiffnesses() -> str:
     return table(("sphere of", "E [GPa]", "ν", "K on its own material", "K on steel"), rows)
 
 
-def sensitivity_limits() -> str:
-    """Why derivatives end at an impact, in an implicit step, or by dry friction."""
-    return "\n".join(f"- {reason}" for reason in (REASONS | REASONS_OF_FRICTION).values())
-
-
 def planted_faults() -> str:
     """How many faults the tests plant, each of which ``validate`` finds, and how many of them FMPy finds."""
     planted = [len(some) + len(WHOLE) for some in FAULTS.values()]
@@ -403,7 +397,6 @@ TABLES = {
         statuses,
         contact_laws,
         stiffnesses,
-        sensitivity_limits,
         planted_faults,
         command_line,
         measured_impacts,
