@@ -23,9 +23,10 @@ hide: [toc]
 
 # Try it
 
-The browser simulates this scene with the compiled solver, to the last bit as Python does. Move a slider,
+The browser simulates this scene with the compiled solver, as Python does. Move a slider,
 drag the chain at its start, or choose another scene below.
-[What the page can do](pictures.md#a-page-that-simulates). Your own scene: `chain-impact explore my_scene.toml`.
+[What the page can do](pictures.md#a-page-that-simulates). Your own scene:
+`chain-impact explore my_scene.toml`.
 
 <iframe class="try" name="try" src="{FOLDER}/{FIRST}.html" title="A page that simulates"></iframe>
 
