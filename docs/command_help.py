@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from chain_impact import cli
 
 WIDTH, SECOND = 88, 24  # columns of the text, and where the second one begins
-EVERY = {"help", "quiet"}  # options of every command
+SHARED = {"help", "quiet", "source", "set"}  # what several commands have: the page says it once
 
 
 def command_line() -> str:
@@ -26,7 +26,7 @@ def _help(parser: ArgumentParser) -> str:
     named = {"arguments": False, "options": True}
     for title, options in named.items():
         actions = [one for one in parser._actions if bool(one.option_strings) == options]
-        rows = [row for action in actions if action.dest not in EVERY for row in _rows(parser, action)]
+        rows = [row for action in actions if action.dest not in SHARED for row in _rows(parser, action)]
         parts.append("\n".join([f"{title}:", *rows]) if rows else None)
     return "```text\n" + "\n\n".join(filter(None, parts)) + "\n```"
 

@@ -249,8 +249,8 @@ def walls() -> str:
 
 
 def statuses() -> str:
-    """The status codes of the solver."""
-    return table(("code", "meaning"), ((str(n), text) for n, text in STATUS_TEXT.items()))
+    """The status codes of the solver; the remedies stand in the messages themselves."""
+    return table(("code", "meaning"), ((str(n), text.split(":")[0]) for n, text in STATUS_TEXT.items()))
 
 
 # ---- contact laws, command line -------------------------------------------------------------------------
