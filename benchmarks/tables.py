@@ -11,7 +11,6 @@ import common  # isort: skip
 
 import re
 import sys
-from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
@@ -189,24 +188,15 @@ def choices() -> str:
 
 
 def shares(rows: list[dict[str, Any]]) -> dict[str, float]:
-    """The shares of all steps of some runs [%]: proven, and for each reason the others."""
-    found: Counter[str] = Counter()
+    """The shares of all steps of some runs [%]: proven, and without equations of the certificate."""
+    found = {"proven": 0.0, "without": 0.0}
     weights = [row["steps" if row["of"] == RANDOM else "steps of runs"] for row in rows]
     for row, weight in zip(rows, weights, strict=True):
         for key, count in row.items():
-            if key == "proven" or key.startswith(("without ", "undecided: ")):
-                found[key] += 100.0 * count / row["steps"] * weight / sum(weights)
-    return dict(found.most_common())
-
-
-def begins(found: dict[str, float], what: str) -> dict[str, float]:
-    """The shares of a kind, by what follows in their names."""
-    return {key.removeprefix(what): value for key, value in found.items() if key.startswith(what)}
-
-
-def listed(found: dict[str, float]) -> str:
-    """Shares in words."""
-    return ", ".join(f"{name} ({value:.2g} %)" for name, value in found.items())
+            kind = key.partition(" ")[0]
+            if kind in found:
+                found[kind] += 100.0 * count / row["steps"] * weight / sum(weights)
+    return found
 
 
 def proven_share() -> str:
@@ -221,22 +211,18 @@ def proven() -> str:
     found = shares([row for row in rows if row["of"] != RANDOM and row["tolerance"] == AIM])
     random = shares([row for row in rows if row["of"] == RANDOM])
     count = len({row["of"] for row in rows} - {RANDOM})
-    absent = begins(found, "without ")
-    of_those, of_random = (
-        100.0 * one["proven"] / (100.0 - sum(begins(one, "without ").values())) for one in (found, random)
-    )
+    of_those = 100.0 * found["proven"] / (100.0 - found["without"])
+    scenes = record["settings"]["random scenes"]
     proofs, faults, undecided, open_ones = (
         sum(row.get(key, 0) for row in rows)
         for key in ("proven", "faults", "undecided", "undecided, without a solution")
     )
     return (
         f"**{found['proven']:.1f} % of the steps of {count} models** are proven at a tolerance of {AIM:g}, "
-        f"{of_those:.1f} % of those whose equations the certificate has. It does not have {listed(absent)}. "
-        f"Undecided: {listed(begins(found, 'undecided: '))}. Of {record['settings']['random scenes']} random "
-        f"scenes, many of them extreme, {random['proven']:.0f} % of the steps are proven, {of_random:.0f} % "
-        f"of those that it has. {faults or 'None'} of the {proofs} proofs of steps contradicts its run. "
-        "An accurate solution of the equations shows whether an undecided candidate hides a contact: none "
-        f"does, but {open_ones} of {undecided} are in steps that have no such solution."
+        f"{of_those:.1f} % of those whose equations the certificate has. Of {scenes} random scenes, many of "
+        f"them extreme, {random['proven']:.0f} % of the steps are proven. {faults or 'None'} of the {proofs} "
+        "proofs contradicts its run. An accurate solution shows whether an undecided candidate hides a "
+        f"contact: none does, but {open_ones} of {undecided} are in steps without such a solution."
     )
 
 
@@ -249,9 +235,8 @@ def certificates() -> str:
         cells, least = [], 100.0
         for tolerance in PROVEN:
             found = shares([row for row in results if row["of"] in names and row["tolerance"] == tolerance])
-            share = found.get("proven", 0.0)
-            least = min(least, share)
-            cells.append(f"{share:.0f}")
+            least = min(least, found["proven"])
+            cells.append(f"{found['proven']:.0f}")
         if title not in groups:
             lines.append((title, *cells))
         elif least < NEARLY_ALL:
