@@ -258,7 +258,7 @@ def statuses() -> str:
 
 def contact_laws() -> str:
     """The registry of contact laws: the Hunt–Crossley family, the other forces, rigid walls."""
-    ends = ("within 5 % for", "allowed", "evidence")
+    ends = ("within 5 % for", "evidence")
     family = [law for law in CONTACT_LAWS.values() if law.in_family]
     rigid = [law for law in CONTACT_LAWS.values() if law.impulsive]
     others = [law for law in CONTACT_LAWS.values() if not (law.in_family or law.impulsive)]
@@ -285,7 +285,7 @@ def _law_row(law: ContactLaw) -> Sequence[str]:
         code(law.id),
         f"{law.source}. {law.limits}",
         law.formula,
-        *(text.replace(" ", "\N{NO-BREAK SPACE}") for text in (accurate, law.restitution_range)),
+        accurate.replace(" ", "\N{NO-BREAK SPACE}"),
         law.evidence,
     )
 

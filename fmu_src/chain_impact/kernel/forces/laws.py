@@ -49,11 +49,6 @@ class ContactLaw:
     impulsive: bool = False  # whether the walls are rigid, see kernel/events/impacts.py
 
     @property
-    def restitution_range(self) -> str:
-        """The restitutions that the law allows, as text."""
-        return "0 ≤ e ≤ 1" if self.allows_zero else "0 < e ≤ 1"
-
-    @property
     def in_family(self) -> bool:
         """Whether it belongs to the Hunt–Crossley family."""
         return self.rate_exponent is None and not self.impulsive
@@ -322,7 +317,7 @@ def kuwabara_kono(e):
 @contact_law(
     "Newton",
     "1687, Principia; Moreau 1988, CISM Courses 302:1",
-    "none: u⁺ = −e u⁻",
+    "none: v⁺ = −e v⁻",
     (0.0, 1.0),
     "C",
     impulsive=True,
