@@ -32,8 +32,6 @@ AIM, RANDOM = (
     1e-8,
     "random scenes",
 )  # of certified.py: the tolerance in prose, and a name
-PROVEN = (1e-4, 1e-8, 1e-12)
-NEARLY_ALL = 95.0  # %: a model of which more is proven at each tolerance is left out
 LAWS = ("lankarani_nikravesh", "flores", "newton_impact")
 
 
@@ -226,25 +224,7 @@ def proven() -> str:
     )
 
 
-def certificates() -> str:
-    """The shares of steps that are proven, of models and of random scenes."""
-    results = common.load("certified")["results"]
-    groups = {name: {name} for name in dict.fromkeys(row["of"] for row in results) if name != RANDOM}
-    lines = []
-    for title, names in {**groups, "all models": set(groups), RANDOM: {RANDOM}}.items():
-        cells, least = [], 100.0
-        for tolerance in PROVEN:
-            found = shares([row for row in results if row["of"] in names and row["tolerance"] == tolerance])
-            least = min(least, found["proven"])
-            cells.append(f"{found['proven']:.0f}")
-        if title not in groups:
-            lines.append((title, *cells))
-        elif least < NEARLY_ALL:
-            lines.append((f"`{title}`", *cells))
-    return run("certified", ("python-flint",)) + table(("", *(f"{one:g}" for one in PROVEN)), lines)
-
-
-FUNCTIONS = (headline, sweeps, works, choices, slope, thrown_chain, certificates, proven, proven_share)
+FUNCTIONS = (headline, sweeps, works, choices, slope, thrown_chain, proven, proven_share)
 TABLES = {function.__name__: function for function in FUNCTIONS}
 
 

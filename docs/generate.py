@@ -153,16 +153,20 @@ def variable_patterns() -> str:
         for variable in Model(scene).variables:
             rows.setdefault(kind_of(variable.name), variable)
     found = [(scene, {kind_of(v.name) for v in Model(scene).variables}) for scene in scenes]
+    known = {_of_the_joint(entry.metadata["description"]) for _, entry in scene_keys() if entry.metadata}
     blocks = []
     for causality in ("parameter", "input", "output"):
-        alike: dict[str, list[tuple[str, str]]] = {}
+        alike: dict[tuple[str, str], list[tuple[str, str]]] = {}
         for pattern, variable in rows.items():
             if variable.causality == causality:
+                meaning = _meaning(pattern, variable)
+                unit = code(variable.unit) if meaning in known else ""  # one row for each unit of these
                 tunable = "; tunable" if variable.variability == "tunable" else ""
-                meaning = _meaning(pattern, variable) + _where(pattern, found) + tunable
-                alike.setdefault(meaning, []).append((code(pattern), code(variable.unit)))
+                meaning = ("" if unit else meaning) + _where(pattern, found) + tunable
+                key = meaning.removeprefix("; "), unit
+                alike.setdefault(key, []).append((code(pattern), code(variable.unit)))
         lines = []
-        for meaning, some in alike.items():
+        for (meaning, _), some in alike.items():
             names, units = (", ".join(dict.fromkeys(column)) for column in zip(*some, strict=True))
             lines.append((names, units, meaning))
         blocks.append(f"### {causality.capitalize()}s\n\n{table(('name', 'unit', 'meaning'), lines)}")
