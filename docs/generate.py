@@ -12,6 +12,7 @@ import re
 import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple
+from itertools import groupby
 from pathlib import Path
 from typing import Any, get_args, get_origin
 
@@ -82,13 +83,23 @@ def scene_reference() -> str:
         if rows:
             title = f"[[{section[:-2]}]]" if section.endswith("[]") else f"[{section}]"
             heading = f"### `{title}`" if section else "### Top level"
-            blocks.append(f"{heading}\n\n{table(('key', 'default', 'value', 'meaning'), rows)}")
+            blocks.append(f"{heading}\n\n{table(('key', 'default', 'value', 'meaning'), _joined(rows))}")
     return "\n\n".join(blocks)
 
 
+SHORT = 5  # words of a meaning
+
+
+def _joined(rows: Iterable[Sequence[str]]) -> Iterable[Sequence[str]]:
+    """Rows of a table of keys, in one where they follow each other with short meanings and equal values."""
+    for _, group in groupby(rows, lambda row: (row[1:3], len(row[3].split()) > SHORT and row[0])):
+        keys, defaults, values, meanings = zip(*group, strict=True)
+        yield ", ".join(keys), defaults[0], values[0], ", ".join(meanings)
+
+
 def _of_the_joint(description: str) -> str:
-    """A description without the words which joint of a link it is, which the pages say once."""
-    return re.sub(r" (of|in) the joint nearer to the base", "", description)
+    """A description without "of the joint nearer to the base" and "for its FMU", which the pages say once."""
+    return re.sub(r" (of|in) the joint nearer to the base|, for its FMU$", "", description)
 
 
 def _is_table(kind: Any) -> bool:
