@@ -22,13 +22,9 @@ def command_line() -> str:
 
 
 def _help(parser: ArgumentParser) -> str:
-    parts = [f"usage: {_usage(parser)}", parser.description]
-    named = {"arguments": False, "options": True}
-    for title, options in named.items():
-        actions = [one for one in parser._actions if bool(one.option_strings) == options]
-        rows = [row for action in actions if action.dest not in SHARED for row in _rows(parser, action)]
-        parts.append("\n".join([f"{title}:", *rows]) if rows else None)
-    return "```text\n" + "\n\n".join(filter(None, parts)) + "\n```"
+    actions = [action for action in parser._actions if action.dest not in SHARED]
+    rows = [row for action in actions for row in _rows(parser, action)]
+    return "\n".join(["```text", _usage(parser), *rows, "```"])
 
 
 def _usage(parser: ArgumentParser) -> str:
