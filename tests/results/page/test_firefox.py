@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from chain_impact import explore, load_scene, simulate
+from chain_impact.scene.models import scene_path
 from tests.tiers import FIREFOX, needs_browser
 
 pytestmark = needs_browser
@@ -123,3 +124,22 @@ def test_a_joint_is_dragged_and_moved_by_keys_and_a_map_is_drawn_in_firefox(fire
     )
     values = {"contact.restitution": float(said[1]), "initial.angle[1]": float(said[2])}
     assert int(said[3]) == len(simulate(scene.with_values(values)).impacts)
+
+
+def test_a_link_is_added_in_firefox_and_a_file_opens_where_it_is_dropped(firefox, tmp_path):
+    explore("rod_drop", tmp_path / "rod.html")
+    firefox.open(tmp_path / "rod.html")
+    for button in ("edit-open", "add-link"):
+        firefox.find(f"#{button}").click()
+    firefox.wait("document.getElementById('subtitle').textContent.startsWith('2 links')")
+    text = scene_path("ramp").read_text(encoding="utf-8")
+    firefox.answer(
+        f"""
+      const data = new DataTransfer();
+      data.items.add(new File([{json.dumps(text)}], "ramp.toml"));
+      const options = {{ dataTransfer: data, bubbles: true, cancelable: true }};
+      return document.body.dispatchEvent(new DragEvent("drop", options));""".replace("`", "")
+    )
+    firefox.wait("chainImpact.scene === 'Ramp'")
+    found = firefox.answer("return (await chainImpact.simulate()).impacts.map(({ onset }) => onset);")
+    assert found == simulate("ramp").impacts["onset"].tolist()
