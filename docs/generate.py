@@ -173,8 +173,7 @@ def variable_patterns() -> str:
                 meaning = _meaning(pattern, variable)
                 unit = code(variable.unit) if meaning in known else ""  # one row for each unit of these
                 tunable = "; tunable" if variable.variability == "tunable" else ""
-                meaning = ("" if unit else meaning) + _where(pattern, found) + tunable
-                key = meaning.removeprefix("; "), unit
+                key = ("scene key" if unit else meaning) + _where(pattern, found) + tunable, unit
                 alike.setdefault(key, []).append((code(pattern), code(variable.unit)))
         lines = []
         for (meaning, _), some in alike.items():
