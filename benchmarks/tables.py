@@ -25,7 +25,7 @@ from problems import PROBLEMS, STEEL
 CHARTS = (fidelity, friction, rest, stability, work_precision)
 NO_DRIFT = 1e-9  # µm/s: less is round-off
 # what the tables show: tolerances, steps of MuJoCo [s], and choices of fidelity.py
-WORK, OURS, THROWN, STEPS = (1e-4, 1e-8), (1e-4, 1e-8), (1e-2, 1e-4, 1e-8), (1e-2, 1e-3)
+WORK, OURS, STEPS = (1e-4, 1e-8), (1e-4, 1e-8), (1e-2, 1e-3)
 STIFFNESSES, TOLERANCES = (1e5, 1e8), (1e-4, 1e-8)
 DEFAULT_TOLERANCE = 1e-8
 AIM, RANDOM = (
@@ -143,26 +143,6 @@ def slope() -> str:
     return run("friction", ("mujoco",)) + table(head, rows)
 
 
-def thrown_chain() -> str:
-    """Errors of a thrown chain, moving and at rest, and the time at equal error over ours."""
-    results = common.load("friction")["results"]
-    rows = []
-    left_out = ("duration", "noslip")
-    names = dict.fromkeys(row["name"] for row in results["moving"])
-    for name in (name for name in names if not any(part in name for part in left_out)):
-        mine = name == "ours"
-        for setting in THROWN if mine else STEPS:
-            cells: list[str] = []
-            for key in friction.TIMES:
-                row = find(results[key], name=name, setting=setting)
-                factor = f"{milliseconds(row)} ms" if mine else digits(row.get("times ours"))
-                cells += [f"{row['error']:.1e}", factor] if row else ["unstable", "–"]
-            how = f"tolerance {setting:g}" if mine else f"{1e3 * setting:g} ms"
-            rows.append(("chain-impact" if mine else name, how, *cells))
-    head = ("", "step", "error, moving", "time / ours", "error, at rest", "time / ours")
-    return table(head, rows)
-
-
 def choices() -> str:
     """What some choices of a model err by and cost."""
     record, rows = common.load("fidelity"), {}
@@ -224,7 +204,7 @@ def proven() -> str:
     )
 
 
-FUNCTIONS = (headline, sweeps, works, choices, slope, thrown_chain, proven, proven_share)
+FUNCTIONS = (headline, sweeps, works, choices, slope, proven, proven_share)
 TABLES = {function.__name__: function for function in FUNCTIONS}
 
 
