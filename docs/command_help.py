@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 from chain_impact import cli
 
+REPEATED = "; can be repeated"  # the page says of which options
 WIDTH, SECOND = 88, 24  # columns of the text, and where the second one begins
 SHARED = {"help", "quiet", "source", "set"}  # what several commands have: the page says it once
 
@@ -22,7 +23,7 @@ def command_line() -> str:
 
 
 def _help(parser: ArgumentParser) -> str:
-    actions = [action for action in parser._actions if action.dest not in SHARED]
+    actions = [action for action in parser._actions if action.help and action.dest not in SHARED]
     rows = [row for action in actions for row in _rows(parser, action)]
     return "\n".join(["```text", _usage(parser), *rows, "```"])
 
@@ -50,6 +51,7 @@ def _rows(parser: ArgumentParser, action: Action) -> Iterator[str]:
     value = [] if action.nargs == 0 else [str(action.metavar or choices or action.dest.upper())]
     head = "  " + " ".join([", ".join(action.option_strings), *value]).strip()
     text = parser._get_formatter()._expand_help(action) if action.help else ""
+    text = text.removesuffix(REPEATED)
     below = "\n" + " " * SECOND
     lines = below.join(textwrap.wrap(text, WIDTH - SECOND, break_on_hyphens=False))
     yield (head + below + lines if len(head) + 2 > SECOND else head.ljust(SECOND) + lines).rstrip()
