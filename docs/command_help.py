@@ -23,7 +23,7 @@ def command_line() -> str:
 
 
 def _help(parser: ArgumentParser) -> str:
-    actions = [action for action in parser._actions if action.help and action.dest not in SHARED]
+    actions = [action for action in parser._actions if action.dest not in SHARED]
     rows = [row for action in actions for row in _rows(parser, action)]
     return "\n".join(["```text", _usage(parser), *rows, "```"])
 
@@ -47,11 +47,12 @@ def _rows(parser: ArgumentParser, action: Action) -> Iterator[str]:
         for verb in action._get_subactions():
             yield f"  {verb.dest}".ljust(SECOND) + str(verb.help)
         return
+    if not action.help:
+        return
     choices = "{" + ",".join(map(str, action.choices)) + "}" if action.choices else ""
     value = [] if action.nargs == 0 else [str(action.metavar or choices or action.dest.upper())]
     head = "  " + " ".join([", ".join(action.option_strings), *value]).strip()
-    text = parser._get_formatter()._expand_help(action) if action.help else ""
-    text = text.removesuffix(REPEATED)
+    text = parser._get_formatter()._expand_help(action).removesuffix(REPEATED)
     below = "\n" + " " * SECOND
     lines = below.join(textwrap.wrap(text, WIDTH - SECOND, break_on_hyphens=False))
     yield (head + below + lines if len(head) + 2 > SECOND else head.ljust(SECOND) + lines).rstrip()
