@@ -272,22 +272,21 @@ def statuses() -> str:
 
 def contact_laws() -> str:
     """The registry of contact laws: the Hunt–Crossley family, the other forces, rigid walls."""
-    ends = ("within 5 % for", "evidence")
     family = [law for law in CONTACT_LAWS.values() if law.in_family]
     rigid = [law for law in CONTACT_LAWS.values() if law.impulsive]
     others = [law for law in CONTACT_LAWS.values() if not (law.in_family or law.impulsive)]
     return "\n\n".join(
         [
             "### The Hunt–Crossley family",
-            table(("", "id", "law", "λ(e)", *ends), map(_law_row, family)),
+            table(("", "id", "law", "λ(e)", "within 5 % for"), map(_law_row, family)),
             "### Other powers of the penetration in the damping",
-            table(("", "id", "law", "f(e)", *ends), map(_law_row, others)),
+            table(("", "id", "law", "f(e)", "within 5 % for"), map(_law_row, others)),
             table(
                 ("id", "force, where not cut off at 0", "damping d", "exponent n"),
                 ((code(law.id), law.force, law.damping, f"{law.exponent:g}") for law in others),
             ),
             "### Rigid walls",
-            table(("", "id", "law", "f(e)", *ends), map(_law_row, rigid)),
+            table(("", "id", "law", "f(e)", "within 5 % for"), map(_law_row, rigid)),
         ]
     )
 
@@ -300,7 +299,6 @@ def _law_row(law: ContactLaw) -> Sequence[str]:
         f"{law.source}. {law.limits}",
         law.formula,
         accurate.replace(" ", "\N{NO-BREAK SPACE}"),
-        law.evidence,
     )
 
 

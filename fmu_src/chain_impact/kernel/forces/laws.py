@@ -37,7 +37,9 @@ class ContactLaw:
     source: str  # author, year, journal
     formula: str  # the factor f(e) as text; λ(e) of the Hunt–Crossley family
     limits: str  # its range of use, its limits and known flaws
-    evidence: str  # how the formula was checked; see docs/contact_laws.md
+    # where the formula is from. A: an open source that cites the paper. B: public code that follows a review.
+    # C: the standard literature. Derived, recomputed: it also follows from an integration of a free impact.
+    evidence: str
     accurate_from: float  # restitutions for which the rebound is within 5 % of the prescribed one
     accurate_to: float
     damping_factor: object  # f(e), a function of the kernel
