@@ -76,8 +76,9 @@ def scene_reference() -> str:
         rows = sections.setdefault(section, [])
         if entry.metadata and not _is_table(entry.type):
             rule = entry.metadata
-            meaning = _of_the_joint(rule["description"])
-            rows.append((code(name), _default(rule["default"]), _allowed(entry.type, rule), meaning))
+            meaning, _, missing = _of_the_joint(rule["description"]).partition("; if missing: ")
+            default = missing or _default(rule["default"])
+            rows.append((code(name), default, _allowed(entry.type, rule), meaning))
     blocks = []
     for section, rows in sections.items():
         if rows:
