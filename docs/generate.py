@@ -178,8 +178,8 @@ def variable_patterns() -> str:
                 alike.setdefault(key, []).append((code(pattern), code(variable.unit)))
         lines = []
         for (meaning, _), some in alike.items():
-            names, units = (", ".join(dict.fromkeys(column)) for column in zip(*some, strict=True))
-            lines.append((names, units, meaning))
+            names, units = (filter(None, dict.fromkeys(column)) for column in zip(*some, strict=True))
+            lines.append((", ".join(names), ", ".join(units), meaning))
         blocks.append(f"### {causality.capitalize()}s\n\n{table(('name', 'unit', 'meaning'), lines)}")
     return "\n\n".join(blocks)
 
@@ -234,6 +234,8 @@ ALIKE = {
     r"joint\[i\]\.target_.*": "angle that the spring follows, and angular velocity that the damper follows",
     r"wall\.<wall>\.(displacement|velocity|acceleration)": "motion along the inward normal n",
     r"contact.*friction_[fi].*": "dry friction along t = (n_y, -n_x), and its impulse since the start",
+    r"impact\.last_.*": "time, point, wall ([code](#codes)) and approach speed of the last impact, before "
+    "the first the start, -1, 0 and 0; of a stop its joint, and rad/s",
     r"solver\.(.*steps|rhs.*)": "steps, rejected steps, evaluations of the equations, implicit steps",
 }
 
