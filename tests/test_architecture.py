@@ -1,6 +1,7 @@
 """The arrows of the architecture, kept by the imports themselves; import-linter keeps the layers."""
 
 import ast
+import graphlib
 import subprocess
 import sys
 import tomllib
@@ -11,6 +12,11 @@ PACKAGE = ROOT / "fmu_src" / "chain_impact"
 SLAVE = ROOT / "fmu_src" / "slave.py"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 LONGEST = 400  # lines of a file
+FILES = {
+    ".".join(file.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__"): file
+    for file in MODULES
+}
+"""Dotted name → file."""
 
 
 def nodes(file):
@@ -36,6 +42,23 @@ def test_the_kernel_imports_numbers_numpy_and_itself_only_and_the_slave_the_stan
     found = {file.name: others(file, allowed) for file in (PACKAGE / "kernel").rglob("*.py")}
     found[SLAVE.name] = others(SLAVE, (*sys.stdlib_module_names, "pythonfmu"))
     assert {name: modules for name, modules in found.items() if modules} == {}
+
+
+def needs(file):
+    """The modules of the package that a file imports, for types, too."""
+    for node in nodes(file):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            for alias in node.names:
+                inner = f"{node.module}.{alias.name}"
+                yield inner if inner in FILES else node.module
+
+
+def test_no_files_need_each_other_not_even_for_types():
+    """All but the list of the package's public names, which imports what is public."""
+    found = {
+        name: set(needs(file)) - {"chain_impact"} for name, file in FILES.items() if name != "chain_impact"
+    }
+    graphlib.TopologicalSorter(found).prepare()  # or raises an error with the circle
 
 
 def test_only_the_lowering_imports_numba():

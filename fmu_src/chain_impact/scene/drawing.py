@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-if TYPE_CHECKING:
-    from chain_impact.scene.scene import Scene
+from chain_impact.scene.contents import Contents
 
 LONGER_SIDE = 240  # pixels
 MARGIN, NEAR = 0.15, 1.0  # of the chain's size: around what is shown; a wall farther away is left out
 LINE, POINT = 0.012, 0.02  # of what is shown: the width of a line, the radius of a point
 
 
-def svg(scene: Scene) -> str:
+def svg(scene: Contents) -> str:
     """The drawing, in the colours of the page that shows it."""
     steps = [
         (link.length * np.cos(angle), link.length * np.sin(angle))

@@ -6,7 +6,7 @@ import csv
 import math
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,16 +16,14 @@ from chain_impact.extras import require
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, silent
 from chain_impact.results.course import course_of
-from chain_impact.results.equality import same
-from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.result import Result
 from chain_impact.results.text import as_html, as_text
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
-from chain_impact.scene.tables import Contact
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.simulate import simulate
+from chain_impact.studies.compare_text import report
 from chain_impact.studies.law_change import (
     EXACT,
     OVERLAP,
@@ -36,67 +34,15 @@ from chain_impact.studies.law_change import (
     law_values,
     with_law,
 )
+from chain_impact.studies.law_runs import LawRun, LawRuns, first_of
 from chain_impact.system import written_whole
 
 if TYPE_CHECKING:
     import pandas
 
 
-@dataclass(frozen=True, eq=False)
-class LawRun:
-    """The result of one law.
-
-    The values of the first impact are NaN where there is none, or it has not ended. Where stops have a law of
-    their own, the first impact is the first one at a wall.
-
-    Attributes:
-        law: its id.
-        exponent: n that it was run with.
-        stiffness: K that it was run with [N/m^n].
-        restitution: realised in the first impact.
-        peak_force: of the first impact [N]; 0 for an impulse. Of one at a stop [N·m], as all here is
-            that of the angle.
-        max_penetration: of the first impact [m].
-        duration: of the first impact [s]; 0 for an impulse.
-        energy_lost: from the onset to the end of the first impact, by all contacts [J].
-        loop: penetration [m] and force [N] in the first impact, shape (2, S); empty for an impulse.
-        divergence: number, from 1, of the first impact at another point or wall than with the reference
-            law; None if there is none.
-        divergence_time: its onset [s].
-        note: why there is no result or not all of it, or a remark.
-        result: the simulation, if there is one.
-    """
-
-    __eq__ = same
-    __hash__ = None  # type: ignore[assignment]
-
-    law: str
-    exponent: float
-    stiffness: float
-    restitution: float = math.nan
-    peak_force: float = math.nan
-    max_penetration: float = math.nan
-    duration: float = math.nan
-    energy_lost: float = math.nan
-    loop: np.ndarray | None = field(default=None, repr=False)
-    divergence: int | None = None
-    divergence_time: float = math.nan
-    note: str = ""
-    result: Result | None = field(default=None, repr=False)
-
-    @property
-    def impacts(self) -> int:
-        """How many impacts there were."""
-        return len(self.result.impacts) if self.result else 0
-
-    @property
-    def steps(self) -> int:
-        """Steps of the solver."""
-        return self.result.statistics["steps"] if self.result else 0
-
-
 @dataclass(frozen=True, repr=False, eq=False)
-class Comparison:
+class Comparison(LawRuns):
     """All laws on one scene, or some of them. Printed, it is a table with a line for each, and the advice.
 
     Attributes:
@@ -105,47 +51,12 @@ class Comparison:
         runs: one for each law, in the order of the registry, then the scene's own law if it has one.
     """
 
-    __eq__ = same
-    __hash__ = None  # type: ignore[assignment]
-
-    scene: Scene
-    reference: str
-    runs: tuple[LawRun, ...]
-
-    def __getitem__(self, law: str) -> LawRun:
-        """The run of a law."""
-        return next(run for run in self.runs if run.law == law)
-
-    @property
-    def first_impact(self) -> np.void:
-        """The first impact under the reference law, a row of ``Result.impacts``.
-
-        Where stops have a law of their own, it is the first one at a wall.
-        """
-        impact = _first_of(self[self.reference].result)
-        assert impact is not None  # that is what makes it the reference
-        return impact
-
-    @property
-    def contact(self) -> Contact:
-        """The values of the scene's contact law where the first impact is: at its wall, or at stops."""
-        return contact_at(self.scene, self.first_impact)
-
-    @property
-    def at_stop(self) -> bool:
-        """Whether the first impact is at a stop of a joint: then its quantities are those of the angle."""
-        return at_stop(self.scene, self.first_impact["wall"])
-
     def __repr__(self) -> str:
         """The table and the advice, as a text of several lines."""
-        from chain_impact.studies.compare_text import report
-
         return as_text(report(self))
 
     def _repr_html_(self) -> str:
         """The same in a notebook."""
-        from chain_impact.studies.compare_text import report
-
         return as_html(report(self))
 
     def to_dataframe(self) -> pandas.DataFrame:
@@ -245,7 +156,7 @@ def compare(
     for law in at_home:
         run(law, None)
     preferred = dict.fromkeys([EXACT, scene.contact.model, *at_home])
-    firsts = {law: _first_of(found[law].result) for law in preferred if law in found}
+    firsts = {law: first_of(found[law].result) for law in preferred if law in found}
     reference = next((law for law, first in firsts.items() if first is not None), None)
     if reference is None:
         reason = next((run.note for run in found.values() if run.note), "") or _why_none(scene)
@@ -257,12 +168,6 @@ def compare(
             run(law, firsts[reference])
     runs = tuple(_against(expected, found[law]) for law in laws)
     return Comparison(scene, reference, runs)
-
-
-def _first_of(result: Result | None) -> np.void | None:
-    """The first impact at which the law of `contact` acts, a row of ``Result.impacts``."""
-    number = None if result is None else first_number(result.scene, result.impacts)
-    return None if result is None or number is None else result.impacts[number]
 
 
 def _why_none(scene: Scene) -> str:

@@ -10,7 +10,7 @@ import math
 import os
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,9 +19,7 @@ from matplotlib.figure import Figure
 from chain_impact.results.plots.pages import check_alone, drawn
 from chain_impact.results.plots.style import BLACK, GREY, PALETTE, WIDE, headline, number, styled
 from chain_impact.studies.law_change import first_place
-
-if TYPE_CHECKING:
-    from chain_impact.studies.compare import Comparison
+from chain_impact.studies.law_runs import LawRuns
 
 SIZE = (11.0, 4.5)  # inches
 NAMED = 5  # laws with a colour
@@ -34,7 +32,7 @@ Looks = dict[str, dict[str, Any]]
 
 
 def plot_comparison(
-    comparison: Comparison,
+    comparison: LawRuns,
     path: str | os.PathLike[str] | None = None,
     size: Sequence[float] | None = None,
     ax: Any = None,
@@ -50,7 +48,7 @@ def plot_comparison(
 
 
 @styled()
-def fill(page: Figure, comparison: Comparison) -> None:
+def fill(page: Figure, comparison: LawRuns) -> None:
     """Draw the two panels on an empty page."""
     looks, narrow = looks_of(comparison), page.get_figwidth() < WIDE
     headline(page, message(comparison), conditions(comparison, looks))
@@ -61,7 +59,7 @@ def fill(page: Figure, comparison: Comparison) -> None:
     page.legend(handles=lines, loc="outside lower center" if narrow else "outside right center")
 
 
-def message(comparison: Comparison) -> str:
+def message(comparison: LawRuns) -> str:
     """How far the laws are apart in the first impact."""
     found = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
     e, name = comparison.contact.restitution, comparison.scene.name
@@ -73,7 +71,7 @@ def message(comparison: Comparison) -> str:
     )
 
 
-def conditions(comparison: Comparison, looks: Looks) -> str:
+def conditions(comparison: LawRuns, looks: Looks) -> str:
     """The first impact, the scene's contact, and what is grey."""
     contact, impact = comparison.contact, comparison.first_impact
     mass, speed, per = ("kg m²", "rad/s", "N m/rad") if comparison.at_stop else ("kg", "m/s", "N/m")
@@ -85,7 +83,7 @@ def conditions(comparison: Comparison, looks: Looks) -> str:
     return "  ·  ".join((hit, stiffness, tolerance, f"grey: {grey} other laws"))
 
 
-def named_laws(comparison: Comparison) -> dict[str, str]:
+def named_laws(comparison: LawRuns) -> dict[str, str]:
     """The laws that get a colour, at most NAMED, and why.
 
     Of those that dissipate, the one that differs most is the one whose restitution in the first impact is
@@ -103,7 +101,7 @@ def named_laws(comparison: Comparison) -> dict[str, str]:
     return why
 
 
-def looks_of(comparison: Comparison) -> Looks:
+def looks_of(comparison: LawRuns) -> Looks:
     """How each law is drawn; the second of two laws with the same force has no look, but shares a label."""
     why, colours = named_laws(comparison), iter(PALETTE)
     twins: dict[str, list[str]] = {}
@@ -129,7 +127,7 @@ def _alike(one: np.ndarray | None, other: np.ndarray | None) -> bool:
     return one is not None and other is not None and one.size > 0 and np.array_equal(one, other)
 
 
-def draw_loops(axes: Axes, comparison: Comparison, looks: Looks) -> None:
+def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Force over penetration in the first impact; an impulse is a line at no penetration."""
     for law, look in looks.items():
         run = comparison[law]
@@ -144,7 +142,7 @@ def draw_loops(axes: Axes, comparison: Comparison, looks: Looks) -> None:
     axes.set(xlabel=f"penetration in the {first_place(comparison.scene)} [{depth_unit}]", ylabel=name)
 
 
-def draw_energy(axes: Axes, comparison: Comparison, looks: Looks) -> None:
+def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Total energy over time."""
     for law, look in looks.items():
         result = comparison[law].result

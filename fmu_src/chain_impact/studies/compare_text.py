@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.results.text import Table
 from chain_impact.studies.law_change import first_place
-
-if TYPE_CHECKING:
-    from chain_impact.studies.compare import Comparison, LawRun
+from chain_impact.studies.law_runs import LawRun, LawRuns
 
 NEAR = 0.05  # part of the prescribed restitution, as in the registry's ranges
 NOTHING = "–"
@@ -19,13 +16,13 @@ NUMBERS = ("e′", "peak, kN", "depth, mm", "time, ms", "lost, J", "impacts", "d
 AT_STOPS = {"peak, kN": "peak, kN m", "depth, mm": "depth, mrad"}
 
 
-def head(comparison: Comparison) -> tuple[str, ...]:
+def head(comparison: LawRuns) -> tuple[str, ...]:
     """The head of the table: the law, then the names of numbers, then nothing for the note."""
     numbers = (AT_STOPS.get(name, name) if comparison.at_stop else name for name in NUMBERS)
     return ("law", *numbers, "")
 
 
-def report(comparison: Comparison) -> Iterator[str | Table]:
+def report(comparison: LawRuns) -> Iterator[str | Table]:
     """All of it: lines and a table."""
     yield heading(comparison)
     yield Table(head(comparison), [cells(run) for run in comparison.runs])
@@ -33,7 +30,7 @@ def report(comparison: Comparison) -> Iterator[str | Table]:
     yield advice(comparison)
 
 
-def heading(comparison: Comparison) -> str:
+def heading(comparison: LawRuns) -> str:
     """The scene, its contact and the first impact."""
     scene, impact = comparison.scene, comparison.first_impact
     contact = comparison.contact
@@ -67,7 +64,7 @@ def told(value: float, form: str) -> str:
     return NOTHING if math.isnan(value) else format(value, form)
 
 
-def legend(comparison: Comparison) -> str:
+def legend(comparison: LawRuns) -> str:
     """What the columns are, and which law the stops keep, if any."""
     scene = comparison.scene
     kept = f" The stops keep {scene.stops.model} under every law." if scene.stops.model else ""
@@ -78,7 +75,7 @@ def legend(comparison: Comparison) -> str:
     )
 
 
-def advice(comparison: Comparison) -> str:
+def advice(comparison: LawRuns) -> str:
     """Which of the laws that finished their first impact realise the restitution, by their ranges."""
     e = comparison.contact.restitution
     ended = [run.law for run in comparison.runs if run.law in CONTACT_LAWS and math.isfinite(run.restitution)]

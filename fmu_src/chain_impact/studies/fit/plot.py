@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -32,12 +32,10 @@ from chain_impact.results.result import Result
 from chain_impact.results.tables import IMPACT_UNITS
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import QUANTITIES
+from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.report import heading, rounded
 from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.model import Model
-
-if TYPE_CHECKING:
-    from chain_impact.studies.fit.result import Fit
 
 MOST_PANELS = 8  # columns that are shown
 MOST_TOLD = 10  # parameters in the lines below the headline
@@ -61,13 +59,13 @@ class Column:
     at: np.ndarray
 
 
-def plot_fit(fit: Fit, path: str | Path | None = None) -> Figure | None:
+def plot_fit(fit: Estimates, path: str | Path | None = None) -> Figure | None:
     """See ``Fit.plot``."""
     return drawn(partial(fill, fit=fit), path)
 
 
 @styled()
-def fill(page: Figure, fit: Fit) -> None:
+def fill(page: Figure, fit: Estimates) -> None:
     """Draw all panels on an empty page."""
     names = list(fit.columns)[:MOST_PANELS]
     across = 1 if len(names) == 1 else 2
@@ -86,7 +84,7 @@ def fill(page: Figure, fit: Fit) -> None:
     headline(page, heading(fit), SEPARATOR.join([*told[:MOST_TOLD], *more]))
 
 
-def _model(fit: Fit, k: int) -> Result:
+def _model(fit: Estimates, k: int) -> Result:
     """The run of a data set with the fitted values, with rows close enough for a curve."""
     data, scene = fit.data[k], fit.scenes[k]
     stop = max(1e-9, float(np.nanmax(data.order, initial=0.0)))
@@ -98,7 +96,7 @@ def _model(fit: Fit, k: int) -> Result:
     return simulate(scene, stop_time=stop, output_step=stop / POINTS, output=data.outputs, inputs=inputs)
 
 
-def _panel(place: SubplotSpec, fit: Fit, name: str, results: list[Result]) -> None:
+def _panel(place: SubplotSpec, fit: Estimates, name: str, results: list[Result]) -> None:
     """One column: data and model, and below the residuals in standard deviations."""
     axes: Any = place.subgridspec(2, 1, height_ratios=(3, 1)).subplots(sharex=True)
     values, rest = axes
@@ -143,7 +141,7 @@ def _curve(values: Axes, rest: Axes, result: Result, name: str, colour: str) -> 
     values.plot(result.time, result[name], color=colour, linewidth=0.9, label=label, zorder=4)
 
 
-def _columns(fit: Fit, name: str) -> list[Column]:
+def _columns(fit: Estimates, name: str) -> list[Column]:
     """The parts of a column, one for each data set that has it."""
     found, first = [], 0
     for k, data in enumerate(fit.data):
@@ -160,13 +158,13 @@ def _colours(count: int) -> list[str]:
     return [PALETTE[k % len(PALETTE)] for k in range(count)]
 
 
-def _unit(fit: Fit, name: str) -> str:
+def _unit(fit: Estimates, name: str) -> str:
     units = Model(fit.scene).units | IMPACT_UNITS
     unit = units.get(name, "s")
     return f" [{unit}]" if unit not in ("", "1") else ""
 
 
-def _told(fit: Fit, label: str) -> str:
+def _told(fit: Estimates, label: str) -> str:
     """A parameter and its standard error: "contact.restitution 0.7000 ± 0.0013"."""
     one = next(one for one in fit.parameters if one.label == label)
     value, error = fit.values[label], fit.standard_errors[label]

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from chain_impact.results.plots.style import number
 from chain_impact.results.text import Table, plural
+from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.unknown import size_of
-
-if TYPE_CHECKING:
-    from chain_impact.studies.fit.result import Fit
 
 HIGH = 0.9  # a correlation that is worth a word
 MANY = 8  # horizons, more are not listed
 EQUAL = 2.0  # of Akaike's criterion, a difference that says nothing
 
 
-def report(fit: Fit) -> Iterator[str | Table]:
+def report(fit: Estimates) -> Iterator[str | Table]:
     """All that a fit says: lines and tables."""
     yield heading(fit)
     yield ""
@@ -43,7 +40,7 @@ def report(fit: Fit) -> Iterator[str | Table]:
             yield f"{equal} laws fit equally well, with ΔAIC < {EQUAL:g}: these data cannot tell them apart."
 
 
-def heading(fit: Fit) -> str:
+def heading(fit: Estimates) -> str:
     """Which scene, law and data."""
     sets = f"{plural(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
     return (
@@ -52,7 +49,7 @@ def heading(fit: Fit) -> str:
     )
 
 
-def _parameters(fit: Fit) -> list[Sequence[str]]:
+def _parameters(fit: Estimates) -> list[Sequence[str]]:
     rows: list[Sequence[str]] = []
     for one in fit.parameters:
         value, error = fit.values[one.label], fit.standard_errors[one.label]
@@ -79,7 +76,7 @@ def rounded(value: float, error: float) -> str:
     return number(value, min(max(digits, 2), 10))
 
 
-def _columns(fit: Fit) -> list[Sequence[str]]:
+def _columns(fit: Estimates) -> list[Sequence[str]]:
     rows: list[Sequence[str]] = []
     for name, mine in fit.columns.items():
         used = mine & fit.used
@@ -91,7 +88,7 @@ def _columns(fit: Fit) -> list[Sequence[str]]:
     return rows
 
 
-def _quality(fit: Fit) -> str:
+def _quality(fit: Estimates) -> str:
     state = "converged" if fit.converged else "not converged"
     ends = [f"{end:.3g}" for end in fit.horizons]
     if len(ends) > MANY:
@@ -102,7 +99,7 @@ def _quality(fit: Fit) -> str:
     return text
 
 
-def _correlations(fit: Fit) -> Iterator[str]:
+def _correlations(fit: Estimates) -> Iterator[str]:
     names = list(fit.values)
     for i, first in enumerate(names):
         for j, second in enumerate(names[:i]):
@@ -111,7 +108,7 @@ def _correlations(fit: Fit) -> Iterator[str]:
                 yield f"The estimates of {second} and {first} have {how}."
 
 
-def _laws(fit: Fit) -> list[Sequence[str]]:
+def _laws(fit: Estimates) -> list[Sequence[str]]:
     best = fit.aic
     rows: list[Sequence[str]] = []
     for one in fit.ranking:

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from chain_impact.extras import require
 from chain_impact.results.text import as_html, as_text
-from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.scene import Scene
-from chain_impact.simulation.derivatives import Differentiated
-from chain_impact.studies.fit.data import Measurements
-from chain_impact.studies.fit.parameters import Parameter
+from chain_impact.studies.fit.estimates import Estimates, LawEstimates
+from chain_impact.studies.fit.report import report
 
 if TYPE_CHECKING:
     import pandas
@@ -24,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class LawFit:
+class LawFit(LawEstimates):
     """How one contact law fits.
 
     Attributes:
@@ -34,14 +27,11 @@ class LawFit:
         fewer: how many values fewer than others it could use; if any, its criterion cannot be compared.
     """
 
-    law: str
     fit: Fit | None
-    note: str = ""
-    fewer: int = 0
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Fit:
+class Fit(Estimates):
     """The estimates of the free parameters. Printed, it is a report.
 
     A parameter is called by its name in the FMU, of one data set among several ``initial.y of data set 2``.
@@ -68,79 +58,14 @@ class Fit:
         models: the run of each data set with the fitted values.
     """
 
-    scene: Scene
-    scenes: tuple[Scene, ...]
-    parameters: tuple[Parameter, ...]
-    values: dict[str, float]
-    standard_errors: dict[str, float]
-    intervals: dict[str, tuple[float, float]]
-    correlation: np.ndarray
-    data: tuple[Measurements, ...]
-    residuals: np.ndarray
-    sigma: np.ndarray
-    estimated: tuple[str, ...]
-    deviance: float
-    converged: bool
-    runs: int
-    horizons: tuple[float, ...]
-    unknown: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
     ranking: tuple[LawFit, ...] = ()
-    models: tuple[Differentiated, ...] = field(default=())
-
-    @property
-    def used(self) -> np.ndarray:
-        """Which values were fitted, shape (M,)."""
-        return np.asarray(np.isfinite(self.residuals))
-
-    @property
-    def chi_squared(self) -> float:
-        """Sum of the squares of the residuals in standard deviations."""
-        return float(np.nansum((self.residuals / self.sigma) ** 2))
-
-    @property
-    def freedom(self) -> int:
-        """Degrees of freedom: values that were fitted, less free parameters."""
-        return int(self.used.sum()) - len(self.parameters)
-
-    @property
-    def reduced_chi_squared(self) -> float:
-        """χ² for each degree of freedom: about 1 if the model is right and all σ are given."""
-        return self.chi_squared / self.freedom if self.freedom > 0 else math.nan
-
-    @property
-    def aic(self) -> float:
-        """Akaike's criterion (IEEE Trans. Automatic Control 19 (1974) 716): smaller is better.
-
-        Only differences of fits of the same data mean something; from 10 on, hardly anything speaks for the
-        fit with more (Burnham & Anderson, Sociological Methods & Research 33 (2004) 261).
-        """
-        return self.deviance + 2.0 * (len(self.parameters) + len(self.estimated))
-
-    @property
-    def law(self) -> str:
-        """The contact law; empty if nothing can touch."""
-        contact, stops = self.scene.contact, self.scene.stops
-        if point_wall_pairs(self.scene):
-            return contact.model
-        return stops.model or contact.model if self.scene.chain.stops else ""
-
-    @cached_property
-    def columns(self) -> dict[str, np.ndarray]:
-        """Name of a measured column → which of the M values are its, shape (M,)."""
-        names = np.array([name for one in self.data for name in one.quantity])
-        return {str(name): names == name for name in dict.fromkeys(names.tolist())}
 
     def __repr__(self) -> str:
         """All of it, as a text of several lines."""
-        from chain_impact.studies.fit.report import report
-
         return as_text(report(self))
 
     def _repr_html_(self) -> str:
         """The same in a notebook."""
-        from chain_impact.studies.fit.report import report
-
         return as_html(report(self))
 
     def to_dataframe(self) -> pandas.DataFrame:

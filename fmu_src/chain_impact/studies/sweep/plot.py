@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -26,11 +26,9 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import PEAKS
+from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.model import Model
-
-if TYPE_CHECKING:
-    from chain_impact.studies.sweep.table import Sweep
 
 # P. Tol, Colour schemes, SRON/EPS/TN/09-002 (2021): "muted", for all kinds of colour vision
 COLOURS = (
@@ -60,7 +58,7 @@ class Quantity:
     factor: float = 1.0
     told: str = ""
 
-    def of(self, found: Sweep) -> np.ndarray:
+    def of(self, found: Runs) -> np.ndarray:
         """Its values, NaN where a run failed, shape (R,)."""
         return np.where(found.failed, np.nan, self.factor * found[self.column].astype(float))
 
@@ -96,7 +94,7 @@ def check_picture(varied: int, samples: int | None, runs: int, source: str) -> N
         )
 
 
-def plot_sweep(found: Sweep, path: str | Path | None = None) -> Figure | None:
+def plot_sweep(found: Runs, path: str | Path | None = None) -> Figure | None:
     """Draw a sweep, see ``Sweep.plot``.
 
     Raises:
@@ -108,7 +106,7 @@ def plot_sweep(found: Sweep, path: str | Path | None = None) -> Figure | None:
 
 
 @styled()
-def fill(page: Figure, found: Sweep) -> None:
+def fill(page: Figure, found: Runs) -> None:
     """Draw all panels on an empty page."""
     quantities = _quantities(found)
     varying = _varying(found.design) or list(found.design.variations[:1])
@@ -127,7 +125,7 @@ def fill(page: Figure, found: Sweep) -> None:
     headline(page, title(found, mark), conditions(varying))
 
 
-def title(found: Sweep, mark: str) -> str:
+def title(found: Runs, mark: str) -> str:
     """What came of the runs."""
     parts, failed = [f"{found.scene.name}: {plural(len(found), 'run')}"], int(found.failed.sum())
     for quantity in _main(found):
@@ -152,13 +150,13 @@ def _varying(design: Design) -> list[Variation]:
     return [one for one in design.variations if len(np.unique(one.values)) > 1]
 
 
-def _main(found: Sweep) -> list[Quantity]:
+def _main(found: Runs) -> list[Quantity]:
     """The main results of a scene: those at walls and at stops where it has some."""
     absent = set() if point_wall_pairs(found.scene) else {*PEAKS}
     return [quantity for quantity in QUANTITIES if quantity.column in {*found.names} - absent]
 
 
-def _quantities(found: Sweep) -> list[Quantity]:
+def _quantities(found: Runs) -> list[Quantity]:
     """The main results, then the outputs that were asked for."""
     units, main = Model(found.scene).units, _main(found)
     known = {quantity.column for quantity in main}
@@ -180,7 +178,7 @@ def _panels(page: Figure, count: int, width: float = 5.0) -> list[Axes]:
 
 
 def _curves(
-    page: Figure, found: Sweep, quantities: list[Quantity], across: Variation, choice: Variation | None
+    page: Figure, found: Runs, quantities: list[Quantity], across: Variation, choice: Variation | None
 ) -> None:
     """A panel for each quantity over a parameter: one line for each choice."""
     panels = _panels(page, len(quantities))
@@ -206,7 +204,7 @@ def _curves(
         page.legend(handles, labels, loc="outside right center", title=choice.name)
 
 
-def _dots(page: Figure, found: Sweep, quantities: list[Quantity], across: Variation) -> None:
+def _dots(page: Figure, found: Runs, quantities: list[Quantity], across: Variation) -> None:
     """One panel for each quantity, with a dot in the row of each choice."""
     names = across.shown(across.values).tolist()
     page.set_size_inches(2.2 + 2.3 * len(quantities), 1.3 + 0.24 * len(names))
@@ -224,9 +222,7 @@ def _dots(page: Figure, found: Sweep, quantities: list[Quantity], across: Variat
     panels[0].invert_yaxis()
 
 
-def _maps(
-    page: Figure, found: Sweep, quantities: list[Quantity], first: Variation, second: Variation
-) -> None:
+def _maps(page: Figure, found: Runs, quantities: list[Quantity], first: Variation, second: Variation) -> None:
     """One map for each quantity, over two parameters."""
     x, y = _axis(first), _axis(second)
     colours = mpl.colormaps[MAP_COLOURS].with_extremes(bad=FAILED_COLOUR)

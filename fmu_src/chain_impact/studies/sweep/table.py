@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import csv
 import errno
-import functools
 import math
 import os
 from collections import Counter
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,14 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.extras import require
-from chain_impact.kernel.status import OK, STATUS_NAME
+from chain_impact.kernel.status import STATUS_NAME
 from chain_impact.results.text import Table, as_html, plural
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.scene import Scene
-from chain_impact.studies.sweep.dataset import Dataset
-from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import STATUS
-from chain_impact.studies.sweep.work import CHUNK, PARQUET, STATUS_WORD, Columns, columns_of, write_parquet
+from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.work import PARQUET, write_parquet
 from chain_impact.system import written_whole
 
 if TYPE_CHECKING:
@@ -34,7 +30,7 @@ LISTED = 10  # runs in a notebook
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sweep:
+class Sweep(Runs):
     """The runs of a sweep, one row each.
 
     ``sweep["peak_force"]`` is a column, with one value for each run. The columns are the parameters that
@@ -58,25 +54,6 @@ class Sweep:
         outputs: the outputs that were asked for.
     """
 
-    scene: Scene
-    design: Design
-    rows: np.ndarray | Dataset
-    outputs: tuple[str, ...] = ()
-
-    @property
-    def varied(self) -> tuple[str, ...]:
-        """The names of the parameters that vary."""
-        return tuple(variation.name for variation in self.design.variations)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of all columns."""
-        return *self.varied, *(self.rows.dtype.names or ()), STATUS_WORD
-
-    def __len__(self) -> int:
-        """How many runs."""
-        return len(self.rows)
-
     def __repr__(self) -> str:
         """How many runs there were, and how they ended: "FourLinkBox  9 runs: 8 ok, 1 too_much_work"."""
         ended: Counter[int] = Counter()
@@ -92,26 +69,6 @@ class Sweep:
         rows = list(zip(*(map(_told, column[:LISTED].tolist()) for column in first.values()), strict=True))
         more = [f"… and {plural(len(self) - LISTED, 'more run')}"] if len(self) > LISTED else []
         return as_html([repr(self), Table(self.names, rows), *more])
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """A column, shape (R,); choices, as a contact law, by their names."""
-        if name not in self.names:
-            raise KeyError(f"{name} is no column of the sweep; there are {', '.join(self.names)}")
-        return self._columns([name])[name]
-
-    @property
-    def failed(self) -> np.ndarray:
-        """Which runs did not reach their end, shape (R,)."""
-        return np.asarray(self[STATUS] != OK)
-
-    @functools.cached_property
-    def table(self) -> np.ndarray:
-        """All columns as one structured array, shape (R,)."""
-        columns = self._columns(self.names)
-        table = np.zeros(len(self), [(name, column.dtype) for name, column in columns.items()])
-        for name, column in columns.items():
-            table[name] = column
-        return table
 
     def to_dataframe(self) -> Any:
         """All columns as a pandas ``DataFrame``.
@@ -154,19 +111,6 @@ class Sweep:
         from chain_impact.studies.sweep.plot import plot_sweep
 
         return plot_sweep(self, path)
-
-    def chunks(self, names: Sequence[str]) -> Iterator[Columns]:
-        """Some columns in the order of the runs, of a few thousand at once."""
-        if isinstance(self.rows, Dataset):
-            yield from self.rows.chunks(names)
-            return
-        for first in range(0, len(self), CHUNK):
-            yield columns_of(self.design, self.rows[first : first + CHUNK], first, names)
-
-    def _columns(self, names: Sequence[str]) -> Columns:
-        """Some columns, whole."""
-        chunks = list(self.chunks(names))
-        return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in names}
 
     def _save_csv(self, path: Path) -> None:
         with path.open("w", newline="", encoding="utf-8") as file:

@@ -1,0 +1,93 @@
+"""What a fit has found, below its report and its picture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.scene import Scene
+from chain_impact.simulation.derivatives import Differentiated
+from chain_impact.studies.fit.data import Measurements
+from chain_impact.studies.fit.parameters import Parameter
+
+
+@dataclass(frozen=True)
+class LawEstimates:
+    """What was found with one contact law; see ``LawFit``."""
+
+    law: str
+    fit: Estimates | None
+    note: str = ""
+    fewer: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Estimates:
+    """The estimates of the free parameters; see ``Fit``."""
+
+    scene: Scene
+    scenes: tuple[Scene, ...]
+    parameters: tuple[Parameter, ...]
+    values: dict[str, float]
+    standard_errors: dict[str, float]
+    intervals: dict[str, tuple[float, float]]
+    correlation: np.ndarray
+    data: tuple[Measurements, ...]
+    residuals: np.ndarray
+    sigma: np.ndarray
+    estimated: tuple[str, ...]
+    deviance: float
+    converged: bool
+    runs: int
+    horizons: tuple[float, ...]
+    unknown: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    ranking: tuple[LawEstimates, ...] = ()
+    models: tuple[Differentiated, ...] = field(default=())
+
+    @property
+    def used(self) -> np.ndarray:
+        """Which values were fitted, shape (M,)."""
+        return np.asarray(np.isfinite(self.residuals))
+
+    @property
+    def chi_squared(self) -> float:
+        """Sum of the squares of the residuals in standard deviations."""
+        return float(np.nansum((self.residuals / self.sigma) ** 2))
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom: values that were fitted, less free parameters."""
+        return int(self.used.sum()) - len(self.parameters)
+
+    @property
+    def reduced_chi_squared(self) -> float:
+        """χ² for each degree of freedom: about 1 if the model is right and all σ are given."""
+        return self.chi_squared / self.freedom if self.freedom > 0 else math.nan
+
+    @property
+    def aic(self) -> float:
+        """Akaike's criterion (IEEE Trans. Automatic Control 19 (1974) 716): smaller is better.
+
+        Only differences of fits of the same data mean something; from 10 on, hardly anything speaks for the
+        fit with more (Burnham & Anderson, Sociological Methods & Research 33 (2004) 261).
+        """
+        return self.deviance + 2.0 * (len(self.parameters) + len(self.estimated))
+
+    @property
+    def law(self) -> str:
+        """The contact law; empty if nothing can touch."""
+        contact, stops = self.scene.contact, self.scene.stops
+        if point_wall_pairs(self.scene):
+            return contact.model
+        return stops.model or contact.model if self.scene.chain.stops else ""
+
+    @cached_property
+    def columns(self) -> dict[str, np.ndarray]:
+        """Name of a measured column → which of the M values are its, shape (M,)."""
+        names = np.array([name for one in self.data for name in one.quantity])
+        return {str(name): names == name for name in dict.fromkeys(names.tolist())}

@@ -1,0 +1,110 @@
+"""What was found with each contact law, below the text and the picture of a comparison."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from chain_impact.results.equality import same
+from chain_impact.results.joint_stops import at_stop
+from chain_impact.results.result import Result
+from chain_impact.scene.scene import Scene
+from chain_impact.scene.tables import Contact
+from chain_impact.studies.law_change import contact_at, first_number
+
+
+@dataclass(frozen=True, eq=False)
+class LawRun:
+    """The result of one law.
+
+    The values of the first impact are NaN where there is none, or it has not ended. Where stops have a law of
+    their own, the first impact is the first one at a wall.
+
+    Attributes:
+        law: its id.
+        exponent: n that it was run with.
+        stiffness: K that it was run with [N/m^n].
+        restitution: realised in the first impact.
+        peak_force: of the first impact [N]; 0 for an impulse. Of one at a stop [N·m], as all here is
+            that of the angle.
+        max_penetration: of the first impact [m].
+        duration: of the first impact [s]; 0 for an impulse.
+        energy_lost: from the onset to the end of the first impact, by all contacts [J].
+        loop: penetration [m] and force [N] in the first impact, shape (2, S); empty for an impulse.
+        divergence: number, from 1, of the first impact at another point or wall than with the reference
+            law; None if there is none.
+        divergence_time: its onset [s].
+        note: why there is no result or not all of it, or a remark.
+        result: the simulation, if there is one.
+    """
+
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
+
+    law: str
+    exponent: float
+    stiffness: float
+    restitution: float = math.nan
+    peak_force: float = math.nan
+    max_penetration: float = math.nan
+    duration: float = math.nan
+    energy_lost: float = math.nan
+    loop: np.ndarray | None = field(default=None, repr=False)
+    divergence: int | None = None
+    divergence_time: float = math.nan
+    note: str = ""
+    result: Result | None = field(default=None, repr=False)
+
+    @property
+    def impacts(self) -> int:
+        """How many impacts there were."""
+        return len(self.result.impacts) if self.result else 0
+
+    @property
+    def steps(self) -> int:
+        """Steps of the solver."""
+        return self.result.statistics["steps"] if self.result else 0
+
+
+@dataclass(frozen=True, eq=False)
+class LawRuns:
+    """The runs of some laws on one scene."""
+
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
+
+    scene: Scene
+    reference: str
+    runs: tuple[LawRun, ...]
+
+    def __getitem__(self, law: str) -> LawRun:
+        """The run of a law."""
+        return next(run for run in self.runs if run.law == law)
+
+    @property
+    def first_impact(self) -> np.void:
+        """The first impact under the reference law, a row of ``Result.impacts``.
+
+        Where stops have a law of their own, it is the first one at a wall.
+        """
+        impact = first_of(self[self.reference].result)
+        assert impact is not None  # that is what makes it the reference
+        return impact
+
+    @property
+    def contact(self) -> Contact:
+        """The values of the scene's contact law where the first impact is: at its wall, or at stops."""
+        return contact_at(self.scene, self.first_impact)
+
+    @property
+    def at_stop(self) -> bool:
+        """Whether the first impact is at a stop of a joint: then its quantities are those of the angle."""
+        return at_stop(self.scene, self.first_impact["wall"])
+
+
+def first_of(result: Result | None) -> np.void | None:
+    """The first impact at which the law of `contact` acts, a row of ``Result.impacts``."""
+    number = None if result is None else first_number(result.scene, result.impacts)
+    return None if result is None or number is None else result.impacts[number]

@@ -1,0 +1,73 @@
+"""The runs of a sweep, below its table and its picture."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from chain_impact.kernel.status import OK
+from chain_impact.scene.scene import Scene
+from chain_impact.studies.sweep.dataset import Dataset
+from chain_impact.studies.sweep.design import Design
+from chain_impact.studies.sweep.job import STATUS
+from chain_impact.studies.sweep.work import CHUNK, STATUS_WORD, Columns, columns_of
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Runs:
+    """The runs of a sweep, one row each; see ``Sweep``."""
+
+    scene: Scene
+    design: Design
+    rows: np.ndarray | Dataset
+    outputs: tuple[str, ...] = ()
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """The names of the parameters that vary."""
+        return tuple(variation.name for variation in self.design.variations)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of all columns."""
+        return *self.varied, *(self.rows.dtype.names or ()), STATUS_WORD
+
+    def __len__(self) -> int:
+        """How many runs."""
+        return len(self.rows)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A column, shape (R,); choices, as a contact law, by their names."""
+        if name not in self.names:
+            raise KeyError(f"{name} is no column of the sweep; there are {', '.join(self.names)}")
+        return self._columns([name])[name]
+
+    @property
+    def failed(self) -> np.ndarray:
+        """Which runs did not reach their end, shape (R,)."""
+        return np.asarray(self[STATUS] != OK)
+
+    @functools.cached_property
+    def table(self) -> np.ndarray:
+        """All columns as one structured array, shape (R,)."""
+        columns = self._columns(self.names)
+        table = np.zeros(len(self), [(name, column.dtype) for name, column in columns.items()])
+        for name, column in columns.items():
+            table[name] = column
+        return table
+
+    def chunks(self, names: Sequence[str]) -> Iterator[Columns]:
+        """Some columns in the order of the runs, of a few thousand at once."""
+        if isinstance(self.rows, Dataset):
+            yield from self.rows.chunks(names)
+            return
+        for first in range(0, len(self), CHUNK):
+            yield columns_of(self.design, self.rows[first : first + CHUNK], first, names)
+
+    def _columns(self, names: Sequence[str]) -> Columns:
+        """Some columns, whole."""
+        chunks = list(self.chunks(names))
+        return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in names}
