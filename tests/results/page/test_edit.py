@@ -172,6 +172,8 @@ def downloaded(page, tmp_path):
     """The scene of the file that the page saves."""
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Export…").click()
+    assert page.locator("#export-text").inner_text() == "The command needs the scene file: save it first."
+    assert page.locator("#command").input_value().startswith("chain-impact simulate FourLinkBox.toml")
     with page.expect_download() as waiting:
         page.get_by_role("button", name="Scene file", exact=True).click()
     waiting.value.save_as(tmp_path / "edited.toml")

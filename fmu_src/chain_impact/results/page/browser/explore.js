@@ -154,7 +154,7 @@ function connectExport() {
   const fill = () => Object.assign(find("command"), { value: commandOf(changes) }) && Object.assign(find("link"), { value: address() });
   find("export-open").addEventListener("click", () => {
     fill();
-    find("export-text").textContent = "";
+    find("export-text").textContent = opened ? "The command needs the scene file: save it first." : "";
     find("export").showModal();
   });
   document.querySelectorAll("[data-copy]").forEach((button) => button.addEventListener("click", async () => {
