@@ -293,7 +293,7 @@ def test_compare_prints_a_row_for_each_law_and_advice_and_writes_what_was_asked_
     assert [table, picture] == ["table    laws.csv", "picture  laws.png"]
     assert lines[1].startswith("FourLinkBox  e = 0.5, n = 1.5, K = 1e+08; first impact at 0.499446 s with ")
     assert [line.split()[0] for line in lines[3:] if line.split()[0] in CONTACT_LAWS] == list(CONTACT_LAWS)
-    advised = "advice   within 5 % of e = 0.5 by their ranges: "
+    advised = "advice   within 5 % of e = 0.5 in this impact: "
     assert any(line.startswith(advised) and "zhang_sharf" in line for line in lines)
     assert (here / "laws.png").read_bytes().startswith(PNG)
     with (here / "laws.csv").open(newline="", encoding="utf-8") as file:

@@ -166,7 +166,7 @@ def test_some_laws_only():
     alone = compare(scene, laws=["kelvin_voigt"])
     assert [run.law for run in alone.runs] == ["kelvin_voigt", scene.contact.model]
     unfit = str(compare(scene, laws=["hertz"]))
-    assert unfit.endswith(f"of e = {scene.contact.restitution:g} by their ranges: none of these laws")
+    assert unfit.endswith(f"of e = {scene.contact.restitution:g} in this impact: none of these laws")
     with pytest.raises(SceneError, match="flore is no contact law; the nearest is flores"):
         compare(scene, laws=["flore"])
     with pytest.raises(SceneError, match=r"rubber is no contact law; the laws are .*hertz, .*newton_impact"):

@@ -15,11 +15,12 @@ def box():
     return compare(default_scene())
 
 
-def test_advice_is_the_laws_that_suit_the_restitution(box):
-    named = advice(box).removeprefix("within 5 % of e = 0.7 by their ranges: ").split(", ")
+def test_advice_is_the_laws_that_realise_the_restitution_in_the_impact(box):
+    named = advice(box).removeprefix("within 5 % of e = 0.7 in this impact: ").split(", ")
     assert {"zhang_sharf", "hu_guo", "newton_impact"} <= set(named)
-    ranges = {law: (one.accurate_from, one.accurate_to) for law, one in CONTACT_LAWS.items()}
-    assert named == [law for law, (low, high) in ranges.items() if low <= 0.7 <= high]
+    assert named == [run.law for run in box.runs if 0.665 <= run.restitution <= 0.735]
+    # at 5 m/s it dissipates more than at the 1 m/s for which it is made
+    assert "kuwabara_kono" not in named
 
 
 def test_no_law_is_named_whose_contact_does_not_end():
@@ -35,7 +36,7 @@ def test_printed_it_is_a_small_table():
     lines = repr(found).splitlines()
     assert lines[0].startswith("FourLinkBox  e = 0.7")
     assert [line.split()[0] for line in lines[1:4]] == ["law", "zhang_sharf", "flores"]
-    assert lines[-1] == "within 5 % of e = 0.7 by their ranges: zhang_sharf, flores"
+    assert lines[-1] == "within 5 % of e = 0.7 in this impact: zhang_sharf, flores"
     assert len(repr(found["flores"])) < 500
 
 
@@ -47,4 +48,4 @@ def test_without_rebound_rigid_walls_are_what_is_left():
     impact = rigid.result.impacts[0]
     lost = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
     assert rigid.energy_lost == pytest.approx(lost, rel=1e-9)
-    assert advice(comparison).startswith("within 5 % of e = 0 by their ranges: newton_impact")
+    assert advice(comparison).startswith("within 5 % of e = 0 in this impact: newton_impact")

@@ -85,7 +85,7 @@ def test_where_stops_keep_their_law_the_laws_are_compared_at_a_wall(kept):
     assert f"first impact at a wall at {at_wall['onset']:.6g} s" in heading(found)
     assert head(found)[2] == "peak, kN"
     assert legend(found).endswith(f"The stops keep {kept} under every law.")
-    assert advice(found) == "within 5 % of e = 0.25 by their ranges: zhang_sharf"
+    assert advice(found) == "within 5 % of e = 0.25 in this impact: zhang_sharf"
     for law in ("flores", "zhang_sharf"):
         run, row = found[law], found[law].result.impacts[found[law].result.impacts["wall"] == 1][0]
         assert run.restitution == row["separation_speed"] / row["impact_speed"]

@@ -1,16 +1,15 @@
-"""A comparison of contact laws as text: a table, and which laws suit the restitution."""
+"""A comparison of contact laws as text: a table, and which laws realise the restitution."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
-from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.results.text import Table
 from chain_impact.studies.law_change import first_place
 from chain_impact.studies.law_runs import LawRun, LawRuns
 
-NEAR = 0.05  # part of the prescribed restitution, as in the registry's ranges
+NEAR = 0.05  # part of the prescribed restitution
 NOTHING = "–"
 NUMBERS = ("e′", "peak, kN", "depth, mm", "time, ms", "lost, J", "impacts", "differs at", "steps")
 AT_STOPS = {"peak, kN": "peak, kN m", "depth, mm": "depth, mrad"}
@@ -76,8 +75,7 @@ def legend(comparison: LawRuns) -> str:
 
 
 def advice(comparison: LawRuns) -> str:
-    """Which of the laws that finished their first impact realise the restitution, by their ranges."""
+    """Which laws realise the prescribed restitution in the impact that the table describes."""
     e = comparison.contact.restitution
-    ended = [run.law for run in comparison.runs if run.law in CONTACT_LAWS and math.isfinite(run.restitution)]
-    suit = [law for law in ended if CONTACT_LAWS[law].accurate_from <= e <= CONTACT_LAWS[law].accurate_to]
-    return f"within {100 * NEAR:g} % of e = {e:g} by their ranges: {', '.join(suit) or 'none of these laws'}"
+    near = [run.law for run in comparison.runs if abs(run.restitution - e) <= NEAR * e]
+    return f"within {100 * NEAR:g} % of e = {e:g} in this impact: {', '.join(near) or 'none of these laws'}"
