@@ -16,7 +16,7 @@ def test_a_scene_becomes_a_page(run, here):
     code, said, errors = run("explore", "rod_drop")
     assert (code, errors) == (0, "")
     assert re.fullmatch(r"page       explore\.html, 0\.\d+ MB\n", said)
-    assert data_of((here / "explore.html").read_text(encoding="utf-8"))["name"] == "RodDrop"
+    assert data_of((here / "explore.html").read_text(encoding="utf-8"))["file"]["name"] == "RodDrop"
 
 
 @pytest.mark.parametrize(
@@ -37,7 +37,7 @@ def test_the_page_is_opened_on_a_screen(run, here, monkeypatch, case, opened):
 def test_settings_are_in_the_page_and_in_its_command(run, here):
     run("explore", "rod_drop", "-o", "a.html", "--set", "contact.restitution=0.4", "--stop-time", "0.5")
     data = data_of((here / "a.html").read_text(encoding="utf-8"))
-    starts = {one["name"]: one["start"] for one in data["parameters"]}
-    assert (starts["contact.restitution"], starts["simulation.stop_time"]) == (0.4, 0.5)
+    file = data["file"]
+    assert (file["contact"]["restitution"], file["simulation"]["stop_time"]) == (0.4, 0.5)
     changes = ["--set", "contact.restitution=0.4", "--set", "simulation.stop_time=0.5"]
     assert data["command"] == ["rod_drop", *changes]
