@@ -123,7 +123,11 @@ class Pictured(Recording):
         return ax
 
     def plot_sensitivities(
-        self, path: str | os.PathLike[str] | None = None, outputs: Sequence[str] = ()
+        self,
+        path: str | os.PathLike[str] | None = None,
+        outputs: Sequence[str] = (),
+        *,
+        size: Sequence[float] | None = None,
     ) -> Figure | None:
         """Draw how outputs, and the speeds of impacts, change when each parameter grows by 1 %.
 
@@ -133,15 +137,17 @@ class Pictured(Recording):
         Args:
             path: as for ``plot``.
             outputs: by their names in the FMU; by default the place of the last point, and the total energy.
+            size: as for ``plot``.
 
         Raises:
+            ValueError: when a page cannot have the size, or has no room for what is drawn.
             UnknownNameError: when ``simulate`` was asked for no derivatives, or left out what is drawn.
             OSError: when the file cannot be written.
         """
         from chain_impact.results import plots
 
         names = self._derivatives.drawn(outputs)
-        return plots.drawn(partial(plots.fill_sensitivities, recording=self, outputs=names), path)
+        return plots.drawn(partial(plots.fill_sensitivities, recording=self, outputs=names), path, size)
 
     def animate(self, path: str | os.PathLike[str] | None = None, **options: Any) -> InlinePage | None:
         """Write an animation: a page for the browser, ``.html``, or a film, ``.gif`` or ``.mp4``.

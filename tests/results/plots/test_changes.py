@@ -138,6 +138,8 @@ def test_a_result_draws_itself(tmp_path):
     assert len(result.plot_sensitivities().axes) == 4
     assert len(result.plot_sensitivities(outputs=["point[1].y"]).axes) == 2
     assert result.plot_sensitivities(tmp_path / "rod.png") is None
+    narrow = result.plot_sensitivities(size=(84 / 25.4, 9.0))
+    assert len({axes.get_position().x0 for axes in narrow.axes}) == 1  # one below the other
     assert (tmp_path / "rod.png").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(UnknownNameError, match=r"simulate\(scene, sensitivities=\[…\]\) makes them"):
         simulate("rod_drop", stop_time=0.5).plot_sensitivities()

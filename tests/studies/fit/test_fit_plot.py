@@ -40,6 +40,16 @@ def test_the_headline_has_what_was_found(found):
     assert all(name in told for name in FREE)
 
 
+def test_a_narrow_page_has_one_column(found):
+    page = found.plot(size=(84 / 25.4, 12.0))
+    assert (
+        len({round(axes.get_subplotspec().get_topmost_subplotspec().colspan.start) for axes in page.axes})
+        == 1
+    )
+    with pytest.raises(ValueError, match="must be width and height"):
+        found.plot(size=(1.0, 1.0))
+
+
 def test_a_file(found, tmp_path):
     found.plot(tmp_path / "fit.svg")
     assert (tmp_path / "fit.svg").read_text(encoding="utf-8").rstrip().endswith("</svg>")

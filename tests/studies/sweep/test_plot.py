@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep.plot import COLOURS, FAILED_COLOUR, QUANTITIES, fill
+from chain_impact.studies.sweep.plot import COLOURS, FAILED_COLOUR, QUANTITIES, fill, usual_size
 from chain_impact.studies.sweep.sweep import sweep
 from tests.stops import knee
 
@@ -27,7 +27,7 @@ KINDS = {
 
 
 def drawn(found):
-    page = Figure(layout="constrained")
+    page = Figure(figsize=usual_size(found), layout="constrained")
     fill(page, found)
     page.draw_without_rendering()
     return page
@@ -50,6 +50,21 @@ def test_every_kind_is_drawn_and_nothing_overlaps(kind, tmp_path):
         assert one.x0 >= 0.0
         assert one.x1 <= page.bbox.x1
     assert f"FourLinkBox: {len(found)} run" in page.get_suptitle()
+
+
+@pytest.mark.full("more cases", but=3)
+@pytest.mark.parametrize("width", [84, 120, 190])  # mm
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_page_of_any_width_has_all_panels(kind, width):
+    vary, options = KINDS[kind]
+    found = sweep(SCENE, vary, **options)
+    page = found.plot(size=(width / 25.4, 16.0))
+    assert page.get_figwidth() == width / 25.4
+    told = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title().partition(":")[0]) for axes in page.axes]
+    labels = {label for each in told for label in each}
+    assert {quantity.label for quantity in QUANTITIES if "stop." not in quantity.column} <= labels
+    with pytest.raises(ValueError, match=r"must be at least [\d.]+ high|must be wider"):
+        found.plot(size=(width / 25.4, 2.0))
 
 
 def test_lines_are_the_columns():

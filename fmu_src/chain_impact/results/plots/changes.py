@@ -17,14 +17,14 @@ from matplotlib.figure import Figure
 from chain_impact.results.plots.message import conditions
 from chain_impact.results.plots.over_time import DOT, mark_impacts
 from chain_impact.results.plots.room import OUTSIDE_COLOUR
-from chain_impact.results.plots.style import GREY, INK, PALETTE, headline, styled
+from chain_impact.results.plots.style import GREY, INK, PALETTE, WIDE, headline, styled
 from chain_impact.results.recording import Recording
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.text import plural, speed_unit
 
 NOTHING = 1e-12  # of the range of an output: smaller changes are round-off
 STEEP = 30.0  # times as large as usual is the largest change on an axis that is not linear
-WIDE = 140  # characters of a line over the page's width
+LETTERS = 14  # of a line, for each inch of the page's width
 Looks = list[dict[str, Any]]
 
 
@@ -40,7 +40,8 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
     parameters = plural(len(found.parameters), "parameter")
     headline(page, f"{recording.name}: changes with {parameters}, to first order", conditions(recording))
     looks = looks_of(found, relative)
-    grid = page.subplots(len(names) // 2 + 1, 2, sharex=True).ravel()
+    across = 2 if page.get_figwidth() >= WIDE else 1
+    grid = page.subplots(-(-(len(names) + 1) // across), across, sharex=True, squeeze=False).ravel()
     panels, rest = grid[: len(names) + 1], grid[len(names) + 1 :]
     for axes in rest:
         axes.remove()
@@ -50,11 +51,15 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
     for axes in panels:
         mark_impacts(axes, recording)
         mark_unknown(axes, recording)
-    for axes in panels[-2:]:
+    for axes in panels[-across:]:
         axes.tick_params(labelbottom=True)
         axes.set_xlabel("time [s]")
-    panels[min(1, len(names) - 1)].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
-    lines = (line for limit in found.limits for line in textwrap.wrap(limit, WIDE))
+    if across == 1:
+        page.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center")
+    else:
+        panels[min(1, len(names) - 1)].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
+    most = int(LETTERS * page.get_figwidth())
+    lines = (line for limit in found.limits for line in textwrap.wrap(limit, most))
     page.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize="small", color=INK)
 
 

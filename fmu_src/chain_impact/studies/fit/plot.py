@@ -6,9 +6,10 @@ Outputs are drawn over time, with a line at each impact of the model; quantities
 from __future__ import annotations
 
 import math
+import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from chain_impact.results.plots.style import (
     PALE,
     PALETTE,
     SEPARATOR,
+    WIDE,
     headline,
     number,
     styled,
@@ -59,18 +61,21 @@ class Column:
     at: np.ndarray
 
 
-def plot_fit(fit: Estimates, path: str | Path | None = None) -> Figure | None:
+def plot_fit(
+    fit: Estimates, path: str | os.PathLike[str] | None = None, size: Sequence[float] | None = None
+) -> Figure | None:
     """See ``Fit.plot``."""
-    return drawn(partial(fill, fit=fit), path)
+    count = min(len(fit.columns), MOST_PANELS)
+    width = 1.5 * WIDTH if count == 1 else 2.0 * WIDTH
+    return drawn(partial(fill, fit=fit), path, size, (width, 0.7 + math.ceil(count / 2) * HEIGHT))
 
 
 @styled()
 def fill(page: Figure, fit: Estimates) -> None:
     """Draw all panels on an empty page."""
     names = list(fit.columns)[:MOST_PANELS]
-    across = 1 if len(names) == 1 else 2
+    across = 1 if len(names) == 1 or page.get_figwidth() < WIDE else 2
     down = math.ceil(len(names) / across)
-    page.set_size_inches(across * WIDTH * (1.5 if across == 1 else 1.0), 0.7 + down * HEIGHT)
     results = [_model(fit, k) for k in range(len(fit.data))]
     grid = page.add_gridspec(down, across)
     for k, name in enumerate(names):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -84,19 +86,23 @@ class Fit(Estimates):
         columns = ["parameter", "unit", "start", "value", "standard_error", "low", "high"]
         return require("pandas", "pandas").DataFrame(rows, columns=columns).set_index("parameter")
 
-    def plot(self, path: str | Path | None = None) -> Figure | None:
+    def plot(
+        self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float] | None = None
+    ) -> Figure | None:
         """Draw data, model, residuals and impacts.
 
         Args:
             path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
                 which a notebook shows.
+            size: width and height [inches]. On a page narrower than 6 inches all panels are in one column.
 
         Raises:
+            ValueError: when a page cannot have the size, or has no room for what is drawn.
             OSError: when the file cannot be written.
         """
         from chain_impact.studies.fit.plot import plot_fit
 
-        return plot_fit(self, path)
+        return plot_fit(self, path, size)
 
     def save(self, path: str | Path, like: str | Path | None = None) -> None:
         """Write the fitted scene as TOML, with the comments and the order of the scene file that it is like.

@@ -7,9 +7,11 @@ map.
 
 from __future__ import annotations
 
+import math
+import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -20,7 +22,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.results.plots.pages import drawn
-from chain_impact.results.plots.style import headline, number, styled
+from chain_impact.results.plots.style import WIDE, headline, number, styled
 from chain_impact.results.text import plural
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
@@ -36,9 +38,11 @@ COLOURS = (
 )  # fmt: skip
 MAP_COLOURS, FAILED_COLOUR = "cividis", "0.8"
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
+NAMES, DOTS_WIDTH = 0.9, 2.0  # inches, of the names of choices, and at least of a panel with dots
 MOST_VARIED, MOST_ASKED = 2, 4  # parameters that vary, outputs that were asked for
 MOST_DRAWN = 2**18  # runs
 WIDE_RANGE, MOST = 1e3, 0.95  # of most values, from which on an axis is logarithmic
+DOTS, CURVES, MAPS = "dots", "curves", "maps"
 NEVER = "no run has a finite value"
 
 
@@ -94,35 +98,51 @@ def check_picture(varied: int, samples: int | None, runs: int, source: str) -> N
         )
 
 
-def plot_sweep(found: Runs, path: str | Path | None = None) -> Figure | None:
+def plot_sweep(
+    found: Runs, path: str | os.PathLike[str] | None = None, size: Sequence[float] | None = None
+) -> Figure | None:
     """Draw a sweep, see ``Sweep.plot``.
 
     Raises:
         SceneError: when too many parameters vary, or there are too many runs.
+        ValueError: when a page cannot have the size.
         OSError: when the file cannot be written.
     """
     check_picture(len(found.varied), found.design.samples, len(found), found.scene.name)
-    return drawn(partial(fill, found=found), path)
+    return drawn(partial(fill, found=found), path, size, usual_size(found))
 
 
 @styled()
 def fill(page: Figure, found: Runs) -> None:
     """Draw all panels on an empty page."""
-    quantities = _quantities(found)
-    varying = _varying(found.design) or list(found.design.variations[:1])
-    numbers = [one for one in varying if not one.choices]
-    choices = [one for one in varying if one.choices]
-    mark = " (×)"
-    if not numbers and len(varying) == 1:
-        _dots(page, found, quantities, varying[0])
-    elif len(varying) == 1:
-        _curves(page, found, quantities, varying[0], None)
-    elif len(numbers) == 1 and len(choices[0].values) <= len(COLOURS):
-        _curves(page, found, quantities, numbers[0], choices[0])
+    quantities, kind = _quantities(found), kind_of(found.design)
+    varying = varying_in(found.design)
+    # numbers come before choices
+    first, *rest = sorted(varying, key=lambda one: bool(one.choices))
+    if kind == DOTS:
+        _dots(page, found, quantities, first)
+    elif kind == CURVES:
+        _curves(page, found, quantities, first, *rest)
     else:
-        _maps(page, found, quantities, *(numbers + choices))
-        mark = ""
-    headline(page, title(found, mark), conditions(varying))
+        _maps(page, found, quantities, first, *rest)
+    headline(page, title(found, "" if kind == MAPS else " (×)"), conditions(varying))
+
+
+def kind_of(design: Design) -> str:
+    """How a design is drawn."""
+    varying = varying_in(design)
+    choices = [one for one in varying if one.choices]
+    if len(varying) == 1:
+        return DOTS if choices else CURVES
+    return CURVES if len(choices) == 1 and len(choices[0].values) <= len(COLOURS) else MAPS
+
+
+def usual_size(found: Runs) -> tuple[float, float]:
+    """The size of the page where none is asked for [inches]."""
+    count, kind = len(_quantities(found)), kind_of(found.design)
+    if kind == DOTS:
+        return 2.2 + 2.3 * count, 1.3 + 0.24 * len(varying_in(found.design)[0].values)
+    return 2 * (5.4 if kind == MAPS else 5.0), 0.6 + 2.7 * ((count + 1) // 2)
 
 
 def title(found: Runs, mark: str) -> str:
@@ -145,9 +165,10 @@ def conditions(varying: list[Variation]) -> str:
     return "; ".join(parts)
 
 
-def _varying(design: Design) -> list[Variation]:
-    """The variations with more than one value."""
-    return [one for one in design.variations if len(np.unique(one.values)) > 1]
+def varying_in(design: Design) -> list[Variation]:
+    """The variations with more than one value; the first one if there is none."""
+    found = [one for one in design.variations if len(np.unique(one.values)) > 1]
+    return found or list(design.variations[:1])
 
 
 def _main(found: Runs) -> list[Quantity]:
@@ -167,18 +188,22 @@ def _quantities(found: Runs) -> list[Quantity]:
     return [*main, *extra[:MOST_ASKED]]
 
 
-def _panels(page: Figure, count: int, width: float = 5.0) -> list[Axes]:
-    """Empty panels, two in a row."""
-    rows = (count + 1) // 2
-    page.set_size_inches(2 * width, 0.6 + 2.7 * rows)
-    panels = list(page.subplots(rows, 2, squeeze=False).flat)
+def _panels(page: Figure, count: int, most: int = 2, *, sharey: bool = False) -> list[Axes]:
+    """Empty panels, at most so many in a row, and one below the other on a narrow page."""
+    across = min(count, most) if page.get_figwidth() >= WIDE else 1
+    grid = page.subplots(math.ceil(count / across), across, squeeze=False, sharey=sharey)
+    panels = list(grid.flat)
     for unused in panels[count:]:
         unused.remove()
     return panels[:count]
 
 
 def _curves(
-    page: Figure, found: Runs, quantities: list[Quantity], across: Variation, choice: Variation | None
+    page: Figure,
+    found: Runs,
+    quantities: list[Quantity],
+    across: Variation,
+    choice: Variation | None = None,
 ) -> None:
     """A panel for each quantity over a parameter: one line for each choice."""
     panels = _panels(page, len(quantities))
@@ -201,14 +226,18 @@ def _curves(
         _dress(axes, quantity, shown)
     if choice:
         handles, labels = panels[0].get_legend_handles_labels()
-        page.legend(handles, labels, loc="outside right center", title=choice.name)
+        if page.get_figwidth() < WIDE:
+            page.legend(handles, labels, loc="outside lower center", title=choice.name, ncols=2)
+        else:
+            page.legend(handles, labels, loc="outside right center", title=choice.name)
 
 
 def _dots(page: Figure, found: Runs, quantities: list[Quantity], across: Variation) -> None:
     """One panel for each quantity, with a dot in the row of each choice."""
     names = across.shown(across.values).tolist()
-    page.set_size_inches(2.2 + 2.3 * len(quantities), 1.3 + 0.24 * len(names))
-    panels = page.subplots(1, len(quantities), sharey=True, squeeze=False)[0]
+    panels = _panels(
+        page, len(quantities), max(1, int((page.get_figwidth() - NAMES) / DOTS_WIDTH)), sharey=True
+    )
     rows = np.arange(len(found))
     for axes, quantity in zip(panels, quantities, strict=True):
         axes.grid(axis="y", color="0.92")
@@ -217,7 +246,7 @@ def _dots(page: Figure, found: Runs, quantities: list[Quantity], across: Variati
         axes.plot(np.full(len(failed), 0.02), failed, transform=axes.get_yaxis_transform(), **CROSS)
         axes.set_xlabel(quantity.label)
         if quantity.column == "impact.count":
-            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+            axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     panels[0].set_yticks(rows, names)
     panels[0].invert_yaxis()
 
@@ -228,7 +257,7 @@ def _maps(page: Figure, found: Runs, quantities: list[Quantity], first: Variatio
     colours = mpl.colormaps[MAP_COLOURS].with_extremes(bad=FAILED_COLOUR)
     grey: list[Patch] = []
     places = [list(found.varied).index(one.name) for one in (second, first)]
-    for axes, quantity in zip(_panels(page, len(quantities), 5.4), quantities, strict=True):
+    for axes, quantity in zip(_panels(page, len(quantities)), quantities, strict=True):
         shown = quantity.of(found).reshape(found.design.shape)
         spare = tuple(k for k in range(shown.ndim) if k not in places)
         shown = shown.transpose(*places, *spare).reshape(len(second.values), len(first.values))
@@ -238,7 +267,7 @@ def _maps(page: Figure, found: Runs, quantities: list[Quantity], first: Variatio
             mesh = axes.pcolormesh(x.edges, y.edges, shown, cmap=colours, rasterized=True)
             bar = page.colorbar(mesh, ax=axes, label=quantity.label)
             if quantity.column == "impact.count":
-                bar.locator = MaxNLocator(integer=True)
+                bar.locator = MaxNLocator(integer=True, min_n_ticks=1)
         else:
             axes.set_title(f"{quantity.label}: {NEVER}", fontsize="medium")
         axes.set_xscale("log" if x.logarithmic else "linear")
@@ -289,7 +318,7 @@ def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
     if not finite.size:
         axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
     elif quantity.column == "impact.count":
-        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     elif finite.min() > 0.0 and np.divide(*np.quantile(finite, [MOST, 1.0 - MOST])) >= WIDE_RANGE:
         axes.set_yscale("log")
 

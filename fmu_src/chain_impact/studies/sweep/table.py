@@ -7,6 +7,7 @@ import errno
 import math
 import os
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -97,20 +98,24 @@ class Sweep(Runs):
             else:
                 write_parquet(fresh, self.chunks(self.names))
 
-    def plot(self, path: str | Path | None = None) -> Figure | None:
+    def plot(
+        self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float] | None = None
+    ) -> Figure | None:
         """Draw the main results over what was varied.
 
         Args:
             path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
                 which a notebook shows.
+            size: width and height [inches]. On a page narrower than 6 inches all panels are in one column.
 
         Raises:
             SceneError: when too many parameters vary for a picture.
+            ValueError: when a page cannot have the size, or has no room for what is drawn.
             OSError: when the file cannot be written.
         """
         from chain_impact.studies.sweep.plot import plot_sweep
 
-        return plot_sweep(self, path)
+        return plot_sweep(self, path, size)
 
     def _save_csv(self, path: Path) -> None:
         with path.open("w", newline="", encoding="utf-8") as file:
