@@ -207,3 +207,12 @@ def test_a_finger_reads_a_run_of_a_map_and_then_opens_it(show):
     page.locator("#map-canvas").tap()
     page.locator("#map").wait_for(state="hidden")
     assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.5"
+
+
+@pytest.mark.parametrize("size", [(1100, 640), (900, 640), (1366, 640), (1000, 1000)])
+def test_the_controls_cover_no_part_of_the_motion(show, size):
+    """Such as in the frame of a notebook."""
+    page = show(viewport=dict(zip(("width", "height"), size, strict=True)))
+    ends = "[document.getElementById('view').getBoundingClientRect().bottom, "
+    view, controls = page.evaluate(ends + "document.querySelector('footer').getBoundingClientRect().top]")
+    assert view <= controls
