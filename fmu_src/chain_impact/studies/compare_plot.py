@@ -43,7 +43,7 @@ def plot_comparison(
     check_alone(path, size)
     with styled({}):
         draw_loops(ax, comparison, looks_of(comparison))
-        ax.legend()
+        ax.legend(handles=[line for line in ax.lines if line.get_color() != GREY])
     return ax
 
 

@@ -4,6 +4,7 @@ import math
 from types import SimpleNamespace
 
 import numpy as np
+import pandas
 import pytest
 
 from chain_impact import fit, load_scene, simulate
@@ -35,6 +36,13 @@ def test_values_and_their_errors(found):
     assert math.log(high / low) == pytest.approx(2 * 1.959964 * relative, rel=1e-6)
     low, high = found.intervals[FREE[1]]
     assert high - low == pytest.approx(2 * 1.959964 * found.standard_errors[FREE[1]], rel=1e-6)
+
+
+def test_a_table_of_pandas_is_a_table(found):
+    samples = motion(0.9)[0]
+    table = pandas.DataFrame({name: list(cells) for name, cells in samples.items()})
+    for data in (table, [table], [[table]]):
+        assert fit(START, data, FREE, sigma=SIGMA).values == found.values
 
 
 def test_forces_in_joints_tell_mass_stiffness_and_restitution():

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from itertools import compress
-from pathlib import Path
+from typing import cast
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, matching, shown
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
-from chain_impact.studies.fit.table import Source, Table, read_table
+from chain_impact.studies.fit.table import Source, Table, is_table, read_table
 from chain_impact.variables.model import Model
 
 TIME, IMPACT, POINT, WALL, JOINT, DURATION = "time", "impact", "point", "wall", "joint", "duration"
@@ -137,7 +137,7 @@ def read_measurements(
         SceneError: when a table cannot be used.
         OSError: when a file cannot be read.
     """
-    several = [sources] if isinstance(sources, str | Path | Mapping) else sources
+    several = cast("Sequence[Source]", [sources] if is_table(sources) else sources)
     tables = [read_table(source) for source in several]
     source = "+".join(table.source for table in tables)
     there = [name for table in tables for name in _value_columns(table)]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
 from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.result import Fit
-from chain_impact.studies.fit.table import Source
+from chain_impact.studies.fit.table import Source, is_table
 from chain_impact.studies.fit.uncertainty import information, largest_usual, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 
@@ -50,8 +50,8 @@ def fit(
 
     Args:
         scene: what was measured: a scene, or what ``load_scene`` takes.
-        data: a table: a CSV file, or a mapping of columns; or a list with an entry for each data set, which
-            is a table or a list of tables of the same run. See ``docs/fit.md``.
+        data: a table: a CSV file, a mapping of columns, or a ``DataFrame`` of pandas; or a list with an entry
+            for each data set, which is a table or a list of tables of the same run. See ``docs/fit.md``.
         free: names of FMU parameters, and of inputs, which then are constant, that all data sets share.
         free_each: names of those that each data set has for itself, as initial values.
         set_each: name → values that are known, one for each data set.
@@ -172,9 +172,7 @@ def _on_bounds(problem: Problem, found: Found) -> Evaluation:
 
 def _runs(data: Source | Sequence[Source | Sequence[Source]]) -> list[Source | Sequence[Source]]:
     """The tables of each data set."""
-    if isinstance(data, str | os.PathLike | Mapping):
-        return [data]
-    runs = list(data)
+    runs = list(cast("Iterable[Source | Sequence[Source]]", [data] if is_table(data) else data))
     if not runs:
         raise SceneError("data: must be at least one table")
     return runs

@@ -15,8 +15,13 @@ from chain_impact.scene.reading import SceneError, decimal_comma, shown
 from chain_impact.scene.text_file import check_separator, text_of
 
 Source = str | Path | Mapping[str, Sequence[Any]]
-"""A CSV file, or name of a column → its cells."""
+"""A CSV file, or name of a column → its cells. A ``DataFrame`` of pandas is taken as well."""
 EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")
+
+
+def is_table(source: Any) -> bool:
+    """Whether this is one table, and no list of them."""
+    return isinstance(source, str | Path) or hasattr(source, "items")
 
 
 @dataclass(frozen=True)
@@ -75,7 +80,7 @@ def read_table(source: Source) -> Table:
         SceneError: when it is no such table.
         OSError: when the file cannot be read.
     """
-    if isinstance(source, Mapping):
+    if not isinstance(source, str | Path):
         columns = {str(name): list(cells) for name, cells in source.items()}
         lengths = {name: len(cells) for name, cells in columns.items()}
         if len(set(lengths.values())) > 1:
