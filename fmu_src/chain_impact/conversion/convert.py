@@ -14,6 +14,7 @@ from chain_impact.conversion.mjcf import read_mjcf
 from chain_impact.conversion.planar import Converted, planar_chain
 from chain_impact.conversion.to_mjcf import mjcf_of
 from chain_impact.conversion.urdf import read_urdf
+from chain_impact.scene.models import model_names
 from chain_impact.scene.reading import SceneError, SceneWarning
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_of, scene_to_dict
 from chain_impact.system import written_whole
@@ -34,6 +35,8 @@ def of_robot(path: Path, joints: Sequence[str] = ()) -> tuple[Scene, Converted]:
         MissingExtraError: when the package that reads the format is not installed.
         OSError: when the file cannot be read.
     """
+    if path.name in model_names() or path.suffix == ".toml":
+        raise SceneError(f"{path} is a scene; its MJCF is written to a file that ends in .xml")
     try:
         root = ElementTree.parse(path).getroot().tag
     except ElementTree.ParseError as error:

@@ -220,7 +220,10 @@ def test_the_scene_file_of_the_page_is_the_scene_with_its_changes(show, model, c
     page.evaluate("changes => chainImpact.show(changes)", changes)
     page.get_by_role("button", name="Export…").click()
     file = tmp_path / f"{model}.toml"
-    file.write_text(saved(page, "Scene file").read_text())
+    text = saved(page, "Scene file").read_text()
+    assert text.count("[[chain.links]]") == len(load_scene(model).chain.links)
+    assert "author" not in text  # nor any other default
+    file.write_text(text)
     assert load_scene(file).values == load_scene(model).with_values(changes).values
 
 

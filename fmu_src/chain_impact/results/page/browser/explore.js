@@ -119,7 +119,7 @@ function show(scene, text) {
 /** Open a scene of some contents of a file; an error says what is wrong with them. */
 function open(contents) {
   const whole = complete(contents, kit);
-  show(describe(kit, whole, [`${whole.name}.toml`]), tomlText(whole));
+  show(describe(kit, whole, [`${whole.name}.toml`]), tomlText(whole, kit.keys));
 }
 
 /** Name and description of the scene, and the inputs that it has in vain. */
@@ -171,7 +171,7 @@ function connectExport() {
     return sentenceOf(result, result.time.length > 0);
   });
   connectFile("toml", async () => {
-    save(new Blob([tomlText(contentsOf(changes))], { type: "application/toml" }), `${changes.scene.name}.toml`);
+    save(new Blob([tomlText(contentsOf(changes), kit.keys)], { type: "application/toml" }), `${changes.scene.name}.toml`);
     return "";
   });
   connectFile("png", async () => {

@@ -36,14 +36,23 @@ export function contentsOf(changes) {
   return file;
 }
 
-/** The contents of a scene file as TOML. */
-export function tomlText(file) {
-  const isTable = (value) => typeof value === "object" && !Array.isArray(value);
-  const isThere = ([, value]) => !isTable(value) || Object.keys(value).length > 0;
-  const all = Object.entries(file).filter(isThere);
-  const lines = (pairs) => pairs.filter(isThere).map(([key, value]) => `${key} = ${tomlOf(value)}\n`).join("");
-  const tables = all.filter(([, value]) => isTable(value)).map(([key, table]) => `\n[${key}]\n${lines(Object.entries(table))}`);
-  return lines(all.filter(([, value]) => !isTable(value))) + tables.join("");
+/** The contents of a scene file as TOML, without what its keys have by default. */
+export function tomlText(file, keys) {
+  return blocksOf(file, { keys }, "").join("\n");
+}
+
+/** The blocks of a table: its values below its headline, and then those of the tables in it. */
+function blocksOf(table, { kind, keys }, name, headline = "") {
+  const ruleOf = (key) => (kind === "named" ? { kind: "table", keys } : keys[key]);
+  const isValue = ([key]) => !["table", "tables", "named"].includes(ruleOf(key).kind);
+  const given = Object.entries(table).filter(([key, value]) => JSON.stringify(value) !== JSON.stringify(ruleOf(key).default));
+  const lines = given.filter(isValue).map(([key, value]) => `${key} = ${tomlOf(value)}\n`);
+  const inner = given.filter((one) => !isValue(one)).flatMap(([key, value]) => {
+    const path = name ? `${name}.${key}` : key;
+    const title = Array.isArray(value) ? `[[${path}]]\n` : `[${path}]\n`;
+    return [value].flat().flatMap((one) => blocksOf(one, ruleOf(key), path, title));
+  });
+  return [...(lines.length ? [headline + lines.join("")] : []), ...inner];
 }
 
 /** Put a value at its place in a scene file; tables on the way that are not there are made. */
@@ -56,8 +65,7 @@ function put(table, [key, ...rest], value) {
 function tomlOf(value) {
   if (Array.isArray(value)) return `[${value.map(tomlOf).join(", ")}]`;
   if (typeof value === "number") return numberText(value);
-  if (typeof value !== "object") return JSON.stringify(value);
-  return `{ ${Object.entries(value).map(([key, one]) => `${key} = ${tomlOf(one)}`).join(", ")} }`;
+  return JSON.stringify(value);
 }
 
 /** The changes as the part of an address after #, behind the text of the scene file if it is not the page's own. */
