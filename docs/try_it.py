@@ -17,6 +17,7 @@ PAGE = DOCS / "try_it.md"
 GALLERY = DOCS / "models" / "index.md"
 FOLDER = "try"  # of the pages that simulate, in the site
 FIRST = "four_link_box"
+FRAME = f'<iframe class="try" name="try" src="{FOLDER}/{FIRST}.html" title="A page that simulates"></iframe>'
 HEAD = f"""---
 hide: [toc]
 ---
@@ -28,7 +29,7 @@ drag the chain at its start, or choose another scene below.
 [What the page can do](pictures.md#a-page-that-simulates). Your own scene:
 `chain-impact explore my_scene.toml`.
 
-<iframe class="try" name="try" src="{FOLDER}/{FIRST}.html" title="A page that simulates"></iframe>
+{FRAME}
 
 """
 LINK = '<p class="try-link"><a href="../{folder}/{model}.html">Open it in the browser, and change it</a></p>'
@@ -66,8 +67,18 @@ def lead_to_simulations(gallery: str) -> str:
     return led
 
 
+def begin_with_page(start: str) -> str:
+    """The start page, which simulates in place of the film; RuntimeError if there is no film."""
+    begun, count = re.subn(r'<p><img [^>]*four_link_box\.gif"[^>]*></p>', FRAME, start)
+    if count != 1:
+        raise RuntimeError(f"the start page has {count} films of four links")
+    return begun
+
+
 def finish(site: Path) -> None:
     """Put the pages that simulate into the site, and links to them into the pages of the models."""
+    start = site / "index.html"
+    start.write_text(begin_with_page(start.read_text(encoding="utf-8")), encoding="utf-8")
     gallery = site / "models" / "index.html"
     gallery.write_text(lead_to_simulations(gallery.read_text(encoding="utf-8")), encoding="utf-8")
     (site / FOLDER).mkdir(exist_ok=True)

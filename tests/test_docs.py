@@ -236,6 +236,13 @@ def test_the_page_to_try_has_every_model_and_links_to_its_page(tmp_path, monkeyp
         assert (ROOT / "docs" / "models" / f"{model}.md").is_file()
 
 
+def test_the_start_page_of_the_site_opens_with_a_page_that_simulates():
+    film = '<p><img alt="Four links" src="images/four_link_box.gif" /></p>'
+    assert try_it.begin_with_page(f"<h1>chain-impact</h1>{film}") == f"<h1>chain-impact</h1>{try_it.FRAME}"
+    with pytest.raises(RuntimeError, match=r"^the start page has 0 films"):
+        try_it.begin_with_page("<h1>chain-impact</h1>")
+
+
 def test_pictures_of_the_gallery_lead_to_the_pages_that_simulate_and_names_to_the_pages_of_models():
     source = (ROOT / "docs" / "models" / "index.md").read_text(encoding="utf-8")
     pictures = re.findall(

@@ -63,8 +63,12 @@ def test_a_page_of_any_width_has_all_panels(kind, width):
     told = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title().partition(":")[0]) for axes in page.axes]
     labels = {label for each in told for label in each}
     assert {quantity.label for quantity in QUANTITIES if "stop." not in quantity.column} <= labels
-    with pytest.raises(ValueError, match=r"must be at least [\d.]+ high|must be wider"):
-        found.plot(size=(width / 25.4, 2.0))
+
+
+def test_a_page_that_is_too_low_is_refused():
+    found = sweep(SCENE, {"contact.restitution": "0.4,0.8"})
+    with pytest.raises(ValueError, match=r"^size = \(3.3, 2\) must be at least [\d.]+ high"):
+        found.plot(size=(3.3, 2.0))
 
 
 def test_lines_are_the_columns():
