@@ -78,6 +78,7 @@ def test_only_laws_that_allow_it_are_finite_at_zero_restitution(law):
     assert math.isfinite(factor_of(law, 0.0)) == law.allows_zero
     assert math.isfinite(factor_of(law, LEAST_RESTITUTIONS[law.number - 1]))
     assert math.isfinite(factor_of(law, 9e-301)) == law.allows_zero
+    assert ("0 ≤ e" in law.restitution_range) == law.allows_zero
 
 
 @pytest.mark.parametrize("factor", [0.2, 1.43275053, 9.0])
@@ -139,6 +140,7 @@ def test_kelvin_voigt_cut_off_has_a_closed_form(law, e):
 def test_the_registry_is_complete(law):
     for text in (law.title, law.source, law.formula, law.limits, law.evidence, law.force, law.damping):
         assert text
+    assert law.restitution_range.endswith("≤ 1")
     assert law.mass_power == 0.0 if law in FAMILY else law.mass_power > 0.0
     assert law.allows_exponent(1.5) == (law.id != "kelvin_voigt")
     assert law.continuous == (law.id != "kelvin_voigt")

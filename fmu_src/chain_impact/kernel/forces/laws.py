@@ -51,6 +51,11 @@ class ContactLaw:
     impulsive: bool = False  # whether the walls are rigid, see kernel/events/impacts.py
 
     @property
+    def restitution_range(self) -> str:
+        """The restitutions that the law allows, as text."""
+        return "0 ≤ e ≤ 1" if self.allows_zero else "0 < e ≤ 1"
+
+    @property
     def in_family(self) -> bool:
         """Whether it belongs to the Hunt–Crossley family."""
         return self.rate_exponent is None and not self.impulsive
