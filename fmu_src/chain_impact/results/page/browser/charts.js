@@ -4,6 +4,8 @@ import { durationText, forceText, touchingText, unitsOf } from "./format.js";
 
 const WIDTHS = { total: 2.4 };
 const AROUND = 0.35; // of a contact's duration, shown before and after it
+const MOMENT = 1e-3; // s, shown before and after an impact without a duration
+const NO_FORCE = 1e-9; // N
 const NARROWEST = 48; // pixels, the least width of a vertical axis; most labels need no more
 const LABEL_MARGIN = 4; // pixels on the left of a label
 
@@ -296,7 +298,8 @@ export class ForceChart extends Chart {
     this.shown = contact;
     Object.assign(this.unit, unitsOf(contact));
     const { times, margin, force: inside, friction: along, depth } = around(recording, contact);
-    const friction = along ?? times.map(() => null);
+    const rubs = along?.some((force) => force !== 0);
+    const friction = rubs ? along : times.map(() => null);
     this.over.hidden = !depth;
     this.loop = depth && this.over.getAttribute("aria-pressed") === "true" ? [depth, inside] : null;
     this.curves = this.others.flatMap(({ recording: other, colour: stroke }) => {
@@ -309,13 +312,14 @@ export class ForceChart extends Chart {
     this.plot.setData(this.loop ? [[0, most], [null, null], [null, null]] : [times, inside, friction], false);
     this.plot.batch(() => {
       if (this.loop) this.plot.setScale("x", { min: 0, max: 1.05 * most });
-      else this.plot.setScale("x", { min: -margin, max: end - onset + margin });
+      else if (end > onset) this.plot.setScale("x", { min: -margin, max: end - onset + margin });
+      else this.plot.setScale("x", { min: -MOMENT, max: MOMENT });
       const high = highest([contact.peak ?? 0, ...friction], ...this.curves.map(({ places: [, y] }) => y));
-      this.plot.setScale("y", { min: Math.min(0, ...friction), max: high });
+      this.plot.setScale("y", { min: Math.min(0, ...friction), max: high > NO_FORCE ? high : 1 });
     });
     // an impact between two rows of the recording, or at a rigid wall, has no curve
     const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";
-    const legend = along ? "; brown: friction" : "";
+    const legend = rubs ? "; brown: friction" : "";
     this.what.textContent = `${number ? `impact ${number}: ` : ""}${touchingText(contact)} at ${wall}, ${length}${legend}`;
   }
 }

@@ -111,7 +111,9 @@ export class GridMap {
 
   #range(k) {
     const [name, from, to] = this.inputs[k];
-    const range = rangeOf(this.changes.parameters.get(name.value), this.changes.valueOf(name.value));
+    const parameter = this.changes.parameters.get(name.value);
+    const range = rangeOf(parameter, this.changes.valueOf(name.value));
+    find(`map-${"xy"[k]}-unit`).textContent = unitText(parameter.unit);
     [from, to].forEach((field, end) => {
       field.value = numberText(Number(range[end].toPrecision(4)));
       field.dataset.own = field.value;
