@@ -40,3 +40,8 @@ def test_a_long_list_of_impacts_ends_with_how_many_more():
     printed = list(screen.summary(result))
     assert [len(part.rows) for part in printed if isinstance(part, Table)] == [LISTED]
     assert f"… and {more} more impacts; --impacts FILE writes all" in printed
+
+
+def test_a_force_below_a_million_newtons_has_no_exponent():
+    lines = repr(simulate("four_link_box", stop_time=0.55)).splitlines()
+    assert [line.split()[5] for line in lines if line.split()[:1] == ["1"]] == ["19100"]

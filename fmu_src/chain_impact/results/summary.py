@@ -16,6 +16,7 @@ from chain_impact.scene.scene import Scene
 
 LISTED, FEW = 30, 10  # impacts that are listed, and in a text
 SHOWN = 3  # contacts and joints that stick at the end
+LONG, MILLION = 1e4, 1e6  # between these, four digits would need an exponent
 
 
 def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
@@ -86,8 +87,11 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
 
 
 def _digits(value: float) -> str:
-    """A number in four digits; a dash where there is none."""
-    return "—" if np.isnan(value) else f"{value:.4g}"
+    """A number in four digits, without an exponent below a million; a dash where there is none."""
+    if np.isnan(value):
+        return "—"
+    text = f"{value:.4g}"
+    return f"{float(text):.0f}" if LONG <= abs(float(text)) < MILLION else text
 
 
 def load_lines(result: Recording) -> Iterator[str]:
