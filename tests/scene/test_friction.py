@@ -3,7 +3,7 @@
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.scene.friction import coefficients
+from chain_impact.scene.checks import coefficients
 from chain_impact.scene.scene import parse_scene, scene_to_dict, with_values
 from chain_impact.scene.tables import Material
 from tests.friction import pendulum, sled

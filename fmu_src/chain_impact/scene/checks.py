@@ -1,4 +1,4 @@
-"""What a scene must be that no key can tell alone; see scene.py, whose functions call these."""
+"""What a scene must be that no key can tell alone, and what is allowed but may be meant otherwise."""
 
 from __future__ import annotations
 
@@ -16,9 +16,12 @@ from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.kernel.chain.inertia import loose_links
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.status import WITHOUT_FRICTION
 from chain_impact.scene.angles import radians_hint
 from chain_impact.scene.contents import AnyScene, Contents
 from chain_impact.scene.half_planes import direction
+from chain_impact.scene.limits import keys
+from chain_impact.scene.names import STOPS
 from chain_impact.scene.reading import SceneError, SceneWarning, shown
 from chain_impact.scene.tables import Chain, Contact, Material, Stops
 
@@ -26,6 +29,24 @@ _MASSES = ("length", "center_of_mass", "inertia")
 ANGLES = ("initial", "angles")
 PACKAGE = __name__.partition(".")[0]
 START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
+
+
+def completed(scene: AnyScene, folder: Path) -> AnyScene:
+    """Return the scene with what its file leaves to other keys; files in it are sought from ``folder``."""
+    scene = with_angles(with_law_path(scene, folder))
+    return with_materials(with_absolute_angles(scene))
+
+
+def check(scene: Contents) -> None:
+    """Refuse what no key can tell alone; an angle that may be meant in degrees is said, too."""
+    try:
+        check_together(scene)
+        check_stops(scene)
+        check_friction(scene)
+        check_start(scene)
+        check_joint_angles(scene)
+    except SceneError as error:
+        raise SceneError("; ".join([str(error), *angle_hints(scene)]), error.place) from None
 
 
 def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
@@ -146,6 +167,75 @@ def check_law(model: str, table: str, values: Contact | Material | Stops) -> Non
         )
 
 
+def check_stops(scene: Contents) -> None:
+    """Refuse stops that cannot be, and a table for them where there are none."""
+    if not scene.chain.stops:
+        _refuse_table(scene)
+        return
+    _check_links(scene.chain)
+    for number, wall in enumerate(scene.walls, 1):
+        if wall.name in STOPS:
+            needed = f"must be none of {', '.join(STOPS)}, as joints have stops"
+            raise SceneError(f"walls[{number}].name = {wall.name!r} {needed}")
+    check_law(scene.stops.model or scene.contact.model, "stops", scene.stops)
+
+
+def _refuse_table(scene: Contents) -> None:
+    for entry in keys(Stops):
+        if (value := getattr(scene.stops, entry.name)) is not None:
+            needed = "must be left out: no link has a joint_min or joint_max"
+            raise SceneError(f"stops.{entry.name} = {shown(value)} {needed}")
+
+
+def _check_links(chain: Chain) -> None:
+    joint, key = chain.stops[0]
+    if joint == 1 and chain.base == "free":
+        needed = (
+            "must be left out: a free base has no joint 1; of equal links, link 1 needs an entry of its own"
+        )
+        raise SceneError(f"link[1].{key} = {getattr(chain.links[0], key)} {needed}")
+    for i, (low, high) in chain.joint_ranges.items():
+        if not low < high:
+            raise SceneError(
+                f"link[{i}].joint_max = {high} must be > {low} [rad], which is link[{i}].joint_min"
+            )
+
+
+def check_friction(scene: Contents) -> None:
+    """Refuse a static friction below that of sliding, and friction at rigid walls."""
+    contact = scene.contact
+    _check_coefficients(scene, "contact", contact.friction, contact.static_friction)
+    for name, material in contact.wall.items():
+        _check_coefficients(scene, f"wall.{name}", *coefficients(contact, material))
+
+
+def coefficients(contact: Contact, material: Material) -> tuple[float, float]:
+    """The coefficients of sliding and of static friction at a wall; the latter is 0 if it is the former.
+
+    A wall with a coefficient of sliding of its own takes no static friction from the other walls.
+    """
+    own = material.friction is not None
+    sliding = contact.friction if material.friction is None else material.friction
+    static = 0.0 if own else contact.static_friction
+    return sliding, static if material.static_friction is None else material.static_friction
+
+
+def _check_coefficients(scene: Contents, table: str, sliding: float, static: float) -> None:
+    """Refuse the coefficients of a table."""
+    law = CONTACT_LAWS.get(scene.contact.model)
+    if 0.0 < static < sliding:
+        raise SceneError(
+            f"{table}.static_friction = {static} must be >= {sliding}, the coefficient of sliding friction, "
+            "or 0 for the same"
+        )
+    if law and law.impulsive and max(sliding, static) > 0.0:
+        key, value = ("friction", sliding) if sliding > 0.0 else ("static_friction", static)
+        raise SceneError(
+            f"{table}.{key} = {value} must be 0 for the contact model {law.id}: {WITHOUT_FRICTION}; "
+            "choose a law with a force"
+        )
+
+
 def check_start(scene: Contents) -> None:
     """Refuse a start in which a candidate point is already in a wall."""
     x, y = scene.initial.position
@@ -162,6 +252,29 @@ def check_start(scene: Contents) -> None:
                 beyond = name not in WALLS and all(wall.clearance(*one) < 0.0 for one in candidates)
                 asked = "; no point is: is its normal reversed?" if beyond and not angle_hints(scene) else ""
                 raise SceneError(f"initial: {place} the wall {name}; must be outside{asked}")
+
+
+def check_joint_angles(scene: Contents) -> None:
+    """Refuse a start in which a joint is beyond one of its stops."""
+    angles = (0.0, *scene.initial.angles)
+    for i, (low, high) in scene.chain.joint_ranges.items():
+        joint = angles[i] - angles[i - 1]
+        beyond = max(low - joint, joint - high)
+        if beyond > START_TOLERANCE:
+            stop = f"joint_min = {low:.6g}" if joint < low else f"joint_max = {high:.6g}"
+            where = f"joint {i} at {joint:.6g} rad is {beyond:.6g} rad beyond its {stop} rad"
+            raise SceneError(f"initial: {where}; must be within{_turns_hint(joint, low, high)}")
+
+
+def _turns_hint(joint: float, low: float, high: float) -> str:
+    """What to say of a joint that is within its stops but for whole turns; else nothing."""
+    turns = math.ceil((low - joint) / math.tau) if joint < low else math.floor((high - joint) / math.tau)
+    same = joint + turns * math.tau
+    return (
+        f"; angles are not reduced to one turn, and {same:.6g} rad is the same direction"
+        if low <= same <= high
+        else ""
+    )
 
 
 def angle_hints(scene: Contents) -> list[str]:

@@ -13,19 +13,18 @@ from dataclasses import replace
 from typing import Any
 
 from chain_impact.scene.angles import radians_hint
-from chain_impact.scene.checks import check_start
+from chain_impact.scene.checks import check_joint_angles, check_start
 from chain_impact.scene.contents import AnyScene, Contents
 from chain_impact.scene.limits import keeps, keys
 from chain_impact.scene.names import Place, name_of
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.stops import check_joint_angles
 from chain_impact.scene.tables import Contact, Initial, Link, Simulation, Solver
 
 LARGEST = sys.float_info.max
 LINKS = 64  # only so many links are changed this way
 _KEYS: dict[Place, tuple[Any, tuple[str, ...]]] = {
     ("contact",): (Contact, ("stiffness", "restitution", "minimum_impact_speed")),
-    ("solver",): (Solver, ("tolerance", "work_limit")),
+    ("solver",): (Solver, ("method", "tolerance", "work_limit")),
     ("simulation",): (Simulation, ("stop_time", "step_size")),
     **{
         ("chain", "links", i): (Link, ("mass", "inertia", "joint_damping", "joint_stiffness"))
@@ -67,17 +66,24 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[Place, An
 
 def _with_number(scene: AnyScene, path: Place, rule: Mapping[str, Any], given: Any) -> AnyScene | None:
     """The scene with one number changed; None if there is no path, or it breaks its rule."""
-    if not path or isinstance(given, bool) or not isinstance(given, int | float):
-        return None
-    value = float(given) if abs(given) <= LARGEST else math.inf
-    if not math.isfinite(value) or not keeps(value, rule):
+    value = _value(given, rule) if path else None
+    if value is None or not keeps(value, rule):
         return None
     # of a list that is derived, all entries would be given
     is_derived = path in scene.derived_places or path[:-1] in scene.derived_places
     return None if is_derived else _changed(scene, path, value)
 
 
-def _changed(scene: AnyScene, path: Place, value: float) -> AnyScene | None:
+def _value(given: Any, rule: Mapping[str, Any]) -> Any:
+    """The finite number, or the choice, that is given; None if it is neither."""
+    if rule["choices"]:
+        return given if isinstance(given, str) else None
+    if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= LARGEST:
+        return None
+    return float(given)
+
+
+def _changed(scene: AnyScene, path: Place, value: Any) -> AnyScene | None:
     """The scene with the number at a path changed; None if others would have to be looked at."""
     match path:
         case "chain", "links", int(i), str(key):

@@ -10,14 +10,14 @@ import operator
 import os
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import Field, asdict, dataclass, is_dataclass, replace
+from dataclasses import Field, dataclass, is_dataclass, replace
 from html import escape
 from numbers import Integral
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from chain_impact.kernel.ode.control import SOLVER_METHODS
-from chain_impact.scene import checks, drawing, friction, scene_text, stops
+from chain_impact.scene import checks, drawing, scene_text
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.derived import above, of_every_link, rule_of, without_derived
 from chain_impact.scene.limits import keys
@@ -26,10 +26,6 @@ from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
 from chain_impact.scene.names import Place, name_of, parameter_hint, place_in_file
 from chain_impact.scene.numbers import with_numbers
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, keys_of, shown
-from chain_impact.scene.tables import (
-    Simulation,
-    Solver,
-)
 from chain_impact.scene.text_file import text_of
 
 SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
@@ -130,21 +126,14 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
         name, written = name_of(path, names), place_in_file(path)
         return f"{name} ({written})" if in_file and written != name else name
 
-    hints: list[str] = []
     try:
         reader = Reader(Scene, label)
         scene: Scene = reader.read(data)
         scene = replace(scene, derived_places=tuple(sorted(of_every_link(reader.derived, data))))
-        scene = checks.with_angles(checks.with_law_path(scene, Path(source).parent))
-        scene = checks.with_materials(checks.with_absolute_angles(scene))
-        hints = checks.angle_hints(scene)
-        checks.check_together(scene)
-        stops.check_stops(scene)
-        friction.check_friction(scene)
-        checks.check_start(scene)
-        stops.check_joint_angles(scene)
+        scene = checks.completed(scene, Path(source).parent)
+        checks.check(scene)
     except SceneError as error:
-        raise SceneError("; ".join([f"{source}: {error}", *hints]), error.place) from None
+        raise SceneError(f"{source}: {error}", error.place) from None
     return scene
 
 
@@ -206,11 +195,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
     checks.warn(scene.name, checks.turning_hints(scene, changes))
     if (quick := with_numbers(scene, changes)) is not None:
         return quick
-    values = [_place_and_value(scene, change, given) for change, given in changes.items()]
-    if all(_is_independent(path) for path, _ in values):
-        changed = _with_independent(scene, values)
-    else:
-        changed = _with_any(scene, values)
+    changed = _with_any(scene, [_place_and_value(scene, *change) for change in changes.items()])
     known = checks.hints(scene)
     checks.warn(scene.name, [hint for hint in checks.hints(changed) if hint not in known])
     return changed
@@ -236,34 +221,6 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
 
 JOINT_ANGLES = ("initial", "joint_angles")
 """What can be given in place of the absolute angles."""
-_INDEPENDENT: dict[str, frozenset[str]] = {
-    name: frozenset(entry.name for entry in keys(table))
-    for name, table in (("solver", Solver), ("simulation", Simulation))
-}
-"""The tables, and their keys, on which no other value of a scene depends."""
-
-
-def _is_independent(path: Any) -> bool:
-    """Whether a path is that of a key of such a table."""
-    match path:
-        case str(table), str(key):
-            return key in _INDEPENDENT.get(table, ())
-    return False
-
-
-def _with_independent(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
-    """As with_values, of independent tables only: to read all others anew takes ten times as long."""
-    tables: dict[str, dict[str, Any]] = {}
-    for (name, key), value in values:
-        tables.setdefault(name, asdict(getattr(scene, name)))[key] = value
-    try:
-        for name, data in tables.items():
-            table = type(getattr(scene, name))
-            reader = Reader(table, lambda path: name_of((name, *path)))  # noqa: B023 - used in this round only
-            scene = replace(scene, **{name: reader.read(data)})
-    except SceneError as error:
-        raise SceneError(f"{scene.name}: {error}") from None
-    return scene
 
 
 def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Place, Any]:
