@@ -16,7 +16,6 @@ import pytest
 from matplotlib import pyplot
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
-from chain_impact.cli import report
 from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu.run import record_fmu
 from chain_impact.scene.models import models_folder
@@ -402,7 +401,7 @@ def test_an_interrupt_is_no_traceback(run, monkeypatch):
     def record(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(report, "record", record)
+    monkeypatch.setattr("chain_impact.cli.simulate.record", record)
     assert run("simulate") == (130, "", "chain-impact: interrupted\n")
 
 

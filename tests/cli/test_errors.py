@@ -11,7 +11,6 @@ import matplotlib as mpl
 import pytest
 from matplotlib import pyplot
 
-from chain_impact.cli import report
 from chain_impact.extras import MissingExtraError
 from chain_impact.scene.scene import model_names
 
@@ -104,7 +103,7 @@ def test_an_extra_that_is_missing(refused, monkeypatch):
     def record(*_, **__):
         raise MissingExtraError("pandas cannot be imported: pip install 'chain-impact[pandas]'")
 
-    monkeypatch.setattr(report, "record", record)
+    monkeypatch.setattr("chain_impact.cli.simulate.record", record)
     refused(2, r"pip install 'chain-impact\[pandas\]'$", "simulate")
 
 
@@ -112,12 +111,12 @@ def test_a_package_that_is_damaged(refused, monkeypatch):
     def record(*_, **__):
         raise ImportError("DLL load failed while importing lib: not a valid application", name="pyarrow.lib")
 
-    monkeypatch.setattr(report, "record", record)
+    monkeypatch.setattr("chain_impact.cli.simulate.record", record)
     refused(2, "a package is damaged, install it anew: DLL load failed while importing lib", "simulate")
 
 
 def test_what_cannot_be_shown_is_refused_before_anything_runs(refused, monkeypatch):
-    monkeypatch.setattr(report, "record", None)
+    monkeypatch.setattr("chain_impact.cli.simulate.record", None)
     for name in ("out.bmpx", "out", "png"):
         refused(2, rf"{name} must end in \.png, \.svg, \.pdf", "simulate", "--plot", name)
     with mpl.rc_context({"backend": "agg"}):

@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 
-from chain_impact.fmu import archive
+from chain_impact.fmu import findings
 from chain_impact.fmu.build import validate_fmu
 from chain_impact.fmu.check_description import description_findings
 from chain_impact.fmu.check_lists import NAMES
@@ -210,8 +210,8 @@ def test_a_bomb_is_refused_by_its_declared_sizes(native, tmp_path, monkeypatch):
     assert validate_fmu(path) == [line]
     with pytest.raises(SceneError, match=r"x\.fmu: not a readable FMU: extra/bomb\.csv: its 4\.29 GB"):
         read_fmu(path)
-    monkeypatch.setattr(archive, "LARGEST", 10**10)
-    assert archive.archive_findings(path) == []
+    monkeypatch.setattr(findings, "LARGEST", 10**10)
+    assert findings.archive_findings(path) == []
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,9 @@ from chain_impact.results.stick_slip import (
     CHANGE_DTYPE,
     STICK_SLIP_DTYPE,
     phase_cells,
+    phases_from,
     phases_of,
 )
-from chain_impact.results.touches import phases_from
 from tests.friction import pendulum, sled, thrown
 
 WALLS = ("x_min", "x_max", "y_min", "y_max", "slope")

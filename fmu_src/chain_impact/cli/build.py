@@ -7,7 +7,7 @@ from pathlib import Path
 
 from chain_impact.cli.options import UsageError, Verbs, add_scene, is_fmu
 from chain_impact.cli.progress import progress, say
-from chain_impact.cli.report import Files, report
+from chain_impact.cli.simulate import Files, report
 from chain_impact.scene.scene import load_scene
 from chain_impact.system import HOST, PLATFORMS
 

@@ -17,8 +17,7 @@ from chain_impact.cli.options import (
     settings_of,
 )
 from chain_impact.cli.progress import progress, say
-from chain_impact.cli.report import show
-from chain_impact.cli.screen import law_table
+from chain_impact.cli.screen import law_table, show
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import with_settings
 

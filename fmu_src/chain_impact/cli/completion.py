@@ -11,12 +11,7 @@ import os
 from chain_impact.cli.options import Verbs
 from chain_impact.cli.progress import say
 
-SHELLS = {
-    "bash": "~/.bashrc",
-    "zsh": "~/.zshrc",
-    "fish": "~/.config/fish/config.fish",
-}
-"""The shells, and the files that they read when they start."""
+SHELLS = ("bash", "zsh", "fish")
 ASKED = "_ARGCOMPLETE"  # set by a shell that asks
 
 
@@ -27,7 +22,7 @@ def add(verbs: Verbs) -> None:
     )
     completion.add_argument(
         "shell",
-        choices=list(SHELLS),
+        choices=SHELLS,
         help="bash: add to ~/.bashrc: "
         'eval "$(chain-impact completion bash)"; zsh likewise to ~/.zshrc; fish to '
         "~/.config/fish/config.fish: chain-impact completion fish | source",

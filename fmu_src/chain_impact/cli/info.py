@@ -10,8 +10,7 @@ from rich.markup import escape
 
 from chain_impact.cli.options import Verbs, add_scene, is_fmu
 from chain_impact.cli.progress import out, say
-from chain_impact.cli.report import show
-from chain_impact.cli.screen import variable_table
+from chain_impact.cli.screen import show, variable_table
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import EXPERIMENT, platforms_of
 from chain_impact.scene.scene import load_scene

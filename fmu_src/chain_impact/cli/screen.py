@@ -13,6 +13,7 @@ from rich.console import Console, RenderableType
 from rich.markup import escape
 from rich.table import Table
 
+from chain_impact.cli.progress import out, say
 from chain_impact.compilation.cache import LINKER, Entry
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import phase_cells
@@ -50,6 +51,16 @@ def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
     for name in head:
         table.add_column(name, justify="right" if name in numbers else "left", no_wrap=name == head[0])
     return table
+
+
+def show(parts: Iterable[RenderableType]) -> None:
+    """Print one after the other: on a terminal as wide as that is, elsewhere whole lines."""
+    for part in parts:
+        if isinstance(part, Table) and not out.is_terminal:
+            for line in plain_lines(part):
+                say(line)
+        else:
+            out.print(part, soft_wrap=not isinstance(part, Table))
 
 
 def plain_lines(table: Table) -> Iterator[str]:

@@ -1,55 +1,67 @@
-"""`chain-impact simulate`: a scene or an FMU, with a summary, a picture and a table."""
+"""`chain-impact simulate`: a scene or an FMU, with a summary, a picture and tables."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chain_impact.cli.options import (
     Once,
+    UsageError,
     Verbs,
     add_csv,
     add_plot,
     add_repeated,
     add_scene,
     add_set,
+    check_csv,
+    check_outputs,
+    is_fmu,
     names_in,
+    settings_of,
 )
-from chain_impact.cli.report import Files, report
-from chain_impact.results.impact_file import SUFFIXES
-from chain_impact.simulation.record_scene import RunError
+from chain_impact.cli.progress import complain, progress, say
+from chain_impact.cli.screen import sensitivity_tables, show, summary
+from chain_impact.fmu.run import record_fmu
+from chain_impact.results.recording import Recording
+from chain_impact.results.tables import SUFFIXES
+from chain_impact.scene.scene import load_scene
+from chain_impact.simulation.record_scene import RunError, record_scene, with_settings
+from chain_impact.simulation.simulate import simulate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+ROWS = 1000  # of a picture, at least
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    simulate = verbs.add_parser("simulate", help="simulate a scene, or an FMU with fmpy")
-    add_scene(simulate, "scene or FMU")
-    add_set(simulate)
+    verb = verbs.add_parser("simulate", help="simulate a scene, or an FMU with fmpy")
+    add_scene(verb, "scene or FMU")
+    add_set(verb)
     add_repeated(
-        simulate,
+        verb,
         "--sensitivity",
         "NAMES",
         "also find the derivatives with respect to these parameters, and draw them in place of the motion: "
         "contact.stiffness,link[*].mass",
     )
-    simulate.add_argument("--show", action="store_true", help="open a window with the picture")
-    add_plot(simulate, "motion, energy and impacts")
-    add_csv(simulate, "the outputs over time")
-    add_repeated(
-        simulate, "--output", "NAMES", "the columns of the table: point[*].x,energy.total; default: all"
-    )
-    simulate.add_argument(
+    verb.add_argument("--show", action="store_true", help="open a window with the picture")
+    add_plot(verb, "motion, energy and impacts")
+    add_csv(verb, "the outputs over time")
+    add_repeated(verb, "--output", "NAMES", "the columns of the table: point[*].x,energy.total; default: all")
+    verb.add_argument(
         "--impacts",
         action=Once,
         metavar="FILE",
         type=Path,
         help=f"write the list of impacts ({', '.join(one[1:] for one in SUFFIXES)})",
     )
-    simulate.set_defaults(run=run)
+    verb.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -76,3 +88,106 @@ def open_window() -> Figure:
     if page.canvas.required_interactive_framework is None:
         raise RunError("--show: there is no display, or no window toolkit for matplotlib; use --plot FILE")
     return page
+
+
+@dataclass(frozen=True)
+class Files:
+    """What is written: a table of outputs, a picture, a list of impacts; and the columns of the table."""
+
+    csv: Path | None = None
+    picture: Path | None = None
+    impacts: Path | None = None
+    columns: Sequence[str] = ()
+
+    def check(self, source: str) -> None:
+        """Refuse files that cannot be written, and columns without a table, before any work is done."""
+        check_outputs(self.csv, self.picture, self.impacts, inputs=[source])
+        check_csv(self.csv)
+        if self.impacts and self.impacts.suffix.lower() not in SUFFIXES:
+            raise UsageError(f"--impacts {self.impacts}: must end in {', '.join(SUFFIXES)}")
+        if self.columns and not self.csv:
+            raise UsageError("--output: the columns are those of a table: give --csv FILE too")
+
+
+def report(
+    source: str,
+    settings: Sequence[str],
+    files: Files,
+    sensitivities: Sequence[str] = (),
+    *,
+    window: Figure | None = None,
+) -> None:
+    """Simulate, write the files asked for and print a summary; also of what came before a fault.
+
+    The picture is drawn into a file, into an empty window, or both.
+    """
+    files.check(source)
+    fault = None
+    try:
+        recording = record(source, settings, sensitivities)
+    except RunError as error:
+        if error.recording is None:
+            raise
+        recording, fault = error.recording, error
+    if files.csv:
+        recording.save_csv(files.csv, files.columns or None)
+        say(f"results  {files.csv}")
+    if files.impacts:
+        recording.save_impacts(files.impacts)
+        say(f"impacts  {files.impacts}")
+    if files.picture or window:
+        shown = recording if sensitivities or fault else with_rows(recording, source, settings)
+        draw(shown, files.picture, window, sensitivities)
+    show(summary(recording))
+    if sensitivities:
+        show(sensitivity_tables(recording))
+    if fault:
+        raise fault
+
+
+def draw(
+    recording: Recording, picture: Path | None, window: Figure | None, sensitivities: Sequence[str]
+) -> None:
+    """Draw a recording into a file and a window: its derivatives if some are named, else its motion."""
+    from chain_impact.results.plots import fill, fill_sensitivities, plot
+
+    fill_page = fill_sensitivities if sensitivities else fill
+    if picture:
+        plot(recording, picture, fill_page)
+        say(f"picture  {picture}")
+    if window:
+        fill_page(window, recording)
+
+
+def record(source: str, settings: Sequence[str], sensitivities: Sequence[str] = ()) -> Recording:
+    """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``.
+
+    If no ``sensitivities`` are named, they are those that the scene asks for.
+    """
+    values = settings_of(settings)
+    if sensitivities and is_fmu(source):
+        raise UsageError(f"--sensitivity: {source} is an FMU; must be a scene")
+    with progress() as advance:
+        if is_fmu(source):
+            return record_fmu(Path(source), values, advance)
+        return record_scene(load_scene(source), values, advance, sensitivities or None)
+
+
+def with_rows(recording: Recording, source: str, settings: Sequence[str]) -> Recording:
+    """The recording with as many rows as a picture needs: of a scene, from a run with rows of its own.
+
+    Of an FMU there are no others; then it is said.
+    """
+    rows = len(recording.time)
+    if rows >= ROWS:
+        return recording
+    if is_fmu(source):
+        complain(
+            f"the picture has {rows} poses only, one each communication step, and cannot show "
+            "what is between them; --set simulation.step_size=… makes more"
+        )
+        return recording
+    scene = with_settings(load_scene(source), settings_of(settings))
+    step = scene.simulation.stop_time / ROWS
+    with progress() as advance:
+        return simulate(scene, output_step=step, progress=advance)

@@ -9,11 +9,10 @@ import zlib
 from pathlib import Path
 from xml.etree import ElementTree
 
-from chain_impact.fmu.archive import archive_findings
 from chain_impact.fmu.check_lists import TERMINALS, list_findings, terminal_findings
 from chain_impact.fmu.check_structure import Structure
 from chain_impact.fmu.check_variables import variable_findings, variables_of
-from chain_impact.fmu.findings import DESCRIPTION, Finding
+from chain_impact.fmu.findings import DESCRIPTION, Finding, archive_findings
 
 TABLE = "resources/model.json"
 VERSIONS = ("2.0", "3.0")

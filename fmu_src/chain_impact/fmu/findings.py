@@ -1,12 +1,20 @@
-"""What is wrong with an FMU: a sentence, and its place."""
+"""What is wrong with an FMU: a sentence, and its place; of its zip it is told before that is unpacked."""
 
 from __future__ import annotations
 
+import posixpath
+import re
+import zipfile
+from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 DESCRIPTION = "modelDescription.xml"
 COMPLETE = "complete"
 """The last call in the report of a trial that is whole."""
+LARGEST = 2**30
+"""Bytes that the files of an FMU may have together, unpacked. Python unpacks no more than a zip declares."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,3 +36,44 @@ class Finding:
     def __str__(self) -> str:
         """Place and sentence in one line."""
         return ": ".join([part for part in (self.file, self.variable, self.attribute) if part] + [self.text])
+
+
+def archive_findings(path: Path) -> list[Finding]:
+    """What makes it impossible or unsafe to unpack an FMU.
+
+    Raises:
+        OSError: when there is no such file.
+        zipfile.BadZipFile: when it is no zip.
+    """
+    with zipfile.ZipFile(path) as fmu:
+        entries = fmu.infolist()
+    found = [finding for entry in entries for finding in _of_entry(entry)]
+    size = sum(entry.file_size for entry in entries)
+    if size > LARGEST:
+        largest = max(entries, key=lambda entry: entry.file_size)
+        found.append(
+            Finding(
+                f"its {largest.file_size / 1e9:.3g} GB, unpacked, make the FMU {size / 1e9:.3g} GB: nothing "
+                f"is unpacked of one that has more than {LARGEST / 1e9:.3g} GB",
+                largest.filename,
+            )
+        )
+    contents = {(entry.filename, entry.file_size, entry.CRC) for entry in entries}
+    names = Counter(name for name, *_ in contents)
+    if DESCRIPTION not in names:
+        found.append(Finding("is not in the FMU: it is no FMU"))
+    return found + [
+        Finding(f"is in the FMU {count} times, with different contents", name)
+        for name, count in names.items()
+        if count > 1
+    ]
+
+
+def _of_entry(entry: zipfile.ZipInfo) -> Iterator[Finding]:
+    name = entry.orig_filename.replace("\0", "")
+    if "\\" in name:
+        yield Finding("the path contains a backslash: it must have slashes only", name)
+    elif name.startswith("/") or re.match(r"[^/]*:", name) or posixpath.normpath(name).startswith(".."):
+        yield Finding("the path leaves the folder that the FMU is unpacked to", name)
+    if entry.flag_bits & 1:
+        yield Finding("is encrypted", name)

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.fmu.archive import archive_findings
+from chain_impact.fmu.findings import archive_findings
 from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.system import HOST, PLATFORMS

@@ -19,7 +19,7 @@ from chain_impact.progress import Progress, silent
 from chain_impact.results.impacts import impacts_shown
 from chain_impact.results.joint_stops import ranges_from
 from chain_impact.results.recording import Recording
-from chain_impact.results.touches import phases_from
+from chain_impact.results.stick_slip import phases_from
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.names import STOPS, input_key

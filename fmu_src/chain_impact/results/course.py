@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import STOPS
-from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model
 
 SAMPLES = 400  # of an impact
@@ -21,17 +19,6 @@ SOON = 1e-6  # of an impact, the first of more times shortly after its onset
 
 Rerun = Callable[[np.ndarray], np.ndarray]
 """Outputs at times [s] that increase, shape (S,), from the same run once more."""
-
-
-class Simulated(Protocol):
-    """The parts of a ``Result`` that are needed here."""
-
-    model: Model
-    rerun: Rerun | None
-
-    @property
-    def scene(self) -> Scene:
-        """The scene."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,14 +40,17 @@ class Course:
     energy_lost: float
 
 
-def course_of(result: Simulated, impact: np.void, *, until: float = math.nan, early: bool = False) -> Course:
+def course_of(
+    model: Model, rerun: Rerun | None, impact: np.void, *, until: float = math.nan, early: bool = False
+) -> Course:
     """The course of an impact, a row of ``Result.impacts``.
 
     The run is repeated up to there with rows within the impact: it is the same run to the last bit, as rows
     do not change the solution.
 
     Args:
-        result: of a scene.
+        model: of the scene as it was simulated.
+        rerun: ``Result.rerun``.
         impact: the row.
         until: the end of the course where the impact has none [s].
         early: with more times, most of them shortly after the onset, for a contact that lasts long.
@@ -68,8 +58,8 @@ def course_of(result: Simulated, impact: np.void, *, until: float = math.nan, ea
     Raises:
         ValueError: when the result cannot be run once more.
     """
-    if result.rerun is None:
-        raise ValueError(f"{result.scene.name}: only a result of simulate() has the course of an impact")
+    if rerun is None:
+        raise ValueError(f"{model.scene.name}: only a result of simulate() has the course of an impact")
     onset, end = float(impact["onset"]), float(impact["end"])
     end = until if math.isnan(end) else end
     inside = np.linspace(onset, end, SAMPLES if end > onset else 0)
@@ -77,8 +67,8 @@ def course_of(result: Simulated, impact: np.void, *, until: float = math.nan, ea
         shares = np.union1d(np.geomspace(SOON, 1.0, SAMPLES), np.linspace(0.0, 1.0, MANY))
         inside = np.unique((onset + (end - onset) * shares).clip(onset, end))
     before, after = max(0.0, math.nextafter(onset, 0.0)), math.nextafter(end, math.inf)
-    outputs = result.rerun(np.concatenate([[before], inside, [after]]))
-    at, sign = place_of(result, impact)
+    outputs = rerun(np.concatenate([[before], inside, [after]]))
+    at, sign = place_of(model, impact)
     within = outputs[1 : 1 + len(inside)]
     speed = within["penetration_rate"][:, at].copy()
     if len(speed):  # the outputs have none where there is no penetration
@@ -94,11 +84,11 @@ def course_of(result: Simulated, impact: np.void, *, until: float = math.nan, ea
     )
 
 
-def place_of(result: Simulated, impact: np.void) -> tuple[int, float]:
+def place_of(model: Model, impact: np.void) -> tuple[int, float]:
     """Where the outputs have the force of an impact, and its sign there; see ``_stops`` of the outputs."""
-    pairs = result.model.candidates
-    if not at_stop(result.scene, impact["wall"]):
+    pairs, scene = model.candidates, model.scene
+    if not at_stop(scene, impact["wall"]):
         return pairs.index((impact["point"], impact["wall"])), 1.0
-    first = len(point_wall_pairs(result.scene))
+    first = len(point_wall_pairs(scene))
     of_joint = [joint for joint, _ in pairs[first:]].index(impact["point"])
-    return first + of_joint, 1.0 if result.scene.wall_names[impact["wall"]] == STOPS[0] else -1.0
+    return first + of_joint, 1.0 if scene.wall_names[impact["wall"]] == STOPS[0] else -1.0

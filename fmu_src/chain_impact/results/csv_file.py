@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.results.impacts import NO_IMPACTS, impacts_shown
 from chain_impact.results.joint_stops import ranges_of
 from chain_impact.results.recording import Recording
-from chain_impact.results.touches import phases_from
+from chain_impact.results.stick_slip import phases_from
 from chain_impact.scene.names import SENSITIVITY
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene

@@ -113,7 +113,7 @@ class Pictured(Recording):
             there = f"1 to {len(self.impacts)}" if len(self.impacts) else "left out: there is no impact"
             raise ValueError(f"{self.name}: the number of an impact = {number!r} must be {there}")
         impact = self.impacts[number - 1]
-        course = course_of(self, impact, until=float(self.time[-1]), early=True)
+        course = course_of(self.model, self.rerun, impact, until=float(self.time[-1]), early=True)
         if ax is None:
             fill = partial(plots.fill_impact, recording=self, number=number, course=course)
             return plots.drawn(fill, path, size, plots.IMPACT_SIZE)

@@ -14,13 +14,12 @@ from typing import Any
 import numpy as np
 
 from chain_impact.results.equality import same
-from chain_impact.results.impact_file import save_impacts
 from chain_impact.results.impacts import NO_IMPACTS
 from chain_impact.results.joint_stops import JointRange, touching_place
 from chain_impact.results.sensitivity import Sensitivities
-from chain_impact.results.stick_slip import NO_PHASES
+from chain_impact.results.stick_slip import NO_PHASES, Touch
+from chain_impact.results.tables import save_impacts
 from chain_impact.results.text import plural
-from chain_impact.results.touches import Touch
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.reading import matching

@@ -16,7 +16,7 @@ import numpy as np
 from chain_impact.results.joint_stops import JointRange
 from chain_impact.results.pacing import frame_times, slow_spans
 from chain_impact.results.recording import Recording
-from chain_impact.results.touches import Touch
+from chain_impact.results.stick_slip import Touch
 from chain_impact.results.view import radius_of
 from chain_impact.scene.half_planes import HalfPlane
 
