@@ -6,6 +6,7 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
+import tomlkit
 
 from chain_impact import SceneError, load_scene, model_names, simulate
 from chain_impact.scene.models import scene_path
@@ -122,6 +123,7 @@ def changed(path, value):
 
 REFUSED = [
     (("chain", "links", 0, "lenght"), 1.0, "chain.links[1].lenght is unknown"),
+    (("contact", "toString"), 1.0, "contact.toString is unknown"),
     (("chain", "links", 1, "mass"), -1.0, "chain.links[2].mass = -1 must be a finite number > 0 [kg]"),
     (("chain", "links", 0, "count"), 1000, "chain.links are 1001, must be at most 1000"),
     (("chain", "links"), [], "chain.links has 0 entries, must have 1 to 1000"),
@@ -237,6 +239,18 @@ def test_links_walls_and_stops_are_added_and_removed_and_the_page_has_the_number
     assert_same_motion(page, scene)
 
 
+def test_points_behind_a_removed_link_are_still_those_that_can_touch(show, tmp_path):
+    page = show()
+    contents = scene_to_dict(load_scene("four_link_box").with_values({"contact.points": [1, 2, 4]}))
+    page.evaluate(DROP, ["listed.toml", tomlkit.dumps(contents)])
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Remove link 2").click()
+    until_told(page, "3 links")
+    scene = downloaded(page, tmp_path)
+    assert scene.contact.points == (1, 3)
+    assert_same_motion(page, scene)
+
+
 def test_a_value_that_cannot_be_is_told_and_changes_nothing(show):
     page = show()
     before = page.evaluate("chainImpact.parameters")
@@ -297,3 +311,21 @@ def test_a_dropped_file_that_is_no_scene_is_told_and_changes_nothing(show, text,
     until_told(page, "rod.toml cannot be opened: ", "edit-text")
     assert told in refusal(page)
     assert page.evaluate("chainImpact.parameters") == before
+
+
+def test_a_dropped_file_that_cannot_be_read_is_told(show):
+    page = show()
+    page.evaluate("() => { File.prototype.text = () => Promise.reject(new Error('it is a folder')); }")
+    page.evaluate(DROP, ["models", ""])
+    until_told(page, "models cannot be opened: it is a folder.", "edit-text")
+
+
+def test_dropped_text_is_left_to_the_field_that_it_falls_on(show):
+    page = show()
+    taken = page.evaluate("""() => {
+      const data = new DataTransfer();
+      data.setData("text/plain", "0.5");
+      const drop = new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true });
+      return !document.body.dispatchEvent(drop);
+    }""")
+    assert not taken

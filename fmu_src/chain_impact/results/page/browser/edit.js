@@ -40,20 +40,24 @@ export class Editor {
       first();
       this.#draw();
     });
-    document.addEventListener("dragover", (event) => event.preventDefault());
-    document.addEventListener("drop", (event) => {
+    const onFiles = (kind, take) => document.addEventListener(kind, (event) => {
+      if (!event.dataTransfer.types.includes("Files")) return; // text is dropped into fields
       event.preventDefault();
-      const [file] = event.dataTransfer.files;
-      if (file) this.#read(file, () => this.dialog.open || this.dialog.showModal());
+      take([...event.dataTransfer.files]);
     });
+    onFiles("dragover", () => {});
+    onFiles("drop", ([file]) => file && this.#read(file, () => this.dialog.open || this.dialog.showModal()));
   }
 
   /** Open a scene file; `onFault` is called if it cannot be. */
   async #read(file, onFault = () => {}) {
-    const text = await file.text();
-    this.#try(() => this.open(contentsIn(text)), `${file.name} is open.`, (error) => {
+    const text = await file.text().catch((error) => error);
+    this.#try(() => {
+      if (text instanceof Error) throw text; // of a folder, or of a file that is gone
+      this.open(contentsIn(text));
+    }, `${file.name} is open.`, (error) => {
       onFault();
-      return `${file.name} cannot be opened: ${error.message}.`;
+      return `${file.name} cannot be opened: ${error.message.replace(/\.$/, "")}.`;
     });
   }
 
@@ -178,6 +182,8 @@ function removeLink(file, k) {
   const { links } = file.chain;
   // the link that is the first one now has no stop that it had against the removed one
   STOPS.forEach((stop) => setOfLink(file, 0, stop, k === 0 ? undefined : links[0][stop]));
+  const points = file.contact.points?.map((point) => (point > k ? point - 1 : point)); // both ends of the link are one
+  file.contact.points &&= [...new Set(points)];
   keepPoints(file);
 }
 

@@ -94,6 +94,7 @@ export class GridMap {
 
   /** Offer what the scene has; the map of another scene goes. */
   #fill() {
+    this.#stop();
     this.shown = undefined;
     this.canvas.getContext("2d").clearRect(0, 0, POINTS, POINTS);
     this.scales.clear();

@@ -41,7 +41,7 @@ class ContentsReader {
   table(data, keys, path) {
     if (!isTable(data)) refuse(path || "the file", `= ${quotedValue(data)} must be a table`);
     const inner = (key) => (path ? `${path}.${key}` : key);
-    const unknown = Object.keys(data).find((key) => !(key in keys));
+    const unknown = Object.keys(data).find((key) => !Object.hasOwn(keys, key));
     if (unknown !== undefined) refuse(inner(unknown), `is unknown; the keys here are ${Object.keys(keys).join(", ")}`);
     const found = {};
     for (const [key, rule] of Object.entries(keys)) {
