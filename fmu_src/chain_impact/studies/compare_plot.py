@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.results.plots.pages import check_alone, drawn
-from chain_impact.results.plots.style import BLACK, GREY, PALETTE, WIDE, headline, number, styled
+from chain_impact.results.plots.style import BLACK, GREY, PALETTE, SEPARATOR, WIDE, headline, number, styled
 from chain_impact.studies.law_change import first_place
 from chain_impact.studies.law_runs import LawRuns
 
@@ -80,7 +80,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     stiffness = f"stiffness K = {number(contact.stiffness)} {per}$^{{{contact.exponent:g}}}$"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
-    return "  ·  ".join((hit, stiffness, tolerance, f"grey: {grey} other laws"))
+    return SEPARATOR.join((hit, stiffness, tolerance, f"grey: {grey} other laws"))
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:

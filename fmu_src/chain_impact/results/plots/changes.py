@@ -6,7 +6,6 @@ where the value is zero. So all parameters share an axis, in the unit of the out
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -24,7 +23,6 @@ from chain_impact.results.text import plural, speed_unit
 
 NOTHING = 1e-12  # of the range of an output: smaller changes are round-off
 STEEP = 30.0  # times as large as usual is the largest change on an axis that is not linear
-LETTERS = 14  # of a line, for each inch of the page's width
 Looks = list[dict[str, Any]]
 
 
@@ -58,9 +56,7 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
         page.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center")
     else:
         panels[min(1, len(names) - 1)].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
-    most = int(LETTERS * page.get_figwidth())
-    lines = (line for limit in found.limits for line in textwrap.wrap(limit, most))
-    page.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize="small", color=INK)
+    page.supxlabel("\n".join(found.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True)
 
 
 def sensitivities_of(recording: Recording) -> Sensitivities:

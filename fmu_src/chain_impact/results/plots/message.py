@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 
@@ -24,49 +25,25 @@ def message(recording: Recording) -> str:
     return f"{told}, {lost:.3g} J dissipated"
 
 
-def largest(recording: Recording, ending: str) -> float | None:
-    """The largest of the parameters whose names end so; None where they are not known."""
-    found = [value for name, value in recording.parameters.items() if name.endswith(ending)]
-    return max(map(float, found), default=None)
-
-
-def friction_conditions(recording: Recording) -> list[str]:
-    """The coefficients of dry friction of all walls, and those that single walls have."""
-    known = recording.parameters
-    of_wall = (re.fullmatch(r"wall\.(\w+)\.(?:static_)?friction", name) for name in known)
-    places = {"contact": ""} | {
-        f"wall.{wall}": f" at {wall}" for wall in dict.fromkeys(w[1] for w in of_wall if w)
-    }
-    found = []
-    for place, where in places.items():
-        sliding, static = (known.get(f"{place}.{key}") for key in ("friction", "static_friction"))
-        told = "" if sliding is None else f" {sliding:g}"
-        told += f" (static {static:g})" if static else ""
-        if static or sliding or (where and told):
-            found.append(told.strip() + where)
-    return [f"friction µ = {', '.join(found)}"] if found else []
-
-
 def conditions(recording: Recording) -> str:
     """What an engineer needs to know to read the picture, as far as the recording knows it."""
-    links = recording.points.shape[1] - 1
     known = recording.parameters
-    parts = [plural(links, "link")]
-    if damping := largest(recording, ".joint_damping"):
-        parts.append(f"joint damping ≤ {damping:g} N·m·s/rad")
-    if dry := largest(recording, ".joint_friction"):
-        parts.append(f"joint friction ≤ {dry:g} N·m")
-    law = known.get("contact.model")
-    if law is not None:
+    parts = [plural(recording.points.shape[1] - 1, "link")]
+    for key, unit in (("damping", "N·m·s/rad"), ("friction", "N·m")):
+        if most := max((one for name, one in known.items() if name.endswith(f".joint_{key}")), default=0.0):
+            parts.append(f"joint {key} ≤ {most:g} {unit}")
+    law, of_stops = known.get("contact.model", ""), recording.stop_law
+    if law:
         parts.append(f"law {law}")
     if "contact.restitution" in known:
         parts.append(f"restitution e = {known['contact.restitution']:g}")
-        if not is_rigid(str(law)):
+        if not (law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive):  # such a law has no stiffness
             unit = f"N/m$^{{{known['contact.exponent']:g}}}$"
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
-    parts += friction_conditions(recording)
+    if rubbing := [one for name, value in known.items() if (one := friction(name, value))]:
+        parts.append(f"friction µ = {', '.join(rubbing)}")
     if "stop.restitution" in known:
-        parts.append(stop_conditions(recording))
+        parts.append(f"stops {f'law {of_stops}, ' if of_stops else ''}e = {known['stop.restitution']:g}")
     if known.get("contact.radius"):
         parts.append(f"radius {known['contact.radius']:g} m")
     if "solver.tolerance" in known:
@@ -74,34 +51,9 @@ def conditions(recording: Recording) -> str:
     return SEPARATOR.join(parts)
 
 
-def is_rigid(law: str) -> bool:
-    """Whether a law has impulses in place of a force, and so no stiffness."""
-    entry = CONTACT_LAWS.get(law)
-    return entry is not None and entry.impulsive
-
-
-def stop_conditions(recording: Recording) -> str:
-    """The law of the stops if the scene names one, their restitution, and, if they have a force, K."""
-    known, own = recording.parameters, recording.stop_law
-    told = f"stops {f'law {own}, ' if own else ''}e = {known['stop.restitution']:g}"
-    if has_rigid_stops(recording):
-        return told
-    unit = f"N·m/rad$^{{{known['stop.exponent']:g}}}$"
-    return f"{told}, K = {number(known['stop.stiffness'])} {unit}"
-
-
-def has_rigid_stops(recording: Recording) -> bool:
-    """Whether the law of the stops has impulses in place of a force.
-
-    An FMU does not tell which law its stops have, but its impacts do: only those at a rigid stop end as they
-    begin, and only one with a force is penetrated. A force tells nothing: a rigid stop that holds a joint has
-    one, too.
-    """
-    if recording.stop_law:
-        return is_rigid(recording.stop_law)
-    hits = recording.impacts[recording.at_stops]
-    if (hits["end"] == hits["onset"]).any():
-        return True
-    if (hits["max_penetration"] > 0.0).any():
-        return False
-    return is_rigid(str(recording.parameters.get("contact.model")))
+def friction(name: str, value: Any) -> str:
+    """A coefficient of dry friction of all walls or of one; "" if the parameter of this name is none."""
+    at = re.fullmatch(r"(?:contact|wall\.(\w+))\.(static_)?friction", name)
+    if not at or not (value or (at[1] and not at[2])):
+        return ""
+    return f"{'static ' if at[2] else ''}{value:g}{f' at {at[1]}' if at[1] else ''}"

@@ -14,7 +14,15 @@ from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.plots.labels import Label, place_labels
 from chain_impact.results.plots.room import draw_walls, view_of
-from chain_impact.results.plots.style import INK, PURPLE, TIME_COLOURS, VERMILLION, columns, force_text
+from chain_impact.results.plots.style import (
+    INK,
+    PURPLE,
+    TIME_COLOURS,
+    VERMILLION,
+    columns,
+    force_text,
+    is_full,
+)
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import JOINT
 
@@ -26,6 +34,7 @@ RING = 6.5  # points, the size of the mark of an impact
 SQUARE = 4.0  # points, the size of the mark of what sticks
 NEAR_PLACE = 0.03  # of the view's width, within which impacts at a wall share a ring
 LONGEST_LOAD = 0.3  # of the smaller side of the view, the arrow of the largest force in a joint
+NUMBERS = 3  # on the axis of x, of a view that is as wide as high
 LISTED = 2  # numbers at a ring with more than three impacts
 ABOVE: dict[str, Any] = {
     "loc": "lower left",
@@ -55,6 +64,9 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
     sticks = draw_sticking(axes, recording)
     loaded = draw_loads(axes, recording)
     axes.set_aspect("equal")
+    slim = np.ptp(axes.get_xlim()) / np.ptp(axes.get_ylim())
+    if slim < 1.0 and not is_full(axes):  # numbers would meet
+        axes.locator_params(axis="x", nbins=max(1, int(NUMBERS * slim)), min_n_ticks=1)
     axes.set(xlabel="x [m]", ylabel="y [m]")
     most = 5 if recording.stops or sticks or loaded else 4
     axes.legend(**ABOVE, ncols=columns(axes, most), handlelength=1.2)

@@ -6,16 +6,16 @@ import math
 import os
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
-from chain_impact.results.plots.labels import has_room
 from chain_impact.results.plots.style import FULL, Page, save
 
 SIZE, LEAST = (FULL, 5.4), 2.0  # inches
-HIGHER = 40  # quarters of an inch, at most, by which a page is too low
+LEAST_SIDE = 0.3  # inches, the height of axes with a label
 Fill = Callable[[Figure], None]
 """Draws on an empty page."""
 
@@ -38,21 +38,13 @@ def drawn(
         ValueError: when a page cannot have this size, or has no room for what is drawn.
         OSError: when the file cannot be written.
     """
-
-    def fill_whole(page: Figure) -> None:
-        with warnings.catch_warnings():
-            if size is not None:
-                warnings.filterwarnings("ignore", "constrained_layout not applied")
-            fill(page)
-            if size is not None:
-                check_room(page, fill)
-
     inches = usual if size is None else page_size(size)
+    filled = fill if size is None else partial(fill_or_refuse, fill)
     if path is not None:
-        save(Path(path), fill_whole, inches)
+        save(Path(path), filled, inches)
         return None
     page = Page(figsize=inches)
-    fill_whole(page)
+    filled(page)
     return page
 
 
@@ -81,19 +73,19 @@ def check_alone(path: object, size: object) -> None:
         raise ValueError("ax: axes that are there have their size and their figure, which writes files")
 
 
-def check_room(page: Figure, fill: Fill) -> None:
-    """Refuse a page on which axes have no height or texts are cut off; say how high it must be.
+def fill_or_refuse(fill: Fill, page: Figure) -> None:
+    """Draw on a page, and refuse it if axes have nearly no height.
 
     Raises:
         ValueError: when it is so.
     """
-    if has_room(page):
-        return
-    width, height = map(float, page.get_size_inches())
-    for more in range(1, HIGHER):
-        other = Page(figsize=(width, np.ceil(4.0 * height) / 4.0 + 0.25 * more))
-        fill(other)
-        if has_room(other):
-            least = f"must be at least {other.get_figheight():g} high for what is drawn"
-            raise ValueError(f"size = ({width:g}, {height:g}) {least}, or have fewer panels")
-    raise ValueError(f"size = ({width:g}, {height:g}) must be wider for what is drawn")
+    with warnings.catch_warnings(), suppress(UserWarning):
+        warnings.filterwarnings("error", "constrained_layout not applied")
+        fill(page)
+        page.draw_without_rendering()
+        least = LEAST_SIDE * page.dpi
+        if all(not axes.get_ylabel() or axes.bbox.height >= least for axes in page.axes):
+            return
+    width, height = page.get_size_inches()
+    what = "must be larger for what is drawn, or have fewer panels"
+    raise ValueError(f"size = ({width:g}, {height:g}) {what}")

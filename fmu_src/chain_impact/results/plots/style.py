@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
@@ -16,7 +16,6 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.text import Text
 from matplotlib.ticker import EngFormatter
 
 from chain_impact.system import written_whole
@@ -67,8 +66,8 @@ MARGIN, ENTRY = (
 )  # inches for each point of the font, beside axes on a narrow page; an entry of a legend
 LEFT, TOP = 0.12, 0.08  # inches from the left and the upper edge of the page to the headline
 GAP = 0.09  # inches below the headline, and below the conditions
-MOST_HEAD = 0.36  # of the page's height, both together
-SEPARATOR = "  ·  "
+MOST_HEAD = 0.33  # of the page's height, both together
+SEPARATOR = "\u00a0\u00a0·\u00a0 "  # a line is broken after it only
 
 
 @contextmanager
@@ -131,15 +130,15 @@ def columns(axes: Axes, most: int) -> int:
 def headline(page: Figure, message: str, conditions: str = "") -> None:
     """Write what the picture says over it, and below that, smaller, under which conditions.
 
-    On a page that is too low for them there are no conditions.
+    Both are broken into lines where the page ends. On a page that is too low there are no conditions.
     """
     width, height = page.get_size_inches()
-    place: dict[str, Any] = {"x": LEFT / width, "ha": "left", "va": "top", "in_layout": False}
+    place: dict[str, Any] = {"x": LEFT / width, "ha": "left", "va": "top", "in_layout": False, "wrap": True}
     said = page.suptitle(message, y=1.0 - TOP / height, **place)
-    top = TOP + break_lines(said, (" ",)) + GAP
-    told = page.text(s=conditions, y=1.0 - top / height, fontsize="small", color=INK, **place)
+    top = TOP + said.get_window_extent().height / page.dpi + GAP
     if conditions:
-        room = break_lines(told, (SEPARATOR, " ")) + GAP
+        told = page.text(s=conditions, y=1.0 - top / height, fontsize="small", color=INK, **place)
+        room = told.get_window_extent().height / page.dpi + GAP
         if top + room <= MOST_HEAD * height:
             top += room
         else:
@@ -147,38 +146,6 @@ def headline(page: Figure, message: str, conditions: str = "") -> None:
     engine = page.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         engine.set(rect=(0.0, 0.0, 1.0, 1.0 - top / height))
-
-
-def break_lines(text: Text, separators: Sequence[str]) -> float:
-    """Break a text where it runs out of its page, at the first of some separators if that is enough.
-
-    Returns:
-        Its height [inches].
-    """
-    page = text.get_figure(root=True)
-    assert page is not None
-    room = page.bbox.width - page.dpi * LEFT
-
-    def fits(line: str) -> bool:
-        text.set_text(line)
-        return bool(text.get_window_extent().x1 <= room)
-
-    text.set_text("\n".join(_lines(text.get_text(), fits, separators)))
-    return float(text.get_window_extent().height / page.dpi)
-
-
-def _lines(words: str, fits: Callable[[str], bool], separators: Sequence[str]) -> list[str]:
-    """The lines of a text, each as long as it fits."""
-    if not separators or fits(words):
-        return [words]
-    lines: list[str] = []
-    for part in words.split(separators[0]):
-        longer = f"{lines[-1]}{separators[0]}{part}" if lines else part
-        if lines and fits(longer):
-            lines[-1] = longer
-        else:
-            lines += _lines(part, fits, separators[1:])
-    return lines
 
 
 def words_of(page: Figure) -> dict[str, str]:
@@ -189,7 +156,7 @@ def words_of(page: Figure) -> dict[str, str]:
         legend = axes.get_legend()
         told += [axes.get_title(), axes.get_xlabel(), axes.get_ylabel()]
         told += [text.get_text() for text in (*axes.texts, *(legend.get_texts() if legend else ()))]
-    return {"Title": title, "Description": "\n".join(filter(None, told))}
+    return {"Title": title, "Description": "\n".join(filter(None, told)).replace("\u00a0", " ")}
 
 
 def save(
