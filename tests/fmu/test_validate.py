@@ -9,8 +9,7 @@ import pytest
 
 from chain_impact.fmu import findings
 from chain_impact.fmu.build import validate_fmu
-from chain_impact.fmu.check_description import description_findings
-from chain_impact.fmu.check_lists import NAMES
+from chain_impact.fmu.check_description import NAMES, description_findings
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.validate import validation
 from chain_impact.scene.reading import SceneError
