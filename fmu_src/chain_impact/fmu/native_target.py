@@ -9,8 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from chain_impact import system
-from chain_impact.fmu.arrays import array_variables
-from chain_impact.fmu.model_description import TOKEN, model_description
+from chain_impact.fmu.model_description import TOKEN, array_variables, model_description
 from chain_impact.fmu.table import guid_of, model_table, packed
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index

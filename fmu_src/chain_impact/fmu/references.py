@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from chain_impact.fmu.description import nominal_values
 from chain_impact.fmu.importer import read_fmu, simulated
+from chain_impact.fmu.model_description import nominal_values
 from chain_impact.progress import log
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.chain import Chain
