@@ -209,7 +209,7 @@ def test_the_list_of_impacts_is_written(run, here, suffix):
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        (("--impacts", "list.txt"), "--impacts list.txt: must end in .csv, .json, .parquet"),
+        (("--impacts", "list.txt"), "argument --impacts: list.txt must end in .csv, .json, .parquet"),
         (("--output", "point[1].x"), "--output: the columns are those of a table: give --csv FILE too"),
         (("--csv", "a.csv", "--output", "pt[1].x"), "pt[1].x is no column; the nearest is point[1].x"),
     ],

@@ -147,17 +147,15 @@ def test_the_command_alone_shows_the_help(run):
 @pytest.mark.parametrize(
     "arguments",
     [
-        "simulate rod --csv rod/scene.toml",
-        "simulate rod/scene.toml --csv {here}/rod/scene.toml",
-        "simulate rod.fmu --csv rod.fmu",
-        "compare rod/scene.toml --csv rod/../rod/scene.toml",
+        "fit rod motion.csv --free contact.restitution -o rod/../rod/scene.toml",
+        "fit rod motion.csv --free contact.restitution -o {here}/rod/scene.toml",
         "fit rod motion.csv,impacts.csv --free contact.restitution -o impacts.csv",
         "fit rod/scene.toml motion.csv --free contact.restitution -o rod/scene.toml",
     ],
 )
 def test_what_is_read_is_not_replaced(refused, here, arguments):
     (here / "rod").mkdir()
-    files = [here / name for name in ("rod/scene.toml", "rod.fmu", "motion.csv", "impacts.csv")]
+    files = [here / name for name in ("rod/scene.toml", "motion.csv", "impacts.csv")]
     for file in files:
         file.write_text("as before", encoding="utf-8")
     refused(2, "is read by this command, and would be replaced", *arguments.format(here=here).split())

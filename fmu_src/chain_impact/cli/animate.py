@@ -12,6 +12,7 @@ from chain_impact.cli.options import (
     add_set,
     check_outputs,
     complete_scenes,
+    ending,
     is_fmu,
     settings_of,
 )
@@ -38,7 +39,7 @@ def add(verbs: Verbs) -> None:
         "-o",
         "--output",
         metavar="FILE",
-        type=animation,
+        type=ending(*FORMATS),
         help="what to write: a page for the browser (html), or a film (gif, mp4); default: NAME.html",
     )
     walls = verb.add_argument("--scene", metavar="SCENE", help="of a CSV file: the scene that has its walls")
@@ -61,14 +62,6 @@ def add(verbs: Verbs) -> None:
         help=f"of a film, in pixels; default: {SIZE[0]}x{SIZE[1]}",
     )
     verb.set_defaults(run=run)
-
-
-def animation(text: str) -> Path:
-    """The type of an argument: a file that an animation can be written to."""
-    path = Path(text)
-    if path.suffix.lower() not in FORMATS:
-        raise argparse.ArgumentTypeError(f"{text} must end in {', '.join(FORMATS)}")
-    return path
 
 
 def size(text: str) -> tuple[int, int]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
+from datetime import datetime
 
 from chain_impact.cli.options import Verbs
 from chain_impact.cli.progress import say
-from chain_impact.cli.screen import cache_report
 from chain_impact.compilation import cache, places, ready
 
 
@@ -22,6 +23,18 @@ def run(options: argparse.Namespace) -> int:
     if options.clear:
         say(f"removed {cache.clear() / 1e6:.1f} MB from {places.base_folder()}")
         return 0
-    for line in cache_report(ready.libraries(), cache.entries(), cache.cache_folder()):
+    for line in contents():
         say(line)
     return 0
+
+
+def contents() -> Iterator[str]:
+    """What there is of compiled kernels: ready ones, and the folders of the cache, of which one is in use."""
+    kernels, entries, present = ready.libraries(), cache.entries(), cache.cache_folder()
+    yield "ready    " + (f"{len(kernels)} kernels in {kernels[0].parent}" if kernels else "–")
+    yield f"cache    {present.parent}, {sum(entry.size for entry in entries) / 1e6:.1f} MB"
+    for entry in entries:
+        what = "of the linker" if entry.path.name.startswith(cache.LINKER) else ", ".join(entry.files)
+        used = datetime.fromtimestamp(entry.used).strftime("%Y-%m-%d")
+        mark = " (in use)" if entry.path.name == present.name else ""
+        yield f"  {entry.path.name}  {entry.size / 1e6:5.1f} MB  last used {used}{mark}: {what}"

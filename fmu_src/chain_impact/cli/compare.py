@@ -11,7 +11,6 @@ from chain_impact.cli.options import (
     add_repeated,
     add_scene,
     add_set,
-    check_csv,
     check_outputs,
     names_in,
     settings_of,
@@ -39,7 +38,6 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.studies.compare import compare
 
     check_outputs(options.csv, options.plot, inputs=[options.source])
-    check_csv(options.csv)
     scene = with_settings(load_scene(options.source), settings_of(options.set))
     with progress("comparing") as advance:
         comparison = compare(scene, advance, laws=names_in(*options.laws) or None)

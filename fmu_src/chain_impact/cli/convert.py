@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
-from chain_impact.cli.options import UsageError, Verbs, add_repeated, check_outputs, names_in
+from chain_impact.cli.options import UsageError, Verbs, add_repeated, check_outputs, ending, names_in
 from chain_impact.cli.progress import say
-
-SUFFIXES = (".toml", ".xml")
 
 
 def add(verbs: Verbs) -> None:
@@ -17,16 +14,14 @@ def add(verbs: Verbs) -> None:
     verb.add_argument("source", metavar="FILE", help="a planar chain in URDF or MJCF; or a scene, for MuJoCo")
     add_repeated(verb, "--joints", "NAMES", "only these joints move: elbow,wrist; default: all")
     verb.add_argument(
-        "-o", dest="output", metavar="FILE", type=_output, required=True, help="a scene (toml), or MJCF (xml)"
+        "-o",
+        dest="output",
+        metavar="FILE",
+        type=ending(".toml", ".xml"),
+        required=True,
+        help="a scene (toml), or MJCF (xml)",
     )
     verb.set_defaults(run=run)
-
-
-def _output(text: str) -> Path:
-    path = Path(text)
-    if path.suffix.lower() not in SUFFIXES:
-        raise argparse.ArgumentTypeError(f"{text} must end in {' or '.join(SUFFIXES)}")
-    return path
 
 
 def run(options: argparse.Namespace) -> int:

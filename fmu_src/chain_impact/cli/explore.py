@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from chain_impact.cli.options import Verbs, add_scene, add_set, check_outputs, settings_of
+from chain_impact.cli.options import Verbs, add_scene, add_set, check_outputs, ending, settings_of
 from chain_impact.cli.progress import progress, say
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import with_settings
@@ -21,16 +21,13 @@ def add(verbs: Verbs) -> None:
     add_scene(verb, "scene")
     add_set(verb)
     verb.add_argument(
-        "-o", "--output", metavar="FILE", type=page, help=f"default: {DEFAULT}, and the browser opens it"
+        "-o",
+        "--output",
+        metavar="FILE",
+        type=ending(".html"),
+        help=f"default: {DEFAULT}, and the browser opens it",
     )
     verb.set_defaults(run=run)
-
-
-def page(text: str) -> Path:
-    """The type of an argument: a file for a browser."""
-    if not text.lower().endswith(".html"):
-        raise argparse.ArgumentTypeError(f"{text} must end in .html")
-    return Path(text)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
 
@@ -15,8 +14,8 @@ from chain_impact.cli.options import (
     add_set,
     check_outputs,
     complete_scenes,
-    name_and_value,
     names_in,
+    pairs,
     settings_of,
 )
 from chain_impact.cli.progress import progress, say
@@ -73,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(options.scene, options.plot, inputs=[options.source, *chain.from_iterable(data)])
     settings = settings_of(options.set)
     scene = with_settings(load_scene(options.source), settings)
-    set_each = pairs("--set-each", options.set_each)
+    set_each = pairs("--set-each", options.set_each, "initial.y=0.8,0.6")
     with progress("fitting") as advance:
         found = fit(
             scene,
@@ -81,8 +80,8 @@ def run(options: argparse.Namespace) -> int:
             names_in(*options.free),
             free_each=names_in(*options.free_each),
             set_each={name: numbers(name, text) for name, text in set_each.items()},
-            sigma=pairs("--sigma", options.sigma),
-            bounds=pairs("--bounds", options.bounds),
+            sigma=pairs("--sigma", options.sigma, "point[4].x=1e-3"),
+            bounds=pairs("--bounds", options.bounds, "contact.restitution=0.3:0.9"),
             columns=names_in(options.columns) if options.columns else None,
             laws=options.laws,
             stop_time=scene.simulation.stop_time if STOP_TIME in settings else None,
@@ -96,24 +95,6 @@ def run(options: argparse.Namespace) -> int:
         say(f"picture  {options.plot}")
     say(repr(found))
     return 0
-
-
-def pairs(option: str, texts: Sequence[str]) -> dict[str, str]:
-    """Name → value of every ``NAME=VALUE`` of an option."""
-    found: dict[str, str] = {}
-    for text in texts:
-        name, value = name_and_value(option, text, EXAMPLES[option])
-        if name in found:
-            raise UsageError(f"{option} {text}: {name} is given twice")
-        found[name] = value
-    return found
-
-
-EXAMPLES = {
-    "--set-each": "initial.y=0.8,0.6",
-    "--sigma": "point[4].x=1e-3",
-    "--bounds": "contact.restitution=0.3:0.9",
-}
 
 
 def numbers(name: str, text: str) -> list[float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from errno import ENOENT
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -81,27 +81,25 @@ class Once(argparse.Action):
 def add_plot(command: argparse.ArgumentParser, what: str) -> None:
     """Add the file of a picture."""
     command.add_argument(
-        "--plot", action=Once, metavar="FILE", type=picture, help=f"draw {what} (png, svg, pdf)"
+        "--plot", action=Once, metavar="FILE", type=ending(*PICTURES), help=f"draw {what} (png, svg, pdf)"
     )
 
 
 def add_csv(command: argparse.ArgumentParser, what: str) -> None:
-    """Add the file of a table."""
-    command.add_argument("--csv", action=Once, metavar="FILE", type=Path, help=f"write {what}")
+    """Add the file of a table; what has no suffix may be no file, as /dev/stdout."""
+    command.add_argument("--csv", action=Once, metavar="FILE", type=ending("", ".csv"), help=f"write {what}")
 
 
-def picture(text: str) -> Path:
-    """The type of an argument: a file that matplotlib can draw into."""
-    path = Path(text)
-    if path.suffix.lower() not in PICTURES:
-        raise argparse.ArgumentTypeError(f"{text} must end in {', '.join(PICTURES)}")
-    return path
+def ending(*suffixes: str) -> Callable[[str], Path]:
+    """The type of an argument: a file with one of some suffixes."""
 
+    def file(text: str) -> Path:
+        path = Path(text)
+        if path.suffix.lower() not in suffixes:
+            raise argparse.ArgumentTypeError(f"{text} must end in {', '.join(filter(None, suffixes))}")
+        return path
 
-def check_csv(path: Path | None) -> None:
-    """Refuse a table in another format than CSV; what has no suffix may be no file, as /dev/stdout."""
-    if path and path.suffix.lower() not in ("", ".csv"):
-        raise UsageError(f"--csv {path}: must end in .csv, as the table is written in no other format")
+    return file
 
 
 def is_fmu(source: str) -> bool:
@@ -120,6 +118,17 @@ def name_and_value(option: str, text: str, example: str) -> tuple[str, str]:
     if not (name and equals and value):
         raise UsageError(f"{option} {text}: must be NAME=VALUE, for example {example}")
     return name, value
+
+
+def pairs(option: str, texts: Sequence[str], example: str) -> dict[str, str]:
+    """Name → value of every ``NAME=VALUE`` of an option that takes each name once."""
+    found: dict[str, str] = {}
+    for text in texts:
+        name, value = name_and_value(option, text, example)
+        if name in found:
+            raise UsageError(f"{option} {text}: {name} is given twice")
+        found[name] = value
+    return found
 
 
 def names_in(*texts: str) -> list[str]:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields
-from datetime import datetime
 from io import StringIO
-from pathlib import Path
 from typing import Any
 
 from rich.console import Console, RenderableType
@@ -14,7 +12,6 @@ from rich.markup import escape
 from rich.table import Table
 
 from chain_impact.cli.progress import out, say
-from chain_impact.compilation.cache import LINKER, Entry
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import phase_cells
 from chain_impact.results.summary import LISTED, energy_lines, impact_list, load_lines
@@ -22,7 +19,6 @@ from chain_impact.results.text import plural
 from chain_impact.scene.tables import Box
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import (
-    NOTHING,
     advice,
     cells,
     head,
@@ -152,14 +148,3 @@ def law_table(comparison: Comparison) -> Iterator[RenderableType]:
     yield table
     yield escape(legend(comparison))
     yield escape(f"advice   {advice(comparison)}")
-
-
-def cache_report(ready: Sequence[Path], entries: Sequence[Entry], present: Path) -> Iterator[str]:
-    """What there is of compiled kernels: ready ones, and the folders of the cache, of which one is in use."""
-    yield "ready    " + (f"{len(ready)} kernels in {ready[0].parent}" if ready else NOTHING)
-    yield f"cache    {present.parent}, {sum(entry.size for entry in entries) / 1e6:.1f} MB"
-    for entry in entries:
-        what = "of the linker" if entry.path.name.startswith(LINKER) else ", ".join(entry.files)
-        used = datetime.fromtimestamp(entry.used).strftime("%Y-%m-%d")
-        mark = " (in use)" if entry.path.name == present.name else ""
-        yield f"  {entry.path.name}  {entry.size / 1e6:5.1f} MB  last used {used}{mark}: {what}"

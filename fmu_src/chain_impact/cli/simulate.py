@@ -17,8 +17,8 @@ from chain_impact.cli.options import (
     add_repeated,
     add_scene,
     add_set,
-    check_csv,
     check_outputs,
+    ending,
     is_fmu,
     names_in,
     settings_of,
@@ -58,7 +58,7 @@ def add(verbs: Verbs) -> None:
         "--impacts",
         action=Once,
         metavar="FILE",
-        type=Path,
+        type=ending(*SUFFIXES),
         help=f"write the list of impacts ({', '.join(one[1:] for one in SUFFIXES)})",
     )
     verb.set_defaults(run=run)
@@ -102,9 +102,6 @@ class Files:
     def check(self, source: str) -> None:
         """Refuse files that cannot be written, and columns without a table, before any work is done."""
         check_outputs(self.csv, self.picture, self.impacts, inputs=[source])
-        check_csv(self.csv)
-        if self.impacts and self.impacts.suffix.lower() not in SUFFIXES:
-            raise UsageError(f"--impacts {self.impacts}: must end in {', '.join(SUFFIXES)}")
         if self.columns and not self.csv:
             raise UsageError("--output: the columns are those of a table: give --csv FILE too")
 

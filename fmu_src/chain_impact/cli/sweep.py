@@ -15,7 +15,7 @@ from chain_impact.cli.options import (
     add_scene,
     add_set,
     check_outputs,
-    name_and_value,
+    pairs,
     settings_of,
 )
 from chain_impact.cli.progress import complain, progress, say
@@ -110,12 +110,9 @@ def run(options: argparse.Namespace) -> int:
 
 def variations(texts: Sequence[str], settings: dict[str, str]) -> dict[str, str]:
     """Name → values of every ``--vary NAME=VALUES``."""
-    vary: dict[str, str] = {}
-    for text in texts:
-        name, values = name_and_value("--vary", text, "contact.restitution=0.1:0.9:9")
-        if name in vary or name in settings:
-            raise UsageError(f"--vary {text}: {name} is given twice")
-        vary[name] = values
+    vary = pairs("--vary", texts, "contact.restitution=0.1:0.9:9")
+    for name in vary.keys() & settings.keys():
+        raise UsageError(f"--vary {name}={vary[name]}: {name} is given twice")
     if not vary:
         raise UsageError("--vary is missing: for example --vary contact.restitution=0.1:0.9:9")
     return vary
