@@ -10,8 +10,7 @@ import pytest
 from lxml import etree
 
 from chain_impact import load_scene, model_names
-from chain_impact.fmu.documents import documents, page
-from chain_impact.fmu.terminals import FILE, terminals_and_icons
+from chain_impact.fmu.documents import TERMINALS, documents, page, terminals_and_icons
 from chain_impact.variables.kinds import kind_of
 from chain_impact.variables.model import Model
 
@@ -96,5 +95,5 @@ def test_terminals_are_valid_and_group_the_inputs_and_outputs_of_their_owners(mo
 
 def test_only_fmi3_has_terminals():
     model = Model(load_scene("rod_drop"))
-    assert FILE in documents(model, 3)
-    assert FILE not in documents(model, 2)
+    assert TERMINALS in documents(model, 3)
+    assert TERMINALS not in documents(model, 2)

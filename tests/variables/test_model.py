@@ -10,7 +10,7 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.fmu.documents import documents
-from chain_impact.fmu.native_target import native_fmi3_files
+from chain_impact.fmu.native_target import native_files
 from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.scene.candidates import candidates
@@ -97,7 +97,7 @@ def test_a_run_with_derivatives_and_an_fmu_work_each_part_out_once(monkeypatch, 
     assert made == once
     made.clear()
     model = Model(load_scene("pinned_arm"))
-    assert {**native_fmi3_files(model, {}, tmp_path), **documents(model, 3)}
+    assert {**native_files(model, {}, 3), **documents(model, 3)}
     assert made == once
 
 

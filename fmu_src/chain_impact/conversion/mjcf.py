@@ -174,15 +174,14 @@ class _Reader:
 
     def planes(self) -> Iterator[Plane]:
         """The planes that do not move."""
-        model = self.model
+        model, data = self.model, self.mujoco.MjData(self.model)
+        self.mujoco.mj_kinematics(model, data)
         for g in self._geoms(plane=True):
-            rotation, position = self._in_space(int(model.geom_bodyid[g]))
-            own = self._axes(model.geom_quat[g])
             rubs = not self.own and model.geom_condim[g] > 1
             yield Plane(
                 name=model.geom(g).name,
-                point=position + rotation @ model.geom_pos[g],
-                normal=rotation @ own[:, 2],
+                point=np.array(data.geom_xpos[g]),
+                normal=np.array(data.geom_xmat[g].reshape(3, 3)[:, 2]),
                 friction=float(model.geom_friction[g, 0]) if rubs else 0.0,
             )
 
@@ -194,15 +193,6 @@ class _Reader:
             wall = model.geom_type[g] == kinds.mjGEOM_PLANE and still
             if wall if plane else not wall and model.geom_type[g] != kinds.mjGEOM_MESH:
                 yield g
-
-    def _in_space(self, b: int) -> tuple[np.ndarray, np.ndarray]:
-        """Rotation and position of a body that does not move."""
-        rotation, position = np.eye(3), np.zeros(3)
-        while b > 0:
-            own = self._axes(self.model.body_quat[b])
-            rotation, position = own @ rotation, self.model.body_pos[b] + own @ position
-            b = int(self.model.body_parentid[b])
-        return rotation, position
 
     def shapes(self) -> Iterator[str]:
         """The shapes that no scene can hold: its points touch walls, and nothing else does."""

@@ -5,15 +5,15 @@ from __future__ import annotations
 import os
 import tempfile
 import zipfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import kernel_library
-from chain_impact.fmu import native_target, pythonfmu_target
 from chain_impact.fmu.check_description import description_findings
 from chain_impact.fmu.documents import documents
+from chain_impact.fmu.native_target import native_files
+from chain_impact.fmu.pythonfmu_target import PLATFORMS as PYTHONFMU_PLATFORMS, pythonfmu_files
 from chain_impact.fmu.references import reference_files
 from chain_impact.progress import log
 from chain_impact.scene.scene import SceneSource, scene_of
@@ -22,24 +22,9 @@ from chain_impact.variables.model import Model, kernel_size
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
-
-Files = Callable[[Model, Mapping[str, Path], Path], dict[str, bytes]]
-
-
-class Target(NamedTuple):
-    """A kind of FMU: its platforms, and what gathers its files for each version of FMI."""
-
-    platforms: Sequence[str]
-    files: Mapping[int, Files]
-
-
-TARGETS = {
-    "pythonfmu": Target(pythonfmu_target.PLATFORMS, {2: pythonfmu_target.pythonfmu_files}),
-    "native": Target(
-        native_target.PLATFORMS, {2: native_target.native_files, 3: native_target.native_fmi3_files}
-    ),
-}
-TARGET = "pythonfmu" if HOST in pythonfmu_target.PLATFORMS else "native"
+TARGETS = {"pythonfmu": PYTHONFMU_PLATFORMS, "native": tuple(PLATFORMS)}
+"""Kind of FMU → its platforms."""
+TARGET = "pythonfmu" if HOST in PYTHONFMU_PLATFORMS else "native"
 """The usual one on this machine."""
 VERSIONS = (2, 3)
 """Of FMI."""
@@ -80,9 +65,9 @@ def build_fmu(
         raise BuildError(f"fmi = {fmi!r} must be one of {', '.join(map(str, VERSIONS))}")
     if target not in TARGETS:
         raise BuildError(f"target = {target!r} must be one of {', '.join(TARGETS)}")
-    if fmi not in TARGETS[target].files:
+    if fmi == 3 and target != "native":  # noqa: PLR2004
         raise BuildError(f"target = {target!r} makes FMUs for FMI 2.0 only: FMI 3.0 needs target = 'native'")
-    known = TARGETS[target].platforms
+    known = TARGETS[target]
     if not all(platforms):
         raise BuildError(nowhere())
     platforms = known if list(platforms) == ["all"] else platforms
@@ -99,8 +84,11 @@ def build_fmu(
     # a scratch folder of its own: that of the path is the user's where the FMU is a link
     with written_whole(fmu) as path, tempfile.TemporaryDirectory(prefix="chain-impact-") as scratch:
         log.debug("packaging the FMU")
-        files = TARGETS[target].files[fmi](model, kernels, Path(scratch)) | documents(model, fmi)
-        _pack(files | reference_files(model), path)
+        native = target == "native"
+        files = (
+            native_files(model, kernels, fmi) if native else pythonfmu_files(model, kernels, Path(scratch))
+        )
+        _pack(files | documents(model, fmi) | reference_files(model), path)
         log.debug("validating the FMU")
         problems = validate_fmu(path)
         if problems:

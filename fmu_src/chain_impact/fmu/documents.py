@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.metadata import distribution
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.compilation.errors import BuildError
-from chain_impact.fmu import drawing, terminals
+from chain_impact.fmu import drawing
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.kinds import kind_of, of_its_kind
@@ -42,8 +45,11 @@ EVENTS = (
     "parameters can be changed before the impact takes effect, by fmi3UpdateDiscreteStates. The outputs are "
     "there as arrays, too, such as point.position.</p>"
 )
-FURTHER: dict[int, list[str]] = {2: [], 3: [EVENTS]}
-"""Version of FMI → what is to be said of it besides."""
+TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
+OWNERS = re.compile(r"((?:joint|point)\[\d+\]|base|tip|wall\.\w+)\.(.+)")
+"""Whose variables make a terminal, which has the owner's name; and the member's name."""
+EDGES = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
+"""Of the icon in its coordinate system."""
 
 
 def documents(model: Model, fmi: int) -> dict[str, bytes]:
@@ -55,7 +61,7 @@ def documents(model: Model, fmi: int) -> dict[str, bytes]:
         "documentation/index.html": page(model, fmi).encode(),
         "documentation/licenses/license.txt": license_text.encode(),
         ICONS[fmi]: drawing.icon(model.scene),
-        **({terminals.FILE: terminals.terminals_and_icons(model.variables)} if fmi == 3 else {}),  # noqa: PLR2004
+        **({TERMINALS: terminals_and_icons(model.variables)} if fmi == 3 else {}),  # noqa: PLR2004
     }
 
 
@@ -87,7 +93,7 @@ def page(model: Model, fmi: int) -> str:
         whose(scene),
         *(paragraph.format(version=f"{fmi}.0", walls=walls) for paragraph in INTRODUCTION),
         *([MOTIONS] if scene.inputs.base_motion or scene.moving_walls else []),
-        *FURTHER[fmi],
+        *([EVENTS] if fmi == 3 else []),  # noqa: PLR2004
         f"<h2>Points, angles and signs</h2>{drawing.drawing(scene)}<p>{drawing.SIGNS}</p>",
         f"<h2>{KINDS}</h2>{table(('name', 'how many', 'what', 'unit', 'meaning'), kinds(variables))}",
         folded("Parameters", ("name", "start", "unit", "variability", "allowed", "meaning"), settable),
@@ -133,3 +139,42 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     lines = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
     names = "".join(f"<th>{name}</th>" for name in head)
     return f"<table><tr>{names}</tr>\n" + "\n".join(f"<tr>{line}</tr>" for line in lines) + "</table>"
+
+
+# --- the terminals ---------------------------------------------------------------------------------------
+
+
+def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
+    """A terminal for each joint and point, the base, the tip and each wall, with its inputs and outputs.
+
+    The terminals of walls are in one called ``wall``, so that its path is the first part of the variables'
+    names. All members are signals; members of equal names are to be connected ("bus").
+    """
+    root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+    looks = SubElement(root, "GraphicalRepresentation")
+    SubElement(looks, "CoordinateSystem", EDGES, suggestedScalingFactorTo_mm="0.1")
+    SubElement(looks, "Icon", EDGES)
+    terminals = Element("Terminals")
+    made: dict[str, Element] = {}
+
+    def terminal(path: str) -> Element:
+        if path not in made:
+            above, _, name = path.rpartition(".")
+            parent = terminal(above) if above else terminals
+            made[path] = SubElement(parent, "Terminal", name=name, matchingRule="bus")
+        return made[path]
+
+    for variable in variables:
+        found = OWNERS.fullmatch(variable.name)
+        if found and variable.causality in ("input", "output"):
+            owner, member = found.groups()
+            SubElement(
+                terminal(owner),
+                "TerminalMemberVariable",
+                variableName=variable.name,
+                memberName=member,
+                variableKind="signal",
+            )
+    if made:
+        root.append(terminals)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root)

@@ -145,14 +145,10 @@ def _named(variable: Any, value: float) -> float | str:
 
 def _known(name: str, parameters: Mapping[str, Any], source: str) -> Any:
     if name not in parameters:
-        raise UnknownNameError(source, name, [*parameters, *EXPERIMENT], "no parameter", _hint(name))
+        given = "it is an input: give it over time with fmpy, simulate_fmu(…, input=…)"
+        hint = given if input_key(name) else None
+        raise UnknownNameError(source, name, [*parameters, *EXPERIMENT], "no parameter", hint)
     return parameters[name]
-
-
-def _hint(name: str) -> str | None:
-    if input_key(name):
-        return "it is an input: give it over time with fmpy, simulate_fmu(…, input=…)"
-    return None
 
 
 def _positive(name: str, value: Any, source: str) -> float:
