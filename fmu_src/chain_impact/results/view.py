@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -102,11 +102,17 @@ def closed_room(walls: Mapping[str, HalfPlane], around: np.ndarray) -> list[np.n
         walls: name → free side.
         around: the lower left and the upper right corner of the rectangle, shape (2, 2) [m].
     """
-    corners = [around[[i, j], [0, 1]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
-    for wall in walls.values():
-        corners = list(_clipped(corners, wall))
+    corners = free_room(walls.values(), around)
     inside = all(((around[0] < corner) & (corner < around[1])).all() for corner in corners)
     return corners if inside else []
+
+
+def free_room(walls: Iterable[HalfPlane], around: np.ndarray) -> list[np.ndarray]:
+    """The corners of the part of a rectangle that is on the free sides of some walls."""
+    corners = [around[[i, j], [0, 1]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    for wall in walls:
+        corners = list(_clipped(corners, wall))
+    return corners
 
 
 def _clipped(corners: list[np.ndarray], wall: HalfPlane) -> Iterator[np.ndarray]:

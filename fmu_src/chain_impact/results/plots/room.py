@@ -12,8 +12,8 @@ from matplotlib.patches import Polygon
 
 from chain_impact.results.plots.style import INK
 from chain_impact.results.recording import Recording
-from chain_impact.results.view import pin_mark, seen
-from chain_impact.scene.half_planes import HalfPlane, half_planes
+from chain_impact.results.view import free_room, pin_mark, seen
+from chain_impact.scene.half_planes import HalfPlane
 
 OUTSIDE_COLOUR = "0.93"
 MARGIN, BAND = (
@@ -21,7 +21,7 @@ MARGIN, BAND = (
     0.14,
 )  # of the motion's width, at the edges of the view and outside of walls; √2 BAND < NEAR
 SLIMMEST = 0.3  # of the longer side of the view, the shorter one at least
-PARALLEL = 1e-9  # of a length of 1 and of m, what round-off may be
+ROUND_OFF = 1e-9  # of the size of the view, between a wall and a corner on it
 
 
 def view_of(recording: Recording) -> tuple[np.ndarray, list[HalfPlane]]:
@@ -65,32 +65,14 @@ def draw_room(axes: Axes, view: np.ndarray, near: list[HalfPlane]) -> list[Artis
     Returns:
         What is drawn.
     """
-    frame = half_planes(dict(zip(("x_min", "y_min", "x_max", "y_max"), view.ravel(), strict=True)), {})
-    bounds = [*near, *frame.values()]
-    edges = [_edge(wall, bounds) for wall in bounds]
-    # the free side is to the left of each edge, so their directions turn as one goes round the room
-    turning = sorted((np.arctan2(*(b - a)[::-1]), *a) for a, b in filter(len, edges))
+    corners, size = free_room(near, view), np.ptp(view)
     axes.set_facecolor(OUTSIDE_COLOUR if near else "white")
-    room = Polygon([start for _, *start in turning], facecolor="white", zorder=0.5)
+    room = Polygon(np.reshape(corners, (-1, 2)), facecolor="white", zorder=0.5)
     axes.add_patch(room)
-    lines = [
-        axes.plot(*ends.T, color=INK, linewidth=2.0, zorder=2) for ends in filter(len, edges[: len(near)])
-    ]
+    drawn: list[Artist] = [room]
+    for wall in near:
+        ends = [corner for corner in corners if abs(wall.clearance(*corner)) < ROUND_OFF * size]
+        if ends:
+            drawn += axes.plot(*np.transpose(ends), color=INK, linewidth=2.0, zorder=2)
     axes.set(xlim=view[:, 0], ylim=view[:, 1])
-    return [room, *(line for drawn in lines for line in drawn)]
-
-
-def _edge(wall: HalfPlane, bounds: list[HalfPlane]) -> np.ndarray:
-    """The ends of the part of a wall's line that the others leave free, shape (2, 2), or (0, 2) for none."""
-    (nx, ny), start = wall.normal, wall.offset * np.array(wall.normal)
-    along = np.array([ny, -nx])
-    low, high = -np.inf, np.inf
-    for other in bounds:
-        gap, slope = other.clearance(*start), np.dot(other.normal, along)
-        if abs(slope) < PARALLEL:
-            high = high if gap > -PARALLEL else -np.inf
-        elif slope > 0.0:
-            low = max(low, -gap / slope)
-        else:
-            high = min(high, -gap / slope)
-    return np.array([start + low * along, start + high * along]) if low < high else np.zeros((0, 2))
+    return drawn
