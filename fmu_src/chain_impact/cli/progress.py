@@ -44,28 +44,22 @@ def progress(work: str = "simulating") -> Iterator[Progress]:
             yield _now_and_then(work)
 
 
-class _Listener(logging.Handler):
-    """Gives the records of a log to a function."""
-
-    def __init__(self, tell: Callable[[logging.LogRecord], None]) -> None:
-        super().__init__()
-        self._tell = tell
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Give it a record."""
-        self._tell(record)
-
-
 @contextmanager
 def _listening(level: int, tell: Callable[[logging.LogRecord], None]) -> Iterator[None]:
     """Take what the package logs, from a level on."""
-    handler, before = _Listener(tell), log.level
-    log.addHandler(handler)
+
+    def heard(record: logging.LogRecord) -> bool:
+        if record.levelno >= level:
+            tell(record)
+        return True
+
+    before = log.level
+    log.addFilter(heard)
     log.setLevel(level)
     try:
         yield
     finally:
-        log.removeHandler(handler)
+        log.removeFilter(heard)
         log.setLevel(before)
 
 
