@@ -10,7 +10,6 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.compilation.errors import BuildError
-from chain_impact.fmu import drawing
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.kinds import kind_of, of_its_kind
@@ -23,6 +22,7 @@ STYLE = (
     "body{font-family:sans-serif;max-width:70em;margin:2em auto;padding:0 1em}"
     "table{border-collapse:collapse}td,th{border:1px solid #8888;padding:.2em .6em;text-align:left}"
     "summary{cursor:pointer;font-size:1.5em;font-weight:bold;margin:.8em 0}:root{color-scheme:light dark}"
+    "svg{max-width:100%;height:auto}"
 )
 KINDS = "Variables by kind"
 
@@ -54,13 +54,15 @@ EDGES = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
 
 def documents(model: Model, fmi: int) -> dict[str, bytes]:
     """The files, by their names in an FMU of version 2 or 3 of FMI."""
+    from chain_impact.results.plots.start import icon  # a second to load, so not at the top
+
     license_text = distribution("chain-impact").read_text("licenses/LICENSE")
     if license_text is None:
         raise BuildError("the license of chain-impact is not installed with it: install the package anew")
     return {
         "documentation/index.html": page(model, fmi).encode(),
         "documentation/licenses/license.txt": license_text.encode(),
-        ICONS[fmi]: drawing.icon(model.scene),
+        ICONS[fmi]: icon(model.scene),
         **({TERMINALS: terminals_and_icons(model.variables)} if fmi == 3 else {}),  # noqa: PLR2004
     }
 
@@ -70,6 +72,8 @@ def documents(model: Model, fmi: int) -> dict[str, bytes]:
 
 def page(model: Model, fmi: int) -> str:
     """The documentation, as HTML."""
+    from chain_impact.results.plots.start import SIGNS, drawing
+
     scene, variables = model.scene, model.variables
 
     def of(causality: str) -> list[Variable]:
@@ -94,7 +98,7 @@ def page(model: Model, fmi: int) -> str:
         *(paragraph.format(version=f"{fmi}.0", walls=walls) for paragraph in INTRODUCTION),
         *([MOTIONS] if scene.inputs.base_motion or scene.moving_walls else []),
         *([EVENTS] if fmi == 3 else []),  # noqa: PLR2004
-        f"<h2>Points, angles and signs</h2>{drawing.drawing(scene)}<p>{drawing.SIGNS}</p>",
+        f"<h2>Points, angles and signs</h2>{drawing(scene)}<p>{SIGNS}</p>",
         f"<h2>{KINDS}</h2>{table(('name', 'how many', 'what', 'unit', 'meaning'), kinds(variables))}",
         folded("Parameters", ("name", "start", "unit", "variability", "allowed", "meaning"), settable),
         folded("Inputs", ("name", "unit", "meaning"), inputs),
@@ -103,7 +107,7 @@ def page(model: Model, fmi: int) -> str:
         folded("Status of the solver", ("code", "meaning"), codes),
         '<p><a href="licenses/license.txt">License of the solver</a></p>',
     ]
-    head = f"<meta charset='utf-8'><title>{escape(scene.name)}</title><style>{STYLE}{drawing.STYLE}</style>"
+    head = f"<meta charset='utf-8'><title>{escape(scene.name)}</title><style>{STYLE}</style>"
     return (
         f"<!DOCTYPE html>\n<html lang='en'><head>{head}</head><body>\n"
         + "\n".join(parts)
