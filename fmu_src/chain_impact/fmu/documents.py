@@ -11,6 +11,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.results.text import html_table
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.kinds import kind_of, of_its_kind
 from chain_impact.variables.model import Model
@@ -99,7 +100,7 @@ def page(model: Model, fmi: int) -> str:
         *([MOTIONS] if scene.inputs.base_motion or scene.moving_walls else []),
         *([EVENTS] if fmi == 3 else []),  # noqa: PLR2004
         f"<h2>Points, angles and signs</h2>{drawing(scene)}<p>{SIGNS}</p>",
-        f"<h2>{KINDS}</h2>{table(('name', 'how many', 'what', 'unit', 'meaning'), kinds(variables))}",
+        f"<h2>{KINDS}</h2>{html_table(('name', 'how many', 'what', 'unit', 'meaning'), kinds(variables))}",
         folded("Parameters", ("name", "start", "unit", "variability", "allowed", "meaning"), settable),
         folded("Inputs", ("name", "unit", "meaning"), inputs),
         folded("Outputs", ("name", "unit", "variability", "meaning"), outputs),
@@ -135,14 +136,7 @@ def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
 
 def folded(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table behind its title; nothing if it has no rows."""
-    return f"<details><summary>{title}</summary>{table(head, rows)}</details>" if rows else ""
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table."""
-    lines = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
-    names = "".join(f"<th>{name}</th>" for name in head)
-    return f"<table><tr>{names}</tr>\n" + "\n".join(f"<tr>{line}</tr>" for line in lines) + "</table>"
+    return f"<details><summary>{title}</summary>{html_table(head, rows)}</details>" if rows else ""
 
 
 # --- the terminals ---------------------------------------------------------------------------------------

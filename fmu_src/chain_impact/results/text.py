@@ -49,11 +49,12 @@ def as_html(parts: Iterable[str | Table]) -> str:
     found = [f"<b>{escape(str(title))}</b>"]
     for is_table, group in groupby(rest, lambda part: isinstance(part, Table)):
         for part in group if is_table else ["\n".join(map(str, group)).strip("\n")]:
-            found.append(_html_table(*part) if isinstance(part, Table) else f"<pre>{escape(part)}</pre>")
+            found.append(html_table(*part) if isinstance(part, Table) else f"<pre>{escape(part)}</pre>")
     return f"<div>{''.join(found)}</div>"
 
 
-def _html_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def html_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table of texts as HTML, each row in a line."""
     cells = [("th", head), *(("td", row) for row in rows)]
     lines = ("".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in row) for tag, row in cells)
-    return f"<table>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
+    return "<table>" + "\n".join(f"<tr>{line}</tr>" for line in lines) + "</table>"

@@ -5,7 +5,7 @@ import itertools
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact.results.plots.labels import Label, place_labels, settle
+from chain_impact.results.plots.pages import Label, place_labels, settle
 
 
 @pytest.fixture

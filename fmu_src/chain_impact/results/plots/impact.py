@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
 from chain_impact.results.course import Course
-from chain_impact.results.plots.labels import settle
 from chain_impact.results.plots.motion import ABOVE
+from chain_impact.results.plots.pages import settle
 from chain_impact.results.plots.style import (
     BLUE,
     GREEN,

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.results.joint_stops import range_lines, touching_place
-from chain_impact.results.plots.labels import Label, place_labels
+from chain_impact.results.plots.pages import Label, place_labels
 from chain_impact.results.plots.room import draw_walls, view_of
 from chain_impact.results.plots.style import (
     INK,

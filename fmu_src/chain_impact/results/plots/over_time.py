@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from chain_impact.kernel.forces.friction import STICKS
-from chain_impact.results.plots.labels import Label, place_labels
 from chain_impact.results.plots.motion import ABOVE, by_speed
+from chain_impact.results.plots.pages import Label, place_labels
 from chain_impact.results.plots.style import (
     BLACK,
     BROWN,

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.results.plots.labels import settle
 from chain_impact.results.plots.message import conditions, message
 from chain_impact.results.plots.motion import draw_motion, number_rings
 from chain_impact.results.plots.over_time import (
@@ -22,7 +21,7 @@ from chain_impact.results.plots.over_time import (
     number_impacts,
     rubbing_places,
 )
-from chain_impact.results.plots.pages import SIZE, drawn
+from chain_impact.results.plots.pages import SIZE, drawn, settle
 from chain_impact.results.plots.room import view_of
 from chain_impact.results.plots.style import WIDE, headline, styled
 from chain_impact.results.recording import Recording

@@ -1,4 +1,4 @@
-"""Pages for pictures: drawn into files, or returned; of the size asked for if all has room there."""
+"""Pages for pictures, of the size asked for if all has room there, and labels that do not overlap on them."""
 
 from __future__ import annotations
 
@@ -9,13 +9,21 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from typing import Any, NamedTuple
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 
 from chain_impact.results.plots.style import FULL, Page, save
 
 SIZE, LEAST = (FULL, 5.4), 2.0  # inches
 LEAST_SIDE = 0.3  # inches, the height of axes with a label
+CLOSE = 5.0  # points from the place to its label
+PAD = 2.5  # points that stay free around a label
+LONGER = 1.1  # of the height of axes, a label in one line
+SLANTED = 0.4  # of a direction along an axis, from which a label stands on that side of its place
 Fill = Callable[[Figure], None]
 """Draws on an empty page."""
 
@@ -89,3 +97,54 @@ def fill_or_refuse(fill: Fill, page: Figure) -> None:
     width, height = page.get_size_inches()
     what = "must be larger for what is drawn, or have fewer panels"
     raise ValueError(f"size = ({width:g}, {height:g}) {what}")
+
+
+def settle(page: Figure) -> None:
+    """Arrange the page once and keep it so: what is placed by pixels from here on stays where it is.
+
+    Where axes are low, their labels are broken before the unit.
+    """
+    page.draw_without_rendering()
+    for axes in page.axes:
+        label = axes.yaxis.label
+        if label.get_window_extent().height > LONGER * axes.get_window_extent().height:
+            label.set_text(label.get_text().replace(" [", "\n["))
+    page.draw_without_rendering()
+    page.set_layout_engine("none")
+
+
+class Label(NamedTuple):
+    """A label at a place.
+
+    Attributes:
+        text: what it says.
+        place: in data coordinates.
+        away: unit vector of the direction from its place to the label.
+        short: what it says where the text has no room, if anything.
+    """
+
+    text: str
+    place: tuple[float, float]
+    away: tuple[float, float] = (0.0, 1.0)
+    short: str = ""
+
+
+def place_labels(axes: Axes, labels: Sequence[Label], **look: Any) -> None:
+    """Write the labels, the most important first, where they meet no other label and have room in the axes.
+
+    ``look`` is how text is drawn.
+    """
+    inside, taken = axes.get_window_extent(), list[Bbox]()
+    for label in labels:
+        ax, ay = label.away
+        style: dict[str, Any] = {"textcoords": "offset points", "in_layout": False}
+        style["ha"] = "center" if abs(ax) < SLANTED else "left" if ax > 0.0 else "right"
+        style["va"] = "center" if abs(ay) < SLANTED else "bottom" if ay > 0.0 else "top"
+        for words in filter(None, (label.text, label.short)):
+            text = axes.annotate(words, label.place, (CLOSE * ax, CLOSE * ay), **style, **look)
+            box = text.get_window_extent().padded(PAD * axes.figure.dpi / 72.0)
+            whole = np.array_equal(Bbox.union([box, inside]).get_points(), inside.get_points())
+            if whole and not box.count_overlaps(taken):
+                taken.append(box)
+                break
+            text.remove()
