@@ -7,7 +7,7 @@ from pathlib import Path
 
 from chain_impact.cli.options import UsageError, Verbs, add_scene, is_fmu
 from chain_impact.cli.progress import progress, say
-from chain_impact.cli.simulate import Files, report
+from chain_impact.cli.simulate import report
 from chain_impact.scene.scene import load_scene
 from chain_impact.system import HOST, PLATFORMS
 
@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
     for line in KINDS[target, options.fmi]:
         say(f"{'':9}{line}")
     if options.simulate:
-        report(str(fmu), [], Files(fmu.with_suffix(".csv"), fmu.with_suffix(".png")))
+        report(str(fmu), csv=fmu.with_suffix(".csv"), picture=fmu.with_suffix(".png"))
     return 0
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -67,9 +66,16 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> int:
     """Simulate a scene or an FMU; print a summary, and write what was asked for."""
     window = open_window() if options.show else None
-    chosen = names_in(*options.sensitivity)
-    files = Files(options.csv, options.plot, options.impacts, names_in(*options.output))
-    report(options.source, options.set, files, chosen, window=window)
+    report(
+        options.source,
+        options.set,
+        csv=options.csv,
+        picture=options.plot,
+        impacts=options.impacts,
+        columns=names_in(*options.output),
+        sensitivities=names_in(*options.sensitivity),
+        window=window,
+    )
     if window:
         from matplotlib import pyplot
 
@@ -90,35 +96,25 @@ def open_window() -> Figure:
     return page
 
 
-@dataclass(frozen=True)
-class Files:
-    """What is written: a table of outputs, a picture, a list of impacts; and the columns of the table."""
-
-    csv: Path | None = None
-    picture: Path | None = None
-    impacts: Path | None = None
-    columns: Sequence[str] = ()
-
-    def check(self, source: str) -> None:
-        """Refuse files that cannot be written, and columns without a table, before any work is done."""
-        check_outputs(self.csv, self.picture, self.impacts, inputs=[source])
-        if self.columns and not self.csv:
-            raise UsageError("--output: the columns are those of a table: give --csv FILE too")
-
-
 def report(
     source: str,
-    settings: Sequence[str],
-    files: Files,
-    sensitivities: Sequence[str] = (),
+    settings: Sequence[str] = (),
     *,
+    csv: Path | None = None,
+    picture: Path | None = None,
+    impacts: Path | None = None,
+    columns: Sequence[str] = (),
+    sensitivities: Sequence[str] = (),
     window: Figure | None = None,
 ) -> None:
     """Simulate, write the files asked for and print a summary; also of what came before a fault.
 
-    The picture is drawn into a file, into an empty window, or both.
+    The columns are those of the table, by default all. The picture is drawn into a file, into an empty
+    window, or both.
     """
-    files.check(source)
+    check_outputs(csv, picture, impacts, inputs=[source])
+    if columns and not csv:
+        raise UsageError("--output: the columns are those of a table: give --csv FILE too")
     fault = None
     try:
         recording = record(source, settings, sensitivities)
@@ -126,15 +122,15 @@ def report(
         if error.recording is None:
             raise
         recording, fault = error.recording, error
-    if files.csv:
-        recording.save_csv(files.csv, files.columns or None)
-        say(f"results  {files.csv}")
-    if files.impacts:
-        recording.save_impacts(files.impacts)
-        say(f"impacts  {files.impacts}")
-    if files.picture or window:
+    if csv:
+        recording.save_csv(csv, columns or None)
+        say(f"results  {csv}")
+    if impacts:
+        recording.save_impacts(impacts)
+        say(f"impacts  {impacts}")
+    if picture or window:
         shown = recording if sensitivities or fault else with_rows(recording, source, settings)
-        draw(shown, files.picture, window, sensitivities)
+        draw(shown, picture, window, sensitivities)
     show(summary(recording))
     if sensitivities:
         show(sensitivity_tables(recording))
