@@ -21,9 +21,9 @@ from chain_impact.extras import require
 from chain_impact.progress import Progress
 from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.pacing import frame_times, slow_spans
-from chain_impact.results.plots.over_time import ENERGY_COLOURS
+from chain_impact.results.plots.over_time import ENERGY_COLOURS, mark_impacts
 from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_pin, draw_room
-from chain_impact.results.plots.style import BLUE, BROWN, INK, PALE, force_text
+from chain_impact.results.plots.style import BLUE, BROWN, INK, PALE, STYLE as PICTURES, force_text
 from chain_impact.results.recording import Recording
 from chain_impact.results.view import framed, pin_mark, radius_of
 
@@ -33,17 +33,8 @@ COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.
 """All colours of a film, but white and their shades."""
 SHADES = 6  # of each colour of a gif, towards white
 WHITISH = 0.96  # in all of red, green and blue: a shade that Pillow takes white for
-STYLE: Any = {
-    "font.size": 9,
-    "text.color": INK,
-    "axes.edgecolor": MUTED,
-    "axes.labelcolor": MUTED,
-    "xtick.color": MUTED,
-    "ytick.color": MUTED,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "legend.frameon": False,
-}
+STYLE: Any = PICTURES | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
+STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
 RATES = {".gif": 20, ".mp4": 30}  # frames in a second; a gif counts in hundredths of a second
 HOLD = 1.5  # s for which a gif stays at its end before it starts anew
@@ -238,20 +229,14 @@ class Film:
 
     def _draw_energies(self, axes: Any) -> None:
         time = self.recording.time
-        axes.vlines(
-            self.recording.impacts["onset"], 0, 1, PALE, linewidth=0.8, transform=axes.get_xaxis_transform()
-        )
+        mark_impacts(axes, self.recording)
         for name, energy in self.recording.energies.items():
             if name in ENERGIES and energy.any():
                 width = 1 + (name == "total")
                 style = "--" if name == "friction" else "-"
                 axes.plot(time, energy, style, color=ENERGIES[name], label=name, linewidth=width)
         axes.set(xlim=(time[0], time[-1]), xlabel="time [s]", ylabel="energy [J]")
-        place: dict[str, Any] = {
-            "loc": "lower left",
-            "bbox_to_anchor": (-0.02, 1.0),
-            "borderaxespad": 0.2,
-        }
+        place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
         axes.legend(**place, ncols=3, fontsize=8, handlelength=1.0, columnspacing=1.0)
         self.now = axes.axvline(time[0], color=INK, linewidth=1.0, animated=True)
 
