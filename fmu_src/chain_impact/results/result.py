@@ -72,7 +72,8 @@ class Result(Pictured):
     ) -> None:
         vars(self).update(model=model, time=time, outputs=outputs, impacts=impacts, statistics=statistics)
         vars(self).update(sensitivities=sensitivities, stepwise=stepwise or {}, stick_slip=stick_slip)
-        vars(self).update(rerun=rerun)
+        scene = model.scene
+        vars(self).update(rerun=rerun, name=scene.name, stop_law=scene.stops.model or "")
 
     def __eq__(self, other: object) -> bool:
         """Whether all that two results hold is equal, but for ``stepwise`` and ``rerun``."""
@@ -134,11 +135,6 @@ class Result(Pictured):
         return "point_position" in (self.outputs.dtype.names or ())
 
     @cached_property
-    def name(self) -> str:
-        """The scene's name."""
-        return self.scene.name
-
-    @cached_property
     def walls(self) -> Mapping[str, HalfPlane]:
         """Name → free side of the walls."""
         return self.scene.half_planes
@@ -158,11 +154,6 @@ class Result(Pictured):
     def stops(self) -> Mapping[int, JointRange]:
         """The joints with stops, and their ranges."""
         return ranges_of(self.scene)
-
-    @cached_property
-    def stop_law(self) -> str:
-        """The contact law of the stops, if the scene names one."""
-        return self.scene.stops.model or ""
 
     @property
     def impact_count(self) -> int:
