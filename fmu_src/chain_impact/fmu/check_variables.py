@@ -79,6 +79,13 @@ class Variable:
             return math.inf if name == "max" else -math.inf
         return float(self.value(text))
 
+    def beyond(self, value: float) -> str:
+        """Which of its limits a value is beyond; nothing if it is in between."""
+        low, high = self.bound("min"), self.bound("max")
+        if low > high:  # which is told otherwise
+            return ""
+        return f"below min = {low:.9g}" if value < low else f"above max = {high:.9g}" if value > high else ""
+
 
 def types_of(root: Element) -> list[Variable]:
     """The types that a model description defines, as if they were variables."""
@@ -164,7 +171,7 @@ def _of_use(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
 
 
 def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
-    start, low, high = variable.start, variable.bound("min"), variable.bound("max")
+    start = variable.start
     if (
         start
         and variable.size is not None
@@ -174,9 +181,8 @@ def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
         yield "start", f"there are {len(start)} values, and the dimensions make {variable.size}"
     for text in start if variable.type not in (*TEXTS, "Boolean") else ():
         value = float(variable.value(text))
-        if low <= high and (value < low or value > high):
-            side, limit = ("below min", low) if value < low else ("above max", high)
-            yield "start", f"start = {text} is {side} = {limit:.9g}"
+        if side := variable.beyond(value):
+            yield "start", f"start = {text} is {side}"
         elif variable.choices and value not in variable.choices:
             yield "start", f"start = {text} is none of the values of the enumeration"
 

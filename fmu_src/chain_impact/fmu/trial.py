@@ -144,9 +144,7 @@ class Trial:
         values = self.values()
         for one in self.variables:
             for value in values.get(one.name, []) if one.type in (*REALS, "Integer", "Enumeration") else ():
-                low, high = one.bound("min"), one.bound("max")
-                if low <= high and (float(value) < low or float(value) > high):
-                    side = f"below min = {low:.9g}" if float(value) < low else f"above max = {high:.9g}"
+                if side := one.beyond(float(value)):
                     self.found(f"is {_text(value)} after a step of {step:.9g} s, {side}", one)
         if not self.description.coSimulation.canGetAndSetFMUstate:
             return

@@ -32,9 +32,10 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
 
     The outputs are named as ``Sensitivities.drawn`` takes them.
     """
-    found = sensitivities_of(recording)
+    found = recording.sensitivities
+    assert found is not None
     names = found.drawn(outputs)
-    relative = relative_changes(recording, names)
+    relative = relative_changes(recording, found, names)
     parameters = plural(len(found.parameters), "parameter")
     headline(page, f"{recording.name}: changes with {parameters}, to first order", conditions(recording))
     looks = looks_of(found, relative)
@@ -44,11 +45,11 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
     for axes in rest:
         axes.remove()
     for axes, name in zip(panels, names, strict=False):
-        draw_changes(axes, recording, name, looks)
-    draw_speeds(panels[-1], recording, looks)
+        draw_changes(axes, recording, found, name, looks)
+    draw_speeds(panels[-1], recording, found, looks)
     for axes in panels:
         mark_impacts(axes, recording)
-        mark_unknown(axes, recording)
+        mark_unknown(axes, recording, found)
     for axes in panels[-across:]:
         axes.tick_params(labelbottom=True)
         axes.set_xlabel("time [s]")
@@ -57,12 +58,6 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
     else:
         panels[min(1, len(names) - 1)].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
     page.supxlabel("\n".join(found.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True)
-
-
-def sensitivities_of(recording: Recording) -> Sensitivities:
-    """The derivatives of a recording that has some."""
-    assert recording.sensitivities is not None
-    return recording.sensitivities
 
 
 def calm(recording: Recording) -> np.ndarray:
@@ -76,9 +71,8 @@ def calm(recording: Recording) -> np.ndarray:
     return rows
 
 
-def relative_changes(recording: Recording, outputs: Sequence[str]) -> np.ndarray:
+def relative_changes(recording: Recording, found: Sensitivities, outputs: Sequence[str]) -> np.ndarray:
     """The largest change of any of some outputs outside of impacts, over its range; 0 elsewhere: (T, P)."""
-    found = sensitivities_of(recording)
     ranges = [np.ptp(recording.columns[name]) or 1.0 for name in outputs]
     shares = [np.abs(found.changes(name)) / span for name, span in zip(outputs, ranges, strict=True)]
     largest: np.ndarray = np.max(np.nan_to_num(shares), axis=0)
@@ -102,9 +96,8 @@ def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
     return looks
 
 
-def draw_changes(axes: Axes, recording: Recording, output: str, looks: Looks) -> None:
+def draw_changes(axes: Axes, recording: Recording, found: Sensitivities, output: str, looks: Looks) -> None:
     """The change of an output over time, with each parameter; gaps where there is none."""
-    found = sensitivities_of(recording)
     changes = found.changes(output)
     for values, look in zip(changes.T, looks, strict=True):
         axes.plot(recording.time, values, **look)
@@ -112,9 +105,8 @@ def draw_changes(axes: Axes, recording: Recording, output: str, looks: Looks) ->
     fit_scale(axes, changes[calm(recording)], NOTHING * np.ptp(recording.columns[output]))
 
 
-def draw_speeds(axes: Axes, recording: Recording, looks: Looks) -> None:
+def draw_speeds(axes: Axes, recording: Recording, found: Sensitivities, looks: Looks) -> None:
     """The change of the speed of each impact, with each parameter: dots at walls, diamonds at stops."""
-    found = sensitivities_of(recording)
     changes, stopped = found.impact_changes("impact_speed"), recording.at_stops
     for values, look in zip(changes.T, looks, strict=True):
         style = {"color": look["color"], "zorder": look["zorder"], "markersize": DOT}
@@ -149,9 +141,9 @@ def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
         axes.set_ylim(low - margin, high + margin)
 
 
-def mark_unknown(axes: Axes, recording: Recording) -> None:
+def mark_unknown(axes: Axes, recording: Recording, found: Sensitivities) -> None:
     """Shade the time of which there are no derivatives."""
-    unknown = np.isnan(sensitivities_of(recording).slopes).all(axis=(1, 2))
+    unknown = np.isnan(found.slopes).all(axis=(1, 2))
     if unknown.any():
         start, end = recording.time[unknown.argmax()], recording.time[-1]
         axes.axvspan(start, end, color=OUTSIDE_COLOUR, linewidth=0.0, zorder=0)
