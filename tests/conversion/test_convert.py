@@ -191,7 +191,7 @@ def test_a_file_that_is_no_robot_is_refused_in_one_line(tmp_path, name, text, sa
 def test_the_command_refuses_other_suffixes_and_joints_of_a_scene(tmp_path, capsys):
     with pytest.raises(SystemExit):
         main(["convert", "pinned_arm", "-o", str(tmp_path / "x.csv")])
-    assert "must end in .toml or .xml" in capsys.readouterr().err
+    assert "must end in .toml, .xml" in capsys.readouterr().err
     assert main(["convert", "pinned_arm", "--joints", "a", "-o", str(tmp_path / "x.xml")]) == 2
     assert "a scene has no joints to choose" in capsys.readouterr().err
     assert main(["convert", "pinned_arm", "-o", str(tmp_path / "x.xml")]) == 0
