@@ -61,15 +61,14 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
         lines = list(range_lines(recording.points[-1], recording.stops))
         axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))
     draw_rings(axes, recording)
-    sticks = draw_sticking(axes, recording)
-    loaded = draw_loads(axes, recording)
+    draw_sticking(axes, recording)
+    draw_loads(axes, recording)
     axes.set_aspect("equal")
     slim = np.ptp(axes.get_xlim()) / np.ptp(axes.get_ylim())
     if slim < 1.0 and not is_full(axes):  # numbers would meet
         axes.locator_params(axis="x", nbins=max(1, int(NUMBERS * slim)), min_n_ticks=1)
     axes.set(xlabel="x [m]", ylabel="y [m]")
-    most = 5 if recording.stops or sticks or loaded else 4
-    axes.legend(**ABOVE, ncols=columns(axes, most), handlelength=1.2)
+    axes.legend(**ABOVE, ncols=columns(axes, 5), handlelength=1.2)
 
 
 def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
@@ -133,8 +132,8 @@ def draw_rings(axes: Axes, recording: Recording) -> None:
         axes.plot(*np.transpose(spots), **look, color=INK, zorder=5, label="impacts")
 
 
-def draw_sticking(axes: Axes, recording: Recording) -> bool:
-    """Draw a square where a contact or a joint sticks at the end; return whether there is one."""
+def draw_sticking(axes: Axes, recording: Recording) -> None:
+    """A square where a contact or a joint sticks at the end."""
     last, points = recording.stick_slip[np.isnan(recording.stick_slip["end"])], recording.points[-1]
     places = []
     for phase in last[last["mode"] == STICKS]:
@@ -147,11 +146,10 @@ def draw_sticking(axes: Axes, recording: Recording) -> bool:
     if places:
         look: dict[str, Any] = {"marker": "s", "markersize": SQUARE, "linestyle": "", "color": VERMILLION}
         axes.plot(*np.transpose(places), **look, zorder=5.5, label="sticks")
-    return bool(places)
 
 
-def draw_loads(axes: Axes, recording: Recording) -> bool:
-    """Draw the largest force in each joint, where the joint was then; return whether there is one.
+def draw_loads(axes: Axes, recording: Recording) -> None:
+    """The largest force in each joint, where the joint was then.
 
     The largest forces are those between the rows, too, if the recording has these peaks. The direction and
     the place are those of the row with the largest force.
@@ -176,7 +174,6 @@ def draw_loads(axes: Axes, recording: Recording) -> bool:
             zorder=6,
             label=f"joint forces, ≤ {force_text(most, 'N')}",
         )
-    return bool(arrows)
 
 
 def number_rings(axes: Axes, recording: Recording) -> None:
