@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from html import escape
 from typing import Any
 
-import matplotlib as mpl
+import matplotlib.style
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -16,7 +17,7 @@ from matplotlib.patches import Arc
 
 from chain_impact.results.plots.motion import draw_chain
 from chain_impact.results.plots.room import draw_pin, draw_room
-from chain_impact.results.plots.style import BLUE, INK, VERMILLION, styled
+from chain_impact.results.plots.style import BLUE, COLOURS, INK, STYLE, VERMILLION
 from chain_impact.results.view import pin_mark
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.scene import Scene
@@ -31,10 +32,17 @@ SIGNS = (
     "joint[i].torque acts on link i, and its opposite on the link before. The force of a wall is positive "
     "along n, its friction along t, which is n turned by a right angle clockwise."
 )
-REPEATABLE: Any = {"svg.fonttype": "none", "svg.hashsalt": "chain-impact"}
-"""Settings by which equal scenes have equal pictures."""
 
 
+@contextmanager
+def repeatable() -> Iterator[None]:
+    """Draw equal scenes equally, whatever the settings of matplotlib are."""
+    own = STYLE | COLOURS | {"svg.hashsalt": "chain-impact"}
+    with matplotlib.style.context("default"), matplotlib.rc_context(own):
+        yield
+
+
+@repeatable()
 def drawing(scene: Scene) -> str:
     """The chain with its points, angles and walls, and the directions that are positive, as SVG."""
     axes, joints, unit = _chain(scene, SIZE, BORDER, linewidth=5.0, markersize=8.0)
@@ -58,12 +66,12 @@ def drawing(scene: Scene) -> str:
     if pull := math.hypot(*scene.gravity):
         _arrow(axes, "g", high - 25.0 * unit, np.array(scene.gravity) / pull)
     stream = io.StringIO()
-    with mpl.rc_context(REPEATABLE):
-        axes.figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    axes.figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
     svg = stream.getvalue().partition("<svg")[2]
     return f"<svg role='img' aria-label='{escape(scene.name)} at its start'{svg}"
 
 
+@repeatable()
 def icon(scene: Scene) -> bytes:
     """The chain at its start and the walls, as PNG."""
     axes, *_ = _chain(scene, ICON, MARGIN, linewidth=4.0, markersize=6.0)
@@ -72,7 +80,6 @@ def icon(scene: Scene) -> bytes:
     return stream.getvalue()
 
 
-@styled()
 def _chain(
     scene: Scene, size: tuple[float, float], border: float, **look: float
 ) -> tuple[Any, np.ndarray, float]:
