@@ -40,7 +40,7 @@ def build_fmu(
 ) -> Path:
     """Build ``<name>.fmu``, which appears in the directory only when it is complete and valid.
 
-    Equal scenes, with the same versions of this package, make FMUs of equal bytes.
+    Equal scenes, with the same versions of this package and of matplotlib, make FMUs of equal bytes.
 
     Args:
         source: a scene, or what ``load_scene`` takes.
