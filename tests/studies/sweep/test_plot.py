@@ -67,7 +67,7 @@ def test_a_page_of_any_width_has_all_panels(kind, width):
 
 def test_a_page_that_is_too_low_is_refused():
     found = sweep(SCENE, {"contact.restitution": "0.4,0.8"})
-    with pytest.raises(ValueError, match=r"^size = \(3.3, 2\) must be larger for what is drawn"):
+    with pytest.raises(ValueError, match=r"^size = \(3.3, 2\) must be at least [\d.]+ high"):
         found.plot(size=(3.3, 2.0))
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import os
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
+from itertools import combinations
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,10 +17,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
-from chain_impact.results.plots.style import FULL, Page, save
+from chain_impact.results.plots.style import FULL, Page, save, styled
 
 SIZE, LEAST = (FULL, 5.4), 2.0  # inches
 LEAST_SIDE = 0.3  # inches, the height of axes with a label
+NEARLY = 1.0  # pixels, by which texts may seem to be beyond the page, or on one another
+ROUND_OFF = 1e-9  # of an axis
+HIGHER = 40  # quarters of an inch, at most, by which a page is too low
 CLOSE = 5.0  # points from the place to its label
 PAD = 2.5  # points that stay free around a label
 LONGER = 1.1  # of the height of axes, a label in one line
@@ -82,21 +86,51 @@ def check_alone(path: object, size: object) -> None:
 
 
 def fill_or_refuse(fill: Fill, page: Figure) -> None:
-    """Draw on a page, and refuse it if axes have nearly no height.
+    """Draw on a page, and refuse it if axes have nearly no height; say how high it must be.
 
     Raises:
         ValueError: when it is so.
     """
+    if has_room(fill, page):
+        return
+    width, height = map(float, page.get_size_inches())
+    for more in range(1, HIGHER):
+        higher = math.ceil(4.0 * height) / 4.0 + 0.25 * more
+        if has_room(fill, Page(figsize=(width, higher))):
+            least = f"must be at least {higher:g} high for what is drawn, or have fewer panels"
+            raise ValueError(f"size = ({width:g}, {height:g}) {least}")
+    raise ValueError(f"size = ({width:g}, {height:g}) must be wider for what is drawn")
+
+
+@styled()
+def has_room(fill: Fill, page: Figure) -> bool:
+    """Draw on a page; return whether axes have some height, no text is cut off, and none is on another."""
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
         fill(page)
         page.draw_without_rendering()
         least = LEAST_SIDE * page.dpi
-        if all(not axes.get_ylabel() or axes.bbox.height >= least for axes in page.axes):
-            return
-    width, height = page.get_size_inches()
-    what = "must be larger for what is drawn, or have fewer panels"
-    raise ValueError(f"size = ({width:g}, {height:g}) {what}")
+        if any(axes.get_ylabel() and axes.bbox.height < least for axes in page.axes):
+            return False
+        boxes = list(text_boxes(page))
+        whole = Bbox.union([page.bbox, *boxes])
+        is_within = bool((np.abs(whole.get_points() - page.bbox.get_points()) <= NEARLY).all())
+        return is_within and not any(one.padded(-NEARLY).overlaps(two) for one, two in combinations(boxes, 2))
+    return False
+
+
+def text_boxes(page: Figure) -> Iterator[Bbox]:
+    """What the texts around the axes of a page cover, in pixels."""
+    texts = list(page.texts)
+    for axes in page.axes:
+        texts += [axes.xaxis.label, axes.yaxis.label]
+        texts += legend.get_texts() if (legend := axes.get_legend()) else []
+        for axis, along in ((axes.xaxis, 0), (axes.yaxis, 1)):
+            low, high = sorted(axis.get_view_interval())
+            slack = ROUND_OFF * (high - low)
+            ticks = axis.get_majorticklabels()
+            texts += [tick for tick in ticks if low - slack <= tick.get_position()[along] <= high + slack]
+    return (text.get_window_extent() for text in texts if text.get_text())
 
 
 def settle(page: Figure) -> None:
