@@ -4,7 +4,7 @@ FOLDER is ``data/experiment_records/design_C.1/sys_id/20230629`` of dfki-ric-und
 (BSD-3-Clause, commit 1e8544e): a double pendulum with motors in both joints, whose angles and torques were
 measured. Both torques act on the model as they were measured. Centres of mass, inertias, viscous damping and
 dry friction are fitted to one run by derivatives, with intervals, and judged by a run that the fit has not
-seen. ``fit`` has no inputs that change, so it is SciPy's ``least_squares``.
+seen, by SciPy's ``least_squares`` with equal weights for all errors.
 
 A motion is predicted over short spans, each from the angles and rates measured at its start: where the arm is
 upright, errors grow fast.

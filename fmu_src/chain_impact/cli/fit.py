@@ -21,6 +21,7 @@ from chain_impact.cli.options import (
 from chain_impact.cli.progress import progress, say
 from chain_impact.scene.models import scene_path
 from chain_impact.scene.scene import load_scene
+from chain_impact.simulation.inputs import INTERPOLATIONS
 from chain_impact.simulation.record_scene import with_settings
 
 STOP_TIME = "simulation.stop_time"  # given here, and not in the file alone, later data are not used
@@ -57,6 +58,12 @@ def add(verbs: Verbs) -> None:
     fit.add_argument(
         "--columns", metavar="NAMES", help="use these columns only, * for any text: point[4].*; default: all"
     )
+    fit.add_argument(
+        "--interpolation",
+        choices=INTERPOLATIONS,
+        default=INTERPOLATIONS[0],
+        help="of inputs in the data; default: each value holds until the next, and motions are smooth",
+    )
     fit.add_argument("--laws", action="store_true", help="fit every contact law, and rank them")
     add_set(fit)
     add_plot(fit, "data, model and residuals")
@@ -85,6 +92,7 @@ def run(options: argparse.Namespace) -> int:
             columns=names_in(options.columns) if options.columns else None,
             laws=options.laws,
             stop_time=scene.simulation.stop_time if STOP_TIME in settings else None,
+            interpolation=options.interpolation,
             progress=advance,
         )
     if options.scene:

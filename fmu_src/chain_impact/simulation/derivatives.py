@@ -217,6 +217,7 @@ class DifferentiatedRun:
         parameters: Sequence[str],
         outputs: Sequence[str],
         inputs: Mapping[str, Any] | None = None,
+        interpolation: str = "follow",
     ) -> None:
         """Make ready for the derivatives of some outputs with respect to some parameters, all by name.
 
@@ -225,6 +226,7 @@ class DifferentiatedRun:
             parameters: of the FMU, P of them: real ones and inputs.
             outputs: of the FMU, W of them.
             inputs: name of an input → its signal over time, as ``simulate`` takes it.
+            interpolation: of the inputs, likewise.
 
         Raises:
             UnknownNameError: when there is none of a name.
@@ -232,7 +234,7 @@ class DifferentiatedRun:
             SimulationError: when the scene cannot start.
         """
         self._model = Model(scene_of(scene))
-        self._inputs = dict(inputs or {})
+        self._inputs, self._interpolation = dict(inputs or {}), interpolation
         varied = self._model.varied_by(parameters)
         self._places = [variable.set_place for variable in varied]
         columns = self._model.columns_named(outputs)
@@ -248,7 +250,7 @@ class DifferentiatedRun:
         """
         instance = self._instance
         times = np.ascontiguousarray(times, float)
-        driven = drive(self._model, self._inputs, "follow", times)
+        driven = drive(self._model, self._inputs, self._interpolation, times)
         rows = instance.rows(len(driven.times), self._words)
         asked = np.searchsorted(driven.times, times)
         driven.set(instance.record, 0)

@@ -121,7 +121,7 @@ def test_refusals():
 
     wrong = said(**{"point[4].z": [1, 2, 3]})
     assert wrong.startswith(
-        "data: column point[4].z is no output that changes over time, and no quantity of an"
+        "data: column point[4].z is no output that changes over time, no input, and no quantity of an"
     )
     assert "; the nearest is point[4]." in wrong
     assert "impacts have onset, end" in said(camera=[1, 2, 3])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import compress
 from typing import cast
 
@@ -72,6 +72,7 @@ class Measurements:
         sigma: its standard deviation, shape (M,); NaN where it is to be estimated.
         row, column: index into times and outputs, or into impacts and ``QUANTITIES``, shape (M,).
         of_impact: which of the values belong to an impact, shape (M,).
+        inputs: name of an input → its signal, times [s] and values.
     """
 
     source: str
@@ -84,6 +85,7 @@ class Measurements:
     row: np.ndarray
     column: np.ndarray
     of_impact: np.ndarray
+    inputs: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         """How many values."""
@@ -124,14 +126,14 @@ def read_measurements(
 ) -> Measurements:
     """Read the tables of one run.
 
-    A row with a cell in ``impact``, ``point`` or ``wall`` is about an impact, any other about the outputs at
-    a ``time``. Empty cells were not measured.
+    A row with a cell in ``impact``, ``point`` or ``wall`` is about an impact, any other about the outputs and
+    the inputs at a ``time``. Empty cells were not measured.
 
     Args:
         sources: a table, or several of the same run.
-        scene: its outputs are the columns.
+        scene: its outputs and inputs are the columns.
         sigma: column → standard deviation of its values, in their unit, or in percent of each: ``"2%"``.
-        columns: names or patterns of the columns to be used; all by default.
+        columns: names or patterns of the columns to be used; all by default. Inputs are used in any case.
 
     Raises:
         SceneError: when a table cannot be used.
@@ -155,7 +157,9 @@ class _Book:
 
     def __init__(self, scene: Scene, sigma: Mapping[str, float | str]) -> None:
         self._scene, self._sigma = scene, sigma
-        self._outputs = list(Model(scene).columns)
+        model = Model(scene)
+        self._outputs, self._inputs = list(model.columns), [one.name for one in model.inputs]
+        self._signals: dict[str, list[tuple[float, float]]] = {}
         self._seen: dict[str, str] = {}
         self._impacts: list[ImpactRow] = []
         self._counts: dict[tuple[int | None, int | None], int] = {}
@@ -164,7 +168,7 @@ class _Book:
 
     def read(self, table: Table, chosen: Set[str]) -> None:
         """Add the values of a table in some columns."""
-        samples, quantities = self._columns(table, chosen)
+        samples, quantities = self._columns(table, chosen | {*self._inputs})
         before = -math.inf
         for row in range(len(table.rows)):
             if any(table.cell(row, name) is not None for name in WHICH):
@@ -192,24 +196,32 @@ class _Book:
             row=np.where(of_impact, place, np.searchsorted(times, place)).astype(int),
             column=np.array([index[name] for name in names]),
             of_impact=of_impact,
+            inputs={
+                name: (at[:, 0], at[:, 1])
+                for name, one in self._signals.items()
+                if (at := np.array(one)).size
+            },
         )
 
     def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
-        """The columns of outputs, and those of quantities of impacts."""
-        there = _value_columns(table)
+        """The columns of outputs and inputs, and those of quantities of impacts."""
+        there, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in there if name in chosen]
         for name in values:
-            if name not in self._outputs and name not in QUANTITIES:
+            if name not in over_time and name not in QUANTITIES:
                 raise SceneError(f"{table.source}: column {name} {self._hint(name)}")
-            if name in self._outputs and name in self._seen:
+            if name in over_time and name in self._seen:
                 raise SceneError(f"{table.source}: column {name} is also in {self._seen[name]}")
             self._seen[name] = table.source
         for name in table.names:
             if _is_sigma(name) and name[6:-1] not in there:
                 raise SceneError(f"{table.source}: column {name} has no column {name[6:-1]} beside it")
-        samples = [name for name in values if name in self._outputs]
+            if _is_sigma(name) and name[6:-1] in self._inputs:
+                raise SceneError(f"{table.source}: column {name}: an input has no standard deviation")
+        samples = [name for name in values if name in over_time]
         for needed, columns, kinds in (
-            ((TIME,), samples, "outputs"),
+            ((TIME,), [name for name in samples if name in self._outputs], "outputs"),
+            ((TIME,), [name for name in samples if name in self._inputs], "inputs"),
             (WHICH, [name for name in values if name in QUANTITIES], "impacts"),
         ):
             if columns and not any(name in table.names for name in needed):
@@ -225,21 +237,24 @@ class _Book:
         return samples, [name for name in values if name in QUANTITIES]
 
     def _hint(self, name: str) -> str:
-        near = nearest(name, [*self._outputs, *QUANTITIES])
+        near = nearest(name, [*self._outputs, *self._inputs, *QUANTITIES])
         hint = f"the nearest is {near}" if near else f"impacts have {', '.join(QUANTITIES)}"
         return (
-            f"is no output that changes over time, and no quantity of an impact; {hint}; "
+            f"is no output that changes over time, no input, and no quantity of an impact; {hint}; "
             "to leave it out, name the columns to use"
         )
 
     def _add_sample(self, table: Table, row: int, names: list[str], before: float) -> float:
-        """Add the outputs at a time; return it."""
+        """Add the outputs and inputs at a time; return it."""
         time = table.number(row, TIME)
         if not (time >= 0.0 and time > before):
             later = f" and > {before:g}, that of the row before" if before >= 0.0 else ""
             raise SceneError(f"{table.where(row, TIME)} = {time:g} must be a time >= 0 [s]{later}")
         for name in names:
-            self._add(table, row, name, time, False)
+            if name not in self._inputs:
+                self._add(table, row, name, time, False)
+            elif not math.isnan(value := table.number(row, name)):
+                self._signals.setdefault(name, []).append((time, value))
         return time
 
     def _add_impact(self, table: Table, row: int, names: list[str]) -> None:

@@ -13,6 +13,7 @@ from chain_impact.progress import Progress, silent
 from chain_impact.results.text import plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
+from chain_impact.simulation.inputs import Interpolation
 from chain_impact.studies.fit.data import Measurements, read_measurements, standard_deviation
 from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
 from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
@@ -41,6 +42,7 @@ def fit(
     columns: Sequence[str] | None = None,
     laws: bool = False,
     stop_time: float | None = None,
+    interpolation: Interpolation = "follow",
     progress: Progress | None = None,
 ) -> Fit:
     """Estimate parameters of a scene from measurements, by weighted least squares.
@@ -61,6 +63,7 @@ def fit(
         columns: names or patterns of the columns that are used; all by default.
         laws: whether to fit every contact law, and return the fit of the best with the ranking of all.
         stop_time: until when [s] data are used, and that of the fitted scene; all data by default.
+        interpolation: of inputs in the data, between the rows, as in ``simulate``.
         progress: called with the fraction done, if given.
 
     Raises:
@@ -92,8 +95,9 @@ def fit(
 
     def one(scenes: Sequence[Scene], progress: Progress) -> Fit:
         parameters = parameters_of(scenes, free, free_each, bounds or {})
+        _check_inputs(scene, parameters, measured)
         try:
-            found = _fit(Problem(scenes, measured, parameters), progress)
+            found = _fit(Problem(scenes, measured, parameters, interpolation), progress)
         except SceneError as error:
             raise SceneError("; ".join([str(error), *remarks])) from None
         return replace(found, notes=(*remarks, *found.notes))
@@ -211,6 +215,15 @@ def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurem
             raise SceneError(
                 f"{scene.name}: sigma of {name}: no such column was measured, but {', '.join(sorted(names))}"
             )
+
+
+def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Sequence[Measurements]) -> None:
+    """Refuse to fit an input that is known."""
+    for parameter in parameters:
+        for k, one in enumerate(measured):
+            if parameter.run in (None, k) and parameter.name in one.inputs:
+                reason = f"is free, and a column of {one.source}; must be one of both"
+                raise SceneError(f"{scene.name}: {parameter.name} {reason}")
 
 
 def _interval(parameter: Parameter, place: float, half: float) -> tuple[float, float]:

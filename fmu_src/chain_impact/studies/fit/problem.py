@@ -72,8 +72,9 @@ class Problem:
         scenes: Sequence[Scene],
         data: Sequence[Measurements],
         parameters: Sequence[Parameter],
+        interpolation: str = "follow",
     ) -> None:
-        """Prepare a run for each data set.
+        """Prepare a run for each data set, with the inputs in it and their interpolation.
 
         Raises:
             SceneError: when a scene cannot start.
@@ -95,7 +96,9 @@ class Problem:
         ]
         try:
             self._runs = [
-                DifferentiatedRun(scene, [self.parameters[p].name for p in own], one.outputs)
+                DifferentiatedRun(
+                    scene, [self.parameters[p].name for p in own], one.outputs, one.inputs, interpolation
+                )
                 for scene, one, own in zip(self.scenes, self.data, self.own, strict=True)
             ]
         except SimulationError as error:
