@@ -14,7 +14,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc
-from matplotlib.patheffects import withStroke
 
 from chain_impact.results.plots.motion import draw_chain
 from chain_impact.results.plots.room import draw_pin, draw_room
@@ -148,5 +147,4 @@ def _text(axes: Axes, text: str, place: np.ndarray, offset: Iterable[float], **l
     """A text beside a place; the offset is in points."""
     x, y = offset
     style: dict[str, Any] = {"ha": "center", "va": "center", "textcoords": "offset points", "zorder": 6}
-    style["path_effects"] = [withStroke(linewidth=3.0, foreground="white", alpha=0.7)]
     axes.annotate(text, (place[0], place[1]), (x, y), annotation_clip=False, **(style | look))
