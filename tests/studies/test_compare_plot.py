@@ -94,6 +94,11 @@ def test_the_headline_has_the_spread_of_the_laws(comparison):
     assert f"grey: {len(looks_of(comparison)) - NAMED} other laws" in conditions
 
 
+def test_the_headline_counts_no_grey_laws_where_there_are_none():
+    page = drawn(compare("rod_drop", laws=["flores", "hertz"]))
+    assert "grey" not in page.texts[1].get_text()
+
+
 @pytest.mark.full("takes long")
 def test_laws_that_did_not_run_leave_the_others_in_the_picture(tmp_path):
     comparison = compare(

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.results.plots.pages import check_alone, drawn
 from chain_impact.results.plots.style import BLACK, GREY, PALETTE, SEPARATOR, WIDE, headline, number, styled
+from chain_impact.results.text import plural
 from chain_impact.studies.law_change import first_place
 from chain_impact.studies.law_runs import LawRuns
 
@@ -80,7 +81,8 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     stiffness = f"stiffness K = {number(contact.stiffness)} {per}$^{{{contact.exponent:g}}}$"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
-    return SEPARATOR.join((hit, stiffness, tolerance, f"grey: {grey} other laws"))
+    others = [f"grey: {plural(grey, 'other law')}"] if grey else []
+    return SEPARATOR.join((hit, stiffness, tolerance, *others))
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:
