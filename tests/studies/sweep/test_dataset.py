@@ -22,7 +22,7 @@ from chain_impact.studies.sweep.dataset import MANIFEST
 from chain_impact.studies.sweep.design import grid, sampled
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.studies.sweep.variation import variations_of
-from chain_impact.studies.sweep.work import CHUNK
+from chain_impact.studies.sweep.work import CHUNK, file_name
 from tests.tiers import needs_interop
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
@@ -226,8 +226,11 @@ def test_nothing_is_left_where_no_run_was_done(tmp_path, monkeypatch):
 def test_a_file_that_was_made_and_not_listed_goes_when_the_sweep_fails(tmp_path, monkeypatch):
     real = module.run_in_threads
 
+    done = []  # which piece is the first to be done is up to the threads
+
     def full(work, *arguments):
-        yield next(real(work, *arguments))
+        done.append(next(real(work, *arguments)))
+        yield done[0]
         (work.folder / ".runs-000000000000009.parquet-1").write_bytes(b"of another thread")
         raise OSError("disk full")
 
@@ -236,7 +239,7 @@ def test_a_file_that_was_made_and_not_listed_goes_when_the_sweep_fails(tmp_path,
         sweep(SCENE, VARY, path=tmp_path / "runs", threads=1)
     assert [path.name for path in sorted((tmp_path / "runs").iterdir())] == [
         MANIFEST,
-        "runs-000000000000000.parquet",
+        file_name(done[0][0]),
     ]
 
 
