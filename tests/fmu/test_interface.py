@@ -395,6 +395,24 @@ def test_clocks_may_differ_by_round_off_and_no_step_goes_beyond_the_stop_time(fm
         assert one.step(time, 1e-3 * size) == (FATAL if target == "pythonfmu" else ERROR)
 
 
+@calling("rod_drop", kinds="strict")
+def test_the_clock_of_an_importer_may_be_rounded(fmu):
+    """To 1 us, also at a stop time that is no multiple of it; a step that is skipped or repeated is told."""
+    library, stop = Library(fmu), 0.1
+    exact = Component(library).start(0.0, stop)
+    assert exact.step(0.0, stop) == OK
+    for size in (1e-2 / 3.0, 1e-3 / 3.0):
+        one = Component(library).start(0.0, stop)
+        for k in range(round(stop / size)):
+            assert one.step(round(k * size, 6), size) == OK
+        error = one.real("point[1].y") - exact.real("point[1].y")
+        assert abs(error) <= 1e-6 * abs(exact.real("point[1].vy"))
+        for wrong in (size, -size, 0.1 * size):
+            one = Component(library).start()
+            assert one.step(0.0, size) == OK
+            assert one.step(size + wrong, size) == ERROR
+
+
 @calling("rod_drop", kinds="fmus")
 def test_a_step_of_infinite_size_is_refused(fmu, target):
     library = Library(fmu)

@@ -8,8 +8,11 @@
 
 #pragma STDC FENV_ACCESS ON /* what is computed stays between the calls of registers.h */
 
-/* by how much the importer's clock may differ: a part of the step, and the round-off of adding steps up */
-static const double TIME_TOLERANCE = 1e-9, ROUND_OFF = 1e-12;
+/* A part of the step: the importer's clock may differ by so much, as it may be rounded to 1 us. With much more, a step
+   that the importer skips or repeats is not noticed. */
+static const double TIME_TOLERANCE = 1e-2;
+/* A part of the time: the round-off of a clock that adds the steps up. */
+static const double ROUND_OFF = 1e-12;
 
 static void back_to_the_start(Instance *one) {
     memcpy(one->record, in_table(one->table, one->table->record_at), (size_t)one->table->record_size);
