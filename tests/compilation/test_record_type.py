@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from chain_impact.compilation.record_type import TABLES, Affine, _affine
+from chain_impact.compilation.affine import Affine, affine
+from chain_impact.compilation.record_type import TABLES
 from chain_impact.kernel.chain import tree
 from chain_impact.kernel.entry import observe_now, trajectory
 from chain_impact.kernel.initialize import initialize
@@ -78,8 +79,8 @@ def test_what_has_to_do_with_candidates_and_elements_comes_last():
 
 def test_a_size_that_is_not_affine_is_refused():
     with pytest.raises(ValueError, match="no size"):
-        _affine([25, 36, 25, 25, 25, 25, 49])
-    assert _affine([25, 36, 25, 25, 25, 25, 47]) == Affine(-30, 11, 0, 0, 0, 0)
+        affine([25, 36, 25, 25, 25, 25, 49])
+    assert affine([25, 36, 25, 25, 25, 25, 47]) == Affine(-30, 11, 0, 0, 0, 0)
 
 
 def chain():

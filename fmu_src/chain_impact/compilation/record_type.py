@@ -3,7 +3,7 @@
 numba's own record types have all sizes in them. Code for this type asks for five numbers, N links, C
 candidates, F elements that may have dry friction, L loads and K channels, by calling functions that are
 defined when a kernel is linked (compilers.py): as constants, or as numbers that the instance holds. All sizes
-and offsets are a + bN + cC + dF + eL + fK, worked out from the layout.
+and offsets follow from these numbers (affine.py).
 
 A value is the address of the instance. Which record or field of it is meant, the type tells; and whether its
 reals are plain numbers or dual ones, which carry derivatives (dual_numbers.py).
@@ -31,6 +31,7 @@ from numba.extending import (
     type_callable,
 )
 
+from chain_impact.compilation.affine import COUNTS, SAMPLES, Affine, affine
 from chain_impact.compilation.dual_numbers import DUAL
 from chain_impact.kernel import functions
 from chain_impact.kernel.record.fields import GIVEN, REAL, is_table
@@ -39,41 +40,10 @@ from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
 # field of the instance → the function that tells its number for an instance: N, C, F, L and K
-COUNTERS = {name: f"chain_{name}" for name in ("links", "candidates", "elements", "loads", "channels")}
+COUNTERS = {name: f"chain_{name}" for name in COUNTS}
 WORD = 8  # bytes of every scalar
-# N, C, F, L and K from which all sizes and offsets are worked out; the last ones are a check
-SAMPLES = (
-    (5, 7, 4, 3, 2),
-    *((6, 7, 4, 3, 2), (5, 8, 4, 3, 2), (5, 7, 5, 3, 2), (5, 7, 4, 4, 2), (5, 7, 4, 3, 3)),
-    (7, 10, 9, 8, 5),
-)
 
 Path = tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Affine:
-    """The number ``constant + per_link N + per_candidate C + per_element F + per_load L + per_channel K``."""
-
-    constant: int
-    per_link: int
-    per_candidate: int
-    per_element: int
-    per_load: int
-    per_channel: int
-
-    def built(self, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
-        """The number, computed for an instance."""
-        total: ir.Value = cgutils.intp_t(self.constant)
-        factors = (
-            *(self.per_link, self.per_candidate, self.per_element, self.per_load),
-            self.per_channel,
-        )
-        for factor, name in zip(factors, COUNTERS.values(), strict=True):
-            if factor:
-                count = builder.call(_counter(builder, name), [instance])
-                total = builder.add(total, builder.mul(count, cgutils.intp_t(factor)))
-        return total
 
 
 @dataclass(frozen=True)
@@ -97,16 +67,6 @@ class Field:
     stride: int = 0
 
 
-def _affine(numbers: Sequence[int]) -> Affine:
-    """The number whose values for the layouts of ``SAMPLES`` are given; the last one is a check."""
-    first, *others, last = numbers
-    slopes = [number - first for number in others[: len(COUNTERS)]]
-    constant = first - sum(slope * count for slope, count in zip(slopes, SAMPLES[0], strict=True))
-    if constant + sum(slope * count for slope, count in zip(slopes, SAMPLES[-1], strict=True)) != last:
-        raise ValueError(f"{numbers}: no size a + bN + cC + dF + eL + fK")
-    return Affine(constant, *slopes)
-
-
 def _kind(dtype: np.dtype) -> types.Type:
     """Numba's type of a number, or of the entries of an array."""
     return DUAL if dtype == dual_dtype(np.dtype(REAL)) else from_dtype(dtype)
@@ -124,11 +84,11 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
         kind = _kind(one.base)
         fields = () if kind == DUAL else one.names or ()
         table[path] = Field(
-            offset=_affine(offsets),
-            size=_affine([dtype.itemsize for dtype in dtypes]),
+            offset=affine(offsets),
+            size=affine([dtype.itemsize for dtype in dtypes]),
             fields=fields,
             kind=kind,
-            shape=[_affine(sizes) for sizes in zip(*(dtype.shape for dtype in dtypes), strict=True)],
+            shape=[affine(sizes) for sizes in zip(*(dtype.shape for dtype in dtypes), strict=True)],
         )
         for name in fields:
             inner, starts, *_ = zip(*(dtype.fields[name] for dtype in dtypes), strict=True)
@@ -137,12 +97,12 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
     def add_columns(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
         """Add a table, an array of records, as a record of columns."""
         row = dtypes[0].base
-        shape = [_affine(sizes) for sizes in zip(*(dtype.shape for dtype in dtypes), strict=True)]
-        size = _affine([dtype.itemsize for dtype in dtypes])
-        table[path] = Field(_affine(offsets), size, row.names, types.none, ())
+        shape = [affine(sizes) for sizes in zip(*(dtype.shape for dtype in dtypes), strict=True)]
+        size = affine([dtype.itemsize for dtype in dtypes])
+        table[path] = Field(affine(offsets), size, row.names, types.none, ())
         for name in row.names:
             kind, start = row.fields[name][:2]
-            place = _affine([offset + start for offset in offsets])
+            place = affine([offset + start for offset in offsets])
             table[*path, name] = Field(place, size, (), _kind(kind), shape, row.itemsize)
 
     add((), layouts, [0] * len(layouts))
@@ -192,6 +152,16 @@ class _Fields(AttributeTemplate):
         return types.Array(field.kind, len(field.shape), layout) if field.shape else field.kind
 
 
+def _built(number: Affine, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
+    """The number, computed for an instance."""
+    total: ir.Value = cgutils.intp_t(number.constant)
+    for factor, name in zip(number[1:], COUNTERS.values(), strict=True):
+        if factor:
+            count = builder.call(_counter(builder, name), [instance])
+            total = builder.add(total, builder.mul(count, cgutils.intp_t(factor)))
+    return total
+
+
 def _counter(builder: ir.IRBuilder, name: str) -> ir.Function:
     kind = ir.FunctionType(cgutils.intp_t, [cgutils.voidptr_t])
     return cgutils.get_or_insert_function(builder.module, kind, name)
@@ -200,7 +170,7 @@ def _counter(builder: ir.IRBuilder, name: str) -> ir.Function:
 def _place(context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field) -> ir.Value:
     """The address of a field, as that of numbers."""
     kind = context.get_data_type(types.float64 if field.fields else field.kind).as_pointer()
-    return cgutils.pointer_add(builder, instance, field.offset.built(builder, instance), kind)
+    return cgutils.pointer_add(builder, instance, _built(field.offset, builder, instance), kind)
 
 
 @lower_getattr_generic(Record)
@@ -212,7 +182,7 @@ def _get_field(context: Any, builder: ir.IRBuilder, record: Record, instance: ir
         return builder.call(_counter(builder, COUNTERS[name]), [instance])
     place = _place(context, builder, instance, field)
     if field.shape:
-        shape = [size.built(builder, instance) for size in field.shape]
+        shape = [_built(size, builder, instance) for size in field.shape]
         return _array(context, builder, field.kind, place, shape, stride=field.stride)
     return context.unpack_value(builder, field.kind, place)
 
@@ -267,7 +237,7 @@ def _type_of_block(_context: Any) -> Any:
 @lower_builtin(duals.block, Record, types.Integer)
 def _block(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     instance, number = arguments
-    own, size = (record.field().size.built(builder, instance) for record in (INSTANCE, TANGENT))
+    own, size = (_built(record.field().size, builder, instance) for record in (INSTANCE, TANGENT))
     number = context.cast(builder, number, signature.args[1], types.int64)
     return cgutils.pointer_add(builder, instance, builder.add(own, builder.mul(size, number)), instance.type)
 
@@ -284,7 +254,7 @@ def _type_of_words(_context: Any) -> Any:
 def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     (instance,) = arguments
     whole = signature.args[0].field()
-    size = builder.udiv(whole.size.built(builder, instance), cgutils.intp_t(WORD))
+    size = builder.udiv(_built(whole.size, builder, instance), cgutils.intp_t(WORD))
     return _array(context, builder, types.float64, _place(context, builder, instance, whole), [size])
 
 
@@ -301,7 +271,7 @@ def _clear(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
     (instance,) = arguments
     part = signature.args[0].field()
     place = _place(context, builder, instance, part)
-    cgutils.memset(builder, place, part.size.built(builder, instance), 0)
+    cgutils.memset(builder, place, _built(part.size, builder, instance), 0)
     return context.get_dummy_value()
 
 
@@ -353,7 +323,7 @@ def _copy_fields(
             word = context.get_data_type(field.kind)
             count: ir.Value = cgutils.intp_t(1)
             for size in field.shape:
-                count = builder.mul(count, size.built(builder, source))
+                count = builder.mul(count, _built(size, builder, source))
             given, step = _words_of(context, builder, source, field, word)
             own, own_step = _words_of(context, builder, target, TABLES["tangent"][path], word)
             with cgutils.for_range(builder, count) as loop:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
 MAKERS = (
-    *("browser", "collecting", "compilers", "dual_numbers", "entry_points", "functions"),
+    *("affine", "browser", "collecting", "compilers", "dual_numbers", "entry_points", "functions"),
     *("law", "law_file", "law_syntax", "lower", "record_type"),
 )
 """The modules of this folder that make code. The others find kernels, keep them and speak of them."""

@@ -18,6 +18,7 @@ from typing import Any, get_args, get_origin
 
 import numpy as np
 
+from chain_impact.compilation.affine import SAMPLES, affine
 from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
@@ -39,8 +40,6 @@ TIMES = ("simulation.stop_time", "simulation.step_size")
 WALL = "probe"
 """The wall of the scene that has everything."""
 AT = "{at}"
-SIZES = (5, 7, 4, 3, 6)
-"""N, C, F, L and K of the record of which all words are worked out."""
 GROUPS = {
     "link": r"link\[2\]\..*",
     "angle": r"initial\.angle\[2\]",
@@ -280,7 +279,7 @@ def _law(name: str) -> dict[str, Any]:
 
 def _layout() -> dict[str, Any]:
     """Where in the record the page reads what a run has found."""
-    record = layout_of(*SIZES)
+    record = layout_of(*SAMPLES[0])
     statistics = record["statistics"].names or ()
     return {
         "status": words(("statistics", "status")),
@@ -301,7 +300,7 @@ def _layout() -> dict[str, Any]:
 
 def _is_real(place: Place) -> bool:
     """Whether the numbers of a place are real."""
-    kind = layout_of(*SIZES)
+    kind = layout_of(*SAMPLES[0])
     for step in place:
         kind = kind[step] if isinstance(step, str) and step != AT else kind.base
     return kind.base == np.float64
@@ -315,15 +314,10 @@ def words(place: Place, first: int = 0) -> list[int]:
         return word_index(record, tuple(first + index if step == AT else step for step in place))
 
     found = _affine(lambda record: word(record, 0))[:-1]
-    stride = word(layout_of(*SIZES), 1) - word(layout_of(*SIZES), 0) if AT in place else 0
+    stride = word(layout_of(*SAMPLES[0]), 1) - word(layout_of(*SAMPLES[0]), 0) if AT in place else 0
     return [*found, stride]
 
 
 def _affine(number: Callable[[np.dtype], int]) -> list[int]:
     """a, b, c, d, e, f and 0 of a number that the record of N, C, F, L and K has."""
-    at = number(layout_of(*SIZES))
-    slopes = []
-    for k in range(len(SIZES)):
-        larger = [size + (j == k) for j, size in enumerate(SIZES)]
-        slopes.append(number(layout_of(*larger)) - at)
-    return [at - sum(slope * size for slope, size in zip(slopes, SIZES, strict=True)), *slopes, 0]
+    return [*affine([number(layout_of(*sizes)) for sizes in SAMPLES]), 0]
