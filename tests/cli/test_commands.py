@@ -20,6 +20,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu.run import record_fmu
 from chain_impact.scene.models import models_folder
 from chain_impact.simulation import instance
+from chain_impact.studies.accuracy import differences
 from chain_impact.variables.model import Model
 
 LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before
@@ -146,6 +147,30 @@ def test_simulate_prints_the_largest_force_in_a_joint(run):
     without = run("simulate", "pinned_arm")[1]
     assert "loads" not in without
     assert "joint force" not in without
+
+
+@pytest.mark.full("more cases", but=1)
+def test_check_estimates_the_errors_by_a_second_run(run, source):
+    code, said, errors = run(
+        "simulate", source, "--check", "--stop-time", "0.6", "--set", "solver.tolerance=1e-7"
+    )
+    assert (code, errors) == (0, "")
+    (line,) = [line for line in said.splitlines() if line.startswith("check ")]
+    runs = [simulate("four_link_box", 0.6, tolerance=tolerance) for tolerance in (1e-7, 1e-8)]
+    found = differences(*runs)
+    for text in (f"{found.onset:.1e} s", "(2 impacts)", f"{found.position:.1e} m (point {found.point} at"):
+        assert text in line
+    assert "\ncheck " not in run("simulate", source, "--stop-time", "0.6")[1]
+
+
+def test_a_rigid_impact_has_no_peak_force(run):
+    """It is an impulse; a point that a rigid wall holds is pressed with a force."""
+    lines = impact_lines(run("simulate", "falling_arm", "--set", "outputs.loads=true")[1])
+    assert [line[5] for line in lines[:3]] == ["—"] * 3
+    assert [line[-2:] for line in lines[:3]] == [["—", "—"]] * 3
+    held = [line for line in lines if line[5] != "—"]
+    assert held[0][5] == "9.81"
+    assert float(held[0][-2]) > 0.0
 
 
 def test_simulate_runs_once_and_writes_nothing_unless_asked(run, here, monkeypatch):

@@ -23,7 +23,7 @@ def test_energy_supplied_is_in_the_ledger():
     lines = list(energy_lines({name: np.array(values) for name, values in columns.items()}))
     assert lines == [
         "energy   1 J at the start + 2.25 J supplied = 3 J left + 0.5 J dissipated",
-        "balance  off by at most 2.5e-01 J, the error of the solver",
+        "balance  off by at most 2.5e-01 J: an energy check, no bound on positions or times",
     ]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,12 +25,16 @@ from chain_impact.cli.options import (
 )
 from chain_impact.cli.progress import complain, progress, say
 from chain_impact.cli.screen import sensitivity_tables, show, summary
+from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import record_fmu
 from chain_impact.results.recording import Recording
 from chain_impact.results.tables import SUFFIXES
+from chain_impact.results.text import plural
 from chain_impact.scene.scene import load_scene
-from chain_impact.simulation.record_scene import RunError, record_scene, with_settings
+from chain_impact.scene.tables import Solver
+from chain_impact.simulation.record_scene import RunError, record_scene, value_of, with_settings
 from chain_impact.simulation.simulate import simulate
+from chain_impact.studies.accuracy import TIGHTER, Differences, differences
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,6 +65,12 @@ def add(verbs: Verbs) -> None:
         type=ending(*SUFFIXES),
         help=f"write the list of impacts ({', '.join(one[1:] for one in SUFFIXES)})",
     )
+    verb.add_argument(
+        "--check",
+        action="store_true",
+        help="simulate again at a tenth of solver.tolerance, and print the largest differences of positions "
+        "and of onsets: an estimate of their errors",
+    )
     verb.set_defaults(run=run)
 
 
@@ -75,6 +86,7 @@ def run(options: argparse.Namespace) -> int:
         columns=names_in(*options.output),
         sensitivities=names_in(*options.sensitivity),
         window=window,
+        check=options.check,
     )
     if window:
         from matplotlib import pyplot
@@ -106,6 +118,7 @@ def report(
     columns: Sequence[str] = (),
     sensitivities: Sequence[str] = (),
     window: Figure | None = None,
+    check: bool = False,
 ) -> None:
     """Simulate, write the files asked for and print a summary; also of what came before a fault.
 
@@ -115,6 +128,7 @@ def report(
     check_outputs(csv, picture, impacts, inputs=[source])
     if columns and not csv:
         raise UsageError("--output: the columns are those of a table: give --csv FILE too")
+    tighter = [*settings, tighter_setting(source, settings)] if check else []
     fault = None
     try:
         recording = record(source, settings, sensitivities)
@@ -132,6 +146,8 @@ def report(
         shown = recording if sensitivities or fault else with_rows(recording, source, settings)
         draw(shown, picture, window, sensitivities)
     show(summary(recording))
+    if check:
+        say(f"check    {difference_text(differences(recording, record(source, tighter)))}")
     if sensitivities:
         show(sensitivity_tables(recording))
     if fault:
@@ -164,6 +180,36 @@ def record(source: str, settings: Sequence[str], sensitivities: Sequence[str] = 
         if is_fmu(source):
             return record_fmu(Path(source), values, advance)
         return record_scene(load_scene(source), values, advance, sensitivities or None)
+
+
+def tighter_setting(source: str, settings: Sequence[str]) -> str:
+    """The setting ``NAME=VALUE`` of the tolerance of the second run.
+
+    Raises:
+        UsageError: when the tolerance is too tight for a second run.
+    """
+    values, name = settings_of(settings), "solver.tolerance"
+    if is_fmu(source):
+        starts = {one.name: one.start for one in read_fmu(Path(source)).modelVariables}
+        if name not in starts:
+            raise UsageError(f"--check: {source} has no parameter {name}")
+        tolerance = float(value_of(values.get(name, starts[name])))
+    else:
+        tolerance = with_settings(load_scene(source), values).solver.tolerance
+    least = next(one.metadata["minimum"] for one in fields(Solver) if one.name == "tolerance")
+    if TIGHTER * tolerance < least:
+        raise UsageError(
+            f"--check: {name} = {tolerance:g} leaves no tighter one; must be at least {least / TIGHTER:g}"
+        )
+    return f"{name}={TIGHTER * tolerance!r}"
+
+
+def difference_text(found: Differences) -> str:
+    """The differences of two runs in a sentence."""
+    points = f"points by at most {found.position:.1e} m (point {found.point} at {found.time:g} s)"
+    onsets = f"onsets by at most {found.onset:.1e} s ({plural(found.impacts, 'impact')}) and "
+    parted = f"; from {found.end:.6f} s on, the two runs have other impacts" if found.parted else ""
+    return f"a tenth of the tolerance moves {onsets if found.impacts else ''}{points}{parted}"
 
 
 def with_rows(recording: Recording, source: str, settings: Sequence[str]) -> Recording:

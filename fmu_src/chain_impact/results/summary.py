@@ -16,11 +16,16 @@ from chain_impact.scene.scene import Scene
 
 LISTED, FEW = 30, 10  # impacts that are listed, and in a text
 SHOWN = 3  # contacts and joints that stick at the end
+NONE = "—"  # in place of a number that there is not
 LONG, MILLION = 1e4, 1e6  # between these, four digits would need an exponent
 
 
 def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """The energies at the end, and how far they were out of balance; nothing if they are not known."""
+    """Say which energies there are at the end, and how far they were out of balance, if they are known.
+
+    The balance is a check. It bounds no error of the motion: in free flight, positions may be wrong by the
+    tolerance while the energy is constant to round-off.
+    """
     if not {"total", "dissipated"} <= energies.keys() or not len(energies["total"]):
         return
     total, dissipated = energies["total"], energies["dissipated"]
@@ -29,7 +34,8 @@ def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
     given = f" + {supplied[-1]:.6g} J supplied" if supplied.any() else ""
     rest = f"{total[-1]:.6g} J left + {dissipated[-1]:.6g} J dissipated"
     yield f"energy   {total[0]:.6g} J at the start{given} = {rest}"
-    yield f"balance  off by at most {abs(balance - balance[0]).max():.1e} J, the error of the solver"
+    off = abs(balance - balance[0]).max()
+    yield f"balance  off by at most {off:.1e} J: an energy check, no bound on positions or times"
 
 
 def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Iterator[str | Table]:
@@ -80,16 +86,22 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
     stop = result.is_stop(impact["wall"])
     point = what(impact["point"], True) if stop else str(impact["point"])
     units = [speed_unit(stop), *(("N·m", "N·m·s") if stop else ("N", "N·s"))]
-    values = (f"{impact['impact_speed']:.4f}", _digits(impact["peak_force"]), _digits(impact["impulse"]))
-    loads = (_digits(impact["joint_force"]), str(impact["joint"])) if result.knows_joint_forces else ()
+    values = (f"{impact['impact_speed']:.4f}", _peak(impact["peak_force"]), _digits(impact["impulse"]))
+    joint = (_peak(impact["joint_force"]), str(impact["joint"] or NONE))
+    loads = joint if result.knows_joint_forces else ()
     cells = (f"{one} {unit}" if result.stops else one for one, unit in zip(values, units, strict=True))
     return (f"{impact['onset']:.6f}", point, result.wall_names[impact["wall"]], *cells, *loads)
+
+
+def _peak(value: float) -> str:
+    """A peak force as ``_digits``; a dash for an impulse, whose peak is stored as 0 but which has none."""
+    return _digits(value) if value else NONE
 
 
 def _digits(value: float) -> str:
     """A number in four digits, without an exponent below a million; a dash where there is none."""
     if np.isnan(value):
-        return "—"
+        return NONE
     text = f"{value:.4g}"
     return f"{float(text):.0f}" if LONG <= abs(float(text)) < MILLION else text
 

@@ -47,7 +47,7 @@ def cells(run: LawRun) -> tuple[str, ...]:
     return (
         run.law,
         told(run.restitution, ".4f"),
-        told(1e-3 * run.peak_force, "#.4g"),
+        told(1e-3 * run.peak_force or math.nan, "#.4g"),  # an impulse has no peak
         told(1e3 * run.max_penetration, "#.4g"),
         told(1e3 * run.duration, "#.4g"),
         told(run.energy_lost, "#.4g"),
