@@ -19,7 +19,7 @@ def test_a_wall_that_is_near_is_in_view(gap):
 @pytest.mark.parametrize("gap", [1.1 * 2.0 * NEAR, -2.1])
 def test_a_wall_far_from_the_motion_is_not(gap):
     view, near = seen(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
-    assert near == []
+    assert near == {}
     assert view.tolist() == [[0.0, 0.0], [2.0, 2.0]]
 
 
@@ -32,7 +32,7 @@ def test_a_wall_at_a_slant_is_seen_where_it_is_nearest():
     view, near = seen(SQUARE, half_planes({}, {"ramp": (0.0, -0.2, -np.pi / 4)}))
     assert len(near) == 1
     assert (view[0] < 0.0).all()
-    assert abs(near[0].clearance(*view[0])) < 1e-12
+    assert abs(near["ramp"].clearance(*view[0])) < 1e-12
 
 
 def hanging(angles, side=-1.0):
@@ -49,14 +49,18 @@ def test_a_pinned_base_has_a_ground_mark_away_from_the_chain_and_in_view(side):
     heights = -side * (lines[:, 1] - 2.0)
     assert heights.min() == 0.0
     assert heights.max() == pytest.approx(PIN * 1.0)
-    view, _ = seen(points, {})
+    view, _ = seen(points, {}, pinned=True)
     assert (lines >= view[0]).all()
     assert (lines <= view[1]).all()
 
 
-def test_a_base_that_moves_or_has_no_time_to_has_none():
-    assert pin_mark(SQUARE) == []
-    assert pin_mark(hanging([0.2])) == []
+def test_the_ground_mark_of_a_base_that_moves_is_in_view_all_the_time():
+    way = np.array([[[0.0, 0.0]], [[3.0, 1.0]], [[1.0, 4.0]]])
+    points = hanging([-0.5, 0.0, 0.5]) + way
+    view, _ = seen(points, {}, pinned=True)
+    lines = np.concatenate([np.concatenate(pin_mark(points)) + one for one in way[:, 0]])
+    assert (lines >= view[0]).all()
+    assert (lines <= view[1]).all()
 
 
 @pytest.mark.parametrize(("far", "whole"), [(1.9, True), (2.1, False)])

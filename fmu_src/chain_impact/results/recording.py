@@ -101,6 +101,15 @@ class Recording:
         columns = {name: self.columns.get(f"wall.{name}.position") for name in self.walls}
         return {name: moved for name, moved in columns.items() if moved is not None}
 
+    @cached_property
+    def pinned(self) -> bool:
+        """Whether the base is a joint, which a motion may move: only such a chain has a joint 1.
+
+        Where no joint is known, it is one that stays where it is.
+        """
+        joints, bases = self._of("joint"), self.points[:, :1]
+        return (1, "") in joints if joints else len(bases) > 1 and bool((bases == bases[0]).all())
+
     @property
     def energies(self) -> Mapping[str, np.ndarray]:
         """The energies that are known: kinetic, potential, … → shape (T,) [J]."""

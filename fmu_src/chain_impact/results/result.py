@@ -135,6 +135,11 @@ class Result(Pictured):
         return "point_position" in (self.outputs.dtype.names or ())
 
     @cached_property
+    def pinned(self) -> bool:
+        """Whether the base is a joint, which a motion may move."""
+        return self.scene.chain.base == "pinned"
+
+    @cached_property
     def walls(self) -> Mapping[str, HalfPlane]:
         """Name → free side of the walls."""
         return self.scene.half_planes

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
+from typing import TypeVar
 
 import numpy as np
 
@@ -18,11 +19,13 @@ ALONE = 1e-3  # of the size of the motion: a smaller radius is not drawn
 PIN = 0.08  # of the motion's width: the height of the ground mark of a pinned base
 SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])  # in heights of the mark
 GROUND = np.array([[-0.75, 0.65], [0.75, 0.65]])
+Place = TypeVar("Place", bound=Hashable)
+"""Names a wall, or one of the places of a wall that moves."""
 HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.35)]
 
 
 def pin_mark(points: np.ndarray) -> list[np.ndarray]:
-    """The lines of a pinned base's ground mark: a support on hatched ground.
+    """The lines of a pinned base's ground mark at the start: a support on hatched ground.
 
     It is above the base if the chain is on the mean below it, else below.
 
@@ -30,49 +33,59 @@ def pin_mark(points: np.ndarray) -> list[np.ndarray]:
         points: positions, shape (T, N+1, 2) [m].
 
     Returns:
-        The lines, each of shape (n, 2) [m]; none if the base moves.
+        The lines, each of shape (n, 2) [m].
     """
     base = points[0, 0]
-    if len(points) < 2 or (points[:, 0] != base).any():  # noqa: PLR2004
-        return []
-    side = 1.0 if points[:, 1:, 1].mean() < base[1] else -1.0
+    side = 1.0 if points[:, 1:, 1].mean() < points[:, 0, 1].mean() else -1.0
     size = PIN * np.ptp(points, axis=(0, 1)).max()
     return [base + size * line * [1.0, side] for line in (SUPPORT, GROUND, *HATCHES)]
 
 
 def seen(
-    points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float = 0.0, room: float = 0.0
-) -> tuple[np.ndarray, list[HalfPlane]]:
+    points: np.ndarray,
+    walls: Mapping[Place, HalfPlane],
+    radius: float = 0.0,
+    *,
+    near: float = NEAR,
+    room: float = 0.0,
+    pinned: bool = False,
+) -> tuple[np.ndarray, dict[Place, HalfPlane]]:
     """The rectangle that holds a motion, a pinned base's mark, and where the walls near them are nearest.
 
     Args:
         points: positions, shape (T, N+1, 2) [m].
-        walls: name → free side.
+        walls: name → free side; a wall that moves has several places.
         radius: of the points [m].
+        near: of the motion's width: a wall farther from the motion is not near.
         room: of the motion's width: where the walls close a room that ends nearer than this, all of it is
             seen, and all walls are near.
+        pinned: whether the base has a ground mark, which moves with it.
 
     Returns:
         The lower left and the upper right corner, shape (2, 2) [m], and the walls that are near.
     """
     reach = np.array([points.min(axis=(0, 1)) - radius, points.max(axis=(0, 1)) + radius])
     width = np.ptp(reach, axis=0).max()
-    shown = np.concatenate([*reach[:, None], *pin_mark(points)])
-    if corners := closed_room(walls, reach + room * width * np.array([[-1.0], [1.0]])):
+    shown = np.concatenate(reach[:, None])
+    if pinned:
+        ways = points[:, 0] - points[0, 0]
+        lines = [line + way for line in pin_mark(points) for way in (ways.min(axis=0), ways.max(axis=0))]
+        shown = np.concatenate([shown, *lines])
+    if corners := closed_room(walls, reach + room * width * np.array([[-1.0], [1.0]])) if room else []:
         shown = np.concatenate([shown, corners])
-    view, near = np.array([shown.min(axis=0), shown.max(axis=0)]), list(walls.values()) if corners else []
-    for wall in () if corners else walls.values():
+    view, found = np.array([shown.min(axis=0), shown.max(axis=0)]), dict(walls) if corners else {}
+    for name, wall in () if corners else walls.items():
         corner = np.where(np.array(wall.normal) > 0.0, *reach)  # the nearest to the wall
         gap = wall.clearance(*corner)
-        if -width <= gap <= NEAR * width:
+        if -width <= gap <= near * width:
             met = corner - max(0.0, gap) * np.array(wall.normal)
             view = np.array([np.minimum(view[0], met), np.maximum(view[1], met)])
-            near.append(wall)
-    return view, near
+            found[name] = wall
+    return view, found
 
 
 def framed(
-    points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float
+    points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float, *, pinned: bool
 ) -> tuple[np.ndarray, np.ndarray]:
     """What a film shows: the motion, the walls near it, a closed room, and a margin.
 
@@ -80,9 +93,9 @@ def framed(
         The lower left and the upper right corner, shape (2, 2) [m]; and, where there is more room than for
         that, how much of it lies left of it and below, 0…1, as what is left goes to the side without a wall.
     """
-    view, near = seen(points, walls, radius, ROOM)
+    view, near = seen(points, walls, radius, room=ROOM, pinned=pinned)
     open_sides = np.ones((2, 2))  # left and below, right and above
-    for wall in near:
+    for wall in near.values():
         normal = np.array(wall.normal)
         open_sides[0][normal > UPRIGHT] = open_sides[1][normal < -UPRIGHT] = 0.0
     margin = MARGIN * max(np.ptp(view, axis=0).max(), LEAST)
@@ -95,7 +108,7 @@ def radius_of(recording: Recording) -> float:
     return radius if radius > ALONE * np.ptp(recording.points, axis=(0, 1)).max() else 0.0
 
 
-def closed_room(walls: Mapping[str, HalfPlane], around: np.ndarray) -> list[np.ndarray]:
+def closed_room(walls: Mapping[Place, HalfPlane], around: np.ndarray) -> list[np.ndarray]:
     """The corners of the room between some walls, if it ends inside a rectangle on all sides; else none.
 
     Args:

@@ -444,3 +444,15 @@ def test_the_chain_never_comes_under_the_scale_bar_and_a_pinned_base_stands_on_g
     lowest = bar["y"] + bar["height"]
     assert min(trace["y"], mark["y"]) > lowest
     assert min(dot.bounding_box()["y"] for dot in page.locator(".joint").all()) > lowest
+
+
+def test_the_ground_mark_goes_with_a_base_that_moves(show):
+    way = {"base.x": lambda t: 0.3 * math.sin(t)}
+    scene = load_scene("pinned_arm").with_values({"inputs.base_motion": True})
+    page = show(record_slowly(scene, inputs=way))
+    for time in (0.0, 0.9, 1.8):
+        go_to(page, time)
+        support = page.locator("polyline.pin").first.get_attribute("points").split()[0]
+        base = page.locator("#scene circle.joint").first
+        for at, axis in zip(support.split(","), ("cx", "cy"), strict=True):
+            assert float(at) == pytest.approx(float(base.get_attribute(axis)), abs=0.1)

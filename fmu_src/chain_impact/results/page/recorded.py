@@ -121,7 +121,7 @@ def data(recording: Recording) -> dict[str, Any]:
         "stops": [_range(joint, one) for joint, one in recording.stops.items()],
         "radius": radius_of(recording),
         "touching": sorted({one.point for one in touches if one.at_wall}),
-        "pinned": bool((points[:, 0] == points[0, 0]).all()),
+        "pinned": recording.pinned,
     }
 
 

@@ -22,7 +22,7 @@ from chain_impact.progress import Progress
 from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.pacing import frame_times, slow_spans
 from chain_impact.results.plots.over_time import ENERGY_COLOURS, mark_impacts
-from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_pin, draw_room
+from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_pin, draw_room, moves
 from chain_impact.results.plots.style import BLUE, BROWN, INK, PALE, STYLE as PICTURES, force_text
 from chain_impact.results.recording import Recording
 from chain_impact.results.view import framed, pin_mark, radius_of
@@ -200,7 +200,8 @@ class Film:
         figure.legend(handles=handles, ncols=2, fontsize=8, handlelength=1.4, columnspacing=1.0, **place)
 
     def _draw_ground(self, radius: float) -> None:
-        view, anchor = framed(self.points, self.recording.walls, radius)
+        pinned = self.recording.pinned
+        view, anchor = framed(self.points, self.recording.walls, radius, pinned=pinned)
         self.side = float(min(np.ptp(view, axis=0)))
         # the same scale along x and y: the view, and beside or above it as much as the page has room for
         room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
@@ -209,22 +210,25 @@ class Film:
         self.scene.set(xticks=[], yticks=[])
         self.scene.spines[:].set_visible(False)
         self.view = low + np.array([np.zeros(2), seen])
-        self.room = self._draw_room(float(self.times[0]))
-        for artist in self.room if self.recording.moved_walls else ():
+        self.pin = pin_mark(self.recording.points) if pinned else []
+        self.room_moves = bool(self.recording.moved_walls) or (pinned and moves(self.recording.points[:, 0]))
+        self.room = self._draw_room(0)
+        for artist in self.room if self.room_moves else ():
             artist.set_animated(True)
 
-    def _draw_room(self, time: float) -> list[Artist]:
-        walls = list(self.recording.walls_at(time).values())
-        pin = pin_mark(self.recording.points)
-        return [*draw_room(self.scene, self.view, walls), *draw_pin(self.scene, pin)]
+    def _draw_room(self, frame: int) -> list[Artist]:
+        walls = list(self.recording.walls_at(float(self.times[frame])).values())
+        way = self.points[frame, 0] - self.recording.points[0, 0]
+        pin = draw_pin(self.scene, [line + way for line in self.pin])
+        return [*draw_room(self.scene, self.view, walls), *pin]
 
-    def _moved_room(self, time: float) -> list[Artist]:
-        """The room at a time [s] if walls move; else nothing, as it is drawn already."""
-        if not self.recording.moved_walls:
+    def _moved_room(self, frame: int) -> list[Artist]:
+        """The room in a frame if walls or the base move; else nothing, as it is drawn already."""
+        if not self.room_moves:
             return []
         for artist in self.room:
             artist.remove()
-        self.room = self._draw_room(time)
+        self.room = self._draw_room(frame)
         return self.room
 
     def _draw_energies(self, axes: Any) -> None:
@@ -259,7 +263,7 @@ class Film:
         self.rate.set_text(rate_text(rate))
         self.rate.set_color(FORCE if rate < SLOW else MUTED)
         self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
-        yield from self._moved_room(float(time))
+        yield from self._moved_room(frame)
         yield from (self.trace, self.tail, *self.discs.values(), self.ranges)
         yield from (self.chain, self.joints, self.tip)
         yield from self._forces(frame)

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.results.joint_stops import range_lines, touching_place
+from chain_impact.results.plots.moving import draw_moving
 from chain_impact.results.plots.pages import Label, place_labels
 from chain_impact.results.plots.room import draw_walls, view_of
 from chain_impact.results.plots.style import (
@@ -51,7 +52,9 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
     draw_faint(axes, recording)
     draw_paths(axes, recording, shade)
     marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MARKED else ""}
-    for time in sorted(strongest(recording, STRONG)["onset"]):
+    strong = sorted(strongest(recording, STRONG)["onset"])
+    draw_moving(axes, recording, shade, strong)
+    for time in strong:
         draw_chain(axes, recording.pose_at(time), color=shade(time), linewidth=1.6, markersize=3.5, **marks)
     for row, name in ((0, "start"), (-1, "end")):
         colour = shade(recording.time[row])

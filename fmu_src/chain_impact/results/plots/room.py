@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,33 +17,81 @@ from chain_impact.results.recording import Recording
 from chain_impact.results.view import free_room, pin_mark, seen
 from chain_impact.scene.half_planes import HalfPlane
 
-OUTSIDE_COLOUR = "0.93"
+OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
 MARGIN, BAND = (
     0.04,
     0.14,
 )  # of the motion's width, at the edges of the view and outside of walls; √2 BAND < NEAR
+FARTHEST = 1.0  # of the motion's width, a place of a wall that comes nearer at other times
 SLIMMEST = 0.3  # of the longer side of the view, the shorter one at least
 ROUND_OFF = 1e-9  # of the size of the view, between a wall and a corner on it
 
 
-def view_of(recording: Recording) -> tuple[np.ndarray, list[HalfPlane]]:
+def view_of(recording: Recording) -> tuple[np.ndarray, list[str]]:
     """The lower left and the upper right corner of what is to be seen, shape (2, 2) [m], and the walls in it.
 
-    The motion fills it, with a margin. A wall far from the motion is left out; one that moves is at its end.
+    The motion fills it, with a margin. A wall that is far from the motion all the time is left out. One that
+    comes near is in view wherever it is not very far.
     """
-    view, near = seen(recording.points, recording.walls_at(recording.time[-1]))
+    places = {
+        (name, end): wall
+        for end, walls in enumerate((recording.walls, *wall_extremes(recording)))
+        for name, wall in walls.items()
+        if end == 0 or name in recording.moved_walls
+    }
+    view, near = seen(recording.points, places, pinned=recording.pinned)
+    if recording.moved_walls:
+        names = {name for name, _ in near}
+        places = {at: wall for at, wall in places.items() if at[0] in names}
+        view, near = seen(recording.points, places, near=FARTHEST, pinned=recording.pinned)
     margin = np.full((2, 2), MARGIN)
-    for wall in near:
+    for wall in near.values():
         margin = np.maximum(margin, BAND * np.array([wall.normal, np.negative(wall.normal)]))
     view = view + np.ptp(view, axis=0).max() * margin * [[-1.0], [1.0]]
     sides = np.ptp(view, axis=0)
-    return view + 0.5 * np.maximum(0.0, SLIMMEST * sides.max() - sides) * [[-1.0], [1.0]], near
+    view = view + 0.5 * np.maximum(0.0, SLIMMEST * sides.max() - sides) * [[-1.0], [1.0]]
+    return view, list(dict.fromkeys(name for name, _ in near))
+
+
+def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
+    """The walls where each leaves the chain most room in the time that is recorded, and where least."""
+    for extreme in (np.min, np.max):
+        found = dict(recording.walls)
+        for name, moved in recording.moved_walls.items():
+            found[name] = replace(found[name], offset=found[name].offset + float(extreme(moved)))
+        yield found
 
 
 def draw_walls(axes: Axes, recording: Recording) -> None:
-    """The room between the walls near the motion, and a pinned base's mark; sets the limits of the axes."""
-    draw_room(axes, *view_of(recording))
-    draw_pin(axes, pin_mark(recording.points))
+    """The walls near the motion, and a pinned base's mark; sets the limits of the axes.
+
+    What moves is left to ``draw_moving``, but for the room: in white is where the chain may be all the time,
+    in a pale grey where it may be at times.
+    """
+    view, near = view_of(recording)
+    moving = moving_walls(recording, near)
+    at_most, at_least = ([walls[name] for name in near] for walls in wall_extremes(recording))
+    if moving:
+        axes.add_patch(Polygon(_corners(at_most, view), facecolor=AT_TIMES_COLOUR, zorder=0.4))
+    still = [wall for name, wall in zip(near, at_least, strict=True) if name not in moving]
+    draw_room(axes, view, at_least, still)
+    if recording.pinned and not moves(recording.points[:, 0]):
+        draw_pin(axes, pin_mark(recording.points))
+
+
+def moving_walls(recording: Recording, names: Iterable[str]) -> list[str]:
+    """Those of some walls that do move."""
+    return [name for name in names if moves(recording.moved_walls.get(name, np.zeros(1)))]
+
+
+def moves(places: np.ndarray) -> bool:
+    """Whether places over time, shape (T, …), are not all the same."""
+    return bool((places != places[0]).any())
+
+
+def _corners(walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
+    """The corners of the free part of a view, shape (C, 2) [m]."""
+    return np.reshape(free_room(walls, view), (-1, 2))
 
 
 def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
@@ -54,25 +104,33 @@ def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
     return [mark]
 
 
-def draw_room(axes: Axes, view: np.ndarray, near: list[HalfPlane]) -> list[Artist]:
+def draw_room(
+    axes: Axes, view: np.ndarray, near: Sequence[HalfPlane], lines: Sequence[HalfPlane] | None = None
+) -> list[Artist]:
     """The room between some walls in white, all beyond them in grey; sets the limits of the axes.
 
     Args:
         axes: where it is drawn.
         view: lower left and upper right corner of what the axes show, shape (2, 2) [m].
         near: the walls.
+        lines: those that have a line, by default all.
 
     Returns:
         What is drawn.
     """
-    corners, size = free_room(near, view), np.ptp(view)
     axes.set_facecolor(OUTSIDE_COLOUR if near else "white")
-    room = Polygon(np.reshape(corners, (-1, 2)), facecolor="white", zorder=0.5)
+    room = Polygon(_corners(near, view), facecolor="white", zorder=0.5)
     axes.add_patch(room)
     drawn: list[Artist] = [room]
-    for wall in near:
-        ends = [corner for corner in corners if abs(wall.clearance(*corner)) < ROUND_OFF * size]
-        if ends:
-            drawn += axes.plot(*np.transpose(ends), color=INK, linewidth=2.0, zorder=2)
+    for wall in near if lines is None else lines:
+        if len(ends := wall_line(wall, near, view)):
+            drawn += axes.plot(*ends.T, color=INK, linewidth=2.0, zorder=2)
     axes.set(xlim=view[:, 0], ylim=view[:, 1])
     return drawn
+
+
+def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
+    """The ends of the part of a wall that bounds the room between some walls in a view, shape (C, 2) [m]."""
+    corners = _corners(walls, view)
+    gaps = corners @ np.array(wall.normal) - wall.offset
+    return np.asarray(corners[abs(gaps) < ROUND_OFF * np.ptp(view)])

@@ -99,7 +99,7 @@ def _chain(
     axes = Figure(figsize=size).add_axes((0.0, 0.0, 1.0, 1.0), xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
     draw_room(axes, centre + 0.5 * scale * np.array([[-1.0], [1.0]]) * size, planes)
-    draw_pin(axes, pin_mark(np.array([joints, joints])) if scene.chain.base == "pinned" else [])
+    draw_pin(axes, pin_mark(joints[None]) if scene.chain.base == "pinned" else [])
     draw_chain(axes, joints, color=BLUE, markerfacecolor=VERMILLION, **look)
     return axes, joints, float(scale / 72.0)
 

@@ -92,7 +92,7 @@ export class Scene {
     this.ground.rect(width, height).addClass("outside");
     this.room = this.ground.group();
     this.#drawRoom(0);
-    this.recording.pin.forEach((line) => this.ground.polyline(this.#places(line)).addClass("pin"));
+    this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
     this.#drawScaleBar(width);
     if (this.recording.loads.length) this.#drawKey(width);
     this.discs.forEach(([, disc]) => disc.radius(this.recording.radius * this.camera.scale));
@@ -109,6 +109,12 @@ export class Scene {
     this.room.clear();
     if (corners.length) this.room.polygon(this.#places(corners)).addClass("room");
     edges.forEach((ends) => this.room.polyline(this.#places(ends)).addClass("wall"));
+  }
+
+  /** The ground mark of a pinned base, where the base is at a frame. */
+  #drawPin(frame) {
+    const [[x0, y0], [x, y]] = [0, frame].map((at) => this.recording.pointAt(at, 0));
+    this.pin.forEach(([line, mark]) => mark.plot(this.#places(line.map(([px, py]) => [px + x - x0, py + y - y0]))));
   }
 
   /** A bar of a round length, about a sixth of the width. */
@@ -144,6 +150,7 @@ export class Scene {
       name.attr({ x, y: y + 4 });
     });
     if (recording.moved.length) this.#drawRoom(frame);
+    this.#drawPin(frame);
     this.#drawRanges(frame);
     this.#drawTrace(frame, places.at(-1));
     this.#drawRings(frame);

@@ -42,13 +42,14 @@ function ends(numbers) {
   return [low, high];
 }
 
-/** The lines of a pinned base's mark, above it if the chain is on the mean below it; `x` and `y` hold all points. */
+/** The lines of a pinned base's mark at the start, above it if the chain is on the mean below it; `x` and `y` hold
+ * all points. */
 function pinLines(x, y, points) {
   const [width, height] = [x, y].map((all) => ends(all)).map(([low, high]) => high - low);
   const size = PIN * Math.max(width, height);
   let sum = 0;
   y.forEach((value, k) => {
-    if (k % points) sum += value - y[0];
+    if (k % points) sum += value - y[k - (k % points)];
   });
   const side = sum < 0 ? 1 : -1;
   return PIN_LINES.map((line) => line.map(([dx, dy]) => [x[0] + size * dx, y[0] + side * size * dy]));
@@ -68,8 +69,10 @@ export function viewOf(x, y, points, walls, radius, pinned) {
   const reach = [[left - radius, bottom - radius], [right + radius, top + radius]];
   const width = Math.max(reach[1][0] - reach[0][0], reach[1][1] - reach[0][1]);
   const pin = pinned ? pinLines(x, y, points) : [];
+  const ways = [x, y].map((all) => ends(all.filter((_, k) => k % points === 0)).map((end) => end - all[0]));
+  const pins = pin.flat().flatMap((place) => [0, 1].map((end) => place.map((value, axis) => value + ways[axis][end])));
   const room = closedRoom(walls, reach, width);
-  const corners = [...reach, ...pin.flat(), ...room];
+  const corners = [...reach, ...pins, ...room];
   const open = [[1, 1], [1, 1]]; // left and below, right and above
   for (const { normal, offset } of Object.values(walls)) {
     if (!room.length) {
