@@ -40,6 +40,20 @@ def test_the_headline_has_what_was_found(found):
     assert all(name in told for name in FREE)
 
 
+def test_rows_with_a_point_and_a_wall_stand_at_their_own_impacts():
+    """Without the column ``impact`` a row is about the next impact at its point and wall."""
+    columns, result = motion(0.7)
+    known = {"point": result.impacts["point"], **impacts(result, ["peak_force"])}
+    numbers = known.pop("impact")[::-1]
+    rows = {name: np.asarray(values)[::-1] for name, values in known.items()}
+    sigma = dict.fromkeys(TIP, NOISE) | {"peak_force": "1%"}
+    found = fit(scene(), [[columns, rows]], FREE, sigma=sigma)
+    values, rest = found.plot().axes[4:]
+    assert values.get_lines()[0].get_xdata().tolist() == numbers.tolist()
+    ticks = [tick for tick in rest.get_xticks() if np.prod(np.subtract(rest.get_xlim(), tick)) < 0]
+    assert ticks == sorted(numbers)
+
+
 def test_a_narrow_page_has_one_column(found):
     page = found.plot(size=(84 / 25.4, 12.0))
     assert (

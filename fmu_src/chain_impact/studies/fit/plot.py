@@ -33,7 +33,7 @@ from chain_impact.results.plots.style import (
 from chain_impact.results.result import Result
 from chain_impact.results.tables import IMPACT_UNITS
 from chain_impact.simulation.simulate import simulate
-from chain_impact.studies.fit.data import QUANTITIES
+from chain_impact.studies.fit.data import QUANTITIES, Measurements
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.report import heading, rounded
 from chain_impact.studies.fit.unknown import size_of
@@ -43,6 +43,7 @@ MOST_PANELS = 8  # columns that are shown
 MOST_TOLD = 10  # parameters in the lines below the headline
 POINTS = 1500  # of the model's curve
 WIDTH, HEIGHT = 5.2, 2.9  # inches, of a panel
+BESIDE = 0.5  # of the distance of two impacts, the room at the ends of the axis of their numbers
 USUAL = 2.0  # standard deviations, the band of the residuals
 
 
@@ -53,7 +54,7 @@ class Column:
     Attributes:
         run: index of the data set.
         rows: index of its values among all, shape (K,).
-        at: time [s], or number of the impact, shape (K,).
+        at: time [s], or number of the impact among all of the model, shape (K,); NaN where it has none.
     """
 
     run: int
@@ -93,6 +94,8 @@ def _model(fit: Estimates, k: int) -> Result:
     """The run of a data set with the fitted values, with rows close enough for a curve."""
     data, scene = fit.data[k], fit.scenes[k]
     stop = max(1e-9, float(np.nanmax(data.order, initial=0.0)))
+    if np.isnan(data.order).any():  # an impact of which no time was measured can be anywhere
+        stop = max(stop, scene.simulation.stop_time)
     inputs = {
         one.name: fit.values[one.label]
         for one in fit.parameters
@@ -105,7 +108,7 @@ def _panel(place: SubplotSpec, fit: Estimates, name: str, results: list[Result])
     """One column: data and model, and below the residuals in standard deviations."""
     axes: Any = place.subgridspec(2, 1, height_ratios=(3, 1)).subplots(sharex=True)
     values, rest = axes
-    parts = _columns(fit, name)
+    parts = _columns(fit, name, results)
     over_impacts = name in QUANTITIES
     several = len(fit.data) > 1
     measured = np.concatenate([one.value for one in fit.data])
@@ -129,7 +132,10 @@ def _panel(place: SubplotSpec, fit: Estimates, name: str, results: list[Result])
     rest.set_ylabel("model −\ndata [σ]")
     rest.set_xlabel("number of the impact" if over_impacts else "time [s]")
     if over_impacts:
-        rest.xaxis.set_major_locator(MaxNLocator(integer=True))
+        numbers = np.concatenate([part.at for part in parts])
+        first, last = np.nanmin(numbers), np.nanmax(numbers)
+        rest.set_xlim(first - BESIDE, last + BESIDE)
+        rest.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     if len(parts) <= len(PALETTE):
         values.legend(
             loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4
@@ -146,17 +152,23 @@ def _curve(values: Axes, rest: Axes, result: Result, name: str, colour: str) -> 
     values.plot(result.time, result[name], color=colour, linewidth=0.9, label=label, zorder=4)
 
 
-def _columns(fit: Estimates, name: str) -> list[Column]:
+def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
     """The parts of a column, one for each data set that has it."""
     found, first = [], 0
     for k, data in enumerate(fit.data):
         rows = np.flatnonzero(np.array(data.quantity) == name)
         if len(rows):
             of = data.row[rows]
-            at = np.array([data.impacts[j].number for j in of]) if name in QUANTITIES else data.times[of]
+            at = _numbers(data, of, results[k]) if name in QUANTITIES else data.times[of]
             found.append(Column(k, first + rows, at))
         first += len(data)
     return found
+
+
+def _numbers(data: Measurements, rows: np.ndarray, result: Result) -> np.ndarray:
+    """The numbers, from 1, of the impacts of the model that some rows are about, shape (K,)."""
+    found = (data.impacts[row].find(result.impacts) for row in rows)
+    return np.array([np.nan if one is None else one + 1.0 for one in found])
 
 
 def _colours(count: int) -> list[str]:
