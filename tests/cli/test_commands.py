@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 import zipfile
@@ -15,10 +16,10 @@ import matplotlib as mpl
 import pytest
 from matplotlib import pyplot
 
-from chain_impact import CONTACT_LAWS, load_scene, simulate
+from chain_impact import CONTACT_LAWS, cli, load_scene, simulate
 from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu.run import record_fmu
-from chain_impact.scene.models import models_folder
+from chain_impact.scene.models import model_names, models_folder
 from chain_impact.simulation import instance
 from chain_impact.studies.accuracy import differences
 from chain_impact.variables.model import Model
@@ -235,7 +236,10 @@ def test_the_list_of_impacts_is_written(run, here, suffix):
     ("options", "expected"),
     [
         (("--impacts", "list.txt"), "argument --impacts: list.txt must end in .csv, .json, .parquet"),
-        (("--output", "point[1].x"), "--output: the columns are those of a table: give --csv FILE too"),
+        (
+            ("--output", "point[1].x"),
+            "--columns (--output): the columns are those of a table: give --csv",
+        ),
         (("--csv", "a.csv", "--output", "pt[1].x"), "pt[1].x is no column; the nearest is point[1].x"),
     ],
 )
@@ -376,6 +380,14 @@ def test_what_info_prints_can_be_set(run, source):
     assert run("simulate", source, *settings) == run("simulate", source)
 
 
+def test_info_lists_models_and_laws(run):
+    for what, names in (("models", model_names()), ("laws", CONTACT_LAWS)):
+        code, said, _ = run("info", "--list", what)
+        assert code == 0
+        assert [line.split()[0] for line in said.splitlines()] == list(names)
+        assert all(len(line.split()) > 2 for line in said.splitlines())
+
+
 def test_signs_are_printed_as_they_are_or_as_question_marks_where_the_console_has_few(run, here):
     """As main() prepares the console."""
     text, odd = (ROD / "scene.toml").read_text("utf-8"), 'description = "[bold] λ [/] b"'
@@ -400,20 +412,27 @@ def test_info_into_a_closed_pipe_is_quiet(fmu):
 
 
 def test_every_command_has_help_and_the_program_a_version(run):
-    for verb in ([], ["build"], ["simulate"], ["info"], ["validate"]):
-        code, said, _ = run(*verb, "--help")
+    grammar = cli.parser()
+    verbs = next(action.choices for action in grammar._actions if isinstance(action.choices, dict))
+    assert run("--help")[1].startswith("usage: chain-impact ")
+    for verb in verbs:
+        code, said, _ = run(verb, "--help")
         assert code == 0
-        assert said.startswith(f"usage: {' '.join(['chain-impact', *verb])}")
+        assert said.startswith(f"usage: chain-impact {verb}")
+        example = " ".join(said.split("example: chain-impact ")[1].split())
+        assert grammar.parse_args(shlex.split(example)).run is verbs[verb].get_default("run")
     assert run("--version") == (0, f"chain-impact {version('chain-impact')}\n", "")
 
 
 @pytest.mark.full("takes long")
 def test_quiet_prints_nothing(run, here):
-    for verb, table in (("build", ""), ("info", ""), ("simulate", "a.csv"), ("compare", "b.csv")):
+    for verb, table in (("build", ""), ("simulate", "a.csv"), ("compare", "b.csv")):
         options = ("--csv", table) if table else ()
         assert run(verb, "rod_drop", "--quiet", *options) == (0, "", "")
     assert {path.name for path in here.iterdir()} == {"build", "a.csv", "b.csv"}
-    assert run("info", "rod_drop")[1] != ""
+    assert (
+        run("info", "rod_drop", "-q") == run("info", "rod_drop") != (0, "", "")
+    )  # it does nothing but print
 
 
 def test_the_stop_time_can_be_given(run, source):

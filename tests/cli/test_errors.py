@@ -12,13 +12,11 @@ import pytest
 from matplotlib import pyplot
 
 from chain_impact.extras import MissingExtraError
-from chain_impact.scene.scene import model_names
 
 SCENES = {"half": "name = ", "name": 'name = "A"', "zero": "\0", "links": 'name = "[/]"\n[chain]\nlinks = 3'}
 SEVEN = ("x", "y", "vx", "vy", "angle[1]", "angle[2]", "angle[3]")
 WORDS = {
     "long": 300 * "a",
-    "models": ", ".join(model_names()),
     "free": "--free contact.stiffness,contact.restitution",
     "seven": " ".join(f"--vary 'initial.{name}=1'" for name in SEVEN),
 }

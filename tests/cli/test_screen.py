@@ -24,7 +24,7 @@ def test_an_impulse_and_a_law_without_a_result_have_a_row():
     _, table, *_ = law_table(replace(comparison, runs=(impulse, failed, *others[1:])))
     lines = [line.strip() for line in plain_lines(table)]
     first, second = (next(line for line in lines if line.startswith(run.law)) for run in (impulse, failed))
-    assert first.split()[2:5] == ["0.000"] * 3
+    assert first.split()[2:5] == ["–", "0.000", "0.000"]
     assert second.split()[1:3] == ["–", "–"]
     assert second.endswith("  –  cannot start")
 

@@ -276,9 +276,9 @@ def test_a_name_that_windows_reserves_is_refused_and_one_that_resembles_it_is_no
 
 
 @pytest.mark.parametrize("name", ["no_such_model", "missing.toml", "empty", "a\0b", "x" * 5000, ""])
-def test_what_is_no_scene_file_is_refused_with_the_models(tmp_path, monkeypatch, name):
+def test_what_is_no_scene_file_is_refused(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "empty").mkdir()
-    with pytest.raises(SceneError, match="a model: " + ", ".join(model_names())) as caught:
+    with pytest.raises(SceneError, match=r"or a model; .* --list models") as caught:
         load_scene(name)
     assert str(caught.value).startswith(f"{name}: cannot be read (")

@@ -169,9 +169,9 @@ def test_some_laws_only():
     assert unfit.endswith(f"of e = {scene.contact.restitution:g} in this impact: none of these laws")
     with pytest.raises(SceneError, match="flore is no contact law; the nearest is flores"):
         compare(scene, laws=["flore"])
-    with pytest.raises(SceneError, match=r"rubber is no contact law; the laws are .*hertz, .*newton_impact"):
+    with pytest.raises(SceneError, match=r"rubber is no contact law; .*--list laws"):
         compare(scene, laws=["rubber"])
-    with pytest.raises(SceneError, match="3 is no contact law; the laws are "):
+    with pytest.raises(SceneError, match="3 is no contact law; "):
         compare(scene, laws=[3])
 
 

@@ -10,6 +10,7 @@ from chain_impact.cli.options import (
     Verbs,
     add_scene,
     add_set,
+    add_verb,
     check_outputs,
     complete_scenes,
     ending,
@@ -30,8 +31,11 @@ from chain_impact.simulation.record_scene import RunError, with_settings
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    verb = verbs.add_parser(
-        "animate", help="show a scene, an FMU or a CSV file in motion, in a page or a film"
+    verb = add_verb(
+        verbs,
+        "animate",
+        "show a scene, an FMU or a CSV file in motion, in a page or a film",
+        "pinned_arm -o arm.gif",
     )
     add_scene(verb, "scene or FMU or CSV")
     add_set(verb)
@@ -42,7 +46,7 @@ def add(verbs: Verbs) -> None:
         type=ending(*FORMATS),
         help="what to write: a page for the browser (html), or a film (gif, mp4); default: NAME.html",
     )
-    walls = verb.add_argument("--scene", metavar="SCENE", help="of a CSV file: the scene that has its walls")
+    walls = verb.add_argument("--scene", metavar="SCENE", help="for a CSV file: the scene with the walls")
     complete_scenes(walls)
     verb.add_argument(
         "--speed", type=float, default=1.0, help="simulated seconds in a second on the screen; default: 1"
@@ -59,7 +63,7 @@ def add(verbs: Verbs) -> None:
         type=size,
         default=SIZE,
         metavar="WIDTHxHEIGHT",
-        help=f"of a film, in pixels; default: {SIZE[0]}x{SIZE[1]}",
+        help=f"size of a film in pixels; default: {SIZE[0]}x{SIZE[1]}",
     )
     verb.set_defaults(run=run)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from chain_impact.cli.options import UsageError, Verbs, add_scene, is_fmu
+from chain_impact.cli.options import UsageError, Verbs, add_scene, add_verb, is_fmu
 from chain_impact.cli.progress import progress, say
 from chain_impact.cli.simulate import report
 from chain_impact.scene.scene import load_scene
@@ -28,10 +28,15 @@ KINDS = {
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    build = verbs.add_parser("build", help="make the FMU of a scene")
+    build = add_verb(verbs, "build", "make the FMU of a scene", "pinned_arm --target native -o fmus")
     add_scene(build, "scene")
     build.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, default=Path("build"), help="default: build"
+        "-o",
+        "--output",
+        metavar="DIR",
+        type=Path,
+        default=Path("build"),
+        help="folder of the FMU; default: build",
     )
     build.add_argument(
         "--platform",
@@ -53,7 +58,11 @@ def add(verbs: Verbs) -> None:
         default=OLDEST,
         help="version of FMI; 3 has event mode: a step ends at each impact; default: 2",
     )
-    build.add_argument("--simulate", action="store_true", help="simulate it with fmpy, and draw")
+    build.add_argument(
+        "--simulate",
+        action="store_true",
+        help="run the FMU, and write a table (csv) and a picture beside it",
+    )
     build.set_defaults(run=run)
 
 

@@ -6,16 +6,16 @@ import argparse
 from collections.abc import Iterator
 from datetime import datetime
 
-from chain_impact.cli.options import Verbs
+from chain_impact.cli.options import Verbs, add_verb
 from chain_impact.cli.progress import say
 from chain_impact.compilation import cache, places, ready
 
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    kept = verbs.add_parser("cache", help="list the compiled kernels and their folders, or remove them")
+    kept = add_verb(verbs, "cache", "list the compiled kernels and their folders, or remove them", "--clear")
     kept.add_argument("--clear", action="store_true", help="remove all that is in the cache")
-    kept.set_defaults(run=run)
+    kept.set_defaults(run=run, only_prints=True)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -29,6 +29,7 @@ from chain_impact.cli.progress import complain, out
 from chain_impact.compilation.errors import BuildError
 from chain_impact.extras import MissingExtraError
 from chain_impact.results.animate import AnimationError
+from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, SceneWarning
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.system import prepare_console
@@ -49,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.run is None:
         grammar.print_help()
         return 2
-    out.quiet = options.quiet
+    out.quiet = options.quiet and not options.only_prints
     try:
         with hints_shown():
             code: int = options.run(options)
@@ -96,15 +97,26 @@ class Parser(argparse.ArgumentParser):
         """Leave out the usage."""
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Refuse what is no choice, and name the nearest: argparse would list all commands."""
+        if action.choices is None or value in action.choices:
+            return
+        near = nearest(str(value), map(str, action.choices))
+        few = f"must be one of {', '.join(map(str, action.choices))}"
+        what = "is no command" if isinstance(action.choices, dict) else few
+        raise argparse.ArgumentError(action, f"{value} {what}" + (f"; the nearest is {near}" if near else ""))
+
 
 def parser() -> argparse.ArgumentParser:
     """The grammar of the command line."""
-    whole = Parser(prog="chain-impact", description="Impact dynamics of planar robotic chains, as an FMU.")
-    whole.set_defaults(run=None)
+    purpose = "Simulate planar chains that hit walls, study their impacts, and make FMUs of them."
+    whole = Parser(prog="chain-impact", description=purpose)
+    whole.set_defaults(run=None, only_prints=False)
     whole.add_argument("--version", action="version", version=f"chain-impact {version('chain-impact')}")
     verbs = whole.add_subparsers(metavar="COMMAND")
     for verb in VERBS:
         verb.add(verbs)
     for command in verbs.choices.values():
-        command.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+        told = argparse.SUPPRESS if command.get_default("only_prints") else "print nothing but errors"
+        command.add_argument("-q", "--quiet", action="store_true", help=told)
     return whole

@@ -11,6 +11,7 @@ from chain_impact.cli.options import (
     add_repeated,
     add_scene,
     add_set,
+    add_verb,
     check_outputs,
     names_in,
     settings_of,
@@ -23,7 +24,12 @@ from chain_impact.simulation.record_scene import with_settings
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    compare = verbs.add_parser("compare", help="simulate a scene with every contact law, side by side")
+    compare = add_verb(
+        verbs,
+        "compare",
+        "simulate a scene with every contact law, side by side",
+        "pinned_arm --laws hertz,flores --plot laws.png",
+    )
     add_scene(compare, "scene")
     add_set(compare)
     what = "compare these laws only, as hertz,flores; default: all"

@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 
-from chain_impact.cli.options import Verbs
+from chain_impact.cli.options import Verbs, add_verb
 from chain_impact.cli.progress import say
 
 SHELLS = ("bash", "zsh", "fish")
@@ -17,8 +17,11 @@ ASKED = "_ARGCOMPLETE"  # set by a shell that asks
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    completion = verbs.add_parser(
-        "completion", help="print what makes a shell complete commands, options, models and files"
+    completion = add_verb(
+        verbs,
+        "completion",
+        "print the script with which a shell completes commands, options, models and files",
+        "bash",
     )
     completion.add_argument(
         "shell",
@@ -27,7 +30,7 @@ def add(verbs: Verbs) -> None:
         'eval "$(chain-impact completion bash)"; zsh likewise to ~/.zshrc; fish to '
         "~/.config/fish/config.fish: chain-impact completion fish | source",
     )
-    completion.set_defaults(run=run)
+    completion.set_defaults(run=run, only_prints=True)
 
 
 def run(options: argparse.Namespace) -> int:

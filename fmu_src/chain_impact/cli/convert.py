@@ -4,13 +4,23 @@ from __future__ import annotations
 
 import argparse
 
-from chain_impact.cli.options import UsageError, Verbs, add_repeated, check_outputs, ending, names_in
+from chain_impact.cli.options import (
+    UsageError,
+    Verbs,
+    add_repeated,
+    add_verb,
+    check_outputs,
+    ending,
+    names_in,
+)
 from chain_impact.cli.progress import say
 
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    verb = verbs.add_parser("convert", help="make a scene from URDF or MJCF, or MJCF from a scene")
+    verb = add_verb(
+        verbs, "convert", "make a scene from URDF or MJCF, or MJCF from a scene", "robot.urdf -o scene.toml"
+    )
     verb.add_argument("source", metavar="FILE", help="a planar chain in URDF or MJCF; or a scene, for MuJoCo")
     add_repeated(verb, "--joints", "NAMES", "only these joints move: elbow,wrist; default: all")
     verb.add_argument(

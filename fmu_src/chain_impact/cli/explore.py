@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from chain_impact.cli.options import Verbs, add_scene, add_set, check_outputs, ending, settings_of
+from chain_impact.cli.options import Verbs, add_scene, add_set, add_verb, check_outputs, ending, settings_of
 from chain_impact.cli.progress import progress, say
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import with_settings
@@ -17,7 +17,12 @@ DEFAULT = Path("explore.html")
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    verb = verbs.add_parser("explore", help="a page in which the browser simulates a scene, with controls")
+    verb = add_verb(
+        verbs,
+        "explore",
+        "write a page in which the browser simulates a scene, with controls, and open it",
+        "pinned_arm",
+    )
     add_scene(verb, "scene")
     add_set(verb)
     verb.add_argument(
@@ -25,7 +30,7 @@ def add(verbs: Verbs) -> None:
         "--output",
         metavar="FILE",
         type=ending(".html"),
-        help=f"default: {DEFAULT}, and the browser opens it",
+        help=f"file of the page (html), which is then not opened; default: {DEFAULT}",
     )
     verb.set_defaults(run=run)
 

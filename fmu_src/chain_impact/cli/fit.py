@@ -12,6 +12,7 @@ from chain_impact.cli.options import (
     add_plot,
     add_repeated,
     add_set,
+    add_verb,
     check_outputs,
     complete_scenes,
     names_in,
@@ -42,7 +43,12 @@ REPEATED = (
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    fit = verbs.add_parser("fit", help="estimate parameters of a scene from measurements")
+    fit = add_verb(
+        verbs,
+        "fit",
+        "estimate parameters of a scene from measurements",
+        "scene.toml motion.csv --free contact.stiffness -o fitted.toml",
+    )
     source = fit.add_argument(
         "source", metavar="SCENE", help="scene: a file, a folder with scene.toml, or a model's name"
     )
@@ -62,9 +68,13 @@ def add(verbs: Verbs) -> None:
         "--interpolation",
         choices=INTERPOLATIONS,
         default=INTERPOLATIONS[0],
-        help="of inputs in the data; default: each value holds until the next, and motions are smooth",
+        help="how inputs in the data act between two rows: follow, each value until the next row, but "
+        "motions of a base or a wall as a spline; hold, as an FMU that is stepped from row to row has "
+        "them; linear, on straight lines; default: %(default)s",
     )
-    fit.add_argument("--laws", action="store_true", help="fit every contact law, and rank them")
+    fit.add_argument(
+        "--rank-laws", "--laws", dest="laws", action="store_true", help="fit every contact law, and rank them"
+    )
     add_set(fit)
     add_plot(fit, "data, model and residuals")
     fit.add_argument("-o", dest="scene", metavar="FILE", type=Path, help="write the fitted scene (toml)")

@@ -3,29 +3,52 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from rich.markup import escape
 
-from chain_impact.cli.options import Verbs, add_scene, is_fmu
+from chain_impact.cli.options import Verbs, add_scene, add_verb, is_fmu
 from chain_impact.cli.progress import out, say
 from chain_impact.cli.screen import show, variable_table
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import EXPERIMENT, platforms_of
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import load_scene
 from chain_impact.variables.table import UNLESS_SET
+
+LISTS: dict[str, Callable[[], dict[str, str]]] = {
+    "models": lambda: {name: load_scene(name).description for name in model_names()},
+    "laws": lambda: {law.id: law.source for law in CONTACT_LAWS.values()},
+}
+"""What can be listed → what there is: name → what it is."""
 
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    info = verbs.add_parser("info", help="list the contents of a scene or an FMU")
+    info = add_verb(
+        verbs,
+        "info",
+        "list the values of a scene or an FMU under the names that --set takes, and the variables of its FMU",
+        "pinned_arm",
+    )
     add_scene(info, "scene or FMU")
-    info.set_defaults(run=run)
+    info.add_argument(
+        "--list", choices=tuple(LISTS), help="list the models or the contact laws, and no scene"
+    )
+    info.set_defaults(run=run, only_prints=True)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Say what a scene or an FMU holds."""
+    """Say what a scene or an FMU holds, or which models or laws there are."""
+    if options.list:
+        names = LISTS[options.list]()
+        width = max(map(len, names))
+        for name, what in names.items():
+            say(f"{name:{width}}  {what}")
+        return 0
     facts: list[tuple[str, object]] = []
     if is_fmu(options.source):
         held = read_fmu(Path(options.source))

@@ -23,6 +23,16 @@ class UsageError(ValueError):
     """An argument that cannot be used; the message is one line."""
 
 
+def add_verb(verbs: Verbs, name: str, what: str, example: str) -> argparse.ArgumentParser:
+    """Add a verb: what it does, beginning with an imperative, and the arguments of an example."""
+    return verbs.add_parser(
+        name,
+        help=what,
+        description=f"{what[0].upper()}{what[1:]}.",
+        epilog=f"example: chain-impact {name} {example}",
+    )
+
+
 def add_scene(command: argparse.ArgumentParser, what: str) -> None:
     """Add the scene, or what else can be given in its place."""
     source = command.add_argument(
@@ -61,10 +71,13 @@ def add_set(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_repeated(command: argparse.ArgumentParser, option: str, metavar: str, what: str) -> None:
-    """Add an option that can be given several times."""
+def add_repeated(
+    command: argparse.ArgumentParser, option: str, metavar: str, what: str, *, alias: str | None = None
+) -> None:
+    """Add an option that can be given several times, and perhaps has a second name."""
+    names = [option, *([alias] if alias else [])]
     command.add_argument(
-        option, action="append", default=[], metavar=metavar, help=f"{what}; can be repeated"
+        *names, action="append", default=[], metavar=metavar, help=f"{what}; can be repeated"
     )
 
 

@@ -17,6 +17,7 @@ from chain_impact.cli.options import (
     add_repeated,
     add_scene,
     add_set,
+    add_verb,
     check_outputs,
     ending,
     is_fmu,
@@ -44,7 +45,12 @@ ROWS = 1000  # of a picture, at least
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    verb = verbs.add_parser("simulate", help="simulate a scene, or an FMU with fmpy")
+    verb = add_verb(
+        verbs,
+        "simulate",
+        "simulate a scene, or an FMU with fmpy, and print its impacts and energies",
+        "pinned_arm --set contact.restitution=0.5 --plot arm.png",
+    )
     add_scene(verb, "scene or FMU")
     add_set(verb)
     add_repeated(
@@ -57,7 +63,13 @@ def add(verbs: Verbs) -> None:
     verb.add_argument("--show", action="store_true", help="open a window with the picture")
     add_plot(verb, "motion, energy and impacts")
     add_csv(verb, "the outputs over time")
-    add_repeated(verb, "--output", "NAMES", "the columns of the table: point[*].x,energy.total; default: all")
+    add_repeated(
+        verb,
+        "--columns",
+        "NAMES",
+        "columns of the table: point[*].x,energy.total; default: all",
+        alias="--output",
+    )
     verb.add_argument(
         "--impacts",
         action=Once,
@@ -83,7 +95,7 @@ def run(options: argparse.Namespace) -> int:
         csv=options.csv,
         picture=options.plot,
         impacts=options.impacts,
-        columns=names_in(*options.output),
+        columns=names_in(*options.columns),
         sensitivities=names_in(*options.sensitivity),
         window=window,
         check=options.check,
@@ -127,7 +139,7 @@ def report(
     """
     check_outputs(csv, picture, impacts, inputs=[source])
     if columns and not csv:
-        raise UsageError("--output: the columns are those of a table: give --csv FILE too")
+        raise UsageError("--columns (--output): the columns are those of a table: give --csv FILE too")
     tighter = [*settings, tighter_setting(source, settings)] if check else []
     fault = None
     try:

@@ -14,6 +14,7 @@ from chain_impact.cli.options import (
     add_repeated,
     add_scene,
     add_set,
+    add_verb,
     check_outputs,
     pairs,
     settings_of,
@@ -25,7 +26,12 @@ from chain_impact.simulation.record_scene import with_settings
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    sweep = verbs.add_parser("sweep", help="simulate a scene many times with varied parameters, into a table")
+    sweep = add_verb(
+        verbs,
+        "sweep",
+        "simulate a scene many times with varied parameters, and write a table with a row for each run",
+        "pinned_arm --vary contact.restitution=0.1:0.9:9 -o runs.csv",
+    )
     add_scene(sweep, "scene")
     sweep.add_argument(
         "--vary",
@@ -42,17 +48,19 @@ def add(verbs: Verbs) -> None:
         default="lhs",
         help="how samples are drawn: lhs, a Latin hypercube, or sobol; default: lhs",
     )
-    sweep.add_argument("--seed", type=int, default=0, metavar="N", help="of the samples; default: 0")
+    sweep.add_argument(
+        "--seed", type=int, default=0, metavar="N", help="seed of the random samples; default: 0"
+    )
     add_set(sweep)
     what = "add an output to the table, as it is at the end of a run"
-    add_repeated(sweep, "--output", "NAME", what)
+    add_repeated(sweep, "--columns", "NAME", what, alias="--output")
     sweep.add_argument(
         "--scheduler",
         metavar="ADDRESS",
         help="run on the workers of a dask.distributed cluster, for example tcp://127.0.0.1:8786",
     )
     sweep.add_argument(
-        "--threads", type=int, metavar="N", help="of this machine; default: the number of its cores"
+        "--threads", type=int, metavar="N", help="threads to use; default: as many as this machine has cores"
     )
     sweep.add_argument(
         "-o",
@@ -90,7 +98,7 @@ def run(options: argparse.Namespace) -> int:
                 samples=options.samples,
                 sampling=options.sampling,
                 seed=options.seed,
-                outputs=options.output,
+                outputs=options.columns,
                 path=options.table,
                 threads=options.threads,
                 scheduler=options.scheduler,

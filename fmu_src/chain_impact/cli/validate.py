@@ -8,7 +8,7 @@ import zipfile
 from dataclasses import asdict
 from pathlib import Path
 
-from chain_impact.cli.options import UsageError, Verbs
+from chain_impact.cli.options import UsageError, Verbs, add_verb
 from chain_impact.cli.progress import say
 from chain_impact.fmu.validate import TIMEOUT, validation
 from chain_impact.scene.reading import SceneError
@@ -16,8 +16,11 @@ from chain_impact.scene.reading import SceneError
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    validate = verbs.add_parser(
-        "validate", help="check an FMU against the FMI standard, and run it, with its reference results"
+    validate = add_verb(
+        verbs,
+        "validate",
+        "check an FMU against the FMI standard, and run it, with its reference results",
+        "build/FourLinkBox.fmu --json",
     )
     validate.add_argument("fmu", metavar="FMU", type=Path)
     validate.add_argument("--json", action="store_true", help="print findings and notes as JSON")

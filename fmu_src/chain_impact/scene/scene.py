@@ -23,7 +23,7 @@ from chain_impact.scene.derived import above, of_every_link, rule_of, without_de
 from chain_impact.scene.limits import keys
 from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
-from chain_impact.scene.names import Place, name_of, parameter_hint, place_in_file
+from chain_impact.scene.names import Place, name_of, nearest, parameter_hint, place_in_file
 from chain_impact.scene.numbers import with_numbers
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, keys_of, shown
 from chain_impact.scene.text_file import text_of
@@ -77,7 +77,9 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
         text = text_of(path)
     except (OSError, TypeError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
-        wanted = f"a scene file, a folder with {SCENE_FILE}, or a model: {', '.join(model_names())}"
+        near = nearest(str(source), model_names())
+        models = f"the nearest is {near}" if near else "`chain-impact info --list models` lists them"
+        wanted = f"a scene file, a folder with {SCENE_FILE}, or a model; {models}"
         raise SceneError(f"{source}: cannot be read ({reason}); must be {wanted}") from None
     scene = parse_scene(text, str(path))
     checks.warn(str(path), checks.law_hints(scene))

@@ -189,7 +189,7 @@ def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
     known = law_names(scene)
     for law in laws or ():
         if law not in known:
-            listed = f"the laws are {', '.join(known)}"
+            listed = "`chain-impact info --list laws` lists them"
             raise UnknownNameError(scene.name, law, known, "no contact law", otherwise=listed)
     chosen = [law for law in known if not laws or law in laws]
     at_home = any(keeps_exponents(law, scene) for law in chosen)
