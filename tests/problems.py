@@ -369,6 +369,23 @@ def default_scene(**changes: Any) -> Scene:
     )
 
 
+def driven(stop_time: float = 0.076) -> Scene:
+    """An arm whose servos swing it into a wall, and pull on its tip while that touches the wall."""
+    servos = [(0.4, 2.0, 300.0, 12.0), (0.35, 1.5, 200.0, 8.0), (0.25, 0.8, 80.0, 3.0)]
+    keys = ("length", "mass", "joint_stiffness", "joint_damping")
+    table = {
+        "name": "Driven",
+        "chain": {"base": "pinned", "links": [dict(zip(keys, one, strict=True)) for one in servos]},
+        "box": {"x_max": 0.5},
+        "contact": {"stiffness": 1e7, "restitution": 0.5},
+        "inputs": {"joint_targets": True},
+        "initial": {"angles": [-0.5 * math.pi] * len(servos)},
+        "outputs": {"loads": True},
+        "simulation": {"stop_time": stop_time},
+    }
+    return scene_from_dict(table, "driven")
+
+
 def rigid(scene: Scene, **contact: Any) -> Scene:
     """The scene with rigid walls, and with some keys of its [contact] table changed."""
     changes = {("contact", key): value for key, value in contact.items()}

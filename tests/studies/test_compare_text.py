@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from chain_impact import CONTACT_LAWS, compare
+from chain_impact import CONTACT_LAWS, compare, simulate
 from chain_impact.scene.scene import with_values
 from chain_impact.studies.compare_text import advice
-from tests.problems import default_scene
+from tests.problems import default_scene, driven
 
 
 @pytest.fixture(scope="module")
@@ -29,6 +29,29 @@ def test_no_law_is_named_whose_contact_does_not_end():
     assert advice(comparison).endswith(": newton_impact")  # an impulse is over
     forces = tuple(run for run in comparison.runs if not CONTACT_LAWS[run.law].impulsive)
     assert advice(replace(comparison, runs=forces)).endswith(": none of these laws")
+
+
+def test_what_an_impact_that_is_not_free_can_reach_is_told_over_the_stiffness():
+    """Servos pull the tip into the wall: without losses it rebounds at 0.70 of its speed."""
+    found = compare(driven(), laws=["zhang_sharf", "lee_wang", "newton_impact"])
+    assert not found.is_free
+    assert [one.stiffness for one in found.reached] == [1e7, 1e8, 1e9]
+    for one in found.reached:
+        for law, value in (("hertz", one.lossless), ("zhang_sharf", one.exact)):
+            values = {"contact.model": law, "contact.stiffness": one.stiffness}
+            first = simulate(driven().with_values(values)).impacts[0]
+            assert value == pytest.approx(first["separation_speed"] / first["impact_speed"], rel=1e-12)
+    free = [abs(one.lossless - 1.0) for one in found.reached]
+    assert free == sorted(free, reverse=True)
+    near, reach = advice(found).splitlines()
+    assert near.endswith(": newton_impact; by chance lee_wang")
+    assert "0.70 and 0.15 at K = 1e+07" in reach
+
+
+def test_a_free_impact_needs_no_other_stiffness(box):
+    assert box.is_free
+    assert len(box.reached) == 1
+    assert box.reached[0].lossless == pytest.approx(1.0, abs=1e-3)
 
 
 def test_printed_it_is_a_small_table():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,19 +26,25 @@ from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.compare_text import report
 from chain_impact.studies.law_change import (
     EXACT,
+    LOSSLESS,
     OVERLAP,
     contact_at,
     first_number,
     keeps_exponents,
     law_names,
     law_values,
+    stiffened,
     with_law,
 )
-from chain_impact.studies.law_runs import LawRun, LawRuns, first_of
+from chain_impact.studies.law_runs import LawRun, LawRuns, Reached, first_of
 from chain_impact.system import written_whole
 
 if TYPE_CHECKING:
     import pandas
+
+
+STIFFER = (10.0, 100.0)
+"""Factors of the stiffness at which it is told what an impact that is not free can reach."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -49,6 +55,8 @@ class Comparison(LawRuns):
         scene: the scene.
         reference: id of the law whose impacts the others are compared with.
         runs: one for each law, in the order of the registry, then the scene's own law if it has one.
+        reached: the restitution of the first impact that can be reached, at the scene's stiffness and, if
+            the impact is not free, at larger ones.
     """
 
     def __repr__(self) -> str:
@@ -167,7 +175,18 @@ def compare(
         if law not in found:
             run(law, firsts[reference])
     runs = tuple(_against(expected, found[law]) for law in laws)
-    return Comparison(scene, reference, runs)
+    comparison = Comparison(scene, reference, runs, (_reached(scene, 1.0, found),))
+    if comparison.is_free:
+        return comparison
+    more = (_reached(scene, factor, {}) for factor in STIFFER)
+    return replace(comparison, reached=(*comparison.reached, *more))
+
+
+def _reached(scene: Scene, factor: float, known: Mapping[str, LawRun]) -> Reached:
+    """What restitution can be reached with a larger stiffness; the runs of some laws may be known."""
+    stiffer = scene if factor == 1.0 else stiffened(scene, factor)
+    lossless, exact = (known.get(law) or _run(stiffer, law, None, silent) for law in (LOSSLESS, EXACT))
+    return Reached(lossless.stiffness, lossless.restitution, exact.restitution)
 
 
 def _why_none(scene: Scene) -> str:

@@ -1,6 +1,6 @@
 """The picture of a comparison of contact laws: the first impact, and energy over time.
 
-Five laws have a colour and a name: the reference, the scene's own, the one that differs most, and others that
+Six laws have a colour and a name: the reference, the scene's own, the one that differs most, and others that
 are much used. The rest is grey.
 """
 
@@ -19,12 +19,11 @@ from matplotlib.figure import Figure
 from chain_impact.results.plots.pages import check_alone, drawn
 from chain_impact.results.plots.style import BLACK, GREY, PALETTE, SEPARATOR, WIDE, headline, number, styled
 from chain_impact.results.text import plural
-from chain_impact.studies.law_change import first_place
+from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns
 
 SIZE = (11.0, 4.5)  # inches
-NAMED = 5  # laws with a colour
-ELASTIC = 1.0 - 1e-3  # restitution of an impact in which nothing is dissipated
+NAMED = 6  # laws with a colour
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
 """Laws that are found in many programs and papers."""
 MILLI, KILO = 1e3, 1e-3
@@ -82,25 +81,40 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
     others = [f"grey: {plural(grey, 'other law')}"] if grey else []
-    return SEPARATOR.join((hit, stiffness, tolerance, *others))
+    held = "" if comparison.is_free else "not free"
+    if held and math.isfinite(most := comparison.reached[0].lossless):
+        held += f": e′ = {most:.2f} without losses"
+    return SEPARATOR.join(filter(None, (hit, held, stiffness, tolerance, *others)))
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:
     """The laws that get a colour, at most NAMED, and why.
 
-    Of those that dissipate, the one that differs most is the one whose restitution in the first impact is
-    farthest from the prescribed.
+    The law that differs most is the one whose restitution in the first impact is farthest from that of the
+    reference. If it is the law without losses, which ignores the prescribed one, the next is told, too.
     """
-    e, reference = comparison.contact.restitution, comparison.reference
+    reference = comparison.reference
     why = {reference: "reference"}
     why.setdefault(comparison.contact.model, "of the scene")
-    off = {run.law: abs(run.restitution - e) for run in comparison.runs if run.restitution < ELASTIC}
-    if off:
-        why.setdefault(max(off, key=off.__getitem__), "differs most")
+    expected = comparison[reference].restitution
+    off = {run.law: abs(run.restitution - expected) for run in comparison.runs}
+    order = sorted((law for law in off if off[law] > 0.0), key=lambda law: -off[law])
+    if LOSSLESS in order[:1]:
+        _add_reason(why, order.pop(0), "differs most, no losses")
+        reason = "differs most with losses"
+    else:
+        reason = "differs most"
+    for law in order[:1]:
+        _add_reason(why, law, reason)
     for run in comparison.runs:
         if run.law in USED and run.result is not None and len(why) < NAMED:
             why.setdefault(run.law, "much used")
     return why
+
+
+def _add_reason(why: dict[str, str], law: str, reason: str) -> None:
+    """Add a reason to those for which a law has a colour."""
+    why[law] = f"{why[law]}, {reason}" if law in why else reason
 
 
 def looks_of(comparison: LawRuns) -> Looks:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.results.text import Table
-from chain_impact.studies.law_change import first_place
+from chain_impact.studies.law_change import EXACT, first_place
 from chain_impact.studies.law_runs import LawRun, LawRuns
 
 NEAR = 0.05  # part of the prescribed restitution
@@ -75,7 +76,30 @@ def legend(comparison: LawRuns) -> str:
 
 
 def advice(comparison: LawRuns) -> str:
-    """Which laws realise the prescribed restitution in the impact that the table describes."""
+    """Which laws realise the prescribed restitution in the impact that the table describes.
+
+    In an impact that is not free, it is also told what can be reached. Only an impulse prescribes the
+    restitution there; a force comes near it by chance.
+    """
     e = comparison.contact.restitution
     near = [run.law for run in comparison.runs if abs(run.restitution - e) <= NEAR * e]
-    return f"within {100 * NEAR:g} % of e = {e:g} in this impact: {', '.join(near) or 'none of these laws'}"
+    within = f"within {100 * NEAR:g} % of e = {e:g} in this impact: "
+    if comparison.is_free:
+        return within + (", ".join(near) or "none of these laws")
+    sure = [law for law in near if law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive]
+    chance = [law for law in near if law not in sure]
+    told = [", ".join(sure)] * bool(sure) + [f"by chance {', '.join(chance)}"] * bool(chance)
+    return f"{within}{'; '.join(told) or 'none of these laws'}\n{_reach(comparison)}"
+
+
+def _reach(comparison: LawRuns) -> str:
+    """What restitution a force reaches in an impact that is not free, over the stiffness."""
+    e = comparison.contact.restitution
+    values = ", ".join(
+        f"{told(one.lossless, '.2f')} and {told(one.exact, '.2f')} at K = {one.stiffness:.4g}"
+        for one in comparison.reached
+    )
+    return (
+        "this impact is not free: other forces act while it lasts, and the less the stiffer the contact is; "
+        f"e′ without losses, about the most that is reached, and with e = {e:g} under {EXACT}: {values}"
+    )

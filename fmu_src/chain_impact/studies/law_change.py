@@ -12,11 +12,13 @@ import numpy as np
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.scene import Scene
+from chain_impact.scene.scene import Scene, with_values
 from chain_impact.scene.tables import Contact
 
 EXACT = "zhang_sharf"
 """The law that the others are measured by, where the scene's restitution allows it."""
+LOSSLESS = "hertz"
+"""The law without losses: the first impact under it is free where it realises a restitution of 1."""
 OVERLAP = "another contact began before the first ended"
 Changes = dict[tuple[str | int, ...], Any]
 
@@ -87,6 +89,12 @@ def _equally_deep(stiffness: float, n: float, needed: float, impact: np.void) ->
     energy = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
     depth = ((n + 1.0) * energy / stiffness) ** (1.0 / (n + 1.0))
     return float((needed + 1.0) * energy / depth ** (needed + 1.0))
+
+
+def stiffened(scene: Scene, factor: float) -> Scene:
+    """The scene with larger stiffnesses wherever the law of `contact` acts."""
+    changes: Changes = {(*path, "stiffness"): factor * found for path, _, found in _tables(scene)}
+    return with_values(scene, changes)
 
 
 def contact_at(scene: Scene, impact: np.void) -> Contact:

@@ -14,6 +14,8 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Contact
 from chain_impact.studies.law_change import contact_at, first_number
 
+FREE = 0.05  # of restitution: by less, an impact is taken to be free
+
 
 @dataclass(frozen=True, eq=False)
 class LawRun:
@@ -68,9 +70,32 @@ class LawRun:
         return self.result.statistics["steps"] if self.result else 0
 
 
+@dataclass(frozen=True)
+class Reached:
+    """What restitution the first impact has at a stiffness; NaN where it has not ended.
+
+    Attributes:
+        stiffness: K of the impact [N/m^n].
+        lossless: without any loss, 1 in a free impact: about the most that a law can give.
+        exact: under the law that realises the scene's restitution in a free impact.
+    """
+
+    stiffness: float
+    lossless: float
+    exact: float
+
+
 @dataclass(frozen=True, eq=False)
 class LawRuns:
-    """The runs of some laws on one scene."""
+    """The runs of some laws on one scene.
+
+    Attributes:
+        scene: the scene.
+        reference: id of the law whose impacts the others are compared with.
+        runs: one for each law.
+        reached: the restitution of the first impact that can be reached, at the scene's stiffness and, if
+            the impact is not free, at larger ones.
+    """
 
     __eq__ = same
     __hash__ = None  # type: ignore[assignment]
@@ -78,6 +103,7 @@ class LawRuns:
     scene: Scene
     reference: str
     runs: tuple[LawRun, ...]
+    reached: tuple[Reached, ...]
 
     def __getitem__(self, law: str) -> LawRun:
         """The run of a law."""
@@ -97,6 +123,17 @@ class LawRuns:
     def contact(self) -> Contact:
         """The values of the scene's contact law where the first impact is: at its wall, or at stops."""
         return contact_at(self.scene, self.first_impact)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether nothing else acts in the first impact.
+
+        Then it has the restitution 1 without losses, and that of the scene under the exact law. An impact
+        that has not ended counts as free.
+        """
+        found = self.reached[0]
+        off = (abs(found.lossless - 1.0), abs(found.exact - self.contact.restitution))
+        return not any(one > FREE for one in off)
 
     @property
     def at_stop(self) -> bool:
