@@ -11,7 +11,6 @@ import json
 import re
 import sys
 from collections.abc import Iterable, Sequence
-from dataclasses import astuple
 from itertools import groupby
 from pathlib import Path
 from typing import Any, get_args, get_origin
@@ -24,11 +23,14 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.limits import Derived, allowed, without_none
+from chain_impact.scene.names import AXES, INPUTS_OF
 from chain_impact.scene.reading import entry_type
-from chain_impact.scene.scene import load_scene, model_names, scene_keys, with_values
-from chain_impact.variables.kinds import kind_of, of_its_kind
-from chain_impact.variables.model import Model
-from chain_impact.variables.variable import Variable
+from chain_impact.scene.scene import load_scene, scene_keys
+from chain_impact.variables.kind import ALWAYS, LINE, Kind
+from chain_impact.variables.listing import choices_of
+from chain_impact.variables.outputs import INPUTS, OUTPUTS
+from chain_impact.variables.parameters import METHODS, PARAMETERS
+from chain_impact.variables.shape import OF_STOPS
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
@@ -147,113 +149,96 @@ def _readable(text: str) -> str:
 
 def variable_patterns() -> str:
     """Every kind of variable once, its indices replaced by letters, and which scenes have it."""
-    scenes = [load_scene(name) for name in model_names()]
-    more = {"inputs.joint_torques": True, "inputs.tip_force": True, "link[2].joint_min": -2.0}
-    more |= {"link[2].joint_max": 2.0, "wall.y_min.stiffness": 1e7, "wall.y_min.restitution": 0.3}
-    more |= {"contact.friction": 0.3, "wall.y_min.friction": 0.3, "wall.y_min.static_friction": 0.3}
-    more |= {
-        "link[2].joint_friction": 0.1,
-        "link[2].joint_armature": 0.1,
-        "link[2].joint_torque_limit": 9.0,
-        "outputs.loads": True,
-        "inputs.wall_motion": True,
-    }
-    everything = with_values(load_scene("four_link_box"), more)
-    mounted = with_values(load_scene("pinned_arm"), {"inputs.base_motion": True})
-    rows: dict[str, Variable] = {}
-    for scene in (everything, mounted, *scenes, with_values(everything, {"inputs.joint_targets": True})):
-        for variable in Model(scene).variables:
-            rows.setdefault(kind_of(variable.name), variable)
-    found = [(scene, {kind_of(v.name) for v in Model(scene).variables}) for scene in scenes]
     known = {_of_the_joint(entry.metadata["description"]) for _, entry in scene_keys() if entry.metadata}
-    blocks = []
-    for causality in ("parameter", "input", "output"):
-        alike: dict[tuple[str, str], list[tuple[str, str]]] = {}
-        for pattern, variable in rows.items():
-            if variable.causality == causality:
-                meaning = _meaning(pattern, variable)
-                unit = code(variable.unit) if meaning in known else ""  # one row for each unit of these
-                tunable = "; tunable" if variable.variability == "tunable" else ""
-                key = ("scene key" if unit else meaning) + _where(pattern, found) + tunable, unit
-                alike.setdefault(key, []).append((code(pattern), code(variable.unit)))
+    sections = []
+    for title, table_of in (("Parameters", PARAMETERS), ("Inputs", INPUTS), ("Outputs", OUTPUTS)):
+        alike: dict[tuple[str, str], list[Kind]] = {}
+        for kind in (kind for of_one_element in table_of for kind in of_one_element.kinds):
+            meaning = _meaning(kind)
+            unit = kind.unit if meaning in known else ""  # one row for each unit of these
+            where = next((WHERE[condition] for condition in kind.when if condition in WHERE), "")
+            tunable = "; tunable" if kind.tunable == ALWAYS else ""
+            key = ("scene key" if unit else meaning) + where + tunable, unit
+            alike.setdefault(key, []).append(kind)
         lines = []
-        for (meaning, _), some in alike.items():
-            names, units = (filter(None, dict.fromkeys(column)) for column in zip(*some, strict=True))
+        for (meaning, _), kinds in alike.items():
+            columns = ([kind.pattern for kind in kinds], [kind.unit for kind in kinds])
+            names, units = ([code(one) for one in dict.fromkeys(column) if one] for column in columns)
             lines.append((", ".join(names), ", ".join(units), meaning))
-        blocks.append(f"### {causality.capitalize()}s\n\n{table(('name', 'unit', 'meaning'), lines)}")
-    return "\n\n".join(blocks)
+        sections.append(f"### {title}\n\n{table(('name', 'unit', 'meaning'), lines)}")
+    return "\n\n".join(sections)
 
 
-# what a scene has, and whether it has it: the first that tells the scenes of a variable from the others
-KINDS = (
-    ("", lambda _: True),
-    ("", lambda scene: bool(scene.half_planes)),  # as the page says of contacts
-    ("; with a free base", lambda scene: scene.chain.base == "free"),
-    ("; with inputs", lambda scene: any(astuple(scene.inputs))),
-    ("; with dry friction", lambda scene: scene.has_friction),
-)
-# variables of one wall, stop or input, which are there with it, and the rest angle in place of a target
-NAMED_AFTER = ("box.", "wall.", "stop.", "joint[", "tip.", "base.")
-NAMED_AFTER += (
-    "initial.",
-    "link[i].joint_min",
-    "link[i].joint_max",
-    "link[i].joint_rest_angle",
-    "link[i].joint_friction",
-    "link[i].joint_armature",
-    "link[i].joint_torque_limit",
-)
-
-
-def _where(pattern: str, found: list[tuple[Any, set[str]]]) -> str:
-    """Which scenes have a variable, judged by all models; nothing if all have it."""
-    if pattern.startswith(NAMED_AFTER):
-        return ""
-    having = [pattern in patterns for _, patterns in found]
-    return next(kind for kind, has in KINDS if [has(scene) for scene, _ in found] == having)
-
-
-def _generic(description: str) -> str:
-    """The description of a kind, without what its name or scene.md says; lists of codes stand elsewhere."""
-    text = re.sub(r"\b[xy] of\b", "x and y of", of_its_kind(description))
-    text = _of_the_joint(text).removesuffix("; must be > 0")
-    text = re.sub(r"^(link i|joint i|point k( at a wall)?|at one wall|impact i, 1 the latest): ", "", text)
-    return re.sub(r"^(wall( of the last impact)?): 0 .*", r"\1: its [code](#codes)", text)
-
-
-# one description for alike variables
-ALIKE = {
-    r"box\..*": "position of the wall",
-    r"link\[i\]\.joint_(min|max)": "stops: least and largest angle",
-    r"initial\.v?[xy]": "initial position and velocity of the base; a pinned base has no velocity",
-    r"initial\.ang.*": "initial angle and angular velocity of link i, absolute, from +x",
-    r"base\..*": "position, velocity and acceleration of the base",
-    r"point.*": "position, velocity and acceleration",
-    r"link\[i\]\.(angle|angular_.*)": "angle, angular velocity and angular acceleration, absolute, from +x",
-    r"joint\[i\]\.(angle|angular_velocity)": "angle and angular velocity, relative to the link before",
-    r"joint\[i\]\.target_.*": "angle that the spring follows, and angular velocity that the damper follows",
-    r"wall\.<wall>\.(displacement|velocity|acceleration)": "motion along the inward normal n",
-    r"contact.*friction_[fi].*": "dry friction along t = (n_y, -n_x), and its impulse since the start",
-    r"impact\.last_.*": "time, point, wall ([code](#codes)) and approach speed of the last impact, before "
-    "the first the start, -1, 0 and 0; of a stop its joint, and rad/s",
-    r"solver\.(.*steps|rhs.*)": "steps, rejected steps, evaluations of the equations, implicit steps",
+WHERE = {
+    "contact_friction": "; with dry friction",
+    "friction": "; with dry friction",
+    "driven": "; with inputs",
 }
+"""Condition for a variable → which scenes meet it, where the name does not tell."""
+IN_GENERAL = OF_STOPS | {
+    "axis": "x and y",
+    "n": "i",
+    "before": "link i − 1, or the base",
+    "parent": "the link before",
+    "from_x": "",
+    "about": "the origin, of a wall at any angle about its point",
+    "losses": "contacts, joint damping and dry friction",
+    "wall_numbers": "its [code](#codes)",
+    "wall_numbers_if_any": "its [code](#codes)",
+    "statuses": "see its [codes](troubleshooting.md#statuses-of-the-solver)",
+}
+"""What stands in the meanings for the words of a scene and of an element."""
+ALIKE = {
+    "stops: least and largest angle": ("link[i].joint_min", "link[i].joint_max"),
+    "position of the wall": tuple(f"box.{wall}" for wall in WALLS),
+    "initial position and velocity of the base; a pinned base has no velocity": (
+        *("initial.x", "initial.y", "initial.vx", "initial.vy"),
+    ),
+    "initial angle and angular velocity of link i, absolute, from +x": (
+        *("initial.angle[i]", "initial.angular_velocity[i]"),
+    ),
+    "position, velocity and acceleration of the base": INPUTS_OF["base_motion"],
+    "angle that the spring follows, and angular velocity that the damper follows": (
+        *("joint[i].target_angle", "joint[i].target_velocity"),
+    ),
+    "motion along the inward normal n": (
+        *("wall.<wall>.displacement", "wall.<wall>.velocity", "wall.<wall>.acceleration"),
+    ),
+    "position, velocity and acceleration": tuple(
+        f"point[k].{prefix}{axis}" for prefix in ("", "v", "a") for axis in AXES
+    ),
+    "angle, angular velocity and angular acceleration, absolute, from +x": (
+        *("link[i].angle", "link[i].angular_velocity", "link[i].angular_acceleration"),
+    ),
+    "angle and angular velocity, relative to the link before": (
+        *("joint[i].angle", "joint[i].angular_velocity"),
+    ),
+    "dry friction along t = (n_y, -n_x), and its impulse since the start": (
+        *("contact[k].<wall>.friction_force", "contact[k].<wall>.friction_impulse"),
+    ),
+    "time, point, wall ([code](#codes)) and approach speed of the last impact, before the first the start, "
+    "-1, 0 and 0; of a stop its joint, and rad/s": (
+        *("impact.last_time", "impact.last_point", "impact.last_wall", "impact.last_speed"),
+    ),
+    "steps, rejected steps, evaluations of the equations, implicit steps": (
+        *("solver.steps", "solver.rejected_steps", "solver.rhs_evaluations", "solver.implicit_steps"),
+    ),
+    "law of walls, and of stops without one of their own: its [number](contact_laws.md#the-laws)": (
+        "contact.model",
+    ),
+}
+"""One meaning for alike variables."""
+MEANINGS = {name: meaning for meaning, names in ALIKE.items() for name in names}
 
 
-def _meaning(pattern: str, variable: Variable) -> str:
-    """The description; long lists of codes stand elsewhere."""
-    for alike, meaning in ALIKE.items():
-        if re.fullmatch(alike, pattern):
-            return meaning
-    if pattern == "contact.model":
-        return "law of walls, and of stops without one of their own: its [number](contact_laws.md#the-laws)"
-    if pattern == "solver.status":
-        return "status of the solver: see its [codes](troubleshooting.md#statuses-of-the-solver)"
-    return _generic(variable.description) + (f": {_choices(variable)}" if variable.items else "")
-
-
-def _choices(variable: Variable) -> str:
-    return ", ".join(f"{number} = {item.name}" for number, item in enumerate(variable.items, 1))
+def _meaning(kind: Kind) -> str:
+    """The description, without what its name or scene.md says; long lists of codes stand elsewhere."""
+    if kind.pattern in MEANINGS:
+        return MEANINGS[kind.pattern]
+    choices = choices_of(load_scene("four_link_box"))[METHODS] if kind.choices == METHODS else ()
+    listed = ", ".join(f"{number} = {item.name}" for number, item in enumerate(choices, 1))
+    heading = "wall at any angle: " if kind.heading == LINE else ""
+    return heading + _of_the_joint(kind.text).format_map(IN_GENERAL) + (f": {listed}" if listed else "")
 
 
 def walls() -> str:

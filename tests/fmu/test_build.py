@@ -23,7 +23,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import model_names
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import word_index
+from chain_impact.variables.places import word_index
 from tests.binaries import binary
 from tests.fmu.conftest import KINDS
 from tests.fmu.importer import Instance

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.record.instance import instance_dtype, output_dtype
-from chain_impact.variables.table import WORD
+from chain_impact.variables.places import WORD
 
 # links N, candidates C, elements F
 SIZES = [(1, 0, 0, 0), (1, 1, 0, 3), (1, 0, 1, 0), (2, 2, 4, 0), (4, 20, 0, 8), (7, 32, 39, 0)]

@@ -17,7 +17,7 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, model_names, scene_to_dict, with_values
 from chain_impact.variables import model as model_module
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import word_index
+from chain_impact.variables.places import word_index
 
 BUFFER = 64 * 1024  # bytes, what an instance of four links in a box shall fit into
 

@@ -7,10 +7,9 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.simulate import simulate
-from chain_impact.variables import outputs
+from chain_impact.variables import listing
+from chain_impact.variables.listing import all_outputs, inputs
 from chain_impact.variables.model import Model
-from chain_impact.variables.outputs import all_outputs
-from chain_impact.variables.table import inputs
 from chain_impact.variables.variable import Variable
 
 BOX, ARM = load_scene("four_link_box"), load_scene("pinned_arm")
@@ -65,12 +64,11 @@ def test_to_choose_outputs_makes_no_variables_again(monkeypatch, output):
     """Not even of another scene, if it differs in nothing but numbers."""
     made = []
 
-    def counted(**values):
-        made.append(values["name"])
-        return Variable(**values)
+    def counted(kind, *_):
+        made.append(kind.name)
 
     simulate(BOX, stop_time=0.01, output="energy.total")
-    monkeypatch.setattr(outputs, "Variable", counted)
+    monkeypatch.setattr(Variable, "of", counted)
     changed = BOX.with_values({"contact.restitution": 0.4, "link[1].mass": 1.5})
     for scene in (BOX, changed):
         simulate(scene, stop_time=0.01, output=output)
@@ -90,7 +88,7 @@ SHAPES |= {"contact.points": [0, 4], "inputs.tip_force": True, "outputs.impacts"
 def test_what_is_kept_of_a_scene_is_not_taken_for_another_one(name, value):
     before, changed = all_outputs(BOX), BOX.with_values({name: value})
     kept = all_outputs(changed)
-    outputs.outputs_of.cache_clear()
+    listing.outputs_of.cache_clear()
     assert kept == all_outputs(changed)
     assert kept != before
 

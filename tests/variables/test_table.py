@@ -14,7 +14,7 @@ from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, Scene, model_names, with_values
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import word_index
+from chain_impact.variables.places import word_index
 from chain_impact.variables.units import UNITS
 from chain_impact.variables.variable import Variable
 from tests.friction import pendulum, sled

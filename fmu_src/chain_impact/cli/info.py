@@ -17,7 +17,7 @@ from chain_impact.fmu.run import EXPERIMENT, platforms_of
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import load_scene
-from chain_impact.variables.table import UNLESS_SET
+from chain_impact.variables.variable import UNLESS_SET
 
 LISTS: dict[str, Callable[[], dict[str, str]]] = {
     "models": lambda: {name: load_scene(name).description for name in model_names()},

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.metadata import distribution
@@ -13,7 +12,6 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.results.text import html_table
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.kinds import kind_of, of_its_kind
 from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
@@ -47,8 +45,6 @@ EVENTS = (
     "there as arrays, too, such as point.position.</p>"
 )
 TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
-OWNERS = re.compile(r"((?:joint|point)\[\d+\]|base|tip|wall\.\w+)\.(.+)")
-"""Whose variables make a terminal, which has the owner's name; and the member's name."""
 EDGES = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
 """Of the icon in its coordinate system."""
 
@@ -127,9 +123,9 @@ def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
     """A row for each kind of variable, in the order of the first ones: the causality of a kind is one."""
     found: dict[str, list[Variable]] = {}
     for variable in variables:
-        found.setdefault(kind_of(variable.name), []).append(variable)
+        found.setdefault(variable.kind.pattern, []).append(variable)
     return [
-        (kind, str(len(some)), some[0].causality, some[0].unit, of_its_kind(some[0].description))
+        (kind, str(len(some)), some[0].causality, some[0].unit, some[0].of_its_kind)
         for kind, some in found.items()
     ]
 
@@ -163,14 +159,12 @@ def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
         return made[path]
 
     for variable in variables:
-        found = OWNERS.fullmatch(variable.name)
-        if found and variable.causality in ("input", "output"):
-            owner, member = found.groups()
+        if variable.owner:
             SubElement(
-                terminal(owner),
+                terminal(variable.owner),
                 "TerminalMemberVariable",
                 variableName=variable.name,
-                memberName=member,
+                memberName=variable.name.removeprefix(f"{variable.owner}."),
                 variableKind="signal",
             )
     if made:

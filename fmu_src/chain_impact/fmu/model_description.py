@@ -11,11 +11,9 @@ from xml.etree.ElementTree import Element, SubElement
 from chain_impact.scene.angles import DEGREES
 from chain_impact.scene.names import Place
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.tables import Stops
 from chain_impact.variables.model import Model
-from chain_impact.variables.outputs import LABELS, OWNERS
 from chain_impact.variables.units import UNITS, in_order, unit_of
-from chain_impact.variables.variable import OBSERVED, Variable
+from chain_impact.variables.variable import Variable
 
 TOKEN = {2: "guid", 3: "instantiationToken"}
 """Version of FMI → the attribute of the root that tells one FMU from another."""
@@ -41,16 +39,6 @@ CAPABILITIES = {
 }
 TYPES = {"real": "Float64", "integer": "Int64", "enumeration": "Enumeration"}
 """Of FMI 3.0."""
-RATES = {
-    "point_velocity": "point_position",
-    "point_acceleration": "point_velocity",
-    "angular_velocity": "angle",
-    "angular_acceleration": "angular_velocity",
-    "joint_angular_velocity": "joint_angle",
-}
-"""Fields of the output record, and those that they are the derivatives of."""
-
-OF_A_FIELD = 3  # steps of a place: the part of the record, the field and an index
 DATE = "1980-01-01T00:00:00Z"  # the earliest that a zip can hold: equal scenes make equal FMUs
 LOG_CATEGORIES = {
     "logStatusWarning": "Warnings",
@@ -59,8 +47,6 @@ LOG_CATEGORIES = {
     "logStatusFatal": "Errors after which the instance cannot go on",
     "logAll": "All messages",
 }
-ARRAY_NAMES = {field: f"{owner}.{LABELS[field]}" for field, owner in OWNERS.items()}
-"""Field of the output record → the array. Of the latest impacts it is impact.time and so on."""
 
 
 def model_description(model: Model, tool: str, fmi: int, **capabilities: str) -> Element:
@@ -237,10 +223,8 @@ def values_of(model: Model) -> list[dict[str, str]]:
         value = {}
         if variable.type == "real":
             value = {"declaredType": unit_of(variable.unit).quantity, "unit": variable.unit}
-            of_stop = variable.name.startswith("joint[") and len(variable.place) == OF_A_FIELD
-            key = f"stop_{variable.field}" if of_stop else variable.field
-            if variable.place[0] in OBSERVED and key in nominal:
-                value["nominal"] = repr(nominal[key])
+            if variable.kind.nominal:
+                value["nominal"] = repr(nominal[variable.kind.nominal])
         elif variable.items:
             value = {"declaredType": type_name(variable)}
         # an open limit is written as a closed one, which is all that FMI knows; the FMU keeps it open
@@ -255,42 +239,28 @@ def values_of(model: Model) -> list[dict[str, str]]:
 
 def rate_of(variable: Variable) -> Place | None:
     """The place of the variable that this one is the derivative of, if any."""
-    record, field, *index = variable.place
-    return (record, RATES[str(field)], *index) if record == "output" and field in RATES else None
+    record, _, *index = variable.place
+    return (record, variable.kind.rate_of, *index) if variable.kind.rate_of else None
 
 
 def nominal_values(scene: Scene) -> dict[str, float]:
-    """Magnitudes of the outputs: field of what is observed → value, in the unit of the field.
+    """Magnitudes of the outputs, by the names that the table of variables has for them.
 
     Those of the motion are the absolute scales of the solver (``model.size``, ``model.energy``): the longest
     link L, L in a second, and M L²/s² for the whole mass M. Those of contacts are what a collision of all the
     mass at v = L/s compresses the wall to, without damping, K δⁿ⁺¹/(n+1) = M v²/2, and its momentum M v.
+    Those of stops are the same for all the mass at the end of the longest link, at 1 rad/s.
     """
-    links, contact = scene.chain.links, scene.contact
+    links, contact, stops = scene.chain.links, scene.contact, scene.stops
     size, mass = max(link.length for link in links), sum(link.mass for link in links)
     energy = mass * size * size
     depth = _depth(contact.stiffness, contact.exponent, energy)
-    motion = dict.fromkeys(
-        ("point_position", "point_velocity", "point_acceleration", "penetration_rate"), size
-    )
-    energies = dict.fromkeys(("kinetic", "potential", "elastic", "dissipated", "supplied", "total"), energy)
     force = contact.stiffness * depth**contact.exponent
-    contacts = {"penetration": depth, "force": force, "impulse": mass * size}
-    dry = {"force": force, "impulse": mass * size, "joint_moment": energy, "dissipated": energy}
-    friction = {f"friction.{field}": value for field, value in dry.items()}
-    loads = dict.fromkeys(("x", "y", "impulse_x", "impulse_y", "peak"), mass * size) | {"moment": energy}
-    impacts = {"speed": size, "separation_speed": size, "peak_force": force, "max_penetration": depth}
-    loaded = {f"load.{field}": value for field, value in loads.items()}
-    return motion | energies | contacts | friction | loaded | impacts | _of_stops(scene.stops, energy)
-
-
-def _of_stops(stops: Stops, energy: float) -> dict[str, float]:
-    """The same of stops, for all the mass at the end of the longest link, at 1 rad/s."""
-    if stops.stiffness is None or stops.exponent is None:
-        return {}
-    depth = _depth(stops.stiffness, stops.exponent, energy)
-    moment = stops.stiffness * depth**stops.exponent
-    return {"stop_penetration": depth, "stop_force": moment, "stop_impulse": energy}
+    found = {"size": size, "energy": energy, "momentum": mass * size, "depth": depth, "force": force}
+    if stops.stiffness is not None and stops.exponent is not None:
+        depth = _depth(stops.stiffness, stops.exponent, energy)
+        found |= {"stop depth": depth, "stop moment": stops.stiffness * depth**stops.exponent}
+    return found
 
 
 def _depth(stiffness: float, n: float, energy: float) -> float:
@@ -326,23 +296,15 @@ class Array(NamedTuple):
 
 def array_variables(model: Model) -> list[Array]:
     """The arrays of the outputs that the scene asks for, in the order of their value references."""
-    groups: dict[tuple[str | int, str], list[Variable]] = {}
+    groups: dict[str, list[Variable]] = {}
     for variable in model.outputs:
-        # stops have other units than contacts, and joints without a stop or dry friction no element
-        of_joint = variable.name.startswith("joint[")
-        if (
-            variable.index
-            and not of_joint
-            and (variable.place[0] == "latest" or variable.field in ARRAY_NAMES)
-        ):
-            groups.setdefault((variable.place[0], variable.field), []).append(variable)
-    return [_array(elements) for elements in groups.values()]
+        if variable.kind.array:
+            groups.setdefault(variable.kind.array, []).append(variable)
+    return [_array(name, elements) for name, elements in groups.items()]
 
 
-def _array(elements: Sequence[Variable]) -> Array:
-    record, field = elements[0].place[0], elements[0].field
+def _array(name: str, elements: Sequence[Variable]) -> Array:
     indices = [variable.index for variable in elements]
     shape = tuple(1 + max(index[axis] for index in indices) for axis in range(len(indices[0])))
-    name = f"impact.{field}" if record == "latest" else ARRAY_NAMES[field]
     text = f"{elements[0].name} to {elements[-1].name}" if len(elements) > 1 else elements[0].name
     return Array(replace(elements[0], name=name, description=f"array of {text}", held=False), shape)

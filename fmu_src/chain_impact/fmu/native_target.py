@@ -12,7 +12,7 @@ from chain_impact.fmu.model_description import TOKEN, array_variables, model_des
 from chain_impact.fmu.table import guid_of, model_table, packed
 from chain_impact.system import PLATFORMS
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import word_index
+from chain_impact.variables.places import word_index
 from chain_impact.variables.variable import LARGEST
 
 TABLE = "resources/model.bin"

@@ -24,8 +24,8 @@ from chain_impact.scene.scene import Scene
 from chain_impact.simulation.chain import Chain
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError
+from chain_impact.variables.kind import MOTION
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import MOTION
 
 FILE = "resources/chain_impact_reference.csv"
 EXACT = 1e-12  # tolerance of the reference
@@ -170,14 +170,14 @@ def _inputs(model: Model, times: np.ndarray) -> dict[str, np.ndarray]:
     nominal, count = nominal_values(model.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count
     rate = turn[1] / times[1]
-    torque = SWING * nominal["kinetic"] / model.sizes[0]  # of M L²/s², shared by the links
-    size = {"joint": torque, "tip": torque / nominal["point_position"]}
+    torque = SWING * nominal["energy"] / model.sizes[0]  # of M L²/s², shared by the links
+    size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
     for i, one in enumerate(model.inputs):
         if one.place[0] == MOTION:
             _, field, channel = one.place
             k, start = 1 + int(channel), float(model.start[0][MOTION]["position"][channel])
-            move = MOVED * nominal["point_position"]
+            move = MOVED * nominal["size"]
             signals[one.name] = {
                 "position": start + move * (1.0 - np.cos(k * turn)),
                 "velocity": move * k * rate * np.sin(k * turn),

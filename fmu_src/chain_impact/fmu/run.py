@@ -27,7 +27,7 @@ from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_cho
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
 from chain_impact.system import PLATFORMS
-from chain_impact.variables.table import UNLESS_SET
+from chain_impact.variables.variable import UNLESS_SET
 
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
 """What can be set of an FMU besides its parameters, for this run only."""

@@ -12,8 +12,9 @@ from typing import Any
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import places as places_of
 from chain_impact.scene.names import Place
+from chain_impact.variables.kind import MOTION
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import MOTION, word_index
+from chain_impact.variables.places import word_index
 
 # as in compilation/c_interface/common/instance.h
 HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s15q"), 24

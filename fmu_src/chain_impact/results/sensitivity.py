@@ -12,8 +12,8 @@ from chain_impact.results.equality import same
 from chain_impact.results.text import Table, as_html, plural
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import UnknownNameError
+from chain_impact.variables.listing import derivatives
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import derivatives
 from chain_impact.variables.variable import Variable
 
 PART = 0.01

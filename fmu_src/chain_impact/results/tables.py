@@ -18,7 +18,6 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import AXES
 from chain_impact.system import written_whole
 from chain_impact.variables.model import Model
-from chain_impact.variables.outputs import LABELS, OWNERS
 
 IMPACT_UNITS = {
     "onset": "s",
@@ -42,7 +41,8 @@ STOP_UNITS = {
 """What is in another unit, of an impact at a stop."""
 SUFFIXES = (".csv", ".json", ".parquet")
 """Of the list of impacts."""
-_DIMENSIONS = {field: ("point", "axis") if owner == "point" else (owner,) for field, owner in OWNERS.items()}
+_DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("contact",)}
+"""Element → the dimensions of its arrays."""
 
 
 def dataframe(model: Model, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
@@ -88,10 +88,8 @@ def dataset(model: Model, time: np.ndarray, motion: Mapping[str, np.ndarray]) ->
     for variable in model.motion:
         if variable.name not in motion:
             continue
-        # joints without a stop or dry friction have no such values
-        of_joint = variable.name.startswith("joint[")
-        dimensions = () if of_joint else _DIMENSIONS.get(variable.field, ())
-        key = LABELS[variable.field] if dimensions else variable.name
+        owner, _, label = variable.kind.array.partition(".")
+        dimensions, key = _DIMENSIONS.get(owner, ()), label or variable.name
         if key not in data:
             values = np.full((len(time), *(sizes[one] for one in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})

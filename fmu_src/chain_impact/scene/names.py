@@ -6,28 +6,32 @@ else has its dotted key: ``simulation.stop_time``, ``contact.points``. Links cou
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 Place = tuple[str | int, ...]
 """A path into nested tables and lists; lists count from 0."""
+AT = "{at}"
+"""Any index, in a path or a place that is a template; the name has {n} or, of a wall, {name} there."""
 AXES = ("x", "y")
 STOPS = ("joint_min", "joint_max")
 """The stops of a joint: keys of a link, and what they are called among the walls."""
 
 
 def name_of(path: Place, walls: Sequence[object] = ()) -> str:
-    """The name of the value at a path of the scene; ``walls`` are the names of the walls at any angle."""
+    """The name of the value at a path of the scene; ``walls`` are the names of the walls at any angle.
+
+    Of a path that is a template, it is the template of the name.
+    """
     match path:
         case "gravity", int(j):
             name = f"gravity.{AXES[j]}"
-        case "chain", "links", int(i), *rest:
+        case "chain", "links", int() | "{at}" as i, *rest:
             name = _dotted(("link", i, *rest))
-        case "walls", int(w), "point", int(j) if isinstance(walls[w], str):
-            name = f"wall.{walls[w]}.{AXES[j]}"
-        case "walls", int(w), key, *rest if isinstance(walls[w], str) and key != "name":
-            name = _dotted(("wall", str(walls[w]), key, *rest))
+        case "walls", int() | "{at}" as w, "point", int(j) if wall := _wall(w, walls):
+            name = f"wall.{wall}.{AXES[j]}"
+        case "walls", int() | "{at}" as w, key, *rest if key != "name" and (wall := _wall(w, walls)):
+            name = _dotted(("wall", wall, key, *rest))
         case "contact", "wall", str(wall), str(key):
             name = f"wall.{wall}.{key}"
         case "stops", str(key) if key != "model":
@@ -36,13 +40,19 @@ def name_of(path: Place, walls: Sequence[object] = ()) -> str:
             name = f"initial.{AXES[j]}"
         case "initial", "velocity", int(j):
             name = f"initial.v{AXES[j]}"
-        case "initial", "angles", int(i):
-            name = f"initial.angle[{i + 1}]"
-        case "initial", "angular_velocities", int(i):
-            name = f"initial.angular_velocity[{i + 1}]"
+        case "initial", "angles", int() | "{at}" as i:
+            name = _dotted(("initial", "angle", i))
+        case "initial", "angular_velocities", int() | "{at}" as i:
+            name = _dotted(("initial", "angular_velocity", i))
         case _:
             name = _dotted(path)
     return name
+
+
+def _wall(number: int | str, walls: Sequence[object]) -> str | None:
+    """The name of a wall at any angle, if there is one; of the template for any wall, the template."""
+    name = "{name}" if number == AT else walls[int(number)]
+    return name if isinstance(name, str) else None
 
 
 def place_in_file(path: Place) -> str:
@@ -54,22 +64,34 @@ def place_in_file(path: Place) -> str:
     return f"{last} in [[{_dotted(tuple(head[: tables[0]]))}]]" if tables else _dotted(path)
 
 
-_INPUT_NAMES = {
-    "joint_torques": r"joint\[\d+\]\.torque",
-    "joint_targets": r"joint\[\d+\]\.target_(angle|velocity)",
-    "tip_force": r"tip\.force\.[xy]",
-    "base_motion": r"base\.[va]?[xy]",
-    "wall_motion": r"wall\.\w+\.(displacement|velocity|acceleration|belt_speed)",
+INPUTS_OF = {
+    "joint_torques": ("joint[{n}].torque",),
+    "joint_targets": ("joint[{n}].target_angle", "joint[{n}].target_velocity"),
+    "tip_force": ("tip.force.x", "tip.force.y"),
+    "base_motion": tuple(f"base.{prefix}{axis}" for prefix in ("", "v", "a") for axis in AXES),
+    "wall_motion": tuple(
+        f"wall.{{name}}.{key}" for key in ("displacement", "velocity", "acceleration", "belt_speed")
+    ),
 }
-"""Key of `[inputs]` → the names of the inputs that it makes."""
+"""Key of `[inputs]` → the names of the inputs that it makes, {n} for a number and {name} for a wall."""
+
+
+def is_like(name: str, template: str) -> bool:
+    """Whether a name is one that a template stands for, with any number for {n} and any word for {name}."""
+    steps, forms = name.split("."), template.split(".")
+    return len(steps) == len(forms) and all(map(_fits, steps, forms))
+
+
+def _fits(step: str, form: str) -> bool:
+    head, bracket, number = step.partition("[")
+    if form.endswith("[{n}]"):
+        return f"{head}[{{n}}]" == form and number[:-1].isdecimal() and number[-1] == "]"
+    return step == form or (form == "{name}" and not bracket)
 
 
 def input_key(name: str) -> str | None:
     """The key of `[inputs]` that makes the input of a name; None if it is not the name of one."""
-    for key, names in _INPUT_NAMES.items():
-        if re.fullmatch(names, name):
-            return key
-    return None
+    return next((key for key, names in INPUTS_OF.items() if any(is_like(name, one) for one in names)), None)
 
 
 def input_asked(name: str) -> str | None:
@@ -98,19 +120,9 @@ def parameter_hint(name: str, links: int) -> str | None:
         return f'it is an input: give it over time in Python, simulate(scene, inputs={{"{name}": 1.0}})'
     if name.startswith(JOINT_ANGLES):
         return "set initial.angle[1] and so on: each is the sum of the joint angles up to it"
-    link = re.match(r"link\[(\d+)\]\.", name)
-    return f"links count from 1 to {links}" if link and not 1 <= int(link[1]) <= links else None
-
-
-def absent_hint(name: str) -> str | None:
-    """What to do about the name of a parameter that only the FMU of a scene with such a part has."""
-    if re.fullmatch(r"(contact|wall\.\w+)\.(static_)?friction|link\[\d+\]\.joint_friction", name):
-        return "it is a parameter where the scene has dry friction: give it a value there first"
-    if re.fullmatch(r"link\[\d+\]\.joint_(armature|torque_limit)", name):
-        return "it is a parameter where the scene has one: give it a value there first"
-    if re.fullmatch(r"link\[\d+\]\.joint_rest_angle", name):
-        return "with inputs.joint_targets the target angle takes its place, whose start value it is"
-    return None
+    owner, _, key = name.partition(".")
+    absent = key and _fits(owner, "link[{n}]") and not 1 <= int(owner[5:-1]) <= links
+    return f"links count from 1 to {links}" if absent else None
 
 
 def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | None:
@@ -119,5 +131,7 @@ def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | Non
 
 
 def _dotted(path: Place) -> str:
-    steps = (f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path)
+    steps = (
+        "[{n}]" if step == AT else f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path
+    )
     return "".join(steps).removeprefix(".")

@@ -20,12 +20,13 @@ from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.results.text import plural
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.checks import warn
-from chain_impact.scene.names import absent_hint, input_asked, input_key
+from chain_impact.scene.names import input_asked, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.instance import Instance, SimulationError, fault_text, in_order, spans_of
+from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import word_index
+from chain_impact.variables.places import word_index
 from chain_impact.variables.variable import Variable
 
 # magic, CRC-32 of what follows it, the scene's digest, whether it has started, contacts, changes

@@ -27,8 +27,9 @@ from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Drive, drive
 from chain_impact.simulation.instance import Instance, SimulationError, WordRows, in_order
 from chain_impact.simulation.reasons import REASONS, REASONS_AT_STOPS, REASONS_OF_FRICTION
+from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import BEHIND, WORD, first_word, word_index
+from chain_impact.variables.places import WORD, first_word, word_index
 from chain_impact.variables.variable import Variable
 
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))

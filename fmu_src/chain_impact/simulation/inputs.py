@@ -25,8 +25,8 @@ from chain_impact.simulation.motions import (
     refuse_jumps,
 )
 from chain_impact.simulation.pieces import RESOLVED, Follower, NotSmoothError, Pieces, joined_points
+from chain_impact.variables.kind import MOTION, MOTIONS
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import MOTION, MOTIONS
 
 Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""

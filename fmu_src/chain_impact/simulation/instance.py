@@ -20,8 +20,10 @@ from chain_impact.results.stick_slip import CHANGE_DTYPE
 from chain_impact.scene.candidates import places
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import Drive
+from chain_impact.variables.kind import MOTION
+from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.model import Model, kernel_size, model_of
-from chain_impact.variables.table import BEHIND, MOTION, WORD, first_word
+from chain_impact.variables.places import WORD, first_word
 from chain_impact.variables.variable import Variable
 
 # words at the start of a record: numbers of links, candidates, elements, loads, channels, tangents

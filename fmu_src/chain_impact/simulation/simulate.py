@@ -31,7 +31,7 @@ from chain_impact.simulation.instance import (
     structured,
 )
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import WORD
+from chain_impact.variables.places import WORD
 
 MOST_BYTES = 2_000_000_000
 """Most bytes that the outputs of a simulation may take: more is refused before anything is computed."""

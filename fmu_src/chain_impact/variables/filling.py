@@ -6,9 +6,10 @@ The record of a scene is kept: of another one that differs from it in numbers of
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache, lru_cache
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -18,17 +19,15 @@ from chain_impact.kernel.forces.contact_law import USER_LAW
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
-from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
-from chain_impact.scene.names import Place
+from chain_impact.scene.limits import keys
+from chain_impact.scene.names import AT, Place
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.places import layout_of
-from chain_impact.variables.table import BEHIND, GIVEN_OF_JOINTS, WORD
+from chain_impact.variables.kind import Kind, filled
+from chain_impact.variables.listing import BEHIND
+from chain_impact.variables.parameters import METHODS, PARAMETERS
+from chain_impact.variables.places import WORD, layout_of, word_index
 
-LINK_PARAMETERS = (
-    *("length", "mass", "center_of_mass", "inertia"),
-    *("joint_friction", "joint_armature"),
-)
 Sizes = tuple[int, int, int, int, int]
 
 
@@ -43,6 +42,17 @@ class _Kept:
 _kept: dict[Sizes, _Kept] = {}
 """The last scene of each size, with its record."""
 MOST_KEPT = 16
+_GIVEN_IF = {kind.given_if for _, kinds in PARAMETERS for kind in kinds if kind.given_if}
+"""Conditions for given values."""
+_NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
+"""Tables of the scene whose numbers can be written anew alone."""
+_DECISIVE = [
+    str(kind.path[-1])
+    for of, kinds in PARAMETERS
+    for kind in kinds
+    if of == "link" and kind.path and kind.path[0] == "chain" and (kind.hint or kind.if_missing)
+]
+"""Keys of a link on whose values the variables depend."""
 
 
 def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> np.ndarray:
@@ -60,18 +70,21 @@ def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> 
         # a view would compare the types first, which takes longer than all else here
         block = np.ndarray(1, layout, words)
         _fill(block[0], scene, pairs)
+        for table in _tables():
+            _write(table, words, scene, sizes)
         if len(_kept) >= MOST_KEPT:
             _kept.clear()
         _kept[sizes] = _Kept(scene, words.copy())
     else:
-        block = np.ndarray(1, layout, before.words.copy())
-        for write in changes:
-            write(block[0], scene)
+        words = before.words.copy()
+        block = np.ndarray(1, layout, words)
+        for table in changes:
+            _write(table, words, scene, sizes)
     return block
 
 
-def changed_numbers(before: Scene, scene: Scene) -> list[Callable[[Any, Scene], None]] | None:
-    """What writes the tables anew by which two scenes differ; None if all of the record has to be written.
+def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
+    """The tables in whose numbers two scenes differ; None if all of the record has to be written.
 
     That is where scenes differ in more than numbers, or in numbers on which the layout of the record or the
     variables depend. A table that is the same object in both has not changed.
@@ -83,7 +96,7 @@ def changed_numbers(before: Scene, scene: Scene) -> list[Callable[[Any, Scene], 
         return None
     if before.chain is not scene.chain and _kind_of_chain(before) != _kind_of_chain(scene):
         return None
-    return [write for name, write in _WRITERS.items() if getattr(before, name) is not getattr(scene, name)]
+    return [name for name in _NUMBERS if getattr(before, name) is not getattr(scene, name)]
 
 
 def _kind_of_contact(scene: Scene) -> tuple[Any, ...]:
@@ -94,9 +107,7 @@ def _kind_of_contact(scene: Scene) -> tuple[Any, ...]:
 
 def _kind_of_chain(scene: Scene) -> tuple[Any, ...]:
     """Values on which the layout of the record or the variables depend."""
-    links = scene.chain.links
-    names = ("joint_friction", "joint_armature", "joint_torque_limit", "joint_min", "joint_max")
-    return scene.chain.base, [[getattr(link, name) for name in names] for link in links]
+    return scene.chain.base, [[getattr(link, name) for name in _DECISIVE] for link in scene.chain.links]
 
 
 def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
@@ -106,9 +117,6 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     d["channels"] = len(d["motion"]["position"])
     d["step"]["regularized"] = NO_CONTACT
     model = d["model"]
-    model["joint_min"], model["joint_max"] = -math.inf, math.inf
-    for w, name in enumerate(WALLS):  # the position of a wall that is not there is never read
-        model["wall"][w] = getattr(scene.box, name) or 0.0
     if pairs:
         d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
     model["pinned"] = scene.chain.base == "pinned"
@@ -119,66 +127,79 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     asked = scene.outputs
     rubbed = scene.has_friction and asked.energies
     d["quadrature"]["wanted"] = asked.contacts or asked.impacts > 0 or asked.loads or rubbed
-    _fill_walls(d, scene)
-    if scene.stops.exponent is not None:
-        _fill_stops(d, scene)
-    _fill_given_stops(d, scene)
-    for write in _WRITERS.values():
-        write(d, scene)
+    stops = scene.chain.stops
+    if stops:
+        d["candidate"]["stop"][-len(stops) :] = [1 if stop == "joint_min" else -1 for _, stop in stops]
+        d["stops"]["law"] = _law_number(scene.stops.model) if scene.stops.model else 0
+    _fill_materials(d, scene)
 
 
-def _write_gravity(d: Any, scene: Scene) -> None:
-    d["model"]["gravity"] = scene.gravity
+@cache
+def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
+    """Table of the scene → the kinds of parameters in it, and what gets the values of each for the record."""
+    found: dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]] = {}
+    for of, kinds in PARAMETERS:
+        for kind in kinds:
+            if kind.path and of != "material":
+                found.setdefault(str(kind.path[0]), []).append((kind, _reader(kind, kind.path)))
+    return found
 
 
-def _write_links(d: Any, scene: Scene) -> None:
-    """Put the numbers of the links in their places, and what is given of those that may be derived."""
-    model, links, derived = d["model"], scene.chain.links, scene.derived_places
-    for name in LINK_PARAMETERS:
-        model[name] = [getattr(link, name) for link in links]
-    for name, place in GIVEN_OF_JOINTS.items():
-        d["given"][place] = [getattr(link, name) for link in links]
-    limits = [link.joint_torque_limit for link in links]
-    model["joint_torque_limit"] = [math.inf if limit is None else limit for limit in limits]
-    for name in ("center_of_mass", "inertia"):
-        model[f"given_{name}"] = [
-            DERIVED if ("chain", "links", i, name) in derived else getattr(link, name)
-            for i, link in enumerate(links)
-        ]
+def _reader(kind: Kind, path: Place) -> Callable[[Scene], list[Any]]:
+    """Return what gets the values at a path, and behind them those for the place ``given``."""
+    split = path.index(AT) if AT in path else len(path)
+    whole, part, given_if = _getter(path[:split]), _getter(path[split + 1 :]), attrgetter(kind.given_if)
+
+    def read(scene: Scene) -> list[Any]:
+        found = whole(scene) if AT in path else (whole(scene),)
+        values = [kind.if_missing if (one := part(value)) is None else one for value in found]
+        if kind.choices:
+            values = [_choice(kind, name) for name in found]
+        if not kind.given or (kind.given_if and not given_if(scene)):
+            return values
+        if not (kind.derived and scene.derived_places):
+            return values + values
+        derived = frozenset(scene.derived_places)
+        paths = [(*path[:split], i, *path[split + 1 :]) for i in range(len(values))] if AT in path else [path]
+        return values + [DERIVED if at in derived else one for at, one in zip(paths, values, strict=True)]
+
+    return read
 
 
-def _write_contact(d: Any, scene: Scene) -> None:
-    for name in ("exponent", "radius", "minimum_impact_speed"):
-        d["contact"][name] = getattr(scene.contact, name)
-    given = d["given"]
-    given["law"] = _law_number(scene.contact.model)
-    for name in ("stiffness", "restitution", "friction", "static_friction"):
-        given[name] = getattr(scene.contact, name)
+def _getter(path: Place) -> Callable[[Any], Any]:
+    """Return what gets the value at a path, of names and, at its end, an index."""
+    names, indices = (tuple(step for step in path if isinstance(step, kind)) for kind in (str, int))
+    named = attrgetter(".".join(map(str, names))) if names else _itself
+    return (lambda whole: named(whole)[indices[0]]) if indices else named
 
 
-def _write_initial(d: Any, scene: Scene) -> None:
-    initial = d["initial"]
-    initial["position"], initial["velocity"] = scene.initial.position, scene.initial.velocity
-    initial["angle"] = scene.initial.angles
-    if scene.inputs.base_motion:
-        d["motion"]["position"][:2] = scene.initial.position
-    initial["angular_velocity"] = scene.initial.angular_velocities
+def _itself(value: Any) -> Any:
+    return value
 
 
-def _write_solver(d: Any, scene: Scene) -> None:
-    d["solver"]["method"] = SOLVER_METHODS.index(scene.solver.method) + 1
-    for name in ("tolerance", "work_limit"):
-        d["solver"][name] = getattr(scene.solver, name)
+def _choice(kind: Kind, name: str) -> float:
+    """The number of a choice, counted from 1, as a real number of the same bits."""
+    number = SOLVER_METHODS.index(name) + 1 if kind.choices == METHODS else _law_number(name)
+    return float(np.int64(number).view(np.float64))
 
 
-_WRITERS: dict[str, Callable[[Any, Scene], None]] = {
-    "gravity": _write_gravity,
-    "chain": _write_links,
-    "contact": _write_contact,
-    "initial": _write_initial,
-    "solver": _write_solver,
-}
-"""Table of the scene → what writes its numbers."""
+def _write(table: str, words: np.ndarray, scene: Scene, sizes: Sizes) -> None:
+    """Write the numbers of a table of the scene to the words of its record."""
+    lines = len(scene.walls) if scene.contact.points else 0  # there is room where points may touch them
+    met = tuple(name for name in _GIVEN_IF if attrgetter(name)(scene))
+    read = (get for kind, get in _tables()[table] if lines or kind.of != "line")
+    words[_words_of(table, sizes, lines, met)] = [number for get in read for number in get(scene)]
+
+
+@lru_cache(MOST_KEPT * len(keys(Scene)))
+def _words_of(table: str, sizes: Sizes, lines: int, met: tuple[str, ...]) -> np.ndarray:
+    """The words for the numbers of a table, in the order in which they are read; ``met`` are conditions."""
+    counts, layout, found = {"one": 1, "link": sizes[0], "line": lines}, layout_of(*sizes), []
+    for kind, _ in _tables()[table]:
+        given = kind.given if not kind.given_if or kind.given_if in met else None
+        for place in filter(None, (kind.place, given)):
+            found += [word_index(layout, filled(place, {"at": i})) for i in range(counts[kind.of])]
+    return np.array(found, int)
 
 
 def _fill_motion(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
@@ -190,40 +211,15 @@ def _fill_motion(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None
     d["shift"]["channel"] = [moving.get(wall, -1) for _, wall in pairs]
 
 
-def _fill_walls(d: Any, scene: Scene) -> None:
-    """Put the walls at any angle, and the materials of all walls, in their places."""
-    for name in ("restitution", "friction", "static_friction"):
-        d["walls"][name] = -1.0  # that of `contact`
-    if not scene.contact.points:  # the record has room for walls only where points may touch them
-        return
-    for w, wall in enumerate(scene.walls):
-        for name, value in (("x", wall.point[0]), ("y", wall.point[1]), ("angle", wall.angle)):
-            d["walls"][name][w] = value
-    for w, wall_name in enumerate(scene.wall_names):
-        material = scene.contact.wall.get(wall_name)
-        for name in ("stiffness", "restitution", "friction", "static_friction"):
-            if material and (value := getattr(material, name)) is not None:
-                d["walls"][name][w] = value
-
-
-def _fill_stops(d: Any, scene: Scene) -> None:
-    """Put the stops in joints in their places."""
-    stops, found = scene.stops, scene.chain.stops
-    for joint, ends in scene.chain.joint_ranges.items():
-        d["model"]["joint_min"][joint - 1], d["model"]["joint_max"][joint - 1] = ends
-    d["candidate"]["stop"][-len(found) :] = [1 if stop == "joint_min" else -1 for _, stop in found]
-    d["stops"]["law"] = _law_number(stops.model) if stops.model else 0
-    for name in ("exponent", "restitution", "minimum_impact_speed"):
-        d["stops"][name] = getattr(stops, name)
-    d["given"]["stop_stiffness"] = stops.stiffness
-
-
-def _fill_given_stops(d: Any, scene: Scene) -> None:
-    """Put what is given of the stops that may be derived in its place; see kernel/chain/inertia.py."""
-    derived = scene.derived_places
-    places = {"exponent": ("stops", "given_exponent"), "restitution": ("given", "stop_restitution")}
-    for name, (part, field) in places.items():
-        d[part][field] = DERIVED if ("stops", name) in derived else getattr(scene.stops, name) or 0.0
+def _fill_materials(d: Any, scene: Scene) -> None:
+    """Put what is given of the materials of single walls in its places."""
+    for kind in (kind for of, kinds in PARAMETERS if of == "material" for kind in kinds):
+        part, key, _ = map(str, kind.place)
+        d[part][key] = kind.if_missing
+        for w, wall in enumerate(scene.wall_names if scene.contact.points else ()):
+            value = getattr(scene.contact.wall.get(wall), key, None)
+            if value is not None:
+                d[part][key][w] = value
 
 
 def _law_number(name: str) -> int:

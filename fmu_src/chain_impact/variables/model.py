@@ -6,7 +6,6 @@ That is its candidates, the variables of its FMU by name, their places in the in
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
@@ -15,13 +14,21 @@ import numpy as np
 
 from chain_impact.compilation.compilers import MOVING
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.names import Place, absent_hint, input_asked, parameter_hint
+from chain_impact.scene.names import Place, input_asked, parameter_hint
 from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.filling import changed_numbers, new_record, with_tangents
-from chain_impact.variables.outputs import all_outputs, shape_of
-from chain_impact.variables.places import OutputPlaces, layout_of, output_places, places_of
-from chain_impact.variables.table import WORD, derivatives, first_word, inputs, parameters, word_index
+from chain_impact.variables.listing import absent_hint, all_outputs, derivatives, inputs, parameters
+from chain_impact.variables.places import (
+    WORD,
+    OutputPlaces,
+    first_word,
+    layout_of,
+    output_places,
+    places_of,
+    word_index,
+)
+from chain_impact.variables.shape import shape_of
 from chain_impact.variables.variable import Variable, variable_row
 
 SAME = (
@@ -131,9 +138,7 @@ class Model:
     @cached_property
     def differentiable(self) -> dict[str, Variable]:
         """The parameters and inputs with respect to which there are derivatives, by their names."""
-        left_out = ("minimum_impact_speed", "contact.model")
-        variables = (*self.parameters, *self.inputs)
-        return {v.name: v for v in variables if not v.name.startswith("solver") | v.name.endswith(left_out)}
+        return {one.name: one for one in (*self.parameters, *self.inputs) if one.kind.smooth}
 
     @cached_property
     def start(self) -> np.ndarray:
@@ -273,6 +278,6 @@ def model_of(source: Scene | Model) -> Model:
 
 def elsewhere(name: str) -> str | None:
     """Where to find what the FMU tells in outputs, but a result does not tell over time."""
-    if re.match(r"(impact|solver)\b", name):
+    if name.startswith(("impact.", "impact[", "solver.")):
         return "impacts are in result.impacts, counts of the solver in result.statistics"
     return None

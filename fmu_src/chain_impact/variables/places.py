@@ -1,4 +1,4 @@
-"""Where in the record of an instance the outputs are, for all scenes of a shape."""
+"""Where in the record of an instance a value is, and where the outputs of all scenes of a shape are."""
 
 from __future__ import annotations
 
@@ -8,10 +8,36 @@ from typing import NamedTuple
 import numpy as np
 
 from chain_impact.kernel.record.instance import instance_dtype
-from chain_impact.variables.outputs import SHAPES, Shape, outputs_of
-from chain_impact.variables.table import word_index
+from chain_impact.scene.names import Place
+from chain_impact.variables.listing import SHAPES, outputs_of
+from chain_impact.variables.shape import Shape
 
+WORD = 8  # bytes of every scalar in the record
 layout_of = cache(instance_dtype)  # which takes as long as all else of a new instance
+
+
+def word_index(dtype: np.dtype, place: Place) -> int:
+    """The index of a scalar of a record, counted in 8-byte words from the record's start."""
+    offset = 0
+    for step in place:
+        if isinstance(step, str):
+            dtype, start = dtype[step], dtype.fields[step][1]  # type: ignore[index]
+        else:
+            item, (length, *rest) = dtype.base, dtype.shape
+            if not 0 <= step < length:
+                raise IndexError(f"{place}: {step} is not below {length}")
+            dtype = np.dtype((item, tuple(rest)))
+            start = step * dtype.itemsize
+        offset += start
+    if dtype.fields or dtype.itemsize != WORD:
+        raise KeyError(f"{place} is not a scalar")
+    return offset // WORD
+
+
+def first_word(dtype: np.dtype, part: str) -> int:
+    """The index of the first word of a part of a record."""
+    offset: int = dtype.fields[part][1]  # type: ignore[index]
+    return offset // WORD
 
 
 class OutputPlaces(NamedTuple):

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import math
 import sys
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from chain_impact.scene.limits import Derived, allowed
 from chain_impact.scene.names import Place
+from chain_impact.variables.kind import Kind, filled
 
 LARGEST = sys.float_info.max
-OBSERVED = ("output", "latest")
-"""Records that the kernel fills when an output is read: their real numbers may change all the time."""
+OBSERVED = ("output",), ("latest",)
+"""Parts of the record that the kernel fills when an output is read: their reals may change all the time."""
+
+UNLESS_SET = "; unless set: "
+"""In the description of a parameter that the scene derives: the rule stands behind it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,27 +33,26 @@ class Variable:
     """One variable of the FMU.
 
     Attributes:
+        kind: the row of the table that it is of.
         name: structured name, as in FMI 2.0, section 2.2.9.
-        type: ``real``, ``integer`` or ``enumeration``.
-        causality: ``parameter``, ``input`` or ``output``.
         variability: ``fixed``, ``tunable``, ``discrete`` or ``continuous``.
         unit: name of the unit, a key of ``UNITS``; "" unless real.
         description: one line.
         place: path into the instance record, ``("model", "length", 2)`` for one.
-        given_place: likewise, of what is given of a parameter that may be derived, where ``place`` has the
+        given_place: likewise, of the given value of a parameter that may be derived, where ``place`` has the
             value in use (kernel/chain/inertia.py); None for all others.
         rule: how the scene derives it, None if it is given.
         scene_path: path of a parameter into the scene file, for ``scene.with_values``; None for all others.
         minimum: value >= minimum, if any.
-        above: value > above, if any.
         maximum: value <= maximum, if any.
         items: choices of an enumeration.
         held: whether it is of a point that the base holds, which nothing moves.
+        owner: the terminal that it is a member of in FMI 3.0, "" for none.
+        known: words of its scene, for the description of its kind.
     """
 
+    kind: Kind
     name: str
-    type: str
-    causality: str
     variability: str
     unit: str
     description: str
@@ -57,10 +61,51 @@ class Variable:
     rule: Derived | None = None
     scene_path: Place | None = None
     minimum: float | None = None
-    above: float | None = None
     maximum: float | None = None
     items: tuple[Item, ...] = ()
     held: bool = False
+    owner: str = ""
+    known: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
+
+    @classmethod
+    def of(cls, kind: Kind, element: Mapping[str, Any], known: Mapping[Any, Any], **other: Any) -> Variable:
+        """Return the variable of a kind for an element; ``known`` has the words for templates and limits."""
+        changing = kind.place[:1] in OBSERVED and kind.unit
+        text, rule = kind.description.format_map(known), other.get("rule")
+        return cls(
+            kind=kind,
+            name=kind.name.format_map(known),
+            unit=kind.unit,
+            description=f"{text}{UNLESS_SET}{rule.text}" if rule else text,
+            place=filled(kind.place, element),
+            minimum=known.get(kind.minimum, kind.minimum),
+            maximum=known.get(kind.maximum, kind.maximum),
+            held=element.get("held", False),
+            owner=kind.owner and kind.owner.format_map(known),
+            known=known,
+            **{"variability": "continuous" if changing else "discrete"} | other,
+        )
+
+    @property
+    def type(self) -> str:
+        """``real``, ``integer`` or ``enumeration``."""
+        return "enumeration" if self.items else "real" if self.unit else "integer"
+
+    @property
+    def causality(self) -> str:
+        """``parameter``, ``input`` or ``output``."""
+        return self.kind.causality
+
+    @property
+    def above(self) -> float | None:
+        """Value > above, if any."""
+        return self.kind.above
+
+    @property
+    def of_its_kind(self) -> str:
+        """The description of all variables of its kind in its scene."""
+        text = self.kind.in_general(self.known)
+        return f"{text}{UNLESS_SET}{self.rule.text}" if self.rule else text
 
     @property
     def initial(self) -> str | None:
@@ -74,11 +119,7 @@ class Variable:
         True of accelerations, but of what is held, and of forces and their peaks: those of rigid walls hold
         against a torque, and so does what sticks by dry friction. True also of the derivatives of all these.
         """
-        at_once = (
-            *("acceleration", "force", "joint_moment", "sticking"),
-            *("load.x", "load.y", "load.moment"),
-        )
-        return not self.held and self.field.removesuffix(".slope").endswith(at_once)
+        return self.kind.at_once and not self.held
 
     @property
     def field(self) -> str:

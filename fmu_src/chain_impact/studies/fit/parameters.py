@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.scene.angles import in_radians
-from chain_impact.scene.names import absent_hint, nearest
+from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, UnknownNameError, shown
 from chain_impact.scene.scene import Scene
+from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 

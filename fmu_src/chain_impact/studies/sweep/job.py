@@ -19,8 +19,9 @@ from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import kernel_for
 from chain_impact.studies.sweep.variation import Variation
+from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.model import Model, model_of
-from chain_impact.variables.table import BEHIND, word_index
+from chain_impact.variables.places import word_index
 from chain_impact.variables.variable import Variable
 
 PEAKS: dict[str, Place] = {"peak_force": ("peaks", "force"), "max_penetration": ("peaks", "penetration")}

@@ -9,23 +9,16 @@ import numpy as np
 
 from chain_impact.scene.angles import in_radians, or_degrees, radians_hint
 from chain_impact.scene.checks import warn
-from chain_impact.scene.names import absent_hint, parameter_hint
+from chain_impact.scene.names import parameter_hint
 from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
 from chain_impact.scene.scene import Scene
+from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.model import Model, model_of
+from chain_impact.variables.parameters import EXPERIMENT
 from chain_impact.variables.variable import Variable
 
 Values = str | float | Sequence[float | str] | np.ndarray
-STOP_TIME = Variable(
-    name="simulation.stop_time",
-    type="real",
-    causality="parameter",
-    variability="fixed",
-    unit="s",
-    description="end of the simulation",
-    place=(),  # not in the record: the end is given with each run
-    above=0.0,
-)
+STOP_TIME = Variable.of(EXPERIMENT[0], {}, {}, variability="fixed")
 LOG = "log"
 MOST_VALUES = 10**7  # of a range
 FORMS = (

@@ -5,10 +5,6 @@ import { movablePoints, stopsOf, wallsOf } from "./scene_file.js";
 import { STOPS, wallsAt } from "./view.js";
 
 const BYTES = 8; // of a word
-const ASKED = {
-  point: "points", link: "links", contact: "contacts", moved: "contacts", stop: "contacts", rubbing: "contacts",
-  energy: "energies", "joint load": "loads", "wall load": "loads", solver: "solver",
-}; // outputs of what → the key of the scene that asks for them
 
 /** Numbers of some length, from 0. */
 const range = (length) => Array.from({ length }, (_, k) => k);
@@ -41,6 +37,19 @@ function partsOf(file, { boxWalls }) {
   const moving = wallNames.filter((name) => there.includes(name) && inputs.wall_motion.some((one) => one === "*" || one === name));
   const candidates = [...pairs, ...stops.map(([joint, stop]) => [joint, wallNames.indexOf(stop)])];
   const hasFriction = rubs || rubbing.length > 0;
+  const isDriven = anyInput(inputs) || links.some((link) => link.joint_torque_limit !== undefined);
+  const facts = {
+    ...flags(inputs, "inputs"),
+    ...flags(outputs, "outputs"),
+    always: true,
+    free: base === "free",
+    contacts: pairs.length > 0,
+    stops: stops.length > 0,
+    law: pairs.length > 0 || (stops.length > 0 && !file.stops.model),
+    contact_friction: rubs,
+    friction: hasFriction,
+    driven: isDriven,
+  }; // as in `shape.py`
   const sizes = [
     count,
     candidates.length,
@@ -48,36 +57,35 @@ function partsOf(file, { boxWalls }) {
     outputs.loads ? count + wallNames.length : 0,
     2 * inputs.base_motion + 2 * moving.length,
   ];
-  return { file, points, stops, there, wallNames, pairs, candidates, rubs, rubbing, hasFriction, moving, joints, sizes };
+  return { file, points, stops, there, wallNames, pairs, candidates, rubbing, hasFriction, moving, joints, facts, sizes };
 }
 
-/** What there are of each kind: the number that is shown, the name of a wall, and the index in the record. */
+/** The values of a table under their dotted keys. */
+function flags(table, name) {
+  return Object.fromEntries(Object.entries(table).map(([key, value]) => [`${name}.${key}`, value]));
+}
+
+/** What there are of each kind, as in `shape.py`: a number, the name of a wall, the index in the record, and facts. */
 function elementsOf({ file, points, stops, there, wallNames, pairs, candidates, rubbing, moving, joints, sizes: [links] }) {
-  const ofLinks = range(links).map((at) => ({ n: at + 1, at }));
   const ofJoints = (wanted) => wanted.map((n) => ({ n, at: n - 1 }));
   const { inputs, outputs } = file;
-  const touched = wallNames.flatMap((name, number) => (pairs.some(([, wall]) => wall === number) ? [{ name, at: links + number }] : []));
   return {
     one: [{}],
-    energy: [{}],
-    solver: [{}],
-    link: ofLinks,
-    angle: ofLinks,
-    rate: ofLinks,
+    link: range(links).map((at) => {
+      const follows = inputs.joint_targets && joints.includes(at + 1);
+      return { n: at + 1, at, follows, rests: !follows, rubs: rubbing.includes(at + 1) };
+    }),
     point: range(links + 1).map((n) => ({ n, at: n })),
     joint: ofJoints(joints),
-    "joint load": ofJoints(joints),
-    rubbing: ofJoints(rubbing),
-    torque: inputs.joint_torques ? ofJoints(joints) : [],
-    target: inputs.joint_targets ? ofJoints(joints) : [],
-    wall: file.walls.map(({ name }, at) => ({ name, at })),
+    "rubbing joint": ofJoints(rubbing),
+    line: file.walls.map(({ name }, at) => ({ name, at })),
     material: points.length ? there.map((name) => ({ name, at: wallNames.indexOf(name) })) : [],
     contact: pairs.map(([n, wall], at) => ({ n, name: wallNames[wall], at })),
     stop: [...new Set(stops.map(([joint]) => joint))].map((n) =>
       ({ n, at: pairs.length + candidates.slice(pairs.length).findIndex(([joint]) => joint === n) })),
-    moved: moving.map((name, k) => ({ name, at: 2 * inputs.base_motion + 2 * k })),
-    "wall load": touched,
-    latest: range(outputs.impacts).map((at) => ({ n: at + 1, at })),
+    "moving wall": moving.map((name, k) => ({ name, at: 2 * inputs.base_motion + 2 * k })),
+    "touched wall": wallNames.flatMap((name, number) => (pairs.some(([, wall]) => wall === number) ? [{ name, at: links + number }] : [])),
+    impact: range(outputs.impacts).map((at) => ({ n: at + 1, at })),
   };
 }
 
@@ -86,21 +94,23 @@ function filled(text, { n, name }) {
   return text.replaceAll("{n}", n).replaceAll("{name}", name).replaceAll("{before}", n > 1 ? `link ${n - 1}` : "the base");
 }
 
-/** The rows of templates, each for every element that it is of. */
-function instances(groups, elements) {
-  return groups.flatMap(({ of, rows }) =>
-    elements[of].flatMap((element) => rows.map((row) => ({ ...row, of, element, name: filled(row.name, element) }))));
+/** The rows of templates, each for every element that it is of, and whether the element has it. */
+function instances(groups, elements, facts) {
+  return groups.flatMap(({ of, rows }) => elements[of].flatMap((element) => {
+    const known = { ...facts, ...element };
+    return rows.map((row) => ({ ...row, of, element, name: filled(row.name, element), has: row.when.every((fact) => known[fact]) }));
+  }));
 }
 
 /** The values of all that may be a parameter: name → number, and whether it is derived. */
 function valuesOf(file, rows) {
   const values = new Map();
-  for (const { name, path, element, rule, items, of } of rows) {
+  for (const { name, path, element, rule, items, has } of rows) {
     const steps = path.map((step) => ({ "{at}": element.at, "{name}": element.name })[step] ?? step);
     const given = steps.reduce((table, step) => table?.[step], file);
     const number = items.length && given !== undefined ? items.findIndex(([id]) => id === given) + 1 : given;
     if (number !== undefined) values.set(name, { number, steps });
-    else if (rule && (of !== "one" || stopsOf(file).length)) {
+    else if (rule && has) {
       const factors = rule.factors.map((factor) => filled(factor, element));
       const product = factors.reduce((found, factor) => found * values.get(factor).number, 1) / rule.divisor;
       values.set(name, { number: product, steps, derived: { ...rule, factors } });
@@ -109,37 +119,14 @@ function valuesOf(file, rows) {
   return values;
 }
 
-/** Whether the FMU of the scene has a parameter. */
-function isParameter({ name, of, element, path }, number, { file, pairs, stops, rubs, rubbing, joints }) {
-  const key = path.at(-1);
-  if (of === "link") {
-    const follows = file.inputs.joint_targets && joints.includes(element.n);
-    return !((key === "joint_armature" && number === 0) || (key === "joint_friction" && !rubbing.includes(element.n)) ||
-      (key === "joint_rest_angle" && follows));
-  }
-  if (of === "wall" || of === "material") return pairs.length > 0;
-  if (name.startsWith("initial.v")) return file.chain.base === "free";
-  if (name === "contact.model") return pairs.length > 0 || (stops.length > 0 && !file.stops.model);
-  if (name.startsWith("contact.")) return pairs.length > 0 && (rubs || !key.endsWith("friction"));
-  return true;
-}
-
-/** Whether the scene asks for an output. */
-function isOutput({ name, of }, { file, rubs, hasFriction }) {
-  if (of in ASKED && !file.outputs[ASKED[of]]) return false;
-  if (of === "contact") return rubs || !/friction|sticking/.test(name);
-  const isDriven = anyInput(file.inputs) || file.chain.links.some((link) => link.joint_torque_limit !== undefined);
-  return (name !== "energy.supplied" || isDriven) && (name !== "energy.friction" || hasFriction);
-}
-
 function anyInput({ joint_torques: torques, joint_targets: targets, tip_force: tip, base_motion: base, wall_motion: walls }) {
   return torques || targets || tip || base || walls.length > 0;
 }
 
 /** The record of the scene, not initialized. */
 function recordOf(kit, parts, rows, values) {
-  const { file, sizes, candidates, pairs, stops, rubs, hasFriction, moving, wallNames, points } = parts;
-  const { inputs, outputs, initial, chain } = file;
+  const { file, sizes, candidates, pairs, stops, hasFriction, moving, wallNames, points, facts } = parts;
+  const { inputs, outputs, chain } = file;
   const bytes = new Uint8Array(placeOf(kit.size, sizes) * BYTES);
   const [reals, integers] = [new Float64Array(bytes.buffer), new BigInt64Array(bytes.buffer)];
   const write = (words, value, isReal, index = 0) => {
@@ -151,11 +138,6 @@ function recordOf(kit, parts, rows, values) {
   const each = (name, all) => all.forEach((value, index) => put(name, value, index));
   ["links", "candidates", "elements", "loads", "channels"].forEach((name, k) => put(name, sizes[k]));
   put("regularized", kit.constants.noContact);
-  range(sizes[0]).forEach((k) => {
-    put("joint_min", -Infinity, k);
-    put("joint_max", Infinity, k);
-    put("joint_torque_limit", Infinity, k);
-  });
   each("candidate_point", candidates.map(([point]) => point));
   each("candidate_wall", candidates.map(([, wall]) => wall));
   stops.forEach(([, stop], k) => put("candidate_stop", stop === STOPS[0] ? 1 : -1, pairs.length + k));
@@ -166,7 +148,6 @@ function recordOf(kit, parts, rows, values) {
   put("follows", 1);
   const first = 2 * inputs.base_motion;
   moving.forEach((_, k) => put("belt", 1, first + 2 * k + 1));
-  if (inputs.base_motion) each("moved", initial.position);
   each("channel", candidates.map(([, wall]) => (moving.includes(wallNames[wall]) ? first + 2 * moving.indexOf(wallNames[wall]) : -1)));
   put("kept", outputs.impacts);
   put("impulses", Number(outputs.contacts || outputs.impacts > 0 || outputs.loads || (hasFriction && outputs.energies)));
@@ -174,11 +155,11 @@ function recordOf(kit, parts, rows, values) {
     each(name, range(kit.boxWalls.length + sizes[1]).map(() => -1)));
   const laws = kit.laws.map(({ name }) => name);
   put("stop_law", laws.indexOf(file.stops.model) + 1);
-  for (const { name, of, word, given, type, element } of rows) {
-    const value = values.get(name);
-    if (!value || !word || (of === "wall" && !points.length)) continue;
+  for (const { name, of, word, given, givenIf, type, element, missing } of rows) {
+    const value = values.get(name) ?? (of === "link" ? { number: Number(missing) } : null);
+    if (!value || (of === "line" && !points.length)) continue;
     write(word, value.number, type === "real", element.at);
-    if (given) write(given, value.derived ? kit.constants.derived : value.number, true, element.at);
+    if (given && facts[givenIf]) write(given, value.derived ? kit.constants.derived : value.number, true, element.at);
   }
   return bytes;
 }
@@ -208,37 +189,31 @@ function drawnOf(kit, { sizes, pairs, wallNames, joints }, columns) {
   };
 }
 
-/** The inputs that keep their start values here. */
-function stillOf({ base, wall }, { file: { inputs }, moving }) {
-  return [...(inputs.base_motion ? base : []), ...moving.flatMap((name) => wall.map((one) => filled(one, { name })))];
-}
-
 /** A scene as the page works with it; `command` is what comes after `chain-impact simulate` to repeat it. */
 export function describe(kit, file, command) {
   const parts = partsOf(file, kit);
-  const { sizes, stops, wallNames, there } = parts;
+  const { sizes, stops, wallNames, there, facts } = parts;
   const elements = elementsOf(parts);
-  const rows = instances(kit.parameters, elements);
+  const all = (groups) => instances(groups, elements, facts);
+  const rows = all(kit.parameters);
   const values = valuesOf(file, rows);
   const record = recordOf(kit, parts, rows, values);
   const reals = new Float64Array(record.buffer);
-  const shown = rows.filter((row) => values.has(row.name) && isParameter(row, values.get(row.name).number, parts));
+  const shown = rows.filter(({ name, has, trivial }) => has && values.has(name) && values.get(name).number !== trivial);
   const names = new Set(shown.map(({ name }) => name));
-  const inputs = instances(kit.inputs, elements)
-    .filter(({ of }) => of !== "one" || file.inputs.tip_force)
+  const inputs = all(kit.inputs)
+    .filter(({ has }) => has)
     .map((row) => ({ ...row, number: reals[placeOf(row.word, sizes, row.element.at)] }));
-  const parameter = ({ name, element, given, word, rule, number, of, path, ...row }) => {
+  const parameter = ({ name, element, given, givenIf, word, rule, number, of, path, has, when, trivial, missing, ...row }) => {
     const { steps = null, derived, number: start = number } = values.get(name) ?? {};
     const follows = derived?.factors.every((factor) => names.has(factor)) ? derived : null;
-    // an initial position is that of a base that moves, too
-    const moves = file.inputs.base_motion && steps?.[1] === "position";
-    const place = moves ? placeOf(kit.places.moved.word, sizes, steps[2]) : word ? placeOf(given ?? word, sizes, element.at) : -1;
+    const place = word ? placeOf(given && facts[givenIf] ? given : word, sizes, element.at) : -1;
     return { ...row, name, place: steps, word: place, text: filled(row.text, element), start, derived: follows };
   };
   const times = kit.times.map((row) => ({ ...row, element: {} }));
   valuesOf(file, times).forEach((value, name) => values.set(name, value));
-  const columns = instances(kit.outputs, elements)
-    .filter((row) => isOutput(row, parts))
+  const columns = all(kit.outputs)
+    .filter(({ has }) => has)
     .map(({ name, unit, word, integer, element }) => ({ name, unit, word: placeOf(word, sizes, element.at), integer }));
   return {
     name: file.name,
@@ -255,7 +230,7 @@ export function describe(kit, file, command) {
     record,
     layout: placesOf(kit.layout, sizes),
     inputs: inputs.map(({ name }) => name),
-    still: stillOf(kit.still, parts),
+    still: all(kit.still).filter(({ has }) => has).map(({ name }) => name),
     parameters: [...shown, ...inputs, ...times].map(parameter),
     columns,
     drawn: drawnOf(kit, parts, columns),

@@ -1,0 +1,168 @@
+"""A kind of variables: those that differ in the numbers of links and points, or in walls, only.
+
+Texts and places are templates: ``{n}`` stands for the number of an element, ``{name}`` for the name of a
+wall, ``{axis}`` for an axis, other words in braces for words of a scene or an element (shape.py). In a place
+``{at}`` stands for the index of the element, ``{next}`` for the index behind it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from chain_impact.scene.limits import Derived
+from chain_impact.scene.names import AT, Place, sensitivity_name
+
+NEXT = "{next}"
+ALWAYS = "always"
+"""The condition that holds in all scenes."""
+MOTION = "motion"
+"""The part of the record with what is given of motions."""
+MOTIONS = ("position", "velocity", "acceleration")
+"""Where the record has what is given of motions."""
+
+
+class Heading(NamedTuple):
+    """The words that a description begins with, and those for all of a kind."""
+
+    text: str = ""
+    general: str = ""
+
+
+NO_HEADING = Heading()
+LINK, JOINT = Heading("link {n}", "link i"), Heading("joint {n}", "joint i")
+POINT, CONTACT = Heading("point {n}", "point k"), Heading("point {n} at {name}", "point k at a wall")
+LINE, WALL = Heading("wall {name}", "wall at any angle"), Heading("at wall {name}", "at one wall")
+IMPACT = Heading("latest impact{but}", "impact i, 1 the latest")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kind:
+    """One row of the table of variables.
+
+    Attributes:
+        name: of the variables, a template.
+        owner: what the name begins with, if the variables of this owner make a terminal in FMI 3.0.
+        of: the element that there is one for: a key of ``shape.ELEMENTS``, "one" for no element.
+        heading: see ``Heading``.
+        text: the rest of the description, a template.
+        axis: x or y, of one component of a vector.
+        unit: name of the unit, "" unless real.
+        causality: ``parameter``, ``input`` or ``output``.
+        place: path into the instance record, a template.
+        when: conditions, all of which a scene or an element must meet to have the variable.
+        minimum: value >= minimum; a name stands for a number of the scene.
+        above: value > above.
+        maximum: value <= maximum; a name stands for a number of the scene.
+        path: of a parameter, its path in the scene file, a template.
+        given: the place of the given value of a parameter that may be derived, a template.
+        given_if: condition for the place ``given``; without one it is always there.
+        derived: how the scene may derive the value.
+        tunable: condition under which a parameter can be set at any time.
+        trivial: value with which a scene does not have the parameter.
+        if_missing: number in the record of a scene that has no value.
+        choices: of an enumeration, the name of its list of choices.
+        smooth: whether there are derivatives with respect to it.
+        hint: how a scene comes to have the parameter.
+        at_once: whether an input acts on the output without passing through a state.
+        nominal: the magnitude of the output, a key of ``nominal_values``; "" for none.
+        rate_of: field of the output record that the output is the derivative of.
+        array: name of the array of all of the kind, in FMI 3.0 and in datasets; "" for none.
+    """
+
+    name: str
+    text: str
+    place: Place
+    owner: str = ""
+    of: str = "one"
+    heading: Heading = NO_HEADING
+    axis: str = ""
+    unit: str = ""
+    causality: str = "output"
+    when: tuple[str, ...] = ()
+    minimum: float | str | None = None
+    above: float | None = None
+    maximum: float | str | None = None
+    path: Place | None = None
+    given: Place | None = None
+    given_if: str = ""
+    derived: Derived | None = None
+    tunable: str = ""
+    trivial: float | None = None
+    if_missing: float = 0.0
+    choices: str = ""
+    smooth: bool = True
+    hint: str = ""
+    at_once: bool = False
+    nominal: str = ""
+    rate_of: str = ""
+    array: str = ""
+
+    @cached_property
+    def pattern(self) -> str:
+        """The name of all of the kind: `link[i].length`, `contact[k].<wall>.force`."""
+        return self.name.format(n=LETTERS.get(self.of, "i"), name="<wall>")
+
+    @cached_property
+    def description(self) -> str:
+        """The description of one of the kind, a template."""
+        text = self.ended(f"{self.heading.text}: {self.text}" if self.heading.text else self.text)
+        return text.replace("{axis}", self.axis)
+
+    def in_general(self, words: Mapping[str, Any]) -> str:
+        """The description of all of the kind, by the words of a scene; "general" are those of any element."""
+        general = {**words, **words.get("general", {}), "n": LETTERS.get(self.of, "i"), "axis": self.axis}
+        text = self.text.format_map(general)
+        return self.ended(f"{self.heading.general}: {text}" if self.heading.general else text)
+
+    def derivative(self, parameter: Kind) -> Kind:
+        """The kind of the derivatives of outputs of this kind with respect to parameters of another one."""
+        of, by = self.pattern, parameter.pattern
+        text = f"derivative of {of} with respect to {by}"
+        return Kind(name=sensitivity_name(of, by), text=text, place=(), at_once=self.at_once)
+
+    def ended(self, text: str) -> str:
+        """A description with the open limit of a parameter: the attributes of FMI have closed limits only."""
+        return text if self.above is None else f"{text}; must be > {self.above:g}"
+
+
+LETTERS = {"point": "k", "contact": "k"}
+"""Element → the letter for its number, where it is not i."""
+
+
+class Block(NamedTuple):
+    """Kinds that take turns: each element has one variable of each, before the next element has its own."""
+
+    of: str
+    kinds: tuple[Kind, ...]
+
+
+def block(
+    of: str, *rows: Kind, owner: str = "", terminal: bool = False, when: tuple[str, ...] = (), **common: Any
+) -> Block:
+    """Return kinds of one element.
+
+    Args:
+        of: the element.
+        rows: the kinds, their names without the owner.
+        owner: what the names begin with.
+        terminal: whether the variables of an owner make a terminal.
+        when: conditions for all of them, beside their own.
+        common: other attributes that all of them have.
+    """
+    own = {"of": of, "owner": owner if terminal else "", **common}
+    prefix = f"{owner}." if owner else ""
+    return Block(
+        of, tuple(replace(row, name=prefix + row.name, when=(*when, *row.when), **own) for row in rows)
+    )
+
+
+def filled(place: Place, element: Mapping[str, Any]) -> Place:
+    """A place, or a path in the scene file, of an element."""
+    if not element:
+        return place
+    at, name = element.get("at", 0), element.get("name", "")
+    steps: dict[str | int, str | int] = {AT: at, NEXT: at + 1, "{name}": name}
+    return tuple([steps.get(step, step) for step in place])

@@ -1,0 +1,203 @@
+"""The parameters in the table of variables, a row for each kind; kind.py tells what a row says.
+
+What a parameter means, its unit and its range are in the fields of ``scene/tables.py``; the rows add where
+its value is, and which scenes have it. Their order is that of the value references.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.scene.contents import Contents
+from chain_impact.scene.limits import Derived, keys
+from chain_impact.scene.names import AT, AXES, Place, name_of
+from chain_impact.scene.tables import Box, Contact, Initial, Link, Material, Simulation, Solver, Stops, Wall
+from chain_impact.variables.kind import ALWAYS, LINE, LINK, MOTION, WALL, Kind, block
+
+LAWS, METHODS = "laws", "methods"
+"""The lists of choices."""
+HAS_FRICTION = "it is a parameter where the scene has dry friction: give it a value there first"
+HAS_ONE = "it is a parameter where the scene has one: give it a value there first"
+HAS_TARGET = "with inputs.joint_targets the target angle takes its place, whose start value it is"
+KEY, INDEX, AXIS = "{key}", "{index}", "{axis}"
+"""Steps of paths and places here: the key of a parameter, and the axis of a component, by number and name."""
+
+
+@cache
+def _rules(table: type) -> dict[str, Mapping[str, Any]]:
+    """The metadata of each key of a table of the scene, but for those that stand for others."""
+    return {entry.name: entry.metadata for entry in keys(table) if not entry.metadata.get("file_only")}
+
+
+def _parameter(rule: Mapping[str, Any], path: Place, place: Place, text: str = "{}", **other: Any) -> Kind:
+    """Return the parameter for the value at a path, by the rule of its key; {} in a text is the rule's."""
+    default, limits = rule["default"], {limit: rule[limit] for limit in ("minimum", "above", "maximum")}
+    return Kind(
+        name=name_of(path),
+        unit=rule["unit"],
+        text=text.replace("{}", rule["description"]),
+        causality="parameter",
+        place=place,
+        path=path,
+        derived=default if isinstance(default, Derived) and "given" in other else None,
+        **limits,
+        **other,
+    )
+
+
+def _of(
+    table: type,
+    path: Place,
+    place: Place,
+    names: Sequence[str] = (),
+    text: str = "{}",
+    **special: Mapping[str, Any],
+) -> list[Kind]:
+    """The parameters for some keys of a table, by default for all; ``special`` has more of single ones."""
+    found = []
+    for key in names or _rules(table):
+        in_scene, in_record = (tuple(key if step == KEY else step for step in one) for one in (path, place))
+        more = {"place": in_record, **special.get(key, {})}
+        found.append(_parameter(_rules(table)[key], in_scene, text=text, **more))
+    return found
+
+
+def _vector(table: type, path: Place, place: Place, text: str, **other: Any) -> list[Kind]:
+    """The parameters for the components of a vector, of whose path the last step is a key."""
+    found, rule = [], _rules(table)[str(path[-1])]
+    for j, axis in enumerate(AXES):
+        steps: dict[str | int, str | int] = {INDEX: j, AXIS: axis}
+        in_record = tuple(steps.get(step, step) for step in place)
+        found.append(_parameter(rule, (*path, j), in_record, text, axis=axis, **other))
+    return found
+
+
+PARAMETERS = (
+    block("one", *_vector(Contents, ("gravity",), ("model", "gravity", INDEX), "{axis} of the {}")),
+    block(
+        "link",
+        *_of(
+            *(Link, ("chain", "links", AT, KEY), ("model", KEY, AT)),
+            center_of_mass={"given": ("model", "given_center_of_mass", AT)},
+            inertia={"given": ("model", "given_inertia", AT)},
+            joint_damping={"place": ("given", "joint_damping", AT), "tunable": "follows"},
+            joint_stiffness={"place": ("given", "joint_stiffness", AT), "tunable": "follows"},
+            joint_rest_angle={
+                "place": ("given", "joint_target_angle", AT),
+                "tunable": "follows",
+                "when": ("rests",),
+                "hint": HAS_TARGET,
+            },
+            joint_friction={"when": ("rubs",), "hint": HAS_FRICTION},
+            joint_armature={"trivial": 0.0, "hint": HAS_ONE},
+            joint_torque_limit={"if_missing": math.inf, "hint": HAS_ONE},
+            joint_min={"if_missing": -math.inf},
+            joint_max={"if_missing": math.inf},
+        ),
+        heading=LINK,
+    ),
+    block(
+        "one",
+        *(
+            kind
+            for w, wall in enumerate(WALLS)
+            for kind in _of(Box, ("box", KEY), ("model", "wall", w), (wall,), "position of the {}")
+        ),
+    ),
+    block(
+        "line",
+        *_vector(Wall, ("walls", AT, "point"), ("walls", AXIS, AT), "{axis} of {}"),
+        *_of(Wall, ("walls", AT, KEY), ("walls", KEY, AT), ("angle",)),
+        heading=LINE,
+        when=("contacts",),
+    ),
+    block(
+        "one",
+        *_of(
+            *(Contact, ("contact", KEY), ("given", "law"), ("model",)),
+            model={"when": ("law",), "tunable": ALWAYS, "choices": LAWS, "smooth": False},
+        ),
+    ),
+    block(
+        "one",
+        *_of(
+            *(Contact, ("contact", KEY), ("contact", KEY)),
+            ("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"),
+            stiffness={"place": ("given", "stiffness"), "tunable": ALWAYS},
+            restitution={"place": ("given", "restitution"), "tunable": ALWAYS},
+            minimum_impact_speed={"smooth": False},
+        ),
+        *_of(
+            *(Contact, ("contact", KEY), ("given", KEY), ("friction", "static_friction")),
+            friction={"tunable": ALWAYS, "when": ("contact_friction",), "hint": HAS_FRICTION},
+            static_friction={"tunable": ALWAYS, "when": ("contact_friction",), "hint": HAS_FRICTION},
+        ),
+        when=("contacts",),
+    ),
+    block(
+        "material",
+        *_of(
+            *(Material, ("contact", "wall", "{name}", KEY), ("walls", KEY, AT)),
+            restitution={"if_missing": -1.0},  # a number below 0 stands for that of all walls
+            friction={"if_missing": -1.0, "hint": HAS_FRICTION},
+            static_friction={"if_missing": -1.0, "hint": HAS_FRICTION},
+        ),
+        heading=WALL,
+        when=("contacts",),
+        tunable=ALWAYS,
+    ),
+    block(
+        "one",
+        *_of(
+            *(Stops, ("stops", KEY), ("stops", KEY)),
+            ("stiffness", "exponent", "restitution", "minimum_impact_speed"),
+            stiffness={"place": ("given", "stop_stiffness"), "tunable": ALWAYS},
+            exponent={"given": ("stops", "given_exponent")},
+            restitution={"given": ("given", "stop_restitution"), "tunable": ALWAYS},
+            minimum_impact_speed={"smooth": False},
+        ),
+        when=("stops",),
+    ),
+    block(
+        "one",
+        # an initial position is that of a base that moves, too
+        *(
+            replace(kind, given=(MOTION, "position", j), given_if="inputs.base_motion")
+            for j, kind in enumerate(
+                _vector(
+                    *(Initial, ("initial", "position"), ("initial", "position", INDEX)),
+                    "initial {axis} of the {}",
+                )
+            )
+        ),
+        # the velocity of a pinned base can only be zero
+        *_vector(
+            *(Initial, ("initial", "velocity"), ("initial", "velocity", INDEX)),
+            "initial {axis} of the {}",
+            when=("free",),
+        ),
+    ),
+    *(
+        block(
+            "link",
+            _parameter(
+                *(_rules(Initial)[key], ("initial", key, AT), ("initial", name, AT)),
+                text="initial " + _rules(Initial)[key]["description"].replace("each link", "link {n}"),
+            ),
+        )
+        for key, name in (("angles", "angle"), ("angular_velocities", "angular_velocity"))
+    ),
+    block(
+        "one",
+        *_of(Solver, ("solver", KEY), ("solver", KEY), method={"choices": METHODS}),
+        smooth=False,
+    ),
+)
+"""The parameters."""
+EXPERIMENT = _of(Simulation, ("simulation", KEY), ())
+"""What can be changed beside the parameters. It is in no record, but given with each run."""
