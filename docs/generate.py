@@ -21,7 +21,7 @@ from scene_schema import schema
 from chain_impact import sphere_plane_stiffness
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw
 from chain_impact.kernel.rows.geometry import WALLS
-from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
 from chain_impact.scene.limits import Derived, allowed, without_none
 from chain_impact.scene.names import AXES, INPUTS_OF
 from chain_impact.scene.reading import entry_type
@@ -252,7 +252,8 @@ def walls() -> str:
 
 def statuses() -> str:
     """The status codes of the solver; the remedies stand in the messages themselves."""
-    return table(("code", "meaning"), ((str(n), text.split(":")[0]) for n, text in STATUS_TEXT.items()))
+    rows = ((str(n), code(STATUS_NAME[n]), text.split(":")[0]) for n, text in STATUS_TEXT.items())
+    return table(("code", "in sweeps", "meaning"), rows)
 
 
 # ---- contact laws, command line -------------------------------------------------------------------------

@@ -67,8 +67,8 @@ def add(verbs: Verbs) -> None:
         dest="table",
         metavar="FILE",
         required=True,
-        help="write the table (csv, parquet), or a folder, as runs/, to which rows are streamed as Parquet: "
-        "then the same command goes on after an interruption",
+        help="write the table (csv, parquet), or a folder, as runs/, to which rows are streamed as Parquet; "
+        "after an interruption the same command goes on",
     )
     add_plot(sweep, "the main results over what varies")
     sweep.set_defaults(run=run)
@@ -76,6 +76,7 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the sweep, write what was asked for, and say how many runs failed, and why."""
+    from chain_impact.studies.sweep.partial import partial_path
     from chain_impact.studies.sweep.sweep import sweep
     from chain_impact.studies.sweep.table import is_folder
     from chain_impact.studies.sweep.variation import variations_of
@@ -105,7 +106,7 @@ def run(options: argparse.Namespace) -> int:
                 progress=advance,
             )
     except KeyboardInterrupt:
-        if is_folder(options.table) and table.exists():
+        if (table if is_folder(options.table) else partial_path(table)).exists():
             complain(f"what is done is kept in {table}; the same command goes on")
         raise
     say(f"table    {options.table}")

@@ -342,6 +342,61 @@ def test_ctrl_c_says_where_what_is_done_is_kept(tmp_path, monkeypatch, capsys):
     assert "FourLinkBox  50 runs: 50 ok" in capsys.readouterr().out
 
 
+@pytest.fixture(params=[".csv", pytest.param(".parquet", marks=pytest.mark.full("more cases"))])
+def interrupted(request, tmp_path, monkeypatch, capsys):
+    """A command whose table has a part of its rows, as it was interrupted, which is told; and the table."""
+    real = module.run_in_threads
+
+    def run_in_threads(*arguments):
+        pieces = real(*arguments)
+        for _ in range(2):
+            yield next(pieces)
+        raise KeyboardInterrupt
+
+    table = tmp_path / f"runs{request.param}"
+    command = ["sweep", "--vary", "contact.restitution=0.3:0.7:50", "-o", str(table)]
+    with monkeypatch.context() as patched:
+        patched.setattr(module, "run_in_threads", run_in_threads)
+        assert cli.main(command) == 130
+    assert f"what is done is kept in {table}; the same command goes on" in capsys.readouterr().err
+    return command, table
+
+
+def rows_of(table):
+    if table.suffix == ".csv":
+        return table.read_text("utf-8").splitlines()[1:]
+    return pytest.importorskip("pyarrow.parquet").read_table(table).to_pylist()
+
+
+def test_ctrl_c_keeps_the_rows_that_are_done_and_the_same_command_goes_on(interrupted, monkeypatch):
+    command, table = interrupted
+    kept = rows_of(table)
+    assert 0 < len(kept) < 50
+    made, real = [], module.run_in_threads
+    monkeypatch.setattr(
+        module, "run_in_threads", lambda work, spans, n: made.extend(spans) or real(work, spans, n)
+    )
+    assert cli.main(command) == 0
+    assert sum(end - first for first, end in made) == 50 - len(kept)
+    assert [path.name for path in table.parent.iterdir()] == [table.name]
+    whole = rows_of(table)
+    assert all(row in whole for row in kept)
+    assert cli.main([*command[:-1], str(table.with_stem("other"))]) == 0
+    assert whole == rows_of(table.with_stem("other"))
+
+
+def test_another_sweep_does_not_go_on_with_rows_that_an_interrupted_one_has_left(interrupted, capsys):
+    command, table = interrupted
+    kept = rows_of(table)
+    assert cli.main([*command, "--set", "contact.stiffness=1e7"]) == 2
+    said = f"{table}.partial was left by a sweep that differs in its scene: remove it, or choose another name"
+    assert said in capsys.readouterr().err
+    assert rows_of(table) == kept
+    table.with_name(f"{table.name}.partial").write_bytes(b"PK")
+    assert cli.main(command) == 2
+    assert "is not what an interrupted sweep has left" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("sampling", ["grid", "lhs", "sobol"])
 def test_the_values_of_a_billion_runs_take_no_memory(sampling):
     names = ("contact.restitution", "initial.x", "initial.y")

@@ -240,3 +240,11 @@ def test_derivatives_of_a_run_that_was_refused_are_unknown():
     found = sweep(scene, {"initial.y": [1.4, -1.0, 1.4]}, outputs=[name])
     assert np.isfinite(found[name]).tolist() == [True, False, True]
     assert found[name][0] == found[name][2]
+
+
+def test_no_run_ends_after_its_stop_time():
+    """The last step before a fault may, as the solver runs ahead."""
+    found = sweep(short("pinned_arm", stop=1.0), {"solver.work_limit": "20:3000:300"})
+    assert 10 < found.failed.sum() < 300
+    assert found["time"].max() == 1.0
+    assert (found["time"][~found.failed] == 1.0).all()

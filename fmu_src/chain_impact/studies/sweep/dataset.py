@@ -168,7 +168,7 @@ def kept(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
     """
     if path.exists() and not path.is_dir():
         raise SceneError(f"{path} must be a folder: remove the file, or choose another name")
-    dataset = Dataset(path, design.runs, job.dtype, _head(job, design))
+    dataset = Dataset(path, design.runs, job.dtype, known_by(job, design))
     if dataset.is_complete():
         yield dataset
         return
@@ -214,7 +214,7 @@ def _array(column: Any) -> np.ndarray:
     return found.astype(str) if found.dtype.kind == "O" else found
 
 
-def _head(job: Job, design: Design) -> dict[str, Any]:
+def known_by(job: Job, design: Design) -> dict[str, Any]:
     """What a sweep is known by: all that its rows follow from."""
     values = hashlib.sha256(repr((design.samples, design.sampling, design.seed)).encode())
     for one in design.variations:

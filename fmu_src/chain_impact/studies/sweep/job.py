@@ -165,6 +165,8 @@ class Runner:
                 continuing,
             )
             continuing = 1
+        # the last step before a fault may end beyond the stop time
+        rows["time"] = np.minimum(rows["time"], stops)
         self._forget_unknown(rows)
         return rows
 

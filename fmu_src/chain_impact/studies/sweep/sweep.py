@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack, closing
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from chain_impact.progress import Progress, log, silent
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.cluster import run_on_cluster
-from chain_impact.studies.sweep.dataset import kept
-from chain_impact.studies.sweep.design import Sampling, check_size, grid, sampled, whole
+from chain_impact.studies.sweep.dataset import kept, known_by
+from chain_impact.studies.sweep.design import Design, Sampling, check_size, grid, sampled, whole
 from chain_impact.studies.sweep.job import job_of
+from chain_impact.studies.sweep.partial import keep, partial_path, take_up
 from chain_impact.studies.sweep.pieces import missing, run_in_threads
-from chain_impact.studies.sweep.table import Sweep, is_folder, table_path
+from chain_impact.studies.sweep.table import Sweep, is_folder, table_path, write_table
 from chain_impact.studies.sweep.variation import Values, variations_of
-from chain_impact.studies.sweep.work import Work
+from chain_impact.studies.sweep.work import Span, Work, columns_of
 from chain_impact.system import cores
 from chain_impact.variables.model import Model
 
@@ -54,7 +56,8 @@ def sweep(
         outputs: names of further FMU outputs for the table, as they are at the end of each run.
         path: file for the table, CSV or Parquet; or a folder, which ends in ``/`` or has no suffix: rows are
             written there as they come, to Parquet files of some runs each, and are not kept in the memory.
-            After an interruption, the same call goes on with what is not in the folder yet.
+            After an interruption, the same call goes on with what is not there yet: the folder, or the file
+            with the suffix ``.partial`` beside a table, has the runs that are done.
         threads: how many runs are made at the same time; as many as there are cores by default.
         scheduler: address of a dask.distributed scheduler, ``tcp://host:port``, whose workers do the runs in
             place of this machine. They need the same version of this package, and write to the folder.
@@ -83,11 +86,19 @@ def sweep(
     rows = np.zeros(0 if streamed else design.runs, job.dtype)
     with ExitStack() as stack:
         dataset = stack.enter_context(kept(target, job, design)) if target and streamed else None
-        spans = missing(list(dataset.files.values()) if dataset else [], design.runs)
+        head = known_by(job, design)
+        done: list[Span] = []
+        if dataset:
+            done = list(dataset.files.values())
+        elif target:
+            done = take_up(target, head, rows)
+        spans = missing(done, design.runs)
         left = sum(end - first for first, end in spans)
-        if dataset and left < design.runs:
-            there = f"{design.runs - left} of {design.runs} runs are kept in {dataset.path}"
+        if target and left < design.runs:
+            there = f"{design.runs - left} of {design.runs} runs are kept in {target}"
             log.info("%s, %s are left", there, left)
+        if target and not dataset:
+            stack.enter_context(_interruptible(target, head, rows, done, design))
         work = Work(job, design, dataset.path.resolve() if dataset else None)
         if scheduler is None or not spans:
             pieces = run_in_threads(work, spans, threads)
@@ -99,9 +110,25 @@ def sweep(
                 dataset.add(piece, made)
             else:
                 rows[slice(*piece)] = made
+                done.append(piece)
             left -= piece[1] - piece[0]
             progress(1.0 - left / design.runs)
     found = Sweep(scene, design, dataset or rows, job.outputs)
     if target and not dataset:
         found.save(target)
+        partial_path(target).unlink(missing_ok=True)
     return found
+
+
+@contextmanager
+def _interruptible(
+    table: Path, head: Mapping[str, Any], rows: np.ndarray, done: list[Span], design: Design
+) -> Iterator[None]:
+    """Keep the runs that are done if the sweep is interrupted: as a table, and so that it can go on."""
+    try:
+        yield
+    except BaseException:
+        if done:
+            keep(table, head, rows, done)
+            write_table(table, (columns_of(design, rows[slice(*one)], one[0]) for one in sorted(done)))
+        raise

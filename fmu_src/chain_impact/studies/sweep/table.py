@@ -7,7 +7,7 @@ import errno
 import math
 import os
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,7 @@ from chain_impact.results.text import Table, as_html, plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.job import STATUS
 from chain_impact.studies.sweep.runs import Runs
-from chain_impact.studies.sweep.work import PARQUET, write_parquet
+from chain_impact.studies.sweep.work import PARQUET, Columns, write_parquet
 from chain_impact.system import written_whole
 
 if TYPE_CHECKING:
@@ -91,12 +91,7 @@ class Sweep(Runs):
         """
         if is_folder(path):
             raise SceneError(f"{path} must be a file whose name ends in {' or '.join(TABLES)}")
-        path = table_path(path)
-        with written_whole(path) as fresh:
-            if path.suffix.lower() == ".csv":
-                self._save_csv(fresh)
-            else:
-                write_parquet(fresh, self.chunks(self.names))
+        write_table(table_path(path), self.chunks(self.names))
 
     def plot(
         self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float] | None = None
@@ -117,11 +112,23 @@ class Sweep(Runs):
 
         return plot_sweep(self, path, size)
 
-    def _save_csv(self, path: Path) -> None:
-        with path.open("w", newline="", encoding="utf-8") as file:
+
+def write_table(path: Path, chunks: Iterable[Columns]) -> None:
+    """Write columns as they come, as CSV or as Parquet: the suffix says which.
+
+    Raises:
+        MissingExtraError: when pyarrow is not installed, for Parquet.
+        OSError: when the file cannot be written.
+    """
+    with written_whole(path) as fresh:
+        if path.suffix.lower() == PARQUET:
+            write_parquet(fresh, chunks)
+            return
+        with fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow(self.names)
-            for columns in self.chunks(self.names):
+            for number, columns in enumerate(chunks):
+                if number == 0:
+                    writer.writerow(columns)
                 cells = [_cells(column) for column in columns.values()]
                 writer.writerows(zip(*cells, strict=True))
 

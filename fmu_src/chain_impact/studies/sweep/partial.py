@@ -1,0 +1,55 @@
+"""What an interrupted sweep into one file has done, kept beside the file until the same sweep has ended."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chain_impact.scene.reading import SceneError
+from chain_impact.studies.sweep.work import Span
+from chain_impact.system import written_whole
+
+SUFFIX = ".partial"
+
+
+def partial_path(table: Path) -> Path:
+    """The file beside a table."""
+    return table.with_name(table.name + SUFFIX)
+
+
+def keep(table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[Span]) -> None:
+    """Write the rows of the runs that are done, and the ``head`` by which the sweep is known.
+
+    Raises:
+        OSError: when the file cannot be written.
+    """
+    with written_whole(partial_path(table)) as fresh, fresh.open("wb") as file:
+        np.savez(file, head=json.dumps(head), rows=rows, done=np.array(done, np.int64))
+
+
+def take_up(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list[Span]:
+    """Fill in the rows that an interrupted call of the same sweep has left; return which runs they are.
+
+    Raises:
+        SceneError: when the file is damaged, or another sweep has left it.
+        OSError: when it cannot be read.
+    """
+    path, wrong = partial_path(table), "remove it, or choose another name"
+    if not path.is_file():
+        return []
+    try:
+        with np.load(path) as kept:
+            found, old, done = json.loads(str(kept["head"])), kept["rows"], kept["done"].tolist()
+    except (ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        raise SceneError(f"{path} is not what an interrupted sweep has left: {wrong}") from None
+    if differs := [name for name in head if found.get(name) != head[name]]:
+        raise SceneError(f"{path} was left by a sweep that differs in its {differs[0]}: {wrong}")
+    spans = [(first, end) for first, end in done]
+    for first, end in spans:
+        rows[first:end] = old[first:end]
+    return spans
