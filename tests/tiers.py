@@ -45,6 +45,7 @@ needs_interop = pytest.mark.full("needs other tools")
 
 IMPORTING = {
     "flint": ["test_certificate.py"],
+    "mujoco": ["test_mjcf_fields.py", "test_beside_mujoco.py"],
     "numba": ["test_dual_numbers.py", "test_lower.py", "test_record_type.py"],
     "nbconvert": ["test_notebook.py"],
     "yaml": ["test_workflows.py"],

@@ -6,6 +6,7 @@ import pytest
 from chain_impact import SceneError, load_scene, model_names, simulate
 from chain_impact.cli import main
 from chain_impact.conversion.convert import convert, of_robot
+from chain_impact.conversion.planar import Choices
 from chain_impact.conversion.to_mjcf import mjcf_of
 from chain_impact.scene.models import models_folder
 from tests.tiers import needs_interop
@@ -77,7 +78,7 @@ def test_a_scene_is_the_same_again_after_mjcf(model, tmp_path):
     scene = load_scene(model)
     convert(model, tmp_path / "model.xml")
     again, done = of_robot(tmp_path / "model.xml")
-    assert done.left_out == []
+    assert (done.warnings, done.left_out) == ([], [])
     assert list(again.values) == list(scene.values)
     for name, value in scene.values.items():
         found = again.values[name]
@@ -87,7 +88,7 @@ def test_a_scene_is_the_same_again_after_mjcf(model, tmp_path):
 def test_the_model_of_a_real_arm_is_what_convert_makes_of_its_file():
     """But for the start, the targets, and the limits of the angles."""
     joints = ["shoulder_lift_joint", "elbow_joint", "wrist_1_joint"]
-    made, _ = of_robot(models_folder() / "ur5e" / "ur5e.xml", joints)
+    made, _ = of_robot(models_folder() / "ur5e" / "ur5e.xml", Choices(joints))
     model = load_scene("ur5e")
     assert made.initial.position == model.initial.position
     assert made.inputs == model.inputs
@@ -143,10 +144,9 @@ def test_a_urdf_becomes_a_scene_and_what_is_left_out_is_named(tmp_path, capsys):
     said = capsys.readouterr().out
     for line in (
         "plane: x of the scene is (0 1 0) of the robot, y is (0 0 1)",
-        "link upper: visual mesh package://upper.dae",
-        "link upper: collision sphere",
-        "joint shoulder: limit of the velocity, 20 rad/s",
-        "element transmission drive",
+        "shapes 1 mesh: touch nothing in the file, and are not in the scene",
+        "joint shoulder: limit of the velocity, 20 rad/s: is not in the scene",
+        "element transmission drive: is not in the scene",
         "body base: does not move, so its mass has no effect",
     ):
         assert line in said
@@ -160,12 +160,15 @@ def test_an_mjcf_of_others_becomes_a_scene_without_its_meshes(tmp_path):
     assert (thigh.length, leg.length) == (0.4, 0.5)
     assert found.initial.position == (0.0, 1.25)
     assert found.half_planes["floor"].clearance(0.0, 1.25) == pytest.approx(1.25)
-    assert found.contact.wall["floor"].friction == 0.8
+    assert found.contact.wall["floor"].friction == 1.0  # the larger one of the pair: of the shapes
     assert (leg.joint_armature, leg.joint_stiffness, leg.joint_torque_limit) == (0.1, 4.0, 20.0)
-    assert leg.joint_rest_angle == pytest.approx(np.radians(-20.0))
-    assert (leg.joint_min, leg.joint_max) == pytest.approx((np.radians(-150.0), 0.0), abs=1e-12)
+    assert leg.joint_rest_angle == pytest.approx(np.radians(20.0))
+    assert (leg.joint_min, leg.joint_max) == pytest.approx((0.0, np.radians(150.0)), abs=1e-12)
     assert found.inputs.joint_torques
-    assert {"body leg: mesh shin", "body thigh: capsule thigh", "sensor bend"} <= set(done.left_out)
+    assert done.warnings[0] == (
+        "body leg: without the mass of mesh shin, of which the file not_there.obj cannot be read"
+    )
+    assert "1 sensor: not in the scene" in done.left_out
     assert thigh.mass == pytest.approx(1000.0 * (np.pi * 0.05**2 * 0.4 + 4.0 / 3.0 * np.pi * 0.05**3))
 
 
@@ -193,7 +196,7 @@ def test_the_command_refuses_other_suffixes_and_joints_of_a_scene(tmp_path, caps
         main(["convert", "pinned_arm", "-o", str(tmp_path / "x.csv")])
     assert "must end in .toml, .xml" in capsys.readouterr().err
     assert main(["convert", "pinned_arm", "--joints", "a", "-o", str(tmp_path / "x.xml")]) == 2
-    assert "a scene has no joints to choose" in capsys.readouterr().err
+    assert "a scene has nothing to choose" in capsys.readouterr().err
     assert main(["convert", "pinned_arm", "-o", str(tmp_path / "x.xml")]) == 0
     assert "left out contact.model = zhang_sharf" in capsys.readouterr().out
 

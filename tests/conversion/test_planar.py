@@ -8,7 +8,8 @@ import pytest
 
 from chain_impact import SceneError, extras, load_scene
 from chain_impact.conversion.mjcf import read_mjcf
-from chain_impact.conversion.planar import planar_chain
+from chain_impact.conversion.planar import Choices
+from chain_impact.conversion.proposals import chain_of
 from chain_impact.conversion.robot import Body, Joint, Plane, Robot
 from chain_impact.conversion.to_mjcf import mjcf_of
 from chain_impact.conversion.urdf import read_urdf
@@ -41,22 +42,25 @@ def arm(*joints, **more):
     return Robot(name="arm", bodies=bodies, gravity=DOWN, **more)
 
 
-def scene(robot, *wanted):
-    done = planar_chain(robot, wanted, "arm.urdf")
+def scene(robot, *wanted, **choices):
+    done = chain_of(robot, Choices(joints=wanted, **choices), "arm.urdf")
     return scene_from_dict(done.data, "arm"), done
 
 
-def test_angles_and_torques_keep_the_sign_of_the_robot_and_lengths_are_those_between_joints():
+def test_x_of_the_robot_stays_x_and_the_signs_of_joints_are_turned():
     first = hinge("a", start=0.4, low=-1.0, high=2.0, damping=0.1, friction=0.2, armature=0.3)
     found, done = scene(arm(first, hinge("b", start=-0.2, stiffness=5.0, rest=0.1)))
     one, two = found.chain.links
     assert (one.length, two.length, one.center_of_mass, one.inertia) == (0.3, 0.2, 0.1, 0.02)
     assert (one.joint_damping, one.joint_friction, one.joint_armature) == (0.1, 0.2, 0.3)
-    # about +y a positive angle turns x down: x of the scene is −x of the robot, where the links point
-    assert done.notes[0] == "plane: x of the scene is (-1 0 0) of the robot, y is (0 0 1)"
-    assert found.initial.angles == pytest.approx([math.pi + 0.4, math.pi + 0.2], abs=1e-11)
-    assert (one.joint_min, one.joint_max) == pytest.approx((math.pi - 1.0, math.pi + 2.0), abs=1e-11)
-    assert (two.joint_stiffness, two.joint_rest_angle) == (5.0, 0.1)
+    # about +y a positive angle turns x down
+    assert done.notes[:2] == [
+        "plane: x of the scene is (1 0 0) of the robot, y is (0 0 1)",
+        "joints a, b: angles and torques have the other sign in the scene",
+    ]
+    assert found.initial.angles == pytest.approx([-0.4, -0.2], abs=1e-11)
+    assert (one.joint_min, one.joint_max) == pytest.approx((-2.0, 1.0), abs=1e-11)
+    assert (two.joint_stiffness, two.joint_rest_angle) == (5.0, -0.1)
     assert found.initial.position == (0.0, 0.5)
     assert found.gravity == (0.0, -9.81)
 
@@ -64,10 +68,33 @@ def test_angles_and_torques_keep_the_sign_of_the_robot_and_lengths_are_those_bet
 def test_a_joint_with_the_opposite_axis_counts_the_other_way():
     second = hinge("b", (0.0, -1.0, 0.0), start=0.3, low=-0.1, high=0.5)
     found, done = scene(arm(hinge("a"), second))
-    assert found.initial.angles == pytest.approx([math.pi, math.pi - 0.3], abs=1e-11)
+    assert found.initial.angles == pytest.approx([0.0, 0.3], abs=1e-11)
     link = found.chain.links[1]
-    assert (link.joint_min, link.joint_max) == pytest.approx((-0.5, 0.1))
-    assert "joint b: counts the other way round in the scene" in done.notes
+    assert (link.joint_min, link.joint_max) == pytest.approx((-0.1, 0.5))
+    assert "joint a: angles and torques have the other sign in the scene" in done.notes
+
+
+def test_the_plane_is_as_chosen():
+    robot = arm(hinge("a"), hinge("b"))
+    mirrored, done = scene(robot, plane="-x,z")
+    assert mirrored.initial.angles == pytest.approx([math.pi, math.pi])
+    assert not any("other sign" in note for note in done.notes)
+    upside, _ = scene(robot, plane="z,x")
+    assert upside.gravity == (-9.81, 0.0)
+    assert upside.initial.angles == pytest.approx([0.5 * math.pi, 0.5 * math.pi])
+    for plane, said in (("x", "must be two of x, y"), ("x,y", "must be across"), ("x,-x", "must be across")):
+        with pytest.raises(SceneError, match=said):
+            scene(robot, plane=plane)
+
+
+def test_a_frame_is_chosen_as_the_tip():
+    robot = arm(hinge("a"), hinge("b"))
+    bodies = [*robot.bodies, body("hand", 1, (0.1, 0.0, 0.0), mass=0.0, inertia=np.zeros((3, 3)))]
+    found, done = scene(Robot(name="arm", bodies=bodies, gravity=DOWN), tip="hand")
+    assert found.chain.links[1].length == 0.1
+    assert "tip: the last link ends at hand, 0.1 m from its joint" in done.notes
+    with pytest.raises(SceneError, match="hnd is no frame of the last link; the nearest is hand"):
+        scene(Robot(name="arm", bodies=bodies, gravity=DOWN), tip="hnd")
 
 
 def test_an_offset_along_the_axes_has_no_effect_and_a_held_joint_merges_two_bodies():
@@ -84,14 +111,15 @@ def test_an_offset_along_the_axes_has_no_effect_and_a_held_joint_merges_two_bodi
     # of masses at 0.1 m ahead and at (0.3, 0.1) m, in part beside the line of the link
     about = 2 * 0.02 + 0.1**2 + 0.3**2 + 0.1**2
     assert link.inertia + link.mass * link.center_of_mass**2 == pytest.approx(about, abs=1e-10)
-    assert any("beside the line of the link" in line for line in done.left_out)
+    assert "beside the line of the link" in done.warnings[0]
+    assert "19 % of the length" in done.warnings[0]
 
 
 def test_of_upright_axes_gravity_is_borne_by_the_joints():
     found, done = scene(arm(hinge("a", (0.0, 0.0, 1.0)), hinge("b", (0.0, 0.0, 1.0))))
     assert found.gravity == (0.0, 0.0)
     assert found.initial.angles == (0.0, 0.0)
-    assert "gravity: its part along the axes, -9.81 m/s2, is borne by the joints" in done.notes
+    assert "gravity: its part along the axes, 9.81 m/s2, is borne by the joints" in done.notes
 
 
 def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
@@ -104,9 +132,10 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
     assert found.box.y_min == 0.0
     assert found.contact.wall["y_min"].friction == 0.4
     assert [wall.name for wall in found.walls] == ["wall_2"]
-    assert found.half_planes["wall_2"].normal == pytest.approx((1.0, 0.0), abs=1e-12)
-    assert "plane side: is not upright on the plane of the motion" in done.left_out
-    assert found.initial.angles[0] == pytest.approx(math.pi + 0.2)
+    assert found.half_planes["wall_2"].normal == pytest.approx((-1.0, 0.0), abs=1e-12)
+    assert "plane side: is not upright on the plane of the motion: it is no wall" in done.left_out
+    assert found.initial.angles[0] == pytest.approx(-0.2)
+    assert "joint a: starts at its stop, 0.1 rad from the start of the file, which is beyond" in done.warnings
 
 
 @pytest.mark.parametrize(
@@ -115,8 +144,7 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
         (
             arm(hinge("a"), hinge("b", (0.0, 0.0, 1.0)), hinge("c")),
             (),
-            "arm.urdf: the axes of its joints are not parallel: it is no planar chain; --joints a,c "
-            "takes those",
+            "arm.urdf: the axes of its joints are not parallel: it is no planar chain; --joints a,c takes",
         ),
         (arm(hinge("a")), ("c",), "arm.urdf: c is no joint; joints: a"),
         (
@@ -143,7 +171,7 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
                 gravity=DOWN,
             ),
             (),
-            "joints a and b have the same axis: hold one by --joints",
+            "joints a and b have the same axis; --joints b takes joints that make a chain",
         ),
     ],
 )

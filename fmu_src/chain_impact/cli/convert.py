@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from chain_impact.cli.options import (
+    Once,
     UsageError,
     Verbs,
     add_repeated,
@@ -15,6 +16,20 @@ from chain_impact.cli.options import (
 )
 from chain_impact.cli.progress import say
 
+ONCE = {
+    "--plane": (
+        "X,Y",
+        "directions of the robot along which x and y of the scene point: --plane=x,z or --plane=-x,z; "
+        "default: y up, x along x of the robot if it can",
+    ),
+    "--tip": (
+        "FRAME",
+        "site, body or link where the last link ends; default: the one farthest from its joint",
+    ),
+    "--keyframe": ("NAME", "keyframe of MJCF at which the robot starts, or none; default: the first"),
+}
+"""Options that choose what is guessed otherwise: metavariable and help."""
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
@@ -23,6 +38,8 @@ def add(verbs: Verbs) -> None:
     )
     verb.add_argument("source", metavar="FILE", help="a planar chain in URDF or MJCF; or a scene, for MuJoCo")
     add_repeated(verb, "--joints", "NAMES", "only these joints move: elbow,wrist; default: all")
+    for option, (metavar, what) in ONCE.items():
+        verb.add_argument(option, action=Once, metavar=metavar, help=what)
     verb.add_argument(
         "-o",
         dest="output",
@@ -35,16 +52,18 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Convert, and say line by line what is left out."""
-    from chain_impact.conversion.convert import convert
+    """Convert, and say line by line what is otherwise, the largest effect first."""
+    from chain_impact.conversion.convert import convert, told_lines
+    from chain_impact.conversion.planar import Choices
 
-    joints, to_mjcf = names_in(*options.joints), options.output.suffix.lower() == ".xml"
-    if joints and to_mjcf:
-        raise UsageError("--joints: a scene has no joints to choose; it is for URDF and MJCF")
+    choices = Choices(names_in(*options.joints), options.plane, options.tip, options.keyframe)
+    to_mjcf = options.output.suffix.lower() == ".xml"
+    for option, chosen in zip(("--joints", *ONCE), choices, strict=True):
+        if chosen and to_mjcf:
+            raise UsageError(f"{option}: a scene has nothing to choose; it is for URDF and MJCF")
     check_outputs(options.output, inputs=[options.source])
-    done = convert(options.source, options.output, joints)
+    done = convert(options.source, options.output, choices)
     say(f"{'MJCF' if to_mjcf else 'scene':9}{options.output}")
-    for title, lines in (("note", done.notes), ("left out", done.left_out)):
-        for line in lines:
-            say(f"{title:9}{line}")
+    for title, line in told_lines(done):
+        say(f"{title:9}{line}")
     return 0

@@ -16,6 +16,19 @@ from chain_impact.scene.reading import SceneError, UnknownNameError
 PARALLEL = 1e-6  # rad, between axes
 
 
+class NoChainError(SceneError):
+    """A robot whose joints are no planar chain.
+
+    Attributes:
+        joints: names of those of which one may be held so that the others are one.
+    """
+
+    def __init__(self, message: str, joints: Sequence[str] = ()) -> None:
+        """Keep the names."""
+        super().__init__(message)
+        self.joints = tuple(joints)
+
+
 @dataclass(frozen=True)
 class Moving:
     """A joint of the chain: the joint, its body, its place and its axis in space, before any joint moves."""
@@ -46,32 +59,49 @@ class Chosen(NamedTuple):
 def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
     """The joints that move; for arguments and errors see ``planar_chain``."""
     held = _held(robot, wanted, source)
-    poses = _poses(robot, held)
-    moving = [_moving(poses, b, j) for b, j in _joints(robot) if j.name not in held]
+    poses, moving = moving_joints(robot, held)
     slides = [one for one in moving if one.joint.kind == "slide"]
     hinges = [one for one in moving if one.joint.kind == "hinge"]
-    others = [one for one in moving if one.joint.kind not in ("slide", "hinge")]
-    if others or not hinges:
-        what = (
-            f"joint {others[0].joint.name} is of the kind {others[0].joint.kind}"
-            if others
-            else "it has no hinge"
+    others = [one.joint for one in moving if one.joint.kind not in ("slide", "hinge")]
+    for joint in others:
+        raise NoChainError(
+            f"{source}: joint {joint.name} is of the kind {joint.kind}: the joints of a scene are hinges",
+            [joint.name],
         )
-        raise SceneError(
-            f"{source}: {what}: the joints of a scene are hinges; --joints names those that move"
-        )
+    if not hinges:
+        raise NoChainError(f"{source}: it has no hinge that moves: the joints of a scene are hinges")
+    _check_limits(hinges, source)
     _check_parallel(hinges, source)
-    free = _check_slides(slides, hinges[0], source)
+    free = _check_slides(slides, hinges[0], moving, source)
     _check_serial(robot, hinges, source)
     return Chosen(poses, hinges, slides if free else [], held)
 
 
-def _joints(robot: Robot) -> Iterator[tuple[int, Joint]]:
-    return ((b, joint) for b, body in enumerate(robot.bodies) for joint in body.joints)
+def moving_joints(robot: Robot, held: set[str]) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[Moving]]:
+    """Rotation and position of each body, with some joints held at their start, and the other joints."""
+    poses = _poses(robot, held)
+    return poses, [one for one in _placed(robot, poses) if one.joint.name not in held]
+
+
+def joints_at_start(robot: Robot) -> list[Moving]:
+    """All joints, where they are and point at the start."""
+    return list(_placed(robot, _poses(robot, set(joint_names(robot)))))
+
+
+def _placed(robot: Robot, poses: list[tuple[np.ndarray, np.ndarray]]) -> Iterator[Moving]:
+    for b, body in enumerate(robot.bodies):
+        rotation, position = poses[b]
+        for joint in body.joints:
+            yield Moving(joint, b, position + rotation @ joint.anchor, rotation @ joint.axis)
+
+
+def joint_names(robot: Robot) -> list[str]:
+    """The names of all joints, in the order of the bodies."""
+    return [joint.name for body in robot.bodies for joint in body.joints]
 
 
 def _held(robot: Robot, wanted: Sequence[str], source: str) -> set[str]:
-    names = [joint.name for _, joint in _joints(robot)]
+    names = joint_names(robot)
     for name in wanted:
         if name not in names:
             raise UnknownNameError(source, name, names, "no joint", otherwise=f"joints: {', '.join(names)}")
@@ -89,8 +119,9 @@ def _poses(robot: Robot, held: set[str]) -> list[tuple[np.ndarray, np.ndarray]]:
                 continue
             if joint.kind == "slide":
                 position = position + rotation @ joint.axis * joint.start
-            elif joint.kind == "hinge":
-                turned = rotation @ _rotation(joint.axis, joint.start)
+            elif joint.kind == "hinge" or joint.turn is not None:
+                turn = _rotation(joint.axis, joint.start) if joint.turn is None else joint.turn
+                turned = rotation @ turn
                 position = position + (rotation - turned) @ joint.anchor
                 rotation = turned
         poses.append((rotation, position))
@@ -104,12 +135,25 @@ def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
     return np.asarray(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross)
 
 
-def _moving(poses: list[tuple[np.ndarray, np.ndarray]], b: int, joint: Joint) -> Moving:
-    rotation, position = poses[b]
-    return Moving(joint, b, position + rotation @ joint.anchor, rotation @ joint.axis)
+def _check_limits(hinges: list[Moving], source: str) -> None:
+    for joint in (hinge.joint for hinge in hinges):
+        if joint.low >= joint.high:
+            what = (
+                f"limits are equal, {joint.low:.6g} rad, so it cannot move (a `continuous` one can)"
+                if joint.low == joint.high
+                else f"lower limit, {joint.low:.6g} rad, is above its upper limit, {joint.high:.6g} rad"
+            )
+            raise NoChainError(f"{source}: joint {joint.name}: its {what}", [joint.name])
 
 
 def _check_parallel(hinges: list[Moving], source: str) -> None:
+    if len(parallel(hinges)) > 1:
+        names = [hinge.joint.name for hinge in hinges]
+        raise NoChainError(f"{source}: the axes of its joints are not parallel: it is no planar chain", names)
+
+
+def parallel(hinges: Sequence[Moving]) -> list[list[Moving]]:
+    """The joints, those with parallel axes together."""
     groups: list[list[Moving]] = []
     for hinge in hinges:
         group = next((g for g in groups if _parallel(g[0].axis, hinge.axis)), None)
@@ -117,40 +161,46 @@ def _check_parallel(hinges: list[Moving], source: str) -> None:
             groups.append([hinge])
         else:
             group.append(hinge)
-    if len(groups) > 1:
-        most = ",".join(hinge.joint.name for hinge in max(groups, key=len))
-        raise SceneError(
-            f"{source}: the axes of its joints are not parallel: it is no planar chain; --joints {most} "
-            "takes those that are, and holds the others"
-        )
+    return groups
 
 
 def _parallel(one: np.ndarray, other: np.ndarray) -> bool:
     return bool(np.linalg.norm(np.cross(one, other)) < PARALLEL)
 
 
-def _check_slides(slides: list[Moving], first: Moving, source: str) -> bool:
+def _check_slides(slides: list[Moving], first: Moving, order: list[Moving], source: str) -> bool:
     """Whether the base is free: two slides in the plane carry it."""
     if not slides:
         return False
     along = [abs(float(np.dot(slide.axis, first.axis))) for slide in slides]
     square = len(slides) == 2 and abs(float(np.dot(slides[0].axis, slides[1].axis))) < PARALLEL  # noqa: PLR2004
-    if not square or max(along) > PARALLEL or any(slide.body > first.body for slide in slides):
-        raise SceneError(
-            f"{source}: joint {slides[0].joint.name} slides: only two slides at right angles before the "
-            "first hinge, as of a free base, can be in a scene; --joints names those that move"
+    if (
+        not square
+        or max(along) > PARALLEL
+        or any(slide not in order[: order.index(first)] for slide in slides)
+    ):
+        names = [slide.joint.name for slide in slides]
+        raise NoChainError(
+            f"{source}: joint {names[0]} slides: only two slides at right angles before the first hinge, as "
+            "of a free base, can be in a scene",
+            names,
         )
     return True
 
 
 def _check_serial(robot: Robot, hinges: list[Moving], source: str) -> None:
-    bodies = [hinge.body for hinge in hinges]
     for before, hinge in pairwise(hinges):
-        above = hinge.body
-        while above != before.body and above >= 0:
-            above = robot.bodies[above].parent
-        if above != before.body or bodies.count(hinge.body) > 1:
-            raise SceneError(
-                f"{source}: joints {before.joint.name} and {hinge.joint.name} do not follow one another: "
-                "a scene has one chain without branches; --joints names those that move"
+        if before.body == hinge.body or before.body not in above(robot, hinge.body):
+            names = [before.joint.name, hinge.joint.name]
+            raise NoChainError(
+                f"{source}: joints {names[0]} and {names[1]} do not follow one another: a scene has one "
+                "chain without branches",
+                names,
             )
+
+
+def above(robot: Robot, b: int) -> Iterator[int]:
+    """The positions of a body and of all bodies before it."""
+    while b >= 0:
+        yield b
+        b = robot.bodies[b].parent

@@ -4,91 +4,110 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.robot import Body, Joint, Plane, Robot
+from chain_impact.conversion.differences import Difference, Effect, of_joint
+from chain_impact.conversion.mjcf_contacts import Contacts
+from chain_impact.conversion.mjcf_couplings import couplings
+from chain_impact.conversion.mjcf_drives import Drives
+from chain_impact.conversion.mjcf_fields import flag_notes, told_fields
+from chain_impact.conversion.mjcf_files import Compiled, compiled
+from chain_impact.conversion.robot import Body, Joint, Robot
 from chain_impact.extras import require
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.reading import UnknownNameError
 
 CARRIED = "chain_impact"
 """The name of the text in a file of ours that has what MJCF has no place for, as JSON."""
 UNLIMITED = 1e9  # rad, a limit of a joint that has one on the other side only
+NONE = "none"
+"""The keyframe of a robot that starts where the file puts its bodies."""
 
 
-def read_mjcf(path: Path) -> Robot:
-    """The robot of an MJCF file, as its first keyframe has it at the start.
+class Start(NamedTuple):
+    """The state in which a robot starts."""
 
-    A model whose meshes are not there is read without them.
+    positions: np.ndarray
+    speeds: np.ndarray
+    control: np.ndarray
+    activation: np.ndarray
+    mocap_positions: np.ndarray
+    mocap_rotations: np.ndarray
+
+
+def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
+    """The robot of an MJCF file, as a keyframe has it at the start: the first one, if none is named.
+
+    Files of meshes and pictures that nothing needs may be absent.
 
     Raises:
-        SceneError: when MuJoCo cannot read the file.
+        SceneError: when MuJoCo cannot read the file, or it has no such keyframe.
         MissingExtraError: when mujoco is not installed.
     """
     mujoco = require("mujoco", "convert")
-    spec, model = _compiled(mujoco, path)
-    carried: dict[str, Any] = next((json.loads(text.data) for text in spec.texts if text.name == CARRIED), {})
-    reader = _Reader(mujoco, model, own=bool(carried))
-    bodies = [reader.body(b) for b in range(1, model.nbody)]
-    left_out = [] if carried else [*_meshes(mujoco, spec), *reader.shapes(), *reader.other_elements()]
-    return Robot(
-        name=spec.modelname or path.stem,
-        bodies=bodies,
-        gravity=np.array(model.opt.gravity),
-        planes=list(reader.planes()),
-        inputs=reader.inputs,
-        tables=carried.get("tables", {}),
-        first_link=carried.get("first_link", {}),
-        left_out=[*left_out, *reader.left_out],
-    )
+    file = compiled(mujoco, path)
+    start, note = _start(mujoco, file.model, keyframe, str(path))
+    return _Reader(mujoco, file, start).robot(path.stem, note)
 
 
-def _compiled(mujoco: Any, path: Path) -> tuple[Any, Any]:
-    """What is in the file, and the model, if need be without meshes, of which the files may be missing."""
-    try:
-        spec = mujoco.MjSpec.from_file(str(path))
-        try:
-            return spec, spec.compile()
-        except ValueError:
-            bare = mujoco.MjSpec.from_file(str(path))
-            for geom in list(bare.geoms):
-                if geom.type == mujoco.mjtGeom.mjGEOM_MESH:
-                    bare.delete(geom)
-            for mesh in list(bare.meshes):
-                bare.delete(mesh)
-            return spec, bare.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        raise SceneError(f"{path}: MuJoCo cannot read it: {error}") from None
-
-
-def _meshes(mujoco: Any, spec: Any) -> Iterator[str]:
-    for geom in spec.geoms:
-        if geom.type == mujoco.mjtGeom.mjGEOM_MESH:
-            yield f"body {geom.parent.name}: mesh {geom.meshname}"
+def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[Start, list[str]]:
+    """The state at the start, and a note on where it is from."""
+    names = [model.key(k).name or f"{k}" for k in range(model.nkey)]
+    wanted = (names[0] if names else NONE) if keyframe is None else keyframe
+    if wanted != NONE and wanted not in names:
+        otherwise = f"keyframes: {', '.join([*names, NONE])}"
+        raise UnknownNameError(source, wanted, names, "no keyframe", otherwise=otherwise)
+    data = mujoco.MjData(model)
+    if wanted in names:
+        mujoco.mj_resetDataKeyframe(model, data, names.index(wanted))
+    state = (data.qpos, data.qvel, data.ctrl, data.act, data.mocap_pos, data.mocap_quat)
+    others = [name for name in names if name != wanted]
+    more = f"; --keyframe can take {', '.join([*others[:4], NONE])}" if names else ""
+    note = [f"start: keyframe {wanted}{more}"] if names else []
+    return Start(*map(np.array, state)), note
 
 
 class _Reader:
     """Reads a compiled model; collects what is left out."""
 
-    def __init__(self, mujoco: Any, model: Any, own: bool) -> None:
-        self.mujoco, self.model, self.own = mujoco, model, own
-        self.left_out: list[str] = []
-        self.inputs: dict[str, bool] = {}
-        key = model.nkey > 0
-        self.start = model.key_qpos[0] if key else model.qpos0
-        self.speed = model.key_qvel[0] if key else np.zeros(model.nv)
-        self.control = model.key_ctrl[0] if key else None
-        self.drives: dict[int, list[int]] = {}
-        joint = mujoco.mjtTrn.mjTRN_JOINT
-        for a in range(model.nu):
-            if model.actuator_trntype[a] == joint:
-                self.drives.setdefault(int(model.actuator_trnid[a, 0]), []).append(a)
-            else:
-                self.left_out.append(f"actuator {model.actuator(a).name}: acts on no joint")
+    def __init__(self, mujoco: Any, file: Compiled, start: Start) -> None:
+        self.mujoco, self.spec, self.model, self.start = mujoco, file.spec, file.model, start
+        texts = (text.data for text in self.spec.texts if text.name == CARRIED)
+        self.carried: dict[str, Any] | None = next(map(json.loads, texts), None)
+        self.drives = Drives(mujoco, self.model, start.control, start.activation)
+        self.contacts = Contacts(mujoco, self.model, file.stand_ins)
+        self.differences = list(file.differences)
+
+    def robot(self, name: str, notes: list[str]) -> Robot:
+        """The robot, which has another name if the file gives one."""
+        model, own = self.model, self.carried is not None
+        bodies = [self.body(b) for b in range(1, model.nbody)]
+        weightless = self._off("GRAVITY")
+        self.differences += [
+            *self.drives.differences,
+            *couplings(self.mujoco, model),
+            *told_fields(model),
+            *([] if own else [*self.contacts.differences(), *self._others()]),
+        ]
+        return Robot(
+            name=self.spec.modelname or name,
+            bodies=bodies,
+            gravity=np.zeros(3) if weightless else np.array(model.opt.gravity),
+            planes=[] if not self.contacts.works else list(self.contacts.planes(own)),
+            tables=(self.carried or {}).get("tables", {}),
+            first_link=(self.carried or {}).get("first_link", {}),
+            notes=[] if own else [*notes, *flag_notes(self.mujoco, model)],
+            differences=self.differences,
+        )
+
+    def _off(self, *flags: str) -> bool:
+        """Whether one of some flags is disabled."""
+        bits = (getattr(self.mujoco.mjtDisableBit, f"mjDSBL_{flag}") for flag in flags)
+        return any(self.model.opt.disableflags & bit for bit in bits)
 
     def body(self, b: int) -> Body:
         """Body ``b``, counted from the world, which is 0."""
@@ -96,138 +115,85 @@ class _Reader:
         inertial = self._axes(model.body_iquat[b])
         joints = range(model.body_jntadr[b], model.body_jntadr[b] + model.body_jntnum[b])
         sites = (s for s in range(model.nsite) if model.site_bodyid[s] == b)
+        position, rotation = self._pose(b)
+        passive = not (self._off("SPRING") and self._off("DAMPER"))
         return Body(
             name=model.body(b).name or f"{b}",
             parent=int(model.body_parentid[b]) - 1,
-            rotation=self._axes(model.body_quat[b]),
-            position=np.array(model.body_pos[b]),
+            rotation=self._axes(rotation),
+            position=np.array(position),
             mass=float(model.body_mass[b]),
             center=np.array(model.body_ipos[b]),
             inertia=inertial @ np.diag(model.body_inertia[b]) @ inertial.T,
             joints=[self.joint(j) for j in joints if model.body_jntnum[b] > 0],
-            frames=[(model.site(s).name, np.array(model.site_pos[s])) for s in sites],
+            frames=[(model.site(s).name or f"site {s}", np.array(model.site_pos[s])) for s in sites],
+            shapes=[] if self.carried is not None else self.contacts.shapes(b),
+            borne=float(model.body_gravcomp[b]) if passive else 0.0,
         )
+
+    def _pose(self, b: int) -> tuple[np.ndarray, np.ndarray]:
+        """Position and quaternion of body ``b``: at the start, if a free joint or mocap says where it is."""
+        model, j = self.model, self.model.body_jntadr[b]
+        if model.body_mocapid[b] >= 0:
+            m = model.body_mocapid[b]
+            return self.start.mocap_positions[m], self.start.mocap_rotations[m]
+        if model.body_jntnum[b] and model.jnt_type[j] == self.mujoco.mjtJoint.mjJNT_FREE:
+            at = model.jnt_qposadr[j]
+            return self.start.positions[at : at + 3], self.start.positions[at + 3 : at + 7]
+        return model.body_pos[b], model.body_quat[b]
 
     def joint(self, j: int) -> Joint:
         """Joint ``j``, with what its drives are in a scene."""
         model, kinds = self.model, self.mujoco.mjtJoint
         at, dof = int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
+        kind = {kinds.mjJNT_HINGE: "hinge", kinds.mjJNT_SLIDE: "slide", kinds.mjJNT_BALL: "ball"}.get(
+            kinds(model.jnt_type[j]), "free"
+        )
         name = model.joint(j).name or f"{j}"
-        names = {kinds.mjJNT_HINGE: "hinge", kinds.mjJNT_SLIDE: "slide", kinds.mjJNT_BALL: "ball"}
-        zero, limits = float(model.qpos0[at]), (-math.inf, math.inf)
-        if model.jnt_limited[j]:
+        zero, constrained = float(model.qpos0[at]), not self._off("CONSTRAINT")
+        low, high = -math.inf, math.inf
+        if model.jnt_limited[j] and constrained and not self._off("LIMIT"):
             low, high = (float(limit) for limit in model.jnt_range[j])
-            limits = (
-                low - zero if low > -UNLIMITED else -math.inf,
-                high - zero if high < UNLIMITED else math.inf,
-            )
-        limit = _largest(model.jnt_actfrcrange[j]) if model.jnt_actfrclimited[j] else None
+            self._tell_soft(name, "limits are", "[stops]")
+        friction = float(model.dof_frictionloss[dof]) * (constrained and not self._off("FRICTIONLOSS"))
+        if friction:
+            self._tell_soft(name, "dry friction is", "[[chain.links]]")
+        force = float(np.abs(model.jnt_actfrcrange[j]).max()) if model.jnt_actfrclimited[j] else None
         one = Joint(
             name=name,
-            kind=names.get(kinds(model.jnt_type[j]), "free"),
+            kind=kind,
             axis=np.array(model.jnt_axis[j]),
             anchor=np.array(model.jnt_pos[j]),
-            low=limits[0],
-            high=limits[1],
-            damping=float(model.dof_damping[dof].flat[0]),
-            stiffness=float(model.jnt_stiffness[j].flat[0]),
+            low=low - zero if low > -UNLIMITED else -math.inf,
+            high=high - zero if high < UNLIMITED else math.inf,
+            damping=0.0 if self._off("DAMPER") else float(model.dof_damping[dof]),
+            stiffness=0.0 if self._off("SPRING") else float(model.jnt_stiffness[j]),
             rest=float(model.qpos_spring[at]) - zero,
-            friction=float(model.dof_frictionloss[dof]),
+            friction=friction,
             armature=float(model.dof_armature[dof]),
-            torque_limit=limit,
-            start=float(self.start[at]) - zero,
-            speed=float(self.speed[dof]),
+            torque_limit=force,
+            start=float(self.start.positions[at]) - zero,
+            speed=float(self.start.speeds[dof]),
+            turn=self._axes(self.start.positions[at : at + 4]) if kind == "ball" else None,
         )
-        for a in self.drives.get(j, []) if one.kind == "hinge" else []:
-            one = self._driven(one, a, zero)
-        return one
+        return self.drives.driven(one, j, zero)
 
-    def _driven(self, joint: Joint, a: int, zero: float) -> Joint:
-        """A joint with actuator ``a``: a motor, or a servo, which is the spring and the damper of a scene."""
-        model, name = self.model, self.model.actuator(a).name or f"{a}"
-        gear, gain = float(model.actuator_gear[a, 0]), float(model.actuator_gainprm[a, 0])
-        bias, plain = model.actuator_biasprm[a], model.actuator_dyntype[a] == self.mujoco.mjtDyn.mjDYN_NONE
-        motor = model.actuator_biastype[a] == self.mujoco.mjtBias.mjBIAS_NONE
-        servo = model.actuator_biastype[a] == self.mujoco.mjtBias.mjBIAS_AFFINE and bias[1] == -gain
-        if not plain or not (motor or (servo and joint.stiffness == 0.0)):
-            self.left_out.append(
-                f"actuator {name}: is neither a motor nor a servo of a joint without a spring"
-            )
-            return joint
-        limits = [] if joint.torque_limit is None else [joint.torque_limit]
-        if model.actuator_forcelimited[a]:
-            limits.append(abs(gear) * _largest(model.actuator_forcerange[a]))
-        if motor and model.actuator_ctrllimited[a]:
-            limits.append(abs(gear * gain) * _largest(model.actuator_ctrlrange[a]))
-        if motor:
-            self.inputs["joint_torques"] = True
-        else:
-            self.inputs["joint_targets"] = True
-            target = joint.start + zero if self.control is None else float(self.control[a]) / gear
-            stiffness, damping = gear * gear * gain, joint.damping - gear * gear * float(bias[2])
-            joint = replace(joint, stiffness=stiffness, damping=damping, rest=target - zero)
-        if limits and joint.damping > 0.0:
-            self.left_out.append(
-                f"joint {joint.name}: in a scene the limit of the torque also limits the damper"
-            )
-        return replace(joint, torque_limit=min(limits, default=None))
+    def _tell_soft(self, joint: str, what: str, where: str) -> None:
+        if self.carried is None:
+            text = f"{what} soft in MuJoCo; a scene has its own, in {where}"
+            self.differences.append(of_joint(joint, text, Effect.CONTACT))
 
-    def planes(self) -> Iterator[Plane]:
-        """The planes that do not move."""
-        model, data = self.model, self.mujoco.MjData(self.model)
-        self.mujoco.mj_kinematics(model, data)
-        for g in self._geoms(plane=True):
-            rubs = not self.own and model.geom_condim[g] > 1
-            yield Plane(
-                name=model.geom(g).name,
-                point=np.array(data.geom_xpos[g]),
-                normal=np.array(data.geom_xmat[g].reshape(3, 3)[:, 2]),
-                friction=float(model.geom_friction[g, 0]) if rubs else 0.0,
-            )
-
-    def _geoms(self, plane: bool) -> Iterator[int]:
-        """The planes that do not move, or all other shapes but meshes."""
-        model, kinds = self.model, self.mujoco.mjtGeom
-        for g in range(model.ngeom):
-            still = model.body_weldid[model.geom_bodyid[g]] == 0
-            wall = model.geom_type[g] == kinds.mjGEOM_PLANE and still
-            if wall if plane else not wall and model.geom_type[g] != kinds.mjGEOM_MESH:
-                yield g
-
-    def shapes(self) -> Iterator[str]:
-        """The shapes that no scene can hold: its points touch walls, and nothing else does."""
-        kinds, model = self.mujoco.mjtGeom, self.model
-        for g in self._geoms(plane=False):
-            kind = kinds(model.geom_type[g]).name.removeprefix("mjGEOM_").lower()
-            yield f"body {model.body(model.geom_bodyid[g]).name}: {kind} {model.geom(g).name or g}"
-        if any(True for _ in self._geoms(plane=True)):
-            yield "contact: solref, solimp and all else of MuJoCo's contact but the friction of planes"
-
-    def other_elements(self) -> Iterator[str]:
-        """Whatever else the model has."""
+    def _others(self) -> Iterator[Difference]:
+        """How many elements there are that only measure or show."""
         model = self.model
-        for count, what in (
-            ("neq", "equality"),
-            ("ntendon", "tendon"),
-            ("nsensor", "sensor"),
-            ("ncam", "camera"),
-            ("nflex", "flex"),
-        ):
-            for i in range(getattr(model, count)):
-                name = getattr(model, what)(i).name if what != "flex" else ""
-                yield f"{what} {name or i}"
-        for key in ("density", "viscosity"):
-            if getattr(model.opt, key):
-                yield f"option {key}"
-        if model.nkey > 1:
-            yield "keyframes after the first"
+        kinds = {"sensor": model.nsensor, "camera": model.ncam, "light": model.nlight, "skin": model.nskin}
+        counts = Counter({kind: count for kind, count in kinds.items() if count})
+        if counts:
+            what = ", ".join(f"{count} {kind}{'s' * (count > 1)}" for kind, count in counts.items())
+            yield Difference(kind=what, text="not in the scene", effect=Effect.NONE)
 
     def _axes(self, quaternion: np.ndarray) -> np.ndarray:
         """The rotation of a quaternion, shape (3, 3)."""
         found = np.zeros(9)
         self.mujoco.mju_quat2Mat(found, quaternion)
         return found.reshape(3, 3)
-
-
-def _largest(values: np.ndarray) -> float:
-    return float(np.abs(values).max())

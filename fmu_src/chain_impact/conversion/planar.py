@@ -8,14 +8,31 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.joints import PARALLEL, Chosen, Moving, chosen_joints
+from chain_impact.conversion.differences import Difference, Effect, few, lines
+from chain_impact.conversion.flat import TINY, Plan, near, plan_of
+from chain_impact.conversion.joints import Chosen, Moving, NoChainError, chosen_joints
 from chain_impact.conversion.robot import Body, Joint, Robot
-from chain_impact.kernel.rows.geometry import NORMALS, WALLS
-from chain_impact.scene.reading import SceneError
+from chain_impact.conversion.walls import walls_of
+from chain_impact.scene.reading import UnknownNameError
 
-TINY = 1e-9  # m, what round-off may be
-ROUND = 1e-14  # of a number of the order of 1, what is round-off of a rotation
 DIGITS = 14  # of the numbers of a scene: what follows is round-off, as the files of robots have fewer
+
+
+class Choices(NamedTuple):
+    """What a user can choose of a conversion.
+
+    Attributes:
+        joints: names of the joints that move, all others are held at their start; none: all move.
+        plane: directions of the robot along which x and y of the scene point, as ``-x,z``; None: see
+            ``plan_of``.
+        tip: the frame where the last link ends; None: the one that is farthest from the last joint.
+        keyframe: the one at which the robot starts; None: the first one of the file.
+    """
+
+    joints: Sequence[str] = ()
+    plane: str | None = None
+    tip: str | None = None
+    keyframe: str | None = None
 
 
 class Converted(NamedTuple):
@@ -23,98 +40,84 @@ class Converted(NamedTuple):
 
     Attributes:
         data: of a scene.
-        notes: how the scene is to be read beside the robot, a sentence each.
-        left_out: what of the robot it does not have, or has otherwise, likewise.
+        warnings: what of the robot moves otherwise in the scene, a sentence each, the largest effect first.
+        left_out: what else of the robot the scene does not have, or has otherwise, likewise.
+        notes: how the scene is to be read beside the robot, likewise.
     """
 
     data: dict[str, Any]
-    notes: list[str]
+    warnings: list[str]
     left_out: list[str]
+    notes: list[str]
 
 
-def planar_chain(robot: Robot, wanted: Sequence[str], source: str) -> Converted:
-    """The scene of a robot.
-
-    Args:
-        robot: a tree of bodies.
-        wanted: names of the joints that move, all others are held at their start; none: all move.
-        source: the file, for messages.
+def planar_chain(robot: Robot, choices: Choices, source: str) -> Converted:
+    """The scene of a robot; ``source`` is the file, for messages.
 
     Raises:
-        SceneError: when the robot is no planar chain; says which joints would make one.
+        NoChainError: when the robot is no planar chain.
+        SceneError: when the choices do not fit the robot.
     """
-    return _Conversion(robot, chosen_joints(robot, wanted, source)).run(source)
+    return _Conversion(robot, choices, source).run()
 
 
 class _Conversion:
     """One conversion; collects what it leaves out."""
 
-    def __init__(self, robot: Robot, chosen: Chosen) -> None:
-        self.robot = robot
-        self.poses, self.hinges, self.slides, held = chosen
-        self.notes = [f"joint {name}: is held at its start" for name in sorted(held)]
-        unused = tuple(f"joint {name}: " for name in held)
-        self.left_out = [line for line in robot.left_out if not line.startswith(unused)]
-        self.axis = self.hinges[0].axis / np.linalg.norm(self.hinges[0].axis)
-        self.x, self.y = self._plane()
-        axes = [" ".join(f"{part:.4g}" for part in axis) for axis in (self.x, self.y)]
-        self.notes.insert(0, f"plane: x of the scene is ({axes[0]}) of the robot, y is ({axes[1]})")
+    def __init__(self, robot: Robot, choices: Choices, source: str) -> None:
+        self.robot, self.choices, self.source = robot, choices, source
+        self.chosen: Chosen = chosen_joints(robot, choices.joints, source)
+        self.poses, self.hinges, self.slides, self.held = self.chosen
+        self.plan: Plan = plan_of(self.hinges[0].axis, choices.plane, source)
+        self.owner, self.parts = self._parts()
+        self.differences: list[Difference] = []
+        self.notes = [self.plan.told, *robot.notes]
 
-    def _plane(self) -> tuple[np.ndarray, np.ndarray]:
-        """The axes x and y of the scene in space: y is up, or x ahead where the first axis is upright."""
-        along = float(np.dot(self.robot.gravity, self.axis))
-        if abs(along) > TINY:
-            self.notes.append(f"gravity: its part along the axes, {along:.6g} m/s2, is borne by the joints")
-        up = np.array([0.0, 0.0, 1.0]) - self.axis[2] * self.axis
-        if np.linalg.norm(up) > PARALLEL:
-            up = up / np.linalg.norm(up)
-            return _cleaned(np.cross(up, self.axis)), _cleaned(up)
-        ahead = np.array([1.0, 0.0, 0.0]) - self.axis[0] * self.axis
-        ahead = ahead / np.linalg.norm(ahead)
-        return _cleaned(ahead), _cleaned(np.cross(self.axis, ahead))
-
-    def flat(self, point: np.ndarray) -> np.ndarray:
-        """A point of space in the plane, shape (2,) [m]."""
-        return np.array([np.dot(self.x, point), np.dot(self.y, point)])
-
-    def run(self, source: str) -> Converted:
+    def run(self) -> Converted:
         """The data of the scene, and what is to be said of it."""
-        places = [self.flat(hinge.anchor) for hinge in self.hinges]
-        parts = self._parts()
-        places.append(places[-1] + self._tip(parts[-1], self.hinges[-1]))
+        gravity = [near(float(part)) for part in self.plan.flat(self._gravity())]
+        places = [self.plan.flat(hinge.anchor) for hinge in self.hinges]
+        places.append(places[-1] + self._tip())
         links, directions = [], []
-        for i, part in enumerate(parts):
+        for i, hinge in enumerate(self.hinges):
             arm = places[i + 1] - places[i]
             length = float(np.linalg.norm(arm))
-            name = self.hinges[i].joint.name
             if length < TINY:
-                after = self.hinges[i + 1].joint.name
-                raise SceneError(
-                    f"{source}: joints {name} and {after} have the same axis: hold one by --joints"
-                )
+                self._refuse_length(i)
             directions.append(math.atan2(arm[1], arm[0]))
-            links.append({"length": length, **self._mass(part, self.hinges[i], arm / length, source)})
+            links.append({"length": length, **self._mass(self.parts[i], hinge, arm / length, length)})
         angles, speeds = self._state(links, directions)
         links[0] |= self.robot.first_link if self.slides else {}
-        initial = {"angles": angles, "angular_velocities": speeds, **self._base(places[0])}
+        walls, differences = walls_of(self.robot, self.chosen, self.plan, self.parts, places)
+        inputs = dict.fromkeys(sorted({name for one in self._driven() for name in one.joint.inputs}), True)
         data = {
             "name": self.robot.name,
             **{key: value for key, value in self.robot.tables.items() if not isinstance(value, dict)},
-            "gravity": [_near(float(np.dot(self.robot.gravity, axis))) for axis in (self.x, self.y)],
+            "gravity": gravity,
             "chain": {"base": "free" if self.slides else "pinned", "links": links},
-            **self._walls(),
-            **({"inputs": dict(self.robot.inputs)} if self.robot.inputs else {}),
-            "initial": initial,
+            **walls,
+            **({"inputs": inputs} if inputs else {}),
+            "initial": {"angles": angles, "angular_velocities": speeds, **self._base(places[0])},
         }
         if not self.robot.tables:
             data = _rounded(data)
         for key, table in self.robot.tables.items():
             if isinstance(table, dict):
                 data[key] = {**data.get(key, {}), **table}
-        return Converted(data, self.notes, self.left_out)
+        self.notes += [f"joint {name}: is held at its start" for name in sorted(self.held)]
+        told = [one for one in self.robot.differences if one.matters(self.held, self.owner)]
+        told += [*self.differences, *differences]
+        return Converted(data, lines(told, warning=True), lines(told, warning=False), self.notes)
 
-    def _parts(self) -> list[list[int]]:
-        """The bodies that each link is made of: all from one joint of the chain to the next."""
+    def _driven(self) -> list[Moving]:
+        """The joints that a scene can drive: a free base has no joint 1."""
+        return self.hinges[1:] if self.slides else self.hinges
+
+    def _parts(self) -> tuple[dict[int, int], list[list[int]]]:
+        """Body → the link that it is part of, −1 for none; and the bodies of each link.
+
+        A link has all bodies from one joint of the chain to the next.
+        """
         parts: list[list[int]] = [[] for _ in self.hinges]
         owner: dict[int, int] = {-1: -1}
         first = {hinge.body: i for i, hinge in enumerate(self.hinges)}
@@ -122,33 +125,87 @@ class _Conversion:
             owner[b] = first.get(b, owner[body.parent])
             if owner[b] >= 0:
                 parts[owner[b]].append(b)
-            elif body.mass > 0.0 and not (self.slides and self.slides[0].body <= b):
-                self.notes.append(f"body {body.name}: does not move, so its mass has no effect")
-            elif body.mass > 0.0:
-                self.left_out.append(
-                    f"body {body.name}: its mass is before the first hinge, which no link has"
-                )
-        return parts
+        return owner, parts
 
-    def _tip(self, part: list[int], hinge: Moving) -> np.ndarray:
-        """Where the last link ends, from its joint: its farthest frame, else twice its centre of mass."""
-        found = []
+    def _gravity(self) -> np.ndarray:
+        """Gravity [m/s²], less what of the weight something else than the joints bears."""
+        still = [
+            (b, body) for b, body in enumerate(self.robot.bodies) if self.owner[b] < 0 and body.mass > 0.0
+        ]
+        for b, body in still:
+            if self.slides and self.slides[0].body <= b:
+                text = f"its mass of {body.mass:.6g} kg is before the first hinge, which no link has"
+                self._tell("body", body.name, text, Effect.MOTION)
+            else:
+                self.notes.append(f"body {body.name}: does not move, so its mass has no effect")
+        gravity = self.robot.gravity
+        along = float(np.dot(gravity, self.plan.axis))
+        if abs(along) > TINY:
+            self.notes.append(
+                f"gravity: its part along the axes, {abs(along):.6g} m/s2, is borne by the joints"
+            )
+        bodies = [
+            self.robot.bodies[b] for part in self.parts for b in part if self.robot.bodies[b].mass > 0.0
+        ]
+        borne = {body.borne for body in bodies} if np.any(gravity) else {0.0}
+        if len(borne) == 1:
+            (share,) = borne
+            if share:
+                self.notes.append(
+                    f"gravity: {share:.6g} of it is left out, as gravcomp bears it in all bodies"
+                )
+            return gravity * (1.0 - share)
+        for body in bodies:
+            if body.borne:
+                text = f"gravcomp bears {body.borne:.6g} of its weight, which nothing does in the scene"
+                self._tell("body", body.name, text, Effect.MOTION)
+        return gravity
+
+    def _tell(self, kind: str, name: str, text: str, effect: Effect, size: float = 0.0) -> None:
+        self.differences.append(Difference(kind=kind, name=name, text=text, effect=effect, size=size))
+
+    def _tip(self) -> np.ndarray:
+        """Where the last link ends, from its joint: at a frame, or twice as far as its centre of mass."""
+        part, hinge = self.parts[-1], self.hinges[-1]
+        found: dict[str, np.ndarray] = {}
         for b in part:
-            points = [np.zeros(3), *(point for _, point in self.robot.bodies[b].frames)]
-            found += [self._from(hinge, b, point) for point in points]
-        tip = max(found, key=lambda one: float(np.linalg.norm(one)))
-        if np.linalg.norm(tip) > TINY:
-            return tip
+            body = self.robot.bodies[b]
+            for name, point in (*body.frames, (body.name, np.zeros(3))):
+                found.setdefault(name, self._from(hinge, b, point))
+        chosen = self.choices.tip
+        if chosen is not None and chosen not in found:
+            names = f"its frames: {', '.join(found)}"
+            raise UnknownNameError(self.source, chosen, found, "no frame of the last link", otherwise=names)
+        far = {name: float(np.linalg.norm(at)) for name, at in found.items()}
+        name = max(found, key=far.__getitem__) if chosen is None else chosen
+        if chosen is not None or far[name] > TINY:
+            others = sorted(
+                (one for one in far if far[one] > TINY and one != name), key=lambda one: -far[one]
+            )
+            more = f"; --tip can take {few(others)}" if others and chosen is None else ""
+            self.notes.append(f"tip: the last link ends at {name}, {far[name]:.6g} m from its joint{more}")
+            return found[name]
         self.notes.append(
-            "last link: the file does not say where it ends; it is taken to be twice as long as the way to "
-            "its centre of mass"
+            "tip: the file does not say where the last link ends; it is taken to be twice as long as the way "
+            "to its centre of mass"
         )
         return np.asarray(2.0 * self._inertia(part, hinge)[1])
+
+    def _refuse_length(self, i: int) -> None:
+        name = self.hinges[i].joint.name
+        if i + 1 < len(self.hinges):
+            after = self.hinges[i + 1].joint.name
+            raise NoChainError(f"{self.source}: joints {name} and {after} have the same axis", [name, after])
+        raise NoChainError(
+            f"{self.source}: the last link has no length: its centre of mass and its frames are on the axis "
+            f"of joint {name}",
+            [name],
+        )
 
     def _from(self, hinge: Moving, b: int, point: np.ndarray) -> np.ndarray:
         """A point of body ``b``, in its axes, from a joint, in the plane, shape (2,) [m]."""
         rotation, position = self.poses[b]
-        return self.flat(position - hinge.anchor + rotation @ point)
+        return self.plan.flat(position - hinge.anchor + rotation @ point)
 
     def _inertia(self, part: list[int], hinge: Moving) -> tuple[float, np.ndarray, float]:
         """Mass of several bodies, their centre of mass from a joint, and the inertia about that centre."""
@@ -159,11 +216,11 @@ class _Conversion:
         center = masses @ centers / mass if mass > 0.0 else centers[0]
         about = 0.0
         for b, body, at in zip(part, bodies, centers, strict=True):
-            axis = self.poses[b][0].T @ self.axis
+            axis = self.poses[b][0].T @ self.plan.axis
             about += float(axis @ body.inertia @ axis) + body.mass * float(np.sum((at - center) ** 2))
         return mass, center, about
 
-    def _mass(self, part: list[int], hinge: Moving, along: np.ndarray, source: str) -> dict[str, float]:
+    def _mass(self, part: list[int], hinge: Moving, along: np.ndarray, length: float) -> dict[str, float]:
         """Mass, centre of mass and inertia of a link; the centre is put onto the line of the link.
 
         The inertia about the joint stays as it is.
@@ -171,43 +228,47 @@ class _Conversion:
         name = hinge.joint.name
         mass, center, inertia = self._inertia(part, hinge)
         if mass <= 0.0:
-            raise SceneError(f"{source}: what joint {name} moves has no mass")
+            raise NoChainError(f"{self.source}: what joint {name} moves has no mass", [name])
         ahead = float(np.dot(center, along))
         beside = float(along[0] * center[1] - along[1] * center[0])
-        moved = 0.0
-        if abs(beside) > TINY:
-            self.left_out.append(
-                f"link of joint {name}: its centre of mass is {beside:.6g} m beside the line of the link; it "
-                "is put onto it, and the inertia about the joint stays"
+        shift = math.hypot(beside, min(ahead, 0.0))
+        if shift > TINY:
+            where = f"{abs(beside):.6g} m beside the line of the link" if abs(beside) > TINY else ""
+            behind = f"{-ahead:.6g} m behind the joint" if ahead < -TINY else ""
+            turn = math.atan2(abs(beside), ahead)
+            text = (
+                f"its centre of mass is {' and '.join(filter(None, (where, behind)))}, "
+                f"{100 * shift / length:.2g} % of the length and {turn:.2g} rad seen from the joint; it is "
+                "put onto the line, and the inertia about the joint stays"
             )
-            moved += beside * beside
-        if ahead < -TINY:
-            self.left_out.append(
-                f"link of joint {name}: its centre of mass is {-ahead:.6g} m behind the joint; it is put "
-                "into it, and the inertia about the joint stays"
-            )
-            moved += ahead * ahead
-        return {"mass": mass, "center_of_mass": max(ahead, 0.0), "inertia": inertia + mass * moved}
+            self._tell("link of joint", name, text, Effect.MASS, max(shift / length, turn))
+        return {"mass": mass, "center_of_mass": max(ahead, 0.0), "inertia": inertia + mass * shift * shift}
 
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
         """Fill in what the joints have; the angles and angular velocities of the links at the start."""
         angle, speed, before = 0.0, 0.0, 0.0
-        angles, speeds = [], []
+        angles, speeds, turned = [], [], []
         for i, (link, hinge, direction) in enumerate(zip(links, self.hinges, directions, strict=True)):
-            sign = 1.0 if np.dot(hinge.axis, self.axis) > 0.0 else -1.0
+            sign = 1.0 if np.dot(hinge.axis, self.plan.axis) > 0.0 else -1.0
             if sign < 0.0:
-                self.notes.append(f"joint {hinge.joint.name}: counts the other way round in the scene")
-            offset = _near(math.remainder(direction - before, 2.0 * math.pi))
+                turned.append(hinge.joint.name)
+            offset = near(math.remainder(direction - before, 2.0 * math.pi))
             start = self._joint(link, hinge.joint, offset, sign, grounded=i > 0 or not self.slides)
             angle, speed, before = angle + start, speed + sign * hinge.joint.speed, direction
             angles.append(angle)
             speeds.append(speed)
+        if turned:
+            which = f"joint{'s' * (len(turned) > 1)} {', '.join(turned)}"
+            self.notes.insert(1, f"{which}: angles and torques have the other sign in the scene")
         return angles, speeds
 
     def _joint(self, link: dict[str, Any], joint: Joint, offset: float, sign: float, grounded: bool) -> float:
         """Fill in what a joint has; its angle at the start. A free base has no joint 1."""
         start, low, high = (offset + sign * value for value in (joint.start, joint.low, joint.high))
         low, high = (low, high) if sign > 0.0 else (high, low)
+        if not grounded:
+            self._tell_unheld(joint)
+            return start
         keys: dict[str, float | None] = {
             "joint_damping": joint.damping or None,
             "joint_stiffness": joint.stiffness or None,
@@ -218,56 +279,38 @@ class _Conversion:
             "joint_min": low if math.isfinite(low) else None,
             "joint_max": high if math.isfinite(high) else None,
         }
-        given = {key: value for key, value in keys.items() if value is not None}
-        if not grounded:
-            self.left_out += [
-                f"joint {joint.name}: {key} = {given[key]:.6g}: a free base has no joint" for key in given
-            ]
-            return start
-        link |= given
+        link |= {key: value for key, value in keys.items() if value is not None}
         if not low <= start <= high:
-            near = min(max(start, low), high)
-            self.notes.append(
-                f"joint {joint.name}: starts at {near:.6g} rad, its stop, as {start:.6g} rad is beyond it"
+            stop = min(max(start, low), high)
+            text = (
+                f"starts at its stop, {abs(start - stop):.6g} rad from the start of the file, which is beyond"
             )
-            start = near
+            self._tell("joint", joint.name, text, Effect.MOTION)
+            start = stop
         return start
+
+    def _tell_unheld(self, joint: Joint) -> None:
+        """Say what a joint has that is none in the scene: those of a free base."""
+        keys = ("damping", "stiffness", "friction", "armature", "torque_limit", "low", "high")
+        values = {key.replace("_", " "): getattr(joint, key) for key in keys}
+        found = [f"{key} {value:.6g}" for key, value in values.items() if value and math.isfinite(value)]
+        if found:
+            text = f"{', '.join(found)}: the base of the scene is free, and has none of it"
+            self._tell("joint", joint.name, text, Effect.MOTION)
+        for name in joint.drives:
+            self._tell(
+                "joint", joint.name, f"actuator {name} drives it: nothing drives a free base", Effect.MOTION
+            )
 
     def _base(self, anchor: np.ndarray) -> dict[str, list[float]]:
         """Position and velocity of the base at the start."""
         position, velocity = anchor.copy(), np.zeros(2)
         for slide in self.slides:
-            way = self.flat(slide.axis)
+            self._tell_unheld(slide.joint)
+            way = self.plan.flat(slide.axis)
             position = position + way * slide.joint.start
             velocity = velocity + way * slide.joint.speed
         return {"position": position.tolist(), **({"velocity": velocity.tolist()} if self.slides else {})}
-
-    def _walls(self) -> dict[str, Any]:
-        """The walls, and their friction as that of single walls."""
-        box: dict[str, float] = {}
-        walls: list[dict[str, Any]] = []
-        materials: dict[str, dict[str, float]] = {}
-        for number, plane in enumerate(self.robot.planes, 1):
-            if abs(float(np.dot(plane.normal, self.axis))) > PARALLEL:
-                self.left_out.append(f"plane {plane.name}: is not upright on the plane of the motion")
-                continue
-            point, normal = self.flat(plane.point), self.flat(plane.normal)
-            name = plane.name if plane.name.isidentifier() else f"wall_{number}"
-            if plane.name in WALLS and np.allclose(normal, NORMALS[WALLS.index(plane.name)], 0.0, PARALLEL):
-                box[name] = float(point[0] if name.startswith("x") else point[1])
-            else:
-                angle = math.atan2(-normal[0], normal[1]) + 0.0  # not −0
-                walls.append({"name": name, "point": point.tolist(), "angle": angle})
-            if plane.friction > 0.0:
-                materials[name] = {"friction": plane.friction}
-        found: dict[str, Any] = {"box": box} if box else {}
-        found |= {"walls": walls} if walls else {}
-        return found | ({"contact": {"wall": materials}} if materials else {})
-
-
-def _near(value: float) -> float:
-    """A number, or 0 where it is round-off of one."""
-    return 0.0 if abs(value) < ROUND else value
 
 
 def _rounded(data: Any) -> Any:
@@ -276,10 +319,4 @@ def _rounded(data: Any) -> Any:
         return {key: _rounded(value) for key, value in data.items()}
     if isinstance(data, list):
         return [_rounded(value) for value in data]
-    return _near(float(f"{data:.{DIGITS}g}")) if isinstance(data, float) else data
-
-
-def _cleaned(axis: np.ndarray) -> np.ndarray:
-    """A direction without round-off, so that axes along those of the robot are exact."""
-    whole = np.rint(axis)
-    return np.where(np.abs(axis - whole) < ROUND, whole, axis) + 0.0
+    return near(float(f"{data:.{DIGITS}g}")) if isinstance(data, float) else data

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.conversion.differences import Difference
+
 
 @dataclass(frozen=True, kw_only=True)
 class Joint:
@@ -21,7 +23,7 @@ class Joint:
         anchor: a point on it [m], likewise.
         low: least angle [rad] or position [m], −∞ if there is none.
         high: largest one.
-        damping: [N·m·s/rad].
+        damping: [N·m·s/rad], of a slide [N·s/m], and so on.
         stiffness: [N·m/rad].
         rest: angle at which the spring is slack [rad].
         friction: dry friction [N·m].
@@ -29,6 +31,9 @@ class Joint:
         torque_limit: [N·m], None if there is none.
         start: angle [rad] or position [m] at the start.
         speed: its rate at the start.
+        turn: of a joint that is neither hinge nor slide: its rotation at the start, shape (3, 3).
+        inputs: what of ``[inputs]`` its drives ask for.
+        drives: their names.
     """
 
     name: str
@@ -45,6 +50,26 @@ class Joint:
     torque_limit: float | None = None
     start: float = 0.0
     speed: float = 0.0
+    turn: np.ndarray | None = None
+    inputs: frozenset[str] = frozenset()
+    drives: Sequence[str] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shape:
+    """What of a body can touch, or is only seen.
+
+    Attributes:
+        kind: as ``capsule``.
+        touches: whether it can touch anything.
+        corners: points of the body [m], shape (n, 3); the shape is the hull of balls about them.
+        radius: of the balls [m].
+    """
+
+    kind: str
+    touches: bool
+    corners: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    radius: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +86,8 @@ class Body:
         inertia: about the centre of mass, in its own axes, shape (3, 3) [kg·m²].
         joints: in the order in which they act.
         frames: named points [m] in its own axes, of which one may be the tip.
+        shapes: what of it can touch or be seen.
+        borne: part of its weight that something else than the joints bears.
     """
 
     name: str
@@ -72,16 +99,27 @@ class Body:
     inertia: np.ndarray
     joints: Sequence[Joint] = ()
     frames: Sequence[tuple[str, np.ndarray]] = ()
+    shapes: Sequence[Shape] = ()
+    borne: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Plane:
-    """A plane that does not move: its free side is where its normal points."""
+    """A plane that does not move: its free side is where its normal points.
+
+    Attributes:
+        name: as in the file.
+        point: on it [m].
+        normal: of length 1.
+        friction: with whatever touches it.
+        touching: positions of the bodies that can touch it, and the friction with each; None: all can.
+    """
 
     name: str
     point: np.ndarray
     normal: np.ndarray
-    friction: float
+    friction: float = 0.0
+    touching: Sequence[tuple[int, float]] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,17 +131,17 @@ class Robot:
         bodies: see above.
         gravity: [m/s²].
         planes: walls.
-        inputs: what of ``[inputs]`` the drives ask for.
         tables: tables of a scene that the file carries.
         first_link: what link 1 has as a joint, which has no effect where the base is free.
-        left_out: what of the file no scene can hold, a sentence each.
+        notes: how the file was read, a sentence each.
+        differences: what of the file no scene can hold.
     """
 
     name: str
     bodies: Sequence[Body]
     gravity: np.ndarray
     planes: Sequence[Plane] = ()
-    inputs: dict[str, bool] = field(default_factory=dict)
     tables: dict[str, Any] = field(default_factory=dict)
     first_link: dict[str, float] = field(default_factory=dict)
-    left_out: Sequence[str] = ()
+    notes: Sequence[str] = ()
+    differences: Sequence[Difference] = ()

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import io
+import math
+import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from chain_impact.conversion.robot import Body, Joint, Robot
+from chain_impact.conversion.differences import Difference, Effect, few, of_joint
+from chain_impact.conversion.robot import Body, Joint, Robot, Shape
+from chain_impact.conversion.urdf_elements import SHAPES, other_elements
 from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError
 
@@ -17,23 +24,26 @@ KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
 """Type of a joint that moves → its kind; a fixed joint merges two bodies."""
 GRAVITY = np.array([0.0, 0.0, -9.81])
 """URDF says nothing of it, and its z axis points up."""
+XACRO = "xacro"
 
 
 def read_urdf(path: Path) -> Robot:
-    """The robot of a URDF file; its meshes are not read.
+    """The robot of a URDF file; its shapes and colours are not read, and so no mesh need be there.
 
     Raises:
         SceneError: when the file holds no robot.
         MissingExtraError: when yourdfpy is not installed.
     """
     yourdfpy = require("yourdfpy", "convert")
+    root = urdf_of(path)
+    differences = list(other_elements(root))
+    shapes = {link.get("name", ""): list(_shapes(link)) for link in root.iter("link")}
     options = dict.fromkeys(("load_meshes", "load_collision_meshes", "build_scene_graph"), False)
     try:
-        robot = yourdfpy.URDF.load(str(path), **options).robot
-    except OSError:
-        raise
+        robot = yourdfpy.URDF.load(io.BytesIO(moving_parts(root)), **options).robot
     except Exception as error:  # of lxml and of yourdfpy, which has many
-        raise SceneError(f"{path}: is no URDF that can be read: {error}") from None
+        what = f"attribute {error} is missing" if isinstance(error, KeyError) else error
+        raise SceneError(f"{path}: is no URDF that can be read: {what}") from None
     links = {link.name: link for link in robot.links}
     by_parent: dict[str, list[Any]] = {}
     for joint in robot.joints:
@@ -41,16 +51,84 @@ def read_urdf(path: Path) -> Robot:
     named = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])  # "world" may be named only
     roots = [name for name in named if name not in {joint.child for joint in robot.joints}]
     if len(roots) != 1:
-        raise SceneError(f"{path}: must have one link that none is before, has {', '.join(roots) or 'none'}")
+        found = f"has {few(roots)}" if roots else "has none" if named else "it has no link at all"
+        raise SceneError(f"{path}: must have one link that none is before; {found}")
     bodies: list[Body] = []
     places: dict[str, int] = {}
     for name, joint in _ordered(roots[0], None, by_parent):
         places[name] = len(bodies)
-        bodies.append(_body(name, links.get(name), joint, places[joint.parent] if joint else -1))
-    left_out = [*_left_out(robot), *_other_elements(path)]
-    driven = any(one.torque_limit is not None for body in bodies for one in body.joints)
-    inputs = {"joint_torques": True} if driven else {}
-    return Robot(name=robot.name, bodies=bodies, gravity=GRAVITY, inputs=inputs, left_out=left_out)
+        body = _body(name, links.get(name), joint, places[joint.parent] if joint else -1)
+        bodies.append(replace(body, shapes=shapes.get(name, [])))
+    for joint in robot.joints:
+        differences += _limits_left_out(joint)
+    return Robot(name=robot.name, bodies=bodies, gravity=GRAVITY, differences=differences)
+
+
+def xml_of(path: Path) -> Element:
+    """The root of a file, which may have prefixes that it does not declare.
+
+    Raises:
+        SceneError: when it is no XML.
+    """
+    try:
+        return ElementTree.parse(path).getroot()
+    except ElementTree.ParseError as error:
+        try:
+            if "unbound prefix" not in str(error):
+                raise
+            text = path.read_text(encoding="utf-8")
+            names = sorted(
+                {*re.findall(r"</?([\w.-]+):", text), *re.findall(r"\s([\w.-]+):[\w.-]+\s*=", text)}
+            )
+            declared = " ".join(f'xmlns:{name}="{name}"' for name in names if f"xmlns:{name}" not in text)
+            return ElementTree.fromstring(re.sub(r"<([A-Za-z][\w.-]*)", rf"<\1 {declared}", text, count=1))
+        except ElementTree.ParseError as error:
+            raise SceneError(f"{path}: is no XML: {error}") from None
+
+
+def local_name(tag: str) -> str:
+    """The name of an element without its namespace."""
+    return tag.rpartition("}")[2]
+
+
+def urdf_of(path: Path) -> Element:
+    """The elements of a file, without namespaces.
+
+    Raises:
+        SceneError: when it is no XML, or xacro has yet to make URDF of it.
+    """
+    root = xml_of(path)
+    for element in root.iter():
+        if not isinstance(element.tag, str):
+            continue
+        texts = [value for value in element.attrib.values() if "${" in value or "$(" in value]
+        if texts or XACRO in element.tag.partition("}")[0]:
+            what = f"the text {texts[0]!r}" if texts else f"the element {XACRO}:{local_name(element.tag)}"
+            raise SceneError(
+                f"{path}: is a xacro file, it has {what}: run xacro first, `xacro {path.name} > robot.urdf`"
+            )
+        element.tag = local_name(element.tag)
+        for key in list(element.attrib):
+            element.attrib[local_name(key)] = element.attrib.pop(key)
+    return root
+
+
+def moving_parts(root: Element) -> bytes:
+    """The links and joints as a file, without what is only seen or touched."""
+    bare = Element("robot", name=root.get("name") or "robot")
+    for part in root:
+        if part.tag in ("link", "joint"):
+            kept = Element(part.tag, part.attrib)
+            kept.extend(element for element in part if element.tag not in (*SHAPES, "material"))
+            bare.append(kept)
+    return ElementTree.tostring(bare)
+
+
+def _shapes(link: Element) -> Iterator[Shape]:
+    for what in SHAPES:
+        for part in link.iter(what):
+            kinds = [shape.tag for shape in part.findall("geometry/*")]
+            yield Shape(kind=kinds[0] if kinds else "shape", touches=what == "collision")
 
 
 def _ordered(name: str, joint: Any, by_parent: dict[str, list[Any]]) -> Iterator[tuple[str, Any]]:
@@ -86,53 +164,52 @@ def _body(name: str, link: Any, joint: Any, parent: int) -> Body:
 def _joint(joint: Any) -> Joint:
     axis = np.array([1.0, 0.0, 0.0]) if joint.axis is None else np.asarray(joint.axis, float)
     limit, dynamics = joint.limit, joint.dynamics
-    given: dict[str, float] = {}
-    if limit is not None and joint.type != "continuous":
-        given |= {key: at for key, at in (("low", limit.lower), ("high", limit.upper)) if at is not None}
-    if dynamics is not None:
-        given |= {key: float(getattr(dynamics, key) or 0.0) for key in ("damping", "friction")}
-    if limit is not None and limit.effort and not given.get("damping"):
-        given["torque_limit"] = float(limit.effort)
+    low, high = _range(joint)
+    damping, friction = (float(getattr(dynamics, key, 0.0) or 0.0) for key in ("damping", "friction"))
+    driven = limit is not None and bool(limit.effort)
     return Joint(
         name=joint.name,
         kind=KINDS.get(joint.type, joint.type),
         axis=axis / np.linalg.norm(axis),
         anchor=np.zeros(3),
-        **given,
+        low=low,
+        high=high,
+        start=min(max(0.0, low), high) if low <= high else 0.0,
+        inputs=frozenset(["joint_torques"] if driven else []),
+        damping=damping,
+        friction=friction,
+        torque_limit=float(limit.effort) if driven and not damping else None,
     )
 
 
-def _left_out(robot: Any) -> Iterator[str]:
-    """What links and joints have that no scene can hold."""
-    for link in robot.links:
-        for what, parts in (("visual", link.visuals), ("collision", link.collisions)):
-            for part in parts:
-                shape = part.geometry
-                kinds = [kind for kind in ("box", "cylinder", "sphere", "mesh") if getattr(shape, kind, None)]
-                file = f" {shape.mesh.filename}" if "mesh" in kinds else ""
-                yield f"link {link.name}: {what} {''.join(kinds) or 'shape'}{file}"
-    for joint in robot.joints:
-        limit = joint.limit
-        if limit is not None and limit.velocity and joint.type in KINDS:
-            yield f"joint {joint.name}: limit of the velocity, {limit.velocity:.6g} rad/s"
-        if (
-            limit is not None
-            and limit.effort
-            and joint.dynamics is not None
-            and float(joint.dynamics.damping or 0)
-        ):
-            yield (
-                f"joint {joint.name}: limit of the effort, {limit.effort:.6g} N.m: that of a scene also "
-                "limits the damper"
-            )
-        for key in ("mimic", "calibration", "safety_controller"):
-            if getattr(joint, key, None) is not None:
-                yield f"joint {joint.name}: {key}"
+def _range(joint: Any) -> tuple[float, float]:
+    """The least and largest value of a joint; one that the file does not give is 0, if it gives the other."""
+    limit = joint.limit
+    if limit is None or joint.type == "continuous" or (limit.lower is None and limit.upper is None):
+        return -math.inf, math.inf
+    return float(limit.lower or 0.0), float(limit.upper or 0.0)
 
 
-def _other_elements(path: Path) -> Iterator[str]:
-    """Elements of the file that are neither links nor joints."""
-    for element in ElementTree.parse(path).getroot():
-        if element.tag not in ("link", "joint", "material"):
-            name = element.get("name") or element.get("reference")
-            yield f"element {element.tag}{f' {name}' if name else ''}"
+def _limits_left_out(joint: Any) -> Iterator[Difference]:
+    """What of a joint's limits is not in the scene, or not as in the file."""
+    limit = joint.limit
+    if limit is None or joint.type not in KINDS:
+        return
+    turns = KINDS[joint.type] == "hinge"
+    rate, force = ("rad/s", "N.m") if turns else ("m/s", "N")
+    damped = joint.dynamics is not None and bool(joint.dynamics.damping)
+    found: dict[str, Any] = {
+        f"limit of the velocity, {limit.velocity or 0.0:.6g} {rate}: is not in the scene": limit.velocity,
+        f"limit of the effort, {limit.effort or 0.0:.6g} {force}: is not in the scene, where it would limit "
+        "the damper, too": limit.effort and damped,
+        "limit of the effort 0: is taken as none": limit.effort == 0.0,
+        "has no limits of its position: is taken as free": (
+            joint.type != "continuous" and limit.lower is None and limit.upper is None
+        ),
+    }
+    low, high = _range(joint)
+    if low <= high and not low <= 0.0 <= high:
+        found[f"starts at {min(max(0.0, low), high):.6g}, its limit, as 0 is beyond it"] = True
+    for text, true in found.items():
+        if true:
+            yield of_joint(joint.name, text, Effect.NONE)

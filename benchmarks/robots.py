@@ -1,0 +1,190 @@
+"""Robots of files beside MuJoCo: do their joints turn alike for half a second, or is the cause told?
+
+    python benchmarks/robots.py [--joints NAMES] FILE…
+
+MuJoCo gives the forces and the mass matrix of each file, without contacts, limits and dry friction; SciPy
+integrates them, with held joints at rest. At the start each joint moves. A robot that is no planar chain is
+tried with the joints that its refusal proposes. The table has the largest difference of a joint's angle, and
+what is told first.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import warnings
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from chain_impact import SceneError, simulate
+from chain_impact.conversion.convert import ALL, read_robot
+from chain_impact.conversion.joints import NoChainError
+from chain_impact.conversion.mjcf_files import compiled
+from chain_impact.conversion.planar import Choices, Converted
+from chain_impact.conversion.proposals import chain_of
+from chain_impact.conversion.robot import Robot
+from chain_impact.conversion.urdf import moving_parts, urdf_of
+from chain_impact.scene.scene import scene_from_dict
+
+DURATION = 0.5  # s
+SPEED = 0.3  # rad/s or m/s, of the joints at the start, with changing sign
+TOLERANCE = 1e-11
+ALIKE = 1e-6  # rad, up to which two angles are the same
+TOUCHING = ("joint_min", "joint_max", "joint_friction")
+"""What a link has that MuJoCo does otherwise, by soft constraints."""
+CONSTRAINTS = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+
+
+class Compared(NamedTuple):
+    """A robot beside MuJoCo.
+
+    Attributes:
+        joints: those that move.
+        difference: the largest one of an angle [rad]; None where the file is refused.
+        cause: why the file is refused, or what is told first of a difference.
+    """
+
+    joints: Sequence[str]
+    difference: float | None
+    cause: str
+
+    @property
+    def holds(self) -> bool:
+        """Whether the robot is the robot, or it is told why not."""
+        return self.difference is None or self.difference <= ALIKE or bool(self.cause)
+
+
+def compared(path: Path, choices: Choices = ALL) -> Compared:
+    """A robot's file beside MuJoCo; with the proposed joints, if all joints are no planar chain."""
+    try:
+        robot = read_robot(path, choices.keyframe)
+        try:
+            done = chain_of(robot, choices, str(path))
+        except NoChainError as error:
+            proposed = re.search(r"--joints (\S+) takes joints", str(error))
+            if proposed is None:
+                raise
+            choices = choices._replace(joints=proposed[1].split(","))
+    except SceneError as error:
+        return Compared((), None, str(error).removeprefix(f"{path}: "))
+    names = choices.joints or [joint.name for body in robot.bodies for joint in body.joints]
+    moving = _moving(robot, names)
+    done = chain_of(moving, choices, str(path))
+    apart = turned_in_scene(done, moving, names) - turned_in_mujoco(path, moving, names, choices.keyframe)
+    told = [*done.warnings, *(line for line in done.left_out if line.startswith("link"))]
+    return Compared(names, float(np.abs(apart).max()), told[0] if told else "")
+
+
+def _moving(robot: Robot, names: Sequence[str]) -> Robot:
+    """A robot of which the joints that move have a speed at the start."""
+    speeds = {name: SPEED * (-1.0) ** i for i, name in enumerate(names)}
+    bodies = [
+        replace(body, joints=[replace(joint, speed=speeds.get(joint.name, 0.0)) for joint in body.joints])
+        for body in robot.bodies
+    ]
+    return replace(robot, bodies=bodies)
+
+
+def turned_in_scene(done: Converted, robot: Robot, names: Sequence[str]) -> np.ndarray:
+    """How far each hinge turns in the scene [rad], with the sign of the file, by the note on it."""
+    data = {key: table for key, table in done.data.items() if key not in ("box", "walls", "contact", "stops")}
+    links = [
+        {key: value for key, value in link.items() if key not in TOUCHING} for link in data["chain"]["links"]
+    ]
+    data |= {"chain": {**data["chain"], "links": links}, "simulation": {"stop_time": DURATION}}
+    data["solver"] = {"tolerance": TOLERANCE}
+    data["name"] = "compared"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        result = simulate(scene_from_dict(data, "compared"))
+    turned = next((note for note in done.notes if "other sign" in note), "").partition(":")[0]
+    hinges = [joint.name for body in robot.bodies for joint in body.joints if joint.kind == "hinge"]
+    other = set(re.split(r",? ", turned)[1:])
+    signs = [-1.0 if name in other else 1.0 for name in hinges if name in names]
+    relative = np.diff(result.angles, axis=1, prepend=0.0)
+    return np.asarray(signs * (relative[-1] - relative[0]))
+
+
+def mujoco_model(path: Path) -> Any:
+    """A file as MuJoCo has it, without constraints; of URDF what is seen and touched is left out."""
+    if path.suffix == ".xml":
+        model = compiled(mujoco, path).model
+    else:
+        root = ElementTree.fromstring(moving_parts(urdf_of(path)))
+        named = {link.get("name") for link in root.iter("link") if link.get("name")}
+        for joint in root.findall("joint"):
+            for element in (*joint.findall("parent"), *joint.findall("child")):
+                if element.get("link") not in named:
+                    ElementTree.SubElement(root, "link", name=element.get("link", ""))
+                    named.add(element.get("link"))
+        compiler = ElementTree.SubElement(ElementTree.SubElement(root, "mujoco"), "compiler")
+        compiler.attrib |= {"fusestatic": "true", "balanceinertia": "true"}
+        model = mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))
+    model.opt.disableflags |= CONSTRAINTS
+    return model
+
+
+def turned_in_mujoco(path: Path, robot: Robot, names: Sequence[str], keyframe: str | None) -> np.ndarray:
+    """How far each hinge of some joints turns in MuJoCo [rad]; all others are held."""
+    model = mujoco_model(path)
+    data = mujoco.MjData(model)
+    if model.nkey and keyframe != "none":
+        mujoco.mj_resetDataKeyframe(model, data, 0 if keyframe is None else model.key(keyframe).id)
+    places, speeds, hinges = [], [], []
+    ids = {model.joint(j).name or f"{j}": j for j in range(model.njnt)}
+    data.qvel[:] = 0.0
+    for joint in (joint for body in robot.bodies for joint in body.joints if joint.name in ids):
+        j = ids[joint.name]
+        place, speed = int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
+        if joint.kind in ("hinge", "slide"):
+            data.qpos[place] = model.qpos0[place] + joint.start
+        if joint.name in names:
+            data.qvel[speed] = joint.speed
+            places.append(place)
+            speeds.append(speed)
+            hinges.append(joint.kind == "hinge")
+    mass, n = np.zeros((model.nv, model.nv)), len(places)
+
+    def rates(_: float, state: np.ndarray) -> np.ndarray:
+        data.qpos[places], data.qvel[speeds], data.act[:] = state[:n], state[n : 2 * n], state[2 * n :]
+        mujoco.mj_forward(model, data)
+        mujoco.mj_fullM(model, data, mass)
+        inertia, force = mass[np.ix_(speeds, speeds)], data.qfrc_smooth[speeds]
+        return np.concatenate([state[n : 2 * n], np.linalg.solve(inertia, force), data.act_dot])
+
+    start = np.concatenate([data.qpos[places], data.qvel[speeds], data.act])
+    run = solve_ivp(rates, (0.0, DURATION), start, method="DOP853", rtol=1e-11, atol=1e-12)
+    return np.asarray((run.y[:n, -1] - start[:n])[hinges])
+
+
+def main() -> None:
+    """Print the table."""
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("files", nargs="+", type=Path)
+    arguments.add_argument("--joints", default="")
+    options = arguments.parse_args()
+    joints = tuple(filter(None, options.joints.split(",")))
+    print("| file | joints | difference, rad | told first |\n|---|---|---|---|")
+    for path in options.files:
+        try:
+            found = compared(path, Choices(joints))
+        except ValueError as error:
+            print(f"| {path} | | | MuJoCo: {' '.join(str(error).split())} |")
+            continue
+        amount = "refused" if found.difference is None else f"{found.difference:.1e}"
+        print(f"| {path} | {','.join(found.joints)} | {amount} | {found.cause or _not_told(found)} |")
+
+
+def _not_told(found: Compared) -> str:
+    return "" if found.holds else "NOTHING IS TOLD"
+
+
+if __name__ == "__main__":
+    main()

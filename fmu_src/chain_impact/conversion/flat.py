@@ -1,0 +1,100 @@
+"""The plane in which a chain moves, and where its axes are in space."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from chain_impact.conversion.joints import PARALLEL
+from chain_impact.scene.reading import SceneError
+
+TINY = 1e-9  # m, what round-off may be
+ROUND = 1e-14  # of a number of the order of 1, what is round-off of a rotation
+X, Y, Z = np.eye(3)
+
+
+class Plan(NamedTuple):
+    """The plane of the motion.
+
+    Attributes:
+        x: direction of the robot along which x of the scene points.
+        y: likewise.
+        axis: about which angles of the scene count.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    axis: np.ndarray
+
+    def flat(self, point: np.ndarray) -> np.ndarray:
+        """Points of space in the plane, shape (…, 2) [m]."""
+        return np.stack([point @ self.x, point @ self.y], axis=-1)
+
+    @property
+    def told(self) -> str:
+        """Where its axes point, in a sentence."""
+        axes = [" ".join(f"{part:.4g}" for part in axis) for axis in (self.x, self.y)]
+        return f"plane: x of the scene is ({axes[0]}) of the robot, y is ({axes[1]})"
+
+
+def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
+    """The plane across the axes of the joints.
+
+    Unless ``directions`` say otherwise, as ``-x,z``, y points up, and x along x of the robot if it can, else
+    along y of the robot. Where the axes are upright, both point along x and y of the robot.
+
+    Raises:
+        SceneError: when the directions are not two that are across each other and the axes.
+    """
+    axis = axis / np.linalg.norm(axis)
+    if directions is not None:
+        x, y = _chosen(axis, directions, source)
+    else:
+        up = _across(Z, axis)
+        y = up if np.linalg.norm(up) > PARALLEL else _across(Y, axis)
+        y = y / np.linalg.norm(y)
+        x = np.cross(y, axis)
+        x = x * (_sign(x[0]) or _sign(x[1]))
+    x, y = _cleaned(x), _cleaned(y)
+    return Plan(x, y, np.cross(x, y))
+
+
+def _across(direction: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    """The part of a direction that is across an axis."""
+    return np.asarray(direction - np.dot(direction, axis) * axis)
+
+
+def _sign(value: float) -> float:
+    return 0.0 if abs(value) < PARALLEL else float(np.sign(value))
+
+
+def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray, np.ndarray]:
+    known = {
+        f"{sign}{name}": factor * direction
+        for sign, factor in (("", 1.0), ("-", -1.0))
+        for name, direction in zip("xyz", (X, Y, Z), strict=True)
+    }
+    names = [part.strip() for part in directions.split(",")]
+    allowed = f"must be two of {', '.join(known)}, for example x,z"
+    if len(names) != 2 or any(name not in known for name in names):  # noqa: PLR2004
+        raise SceneError(f"--plane {directions}: {allowed}")
+    x, y = (known[name] for name in names)
+    if abs(np.dot(x, y)) > PARALLEL or max(abs(np.dot(x, axis)), abs(np.dot(y, axis))) > PARALLEL:
+        turning = " ".join(f"{part:.4g}" for part in _cleaned(axis))
+        raise SceneError(
+            f"{source}: --plane {directions}: x and y must be across each other and the axes of the joints, "
+            f"which point along ({turning})"
+        )
+    return x, y
+
+
+def near(value: float) -> float:
+    """A number, or 0 where it is round-off of one."""
+    return 0.0 if abs(value) < ROUND else value
+
+
+def _cleaned(axis: np.ndarray) -> np.ndarray:
+    """A direction without round-off, so that axes along those of the robot are exact."""
+    whole = np.rint(axis)
+    return np.where(np.abs(axis - whole) < ROUND, whole, axis) + 0.0

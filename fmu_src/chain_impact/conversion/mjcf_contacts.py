@@ -1,0 +1,141 @@
+"""What of an MJCF model can touch what, by MuJoCo's rules, and with which friction."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from chain_impact.conversion.differences import Difference, Effect
+from chain_impact.conversion.robot import Plane, Shape
+
+BITS = 16  # of the position of a body in the signature of a pair
+RIM = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)  # rad, places on the rim of a cylinder
+
+
+class Contacts:
+    """The shapes of a model, and which of them touch; collects what no scene can hold."""
+
+    def __init__(self, mujoco: Any, model: Any, stand_ins: set[str]) -> None:
+        """Of a model, of which some meshes are stand-ins."""
+        self.mujoco, self.model = mujoco, model
+        self.stand_ins = {m for m in range(model.nmesh) if model.mesh(m).name in stand_ins}
+        flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
+        self.works = not flags & (bits.mjDSBL_CONTACT | bits.mjDSBL_CONSTRAINT)
+        override = model.opt.enableflags & mujoco.mjtEnableBit.mjENBL_OVERRIDE
+        self.friction = float(model.opt.o_friction[0]) if override else None
+        self.pairs = {
+            frozenset((int(model.pair_geom1[p]), int(model.pair_geom2[p]))): p for p in range(model.npair)
+        }
+        self.excluded = {int(one) for one in model.exclude_signature}
+        self.still = [g for g in range(model.ngeom) if self._is_still(g)]
+        self.moving = [g for g in range(model.ngeom) if not self._is_still(g)]
+
+    def _is_still(self, g: int) -> bool:
+        return bool(self.model.body_weldid[self.model.geom_bodyid[g]] == 0)
+
+    def _is_wall(self, g: int) -> bool:
+        return self._is_still(g) and self.model.geom_type[g] == self.mujoco.mjtGeom.mjGEOM_PLANE
+
+    def _touch(self, one: int, other: int) -> bool:
+        """Whether two shapes can touch: they are a pair, or their types and affinities match."""
+        model = self.model
+        if not self.works:
+            return False
+        if frozenset((one, other)) in self.pairs:
+            return True
+        first, second = sorted((int(model.geom_bodyid[one]), int(model.geom_bodyid[other])))
+        if (first << BITS) + second in self.excluded or model.body_weldid[first] == model.body_weldid[second]:
+            return False
+        types, affinities = model.geom_contype, model.geom_conaffinity
+        return bool(types[one] & affinities[other] or types[other] & affinities[one])
+
+    def _rubs(self, one: int, other: int) -> float:
+        """Friction between two shapes: of the pair, else of the one with priority, else the larger one."""
+        model = self.model
+        if frozenset((one, other)) in self.pairs:
+            p = self.pairs[frozenset((one, other))]
+            rubs, friction = model.pair_dim[p] > 1, float(model.pair_friction[p, 0])
+        else:
+            most = max(model.geom_priority[one], model.geom_priority[other])
+            ruling = [g for g in (one, other) if model.geom_priority[g] == most]
+            rubs = max(model.geom_condim[g] for g in ruling) > 1
+            friction = max(float(model.geom_friction[g, 0]) for g in ruling)
+        friction = friction if self.friction is None else self.friction
+        return friction if rubs else 0.0
+
+    def planes(self, own: bool) -> Iterator[Plane]:
+        """The planes that do not move. In a file of ours they have their friction elsewhere."""
+        model, data = self.model, self.mujoco.MjData(self.model)
+        self.mujoco.mj_kinematics(model, data)
+        for g in filter(self._is_wall, self.still):
+            touching = [
+                (int(model.geom_bodyid[other]) - 1, self._rubs(g, other))
+                for other in self.moving
+                if self._touch(g, other)
+            ]
+            yield Plane(
+                name=model.geom(g).name or f"{g}",
+                point=np.array(data.geom_xpos[g]),
+                normal=np.array(data.geom_xmat[g].reshape(3, 3)[:, 2]),
+                touching=None if own else touching,
+            )
+
+    def shapes(self, b: int) -> list[Shape]:
+        """The shapes of body ``b``."""
+        model = self.model
+        return [
+            self._shape(g) for g in range(model.ngeom) if model.geom_bodyid[g] == b and not self._is_wall(g)
+        ]
+
+    def _shape(self, g: int) -> Shape:
+        model, kinds = self.model, self.mujoco.mjtGeom
+        kind = kinds(model.geom_type[g])
+        rotation = np.zeros(9)
+        self.mujoco.mju_quat2Mat(rotation, model.geom_quat[g])
+        size, corners, radius = model.geom_size[g], np.zeros((1, 3)), 0.0
+        if kind == kinds.mjGEOM_SPHERE:
+            radius = float(size[0])
+        elif kind == kinds.mjGEOM_CAPSULE:
+            corners, radius = np.outer([-size[1], size[1]], [0.0, 0.0, 1.0]), float(size[0])
+        elif kind == kinds.mjGEOM_CYLINDER:
+            circle = np.stack([size[0] * np.cos(RIM), size[0] * np.sin(RIM), size[1] + 0.0 * RIM], axis=1)
+            corners = np.concatenate([circle, circle * [1.0, 1.0, -1.0]])
+        elif kind == kinds.mjGEOM_MESH and model.geom_dataid[g] not in self.stand_ins:
+            m = model.geom_dataid[g]
+            start = model.mesh_vertadr[m]
+            corners = np.array(model.mesh_vert[start : start + model.mesh_vertnum[m]], float)
+        elif kind == kinds.mjGEOM_MESH:
+            corners = np.zeros((0, 3))
+        else:  # a box, or the box about an ellipsoid
+            signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+            corners = signs * size
+        return Shape(
+            kind=kind.name.removeprefix("mjGEOM_").lower(),
+            touches=any(self._touch(g, other) for other in range(model.ngeom) if other != g),
+            corners=corners @ rotation.reshape(3, 3).T + model.geom_pos[g],
+            radius=radius,
+        )
+
+    def differences(self) -> Iterator[Difference]:
+        """What touches in the file and is no wall, and how it does so."""
+        model = self.model
+        walls = False
+        for g in self.still:
+            bodies = frozenset(int(model.geom_bodyid[o]) - 1 for o in self.moving if self._touch(g, o))
+            walls |= self._is_wall(g) and bool(bodies)
+            if bodies and not self._is_wall(g):
+                kind = self.mujoco.mjtGeom(model.geom_type[g]).name.removeprefix("mjGEOM_").lower()
+                text = "does not move, and touches what does: only planes are walls of a scene"
+                about = bodies | {-1}
+                yield Difference(
+                    kind=kind,
+                    name=model.geom(g).name or f"{g}",
+                    text=text,
+                    effect=Effect.CONTACT,
+                    bodies=about,
+                )
+        if walls:
+            text = "is soft in MuJoCo (solref, solimp); a wall of a scene has the law in [contact]"
+            yield Difference(kind="contact", text=text, effect=Effect.CONTACT)

@@ -1,0 +1,82 @@
+"""What of an MJCF model couples joints and bodies: equalities, tendons, flexes. No scene has any."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from chain_impact.conversion.differences import Difference, Effect
+
+FORCES = {
+    "tendon_stiffness": "SPRING",
+    "tendon_stiffnesspoly": "SPRING",
+    "tendon_damping": "DAMPER",
+    "tendon_dampingpoly": "DAMPER",
+    "tendon_frictionloss": "FRICTIONLOSS",
+    "tendon_limited": "LIMIT",
+    "tendon_armature": None,
+}
+"""Field by which a tendon acts → the flag that switches it off."""
+
+
+def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
+    """What acts between joints or bodies, and is not in the scene."""
+    flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
+    off = {name for name in dir(bits) if name.startswith("mjDSBL_") and flags & int(getattr(bits, name))}
+    if "mjDSBL_EQUALITY" not in off and "mjDSBL_CONSTRAINT" not in off:
+        for e in np.flatnonzero(model.eq_active0):
+            yield _equality(mujoco, model, int(e))
+    for t in range(model.ntendon):
+        yield from _tendon(mujoco, model, t, off)
+    for f in range(model.nflex):
+        yield Difference(kind="flex", name=f"{f}", text="is not in the scene", effect=Effect.MOTION)
+
+
+def _equality(mujoco: Any, model: Any, e: int) -> Difference:
+    """An equality that holds at the start."""
+    kinds, ids = mujoco.mjtObj, (int(model.eq_obj1id[e]), int(model.eq_obj2id[e]))
+    kind = mujoco.mjtEq(model.eq_type[e]).name.removeprefix("mjEQ_").lower()
+    joints, bodies = frozenset[str](), frozenset[int]()
+    if kind == "joint":
+        joints = frozenset(model.joint(j).name or f"{j}" for j in ids if j >= 0)
+    elif model.eq_objtype[e] == kinds.mjOBJ_BODY:
+        bodies = frozenset(b - 1 for b in ids)
+    elif model.eq_objtype[e] == kinds.mjOBJ_SITE:
+        bodies = frozenset(int(model.site_bodyid[s]) - 1 for s in ids)
+    return Difference(
+        kind="equality",
+        name=model.equality(e).name or f"{e}",
+        text=f"{kind}: is not in the scene",
+        effect=Effect.MOTION,
+        joints=joints,
+        bodies=bodies,
+    )
+
+
+def _tendon(mujoco: Any, model: Any, t: int, off: set[str]) -> Iterator[Difference]:
+    """A tendon, if it acts."""
+    acting = [
+        field.removeprefix("tendon_")
+        for field, flag in FORCES.items()
+        if np.any(getattr(model, field)[t]) and f"mjDSBL_{flag}" not in off
+    ]
+    if not acting:
+        return
+    joints, bodies = set[str](), set[int]()
+    kinds = mujoco.mjtWrap
+    for w in range(model.tendon_adr[t], model.tendon_adr[t] + model.tendon_num[t]):
+        i = int(model.wrap_objid[w])
+        if model.wrap_type[w] == kinds.mjWRAP_JOINT:
+            joints.add(model.joint(i).name or f"{i}")
+        elif model.wrap_type[w] == kinds.mjWRAP_SITE:
+            bodies.add(int(model.site_bodyid[i]) - 1)
+    yield Difference(
+        kind="tendon",
+        name=model.tendon(t).name or f"{t}",
+        text=f"{', '.join(acting)}: is not in the scene",
+        effect=Effect.MOTION,
+        joints=frozenset(joints),
+        bodies=frozenset(bodies),
+    )

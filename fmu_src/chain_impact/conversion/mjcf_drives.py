@@ -1,0 +1,259 @@
+"""What the actuators of MJCF do at a joint: motors, and servos, which are springs and dampers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from chain_impact.conversion.differences import Difference, Effect, of_joint
+from chain_impact.conversion.robot import Joint
+
+FAST = 20.0  # rad/s, which joints of robots hardly reach
+ALIKE = 1e-9  # of the larger of two limits, in which they may differ and are the same
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The torque of an actuator at a joint: ``torque − stiffness q − damping q̇``, q as MuJoCo counts it.
+
+    Attributes:
+        name: of the actuator.
+        torque: of its control at the start [N·m].
+        gain: torque by control.
+        stiffness: [N·m/rad].
+        damping: [N·m·s/rad].
+        low: least torque [N·m], −∞ if there is none.
+        high: largest one.
+    """
+
+    name: str
+    torque: float
+    gain: float
+    stiffness: float
+    damping: float
+    low: float
+    high: float
+
+    @property
+    def is_servo(self) -> bool:
+        """Whether it holds an angle or a speed."""
+        return self.stiffness > 0.0 or self.damping > 0.0
+
+
+class Drives:
+    """The actuators of a model; collects what no scene can hold."""
+
+    def __init__(self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray) -> None:
+        """Of a model, with the controls and activations at the start."""
+        self.mujoco, self.model, self.control, self.activation = mujoco, model, control, activation
+        self.differences: list[Difference] = []
+        self.at: dict[int, list[int]] = {}
+        self.works = not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_ACTUATION
+        self.damps = not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_DAMPER
+        kinds = mujoco.mjtTrn
+        for a in range(model.nactuator):
+            if kinds(model.actuator_trntype[a]) in (kinds.mjTRN_JOINT, kinds.mjTRN_JOINTINPARENT):
+                self.at.setdefault(int(model.actuator_trnid[a, 0]), []).append(a)
+            elif self._active(a):
+                self._tell_other(a)
+
+    def _active(self, a: int) -> bool:
+        """Whether an actuator works at all."""
+        group = int(self.model.actuator_group[a])
+        off = 0 <= group < 31 and self.model.opt.disableactuator >> group & 1  # noqa: PLR2004
+        return self.works and not off
+
+    def _name(self, a: int) -> str:
+        start = self.model.name_actuatoradr[a]
+        return self.model.names[start:].split(b"\0", 1)[0].decode() or f"{a}"
+
+    def _tell(self, a: int, text: str, effect: Effect, joint: str = "") -> None:
+        joints = frozenset([joint] if joint else [])
+        self.differences.append(
+            Difference(kind="actuator", name=self._name(a), text=text, effect=effect, joints=joints)
+        )
+
+    def _tell_other(self, a: int) -> None:
+        """An actuator that acts on no joint."""
+        kind = self.mujoco.mjtTrn(self.model.actuator_trntype[a]).name.removeprefix("mjTRN_").lower()
+        sticks = kind == "body"  # adhesion of what touches
+        self._tell(
+            a,
+            f"acts on no joint, but on a {kind}: is not in the scene",
+            Effect.CONTACT if sticks else Effect.MOTION,
+        )
+
+    def driven(self, joint: Joint, j: int, zero: float) -> Joint:
+        """Joint ``j`` with its actuators; ``zero`` is its value in MuJoCo where that of the scene is 0."""
+        for a in self.at.get(j, []):
+            joint = self._geared(joint, a)
+        if joint.kind not in ("hinge", "slide"):
+            for a in filter(self._active, self.at.get(j, [])):
+                self._tell(a, f"acts on a {joint.kind}: is not in the scene", Effect.MOTION, joint.name)
+            return joint
+        found = [self._drive(joint, a) for a in self.at.get(j, []) if self._active(a)]
+        drives = [one for one in found if one is not None]
+        if drives:
+            joint = self._with(joint, j, drives, zero)
+        return joint
+
+    def _geared(self, joint: Joint, a: int) -> Joint:
+        """A joint with the damper and the rotor of actuator ``a``, reflected through its gear."""
+        model, gear = self.model, self._gear(a)
+        if np.any(model.actuator_dampingpoly[a]):
+            self._tell(
+                a,
+                "its damping is not linear, of which the scene has the linear part",
+                Effect.MOTION,
+                joint.name,
+            )
+        return replace(
+            joint,
+            damping=joint.damping + self.damps * gear * gear * float(model.actuator_damping[a]),
+            armature=joint.armature + gear * gear * float(model.actuator_armature[a]),
+        )
+
+    def _gear(self, a: int) -> float:
+        return float(self.model.actuator_gear[self.model.actuator_outadr[a], 0])
+
+    def _drive(self, joint: Joint, a: int) -> Drive | None:
+        """Actuator ``a`` as a motor or a servo, None if it is neither.
+
+        Its force is gain · control + b0 + b1 · length + b2 · velocity, with length = gear · q, and its torque
+        gear · force.
+        """
+        model, kinds = self.model, self.mujoco
+        gear, gain, bias = self._gear(a), model.actuator_gainprm[a], np.array(model.actuator_biasprm[a][:3])
+        if model.actuator_biastype[a] == kinds.mjtBias.mjBIAS_NONE:
+            bias[:] = 0.0
+        fixed = model.actuator_gaintype[a] == kinds.mjtGain.mjGAIN_FIXED
+        fixed |= model.actuator_gaintype[a] == kinds.mjtGain.mjGAIN_AFFINE and not np.any(gain[1:3])
+        known = (kinds.mjtBias.mjBIAS_NONE, kinds.mjtBias.mjBIAS_AFFINE)
+        stiffness, damping = -gear * gear * bias[1], -gear * gear * bias[2]
+        if (
+            not fixed
+            or kinds.mjtBias(model.actuator_biastype[a]) not in known
+            or min(stiffness, damping) < 0.0
+        ):
+            self._tell(a, "is neither a motor nor a servo: is not in the scene", Effect.MOTION, joint.name)
+            return None
+        if model.actuator_plugin[a] >= 0:
+            self._tell(a, "is a plugin, of which the scene has what else it says", Effect.MOTION, joint.name)
+        control = self._control(joint, a)
+        low, high = self._limits(a, gear, float(gain[0]), bias)
+        scale = gear * float(gain[0])
+        torque = scale * control + gear * float(bias[0])
+        return Drive(self._name(a), torque, scale, float(stiffness), float(damping), low, high)
+
+    def _control(self, joint: Joint, a: int) -> float:
+        """What acts as the control at the start."""
+        model, kinds = self.model, self.mujoco.mjtDyn
+        value = float(self.control[model.actuator_ctrladr[a]])
+        if self._clamps(a):
+            value = float(np.clip(value, *model.actuator_ctrlrange[model.actuator_ctrladr[a]]))
+        if model.actuator_delay[a]:
+            self._tell(
+                a,
+                f"acts {model.actuator_delay[a]:.6g} s late, in the scene at once",
+                Effect.MOTION,
+                joint.name,
+            )
+        if model.actuator_dyntype[a] != kinds.mjDYN_NONE:
+            kind = kinds(model.actuator_dyntype[a]).name.removeprefix("mjDYN_").lower()
+            self._tell(
+                a, f"has an activation of its own ({kind}), in the scene none", Effect.MOTION, joint.name
+            )
+            value = float(self.activation[model.actuator_actadr[a]])
+        return value
+
+    def _clamps(self, a: int) -> bool:
+        """Whether the control is limited."""
+        model, flag = self.model, self.mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
+        return (
+            bool(model.actuator_ctrllimited[model.actuator_ctrladr[a]]) and not model.opt.disableflags & flag
+        )
+
+    def _limits(self, a: int, gear: float, gain: float, bias: np.ndarray) -> tuple[float, float]:
+        """The least and the largest torque of an actuator."""
+        model, low, high = self.model, -math.inf, math.inf
+        if model.actuator_forcelimited[a]:
+            low, high = (float(force) for force in model.actuator_forcerange[a])
+        if self._clamps(a) and not np.any(bias[1:]):
+            ends = gain * model.actuator_ctrlrange[model.actuator_ctrladr[a]] + bias[0]
+            low, high = max(low, float(ends.min())), min(high, float(ends.max()))
+        low, high = sorted((gear * low, gear * high)) if gear else (0.0, 0.0)
+        return low, high
+
+    def _with(self, joint: Joint, j: int, drives: list[Drive], zero: float) -> Joint:
+        """A joint with its drives. Springs and dampers at a joint act as one."""
+        stiffness = joint.stiffness + sum(one.stiffness for one in drives)
+        damping = joint.damping + sum(one.damping for one in drives)
+        # Σ kᵢ (rᵢ − q) + τ = k (r − q), with k r = Σ kᵢ rᵢ + τ
+        torque = sum(one.torque - one.stiffness * zero for one in drives)
+        rest = joint.rest if stiffness == 0.0 else (joint.stiffness * joint.rest + torque) / stiffness
+        servo = any(one.is_servo for one in drives)
+        inputs = {"joint_targets" if one.is_servo else "joint_torques" for one in drives}
+        self.differences += self._told(joint, j, drives, stiffness, torque)
+        limit = self._limit(joint, j, drives)
+        if limit is not None:
+            self._tell_limit(joint, limit)
+        if servo and joint.stiffness > 0.0:
+            self._tell_joint(joint, "its spring and its servo are one, whose target moves both", Effect.NONE)
+        return replace(
+            joint,
+            stiffness=stiffness,
+            damping=damping,
+            rest=rest,
+            torque_limit=limit,
+            inputs=frozenset(inputs),
+            drives=tuple(one.name for one in drives),
+        )
+
+    def _told(
+        self, joint: Joint, j: int, drives: list[Drive], stiffness: float, torque: float
+    ) -> Iterator[Difference]:
+        """What of the drives at a joint is otherwise."""
+        about = frozenset([joint.name])
+        if stiffness == 0.0 and torque:
+            text = f"its drives act with {torque:.6g} at the start, which is an input of the scene"
+            yield of_joint(joint.name, text, Effect.MOTION)
+        for one in drives:
+            if one.stiffness and abs(one.gain / one.stiffness - 1.0) > ALIKE:
+                text = f"the target angle is {one.gain / one.stiffness:.6g} times its control"
+                yield Difference(kind="actuator", name=one.name, text=text, effect=Effect.NONE, joints=about)
+        servos = {one.name for one in drives if one.is_servo}
+        for a in self.at[j]:
+            if self._clamps(a) and self._name(a) in servos:
+                low, high = self.model.actuator_ctrlrange[self.model.actuator_ctrladr[a]]
+                text = f"its control is from {low:.6g} to {high:.6g}; targets of a scene have no limits"
+                name = self._name(a)
+                yield Difference(kind="actuator", name=name, text=text, effect=Effect.NONE, joints=about)
+
+    def _tell_joint(self, joint: Joint, text: str, effect: Effect) -> None:
+        self.differences.append(of_joint(joint.name, text, effect))
+
+    def _tell_limit(self, joint: Joint, limit: float) -> None:
+        """Say that the limit of the drives also limits the spring and the damper of a joint."""
+        if joint.stiffness > 0.0:
+            angle = limit / joint.stiffness
+            text = f"the limit of its drives also limits its spring and damper, from {angle:.3g} rad on"
+            self._tell_joint(joint, text, Effect.MOTION)
+        elif joint.damping > 0.0:
+            speed = limit / joint.damping
+            text = f"the limit of its drives also limits its damper, from {speed:.3g} rad/s on"
+            self._tell_joint(joint, text, Effect.MOTION if speed < FAST else Effect.NONE)
+
+    def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:
+        """The largest torque of all drives together, which in a scene is the same both ways."""
+        low, high = (sum(one.low for one in drives), sum(one.high for one in drives))
+        if self.model.jnt_actfrclimited[j]:
+            low, high = np.clip((low, high), *self.model.jnt_actfrcrange[j])
+        limit = max(-low, high)
+        if -low != high and not abs(low + high) <= ALIKE * limit:
+            text = f"its drives act with {low:.6g} to {high:.6g}; the limit of a scene is the same both ways"
+            self._tell_joint(joint, text, Effect.MOTION)
+        return None if math.isinf(limit) else float(limit)

@@ -1,0 +1,207 @@
+"""What becomes of each field of MuJoCo's compiled model and options: used, told, or without effect here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from fnmatch import fnmatchcase
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from chain_impact.conversion.differences import Difference, Effect, of_joint
+
+USED = """
+    body_gravcomp body_inertia body_ipos body_iquat body_jntadr body_jntnum body_mass body_mocapid
+    body_parentid body_pos body_quat body_weldid
+    jnt_actfrclimited jnt_actfrcrange jnt_axis jnt_dofadr jnt_limited jnt_pos jnt_qposadr jnt_range
+    jnt_stiffness jnt_type dof_armature dof_damping dof_frictionloss
+    qpos0 qpos_spring key_act key_ctrl key_mpos key_mquat key_qpos key_qvel
+    geom_bodyid geom_conaffinity geom_condim geom_contype geom_dataid geom_friction geom_pos geom_priority
+    geom_quat geom_size geom_type mesh_vert mesh_vertadr mesh_vertnum
+    site_bodyid site_pos pair_dim pair_friction pair_geom1 pair_geom2 exclude_signature
+    actuator_actadr actuator_armature actuator_biasprm actuator_biastype actuator_ctrladr
+    actuator_ctrllimited actuator_ctrlrange actuator_damping actuator_delay actuator_dampingpoly
+    actuator_dyntype actuator_forcelimited actuator_forcerange actuator_gainprm actuator_gaintype
+    actuator_gear actuator_group actuator_outadr actuator_plugin actuator_trnid actuator_trntype
+    eq_active0 eq_obj1id eq_obj2id eq_objtype eq_type wrap_objid wrap_type tendon_adr tendon_num
+    tendon_armature tendon_damping tendon_frictionloss tendon_limited tendon_stiffness
+    tendon_stiffnesspoly tendon_dampingpoly names name_actuatoradr opt
+    opt.gravity opt.disableflags opt.enableflags opt.disableactuator opt.o_friction
+"""
+"""Fields that the conversion reads: what they say is in the scene, or told where they are read."""
+
+WITHOUT_EFFECT = {
+    "counts, addresses and names": """
+        n* name_* paths *adr *rownnz *rowadr *colind signature body_dofnum body_geomnum body_rootid
+        body_treeid body_sameframe body_simple tree_body* tree_dof* dof_bodyid dof_jntid dof_parentid
+        dof_treeid dof_simplenum jnt_bodyid jnt_actuatorid actuator_actnum actuator_ctrlnum
+        actuator_outnum actuator_historyadr tendon_actuatorid tendon_tree* geom_sameframe site_sameframe
+        pair_signature efm* D_diag mapD2M mapM2D mapM2M
+    """,
+    "follow from other fields": """
+        body_subtreemass body_invweight0 body_contype body_conaffinity body_margin dof_M0 dof_invweight0
+        dof_length actuator_acc0 actuator_length0 actuator_lengthrange tendon_length0 tendon_invweight0
+        geom_aabb geom_rbound flg_*
+    """,
+    "are only seen": """
+        cam_* light_* mat_* tex_* skin_* vis stat geom_rgba geom_matid geom_group geom_castshadow site_rgba
+        site_matid site_group site_size site_type site_quat site_dataid jnt_group tendon_rgba tendon_matid
+        tendon_group tendon_width
+    """,
+    "are measured, or carried for users": """
+        sensor_* numeric_* text_* tuple_* *_user actuator_ctrlspec key_time plugin plugin_attr
+        plugin_statenum opt.magnetic
+    """,
+    "belong to the search for contacts": """
+        *bvh* oct_* mesh_* hfield_* opt.ccd_* opt.sdf_*
+    """,
+    "belong to elements that are told as a whole": """
+        flex* eq_data wrap_prm ten_J* tendon_type tendon_actfrclimited tendon_actfrcrange tendon_range
+        tendon_margin tendon_lengthspring tendon_springyield actuator_cranklength actuator_dynprm
+        actuator_actlimited actuator_actrange actuator_history opt.wind
+    """,
+    "hold for steps of time, of which a scene has its own": """
+        actuator_actearly tree_sleep_policy opt.timestep opt.integrator opt.sleep_tolerance opt.jacobian
+    """,
+    "say how soft a constraint is, which is told with it": """
+        *_solref* *_solimp* geom_solmix opt.impratio opt.tolerance opt.ls_* opt.noslip_* opt.iterations
+        opt.solver opt.cone opt.o_margin
+    """,
+}
+"""Why fields have no effect here → their names, in which ``*`` stands for any text."""
+DISABLED = {
+    "CONSTRAINT": "no contacts, limits, dry friction and equalities",
+    "EQUALITY": "no equalities",
+    "FRICTIONLOSS": "no dry friction",
+    "LIMIT": "no limits of joints",
+    "CONTACT": "no contacts",
+    "SPRING": "no springs",
+    "DAMPER": "no dampers",
+    "GRAVITY": "no gravity",
+    "CLAMPCTRL": "no limits of controls",
+    "ACTUATION": "no actuators",
+}
+"""Flags that switch something off, which the scene then does not have either."""
+WITHOUT_EFFECT_FLAGS = """
+    WARMSTART FILTERPARENT REFSAFE SENSOR MIDPHASE EULERDAMP AUTORESET NATIVECCD ISLAND MULTICCD
+    OVERRIDE ENERGY FWDINV INVDISCRETE SLEEP DIAGEXACT IPC SPECULATIVE
+"""
+"""Flags of the search for contacts, of soft contacts and of steps; OVERRIDE is used for the friction."""
+MOTION, CONTACT, NONE = Effect.MOTION, Effect.CONTACT, Effect.NONE
+
+
+class Told(NamedTuple):
+    """A field that is told where it is not at its default.
+
+    Attributes:
+        field: its name.
+        kind: of the elements that it belongs to.
+        default: a number.
+        effect: what it changes.
+        text: what is said of the element.
+    """
+
+    field: str
+    kind: str
+    default: float
+    effect: Effect
+    text: str
+
+
+TOLD = (
+    Told("jnt_stiffnesspoly", "joint", 0, MOTION, "its spring is not linear; the scene has its linear part"),
+    Told("jnt_springyield", "joint", 0, MOTION, "its spring yields (springyield), in the scene it does not"),
+    Told("jnt_margin", "joint", 0, CONTACT, "its limits act from a margin on, in the scene where they are"),
+    Told("jnt_actgravcomp", "joint", 0, MOTION, "gravcomp is part of its drives (actuatorgravcomp)"),
+    Told("dof_dampingpoly", "dof", 0, MOTION, "its damping is not linear; the scene has its linear part"),
+    Told("body_plugin", "body", -1, MOTION, "has a plugin, which is not in the scene"),
+    Told("geom_plugin", "geom", -1, CONTACT, "has a plugin, which is not in the scene"),
+    Told("geom_margin", "geom", 0, CONTACT, "touches from a margin on, in the scene where it is"),
+    Told("geom_gap", "geom", 0, CONTACT, "has a gap, in the scene none"),
+    Told("geom_surfacevel", "geom", 0, CONTACT, "its surface moves (surfacevel), in the scene it does not"),
+    Told("geom_adhesion", "geom", 0, CONTACT, "sticks (adhesion), in the scene it does not"),
+    Told("geom_fluid", "geom", 0, NONE, "has a shape in a fluid (fluidshape), and the scene has no fluid"),
+    Told("pair_margin", "pair", 0, CONTACT, "touches from a margin on, in the scene where it is"),
+    Told("pair_gap", "pair", 0, CONTACT, "has a gap, in the scene none"),
+    Told("pair_adhesion", "pair", 0, CONTACT, "sticks (adhesion), in the scene it does not"),
+    Told("key_plastic", "keyframe", 0, MOTION, "has a plastic state, and the scene has none"),
+    Told("opt.density", "option", 0, MOTION, "the robot moves in a fluid, in the scene in none"),
+    Told("opt.viscosity", "option", 0, MOTION, "the robot moves in a fluid, in the scene in none"),
+)
+
+
+def told_fields(model: Any) -> Iterator[Difference]:
+    """What a compiled model says beyond all that a scene has."""
+    values = dict(fields(model))
+    counts = {kind: count(model) for kind, count in COUNTS.items()}
+    for row in TOLD:
+        if not counts[row.kind]:
+            continue
+        found = np.asarray(values[row.field]).reshape(counts[row.kind], -1)
+        for i in np.flatnonzero(np.any(found != row.default, axis=1)):
+            yield _about(model, row, int(i))
+    for field, value in values.items():
+        if not fates(field) and np.any(value):
+            text = (
+                "is not zero, and not known to this version: it may have an effect, and is not in the scene"
+            )
+            yield Difference(kind="MuJoCo's field", name=field, text=text, effect=MOTION)
+
+
+COUNTS: dict[str, Callable[[Any], int]] = {
+    "joint": lambda model: int(model.njnt),
+    "dof": lambda model: int(model.nv),
+    "body": lambda model: int(model.nbody),
+    "geom": lambda model: int(model.ngeom),
+    "pair": lambda model: int(model.npair),
+    "keyframe": lambda model: int(model.nkey),
+    "option": lambda _: 1,
+}
+
+
+def _about(model: Any, row: Told, i: int) -> Difference:
+    """A difference of element ``i``, with the joint or body that it concerns."""
+    if row.kind == "option":
+        return Difference(kind="option", name=row.field[4:], text=row.text, effect=row.effect)
+    if row.kind in ("joint", "dof"):
+        j = i if row.kind == "joint" else int(model.dof_jntid[i])
+        return of_joint(model.joint(j).name or f"{j}", row.text, row.effect)
+    element = {"body": model.body, "geom": model.geom, "pair": model.pair, "keyframe": model.key}[row.kind](i)
+    bodies = frozenset[int]()
+    if row.kind in ("body", "geom"):
+        b = i if row.kind == "body" else int(model.geom_bodyid[i])
+        bodies = frozenset([b - 1, -1]) if model.body_weldid[b] else bodies
+    name = element.name or f"{i}"
+    return Difference(kind=row.kind, name=name, text=row.text, effect=row.effect, bodies=bodies)
+
+
+def fates(field: str) -> list[str]:
+    """What becomes of a field of the model, or of an option as ``opt.name``: none, if it is not known.
+
+    What is used or told by its name is no part of a pattern.
+    """
+    named = ["used"] * (field in USED.split()) + ["told"] * any(row.field == field for row in TOLD)
+    patterns = (
+        why
+        for why, names in WITHOUT_EFFECT.items()
+        if any(fnmatchcase(field, pattern) for pattern in names.split())
+    )
+    return named or list(patterns)
+
+
+def fields(model: Any) -> Iterator[tuple[str, Any]]:
+    """The fields of a model and of its options, with their values."""
+    for prefix, held in (("", model), ("opt.", model.opt)):
+        for name in dir(held):
+            if not name.startswith("_") and not callable(value := getattr(held, name)):
+                yield f"{prefix}{name}", value
+
+
+def flag_notes(mujoco: Any, model: Any) -> Iterator[str]:
+    """What is switched off, in the scene, too."""
+    flags = model.opt.disableflags
+    found = [
+        text for name, text in DISABLED.items() if flags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")
+    ]
+    if found:
+        yield f"flags: {', '.join(found)}: so in the scene"

@@ -1,0 +1,122 @@
+"""An MJCF file, compiled by MuJoCo, if need be with stand-ins for files that are absent."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from chain_impact.conversion.differences import Difference, Effect
+from chain_impact.scene.reading import SceneError
+
+CORNERS = (0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
+FACES = (0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3)
+"""A tetrahedron, in place of a mesh."""
+
+
+class Compiled(NamedTuple):
+    """A compiled file.
+
+    Attributes:
+        spec: its elements.
+        model: what MuJoCo computes with.
+        stand_ins: names of the meshes that are others than in the file.
+        differences: what could not be read.
+    """
+
+    spec: Any
+    model: Any
+    stand_ins: set[str]
+    differences: list[Difference]
+
+
+def compiled(mujoco: Any, path: Path) -> Compiled:
+    """Compile a file. What MuJoCo warns of is among the differences.
+
+    Raises:
+        SceneError: when MuJoCo cannot read the file, or a body has no mass but that of a mesh that is absent.
+    """
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            spec = mujoco.MjSpec.from_file(str(path))
+            try:
+                model, absent, weightless = spec.compile(), dict[str, str](), list[tuple[Any, str]]()
+            except ValueError:
+                spec = mujoco.MjSpec.from_file(str(path))
+                absent = _stand_in(mujoco, spec, path)
+                weightless = _weightless(mujoco, spec, absent)
+                model = _compiled_without(spec, weightless)
+    except (ValueError, mujoco.FatalError) as error:
+        raise SceneError(f"{path}: MuJoCo cannot read it: {error}") from None
+    told = [
+        Difference(kind="file", name=name, text="cannot be read; nothing needs it", effect=Effect.NONE)
+        for name in dict.fromkeys(absent.values())
+    ]
+    for body, mesh in weightless:
+        text = f"without the mass of mesh {mesh}, of which the file {absent[mesh]} cannot be read"
+        bodies, name = frozenset([body.id - 1, -1]), body.name or f"{body.id}"
+        told.append(
+            Difference(kind="body", name=name, text=text, effect=Effect.MASS, size=1.0, bodies=bodies)
+        )
+    for message in dict.fromkeys(str(one.message) for one in caught):
+        told.append(Difference(kind="MuJoCo", text=" ".join(message.split()), effect=Effect.NONE))
+    return Compiled(spec, model, set(absent), told)
+
+
+def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
+    """Put something in place of each file that is not there, or of all files; name of a mesh → its file."""
+    assets = [*spec.meshes, *spec.textures, *spec.hfields, *spec.skins]
+    absent = [one for one in assets if _file(one) and not _found(spec, path, _file(one))]
+    replaced: dict[str, str] = {}
+    for one in absent or [asset for asset in assets if _file(asset)]:
+        file = _file(one)
+        replaced[one.name or Path(file).stem] = file
+        one.name = one.name or Path(file).stem
+        if one in spec.meshes:
+            one.file, one.uservert, one.userface = "", CORNERS, FACES
+            one.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
+        elif one in spec.textures:
+            one.file, one.builtin = "", mujoco.mjtBuiltin.mjBUILTIN_FLAT
+            one.cubefiles = [""] * len(one.cubefiles)
+            one.width, one.height = 8, 8 if one.type == mujoco.mjtTexture.mjTEXTURE_2D else 48
+        elif one in spec.hfields:
+            one.file, one.nrow, one.ncol, one.userdata = "", 2, 2, [0.0] * 4
+        else:
+            spec.delete(one)
+    return replaced
+
+
+def _file(asset: Any) -> str:
+    """The file of an asset, or one of them."""
+    return str(asset.file or next(filter(None, getattr(asset, "cubefiles", ())), ""))
+
+
+def _found(spec: Any, path: Path, file: str) -> bool:
+    folders = ("", spec.meshdir, spec.texturedir)
+    return any((path.parent / folder / file).is_file() for folder in folders)
+
+
+def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[Any, str]]:
+    """Give no mass to stand-ins of meshes; bodies that lack the mass of one, and its name."""
+    by_geometry = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    low, high = spec.compiler.inertiagrouprange
+    found = []
+    for geom in spec.geoms:
+        given = bool(geom.parent.explicitinertial) and not by_geometry
+        weighs = geom.mass != 0.0 and geom.density != 0.0 and low <= geom.group <= high
+        if geom.meshname in absent and weighs and not given:
+            geom.mass = 0.0
+            found.append((geom.parent, geom.meshname))
+    return found
+
+
+def _compiled_without(spec: Any, weightless: list[tuple[Any, str]]) -> Any:
+    """The model, if it needs no mass of a mesh that is absent."""
+    try:
+        return spec.compile()
+    except ValueError as error:
+        if not weightless or "mass" not in str(error):
+            raise
+        meshes = ", ".join(dict.fromkeys(mesh for _, mesh in weightless))
+        raise ValueError(f"a body has no mass but that of absent meshes: {meshes}") from None

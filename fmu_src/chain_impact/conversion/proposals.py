@@ -1,0 +1,78 @@
+"""Joints of a robot that make a planar chain, where all of them do not: tried before they are proposed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from chain_impact.conversion.joints import Moving, NoChainError, above, joints_at_start, parallel
+from chain_impact.conversion.planar import Choices, Converted, planar_chain
+from chain_impact.conversion.robot import Robot
+from chain_impact.scene.reading import SceneError
+
+TRIALS = 200  # conversions that are tried for a proposal, a few ms each
+
+
+def chain_of(
+    robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object] = lambda done: done
+) -> Converted:
+    """The scene of a robot; ``source`` is the file, for messages, and ``check`` raises what else is wrong.
+
+    Raises:
+        NoChainError: when the robot is no planar chain; says which joints would make one, if any do.
+        SceneError: when the choices do not fit the robot.
+    """
+    try:
+        done = planar_chain(robot, choices, source)
+    except NoChainError as error:
+        names = _proposed(robot, choices, source, check)
+        if names is None:
+            raise
+        how = f"--joints {','.join(names)} takes joints that make a chain, and holds the others"
+        raise NoChainError(f"{error}; {how}", names) from None
+    check(done)
+    return done
+
+
+def _proposed(
+    robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object]
+) -> list[str] | None:
+    """The names of the most joints that were found to make a chain."""
+    best: list[str] = []
+    trials = 0
+    for start in _candidates(robot, choices.joints):
+        waiting = [start]
+        while waiting and trials < TRIALS and len(waiting[0]) > len(best):
+            names, trials = waiting.pop(0), trials + 1
+            try:
+                check(planar_chain(robot, choices._replace(joints=names), source))
+            except NoChainError as error:
+                for name in error.joints:
+                    fewer = [one for one in names if one != name]
+                    if fewer and len(fewer) < len(names) and fewer not in waiting:
+                        waiting.append(fewer)
+            except SceneError:
+                continue
+            else:
+                best = names
+    return best or None
+
+
+def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
+    """Joints with parallel axes that follow one another, of those that are wanted; the most first."""
+    pool = [one for one in joints_at_start(robot) if not wanted or one.joint.name in wanted]
+    slides = [one.joint.name for one in pool if one.joint.kind == "slide"]
+    paths: list[list[str]] = []
+    for group in parallel([one for one in pool if one.joint.kind == "hinge"]):
+        paths += [[hinge.joint.name for hinge in path] for path in _paths(robot, group)]
+    for path in sorted(paths, key=len, reverse=True):
+        if slides:
+            yield [*slides, *path]
+        yield path
+
+
+def _paths(robot: Robot, group: Sequence[Moving]) -> Iterator[list[Moving]]:
+    """From each last joint of a group the way back to the base, in the order of the bodies."""
+    for last in group:
+        before = set(above(robot, last.body))
+        if not any(last.body in set(above(robot, one.body)) - {one.body} for one in group):
+            yield [one for one in group if one.body in before]

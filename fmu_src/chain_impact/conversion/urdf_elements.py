@@ -1,0 +1,85 @@
+"""The elements and attributes of URDF, and what becomes of each: a file may have others, which are told."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from xml.etree.ElementTree import Element
+
+from chain_impact.conversion.differences import Difference, Effect
+
+USED = {
+    "robot": "name",
+    "robot/link": "name",
+    "robot/link/inertial": "",
+    "robot/link/inertial/origin": "xyz rpy",
+    "robot/link/inertial/mass": "value",
+    "robot/link/inertial/inertia": "ixx ixy ixz iyy iyz izz",
+    "robot/joint": "name type",
+    "robot/joint/origin": "xyz rpy",
+    "robot/joint/parent": "link",
+    "robot/joint/child": "link",
+    "robot/joint/axis": "xyz",
+    "robot/joint/limit": "lower upper effort velocity",
+    "robot/joint/dynamics": "damping friction",
+}
+"""Path of an element that is read → its attributes that are in the scene, or told where they are read."""
+SHAPES = ("visual", "collision")
+"""Elements of a link that are counted, and told together."""
+NO_EFFECT = {"version", "schemaLocation", "noNamespaceSchemaLocation"}
+"""Attributes that have no effect anywhere."""
+WITHOUT_EFFECT = {
+    "robot/material": "colours",
+    "robot/link/material": "colours",
+    "robot/link/inertial/origin": "quat",
+}
+"""Path of an element → why it has no effect."""
+MOVES = {"mimic": "it follows another joint in the file, and moves freely in the scene"}
+"""Element of a joint → what of its motion is not in the scene."""
+
+
+def other_elements(root: Element) -> Iterator[Difference]:
+    """What of a robot's file is neither in the scene nor known to have no effect."""
+    for part in root:
+        if not isinstance(part.tag, str) or part.tag in WITHOUT_EFFECT:
+            continue
+        if part.tag not in ("link", "joint"):
+            name = part.get("name") or part.get("reference") or ""
+            held = ", ".join(dict.fromkeys(child.tag for child in part if isinstance(child.tag, str)))
+            text = f"is not in the scene{f': {held}' if held else ''}"
+            yield Difference(kind=f"element {part.tag}", name=name, text=text, effect=Effect.NONE)
+            continue
+        yield from _attributes(part, f"robot/{part.tag}", part)
+        for path, element in _below(part, f"robot/{part.tag}"):
+            if path not in USED and element.tag not in (*SHAPES, *WITHOUT_EFFECT):
+                yield _told(part, element.tag, MOVES.get(element.tag, ""), _values(element))
+            else:
+                yield from _attributes(element, path, part)
+
+
+def _below(part: Element, path: str) -> Iterator[tuple[str, Element]]:
+    """All elements below one, but not below those that are told as a whole."""
+    for element in part:
+        if isinstance(element.tag, str):
+            inside = f"{path}/{element.tag}"
+            yield inside, element
+            if inside in USED:
+                yield from _below(element, inside)
+
+
+def _attributes(element: Element, path: str, part: Element) -> Iterator[Difference]:
+    known = {*USED.get(path, "").split(), *NO_EFFECT}
+    for key, value in element.attrib.items():
+        if path in USED and key not in known:
+            yield _told(part, f"{element.tag} {key}", "", value)
+
+
+def _values(element: Element) -> str:
+    return " ".join(f"{key} {value}" for key, value in element.attrib.items())
+
+
+def _told(part: Element, what: str, why: str, values: str) -> Difference:
+    name = part.get("name") or ""
+    text = f"{what}{f' {values}' if values else ''}: {why or 'is not in the scene'}"
+    joints = frozenset([name]) if part.tag == "joint" else frozenset[str]()
+    effect = Effect.MOTION if why else Effect.NONE
+    return Difference(kind=part.tag, name=name, text=text, effect=effect, joints=joints)

@@ -1,0 +1,116 @@
+"""Whatever a compiled model of MuJoCo says is in the scene, or told, or known to have no effect."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from chain_impact.conversion import mjcf_fields
+from chain_impact.conversion.differences import Effect, lines
+from chain_impact.conversion.mjcf_fields import (
+    DISABLED,
+    TOLD,
+    USED,
+    WITHOUT_EFFECT_FLAGS,
+    fates,
+    fields,
+    told_fields,
+)
+from tests.tiers import needs_interop
+
+pytestmark = needs_interop
+
+RICH = """
+<mujoco>
+  <option gravity="0 0 -9.81" density="0" timestep="0.01"/>
+  <custom><numeric name="n" data="1 2"/><text name="t" data="words"/></custom>
+  <asset>
+    <texture name="grey" builtin="flat" type="2d" width="8" height="8"/><material name="grey" texture="grey"/>
+  </asset>
+  <worldbody>
+    <light pos="0 0 3"/><camera name="eye" pos="0 -2 1"/>
+    <geom name="floor" type="plane" size="3 3 1"/>
+    <body name="upper" pos="0 0 2">
+      <joint name="a" axis="0 1 0" damping=".1" stiffness="2" range="-90 90" limited="true" user="3"/>
+      <geom name="rod" type="capsule" fromto="0 0 0 .4 0 0" size=".03" material="grey"/>
+      <body name="lower" pos=".4 0 0">
+        <joint name="b" axis="0 1 0" armature=".01"/>
+        <geom name="stick" type="capsule" fromto="0 0 0 .3 0 0" size=".02"/>
+        <site name="tip" pos=".3 0 0"/>
+      </body>
+    </body>
+  </worldbody>
+  <contact><pair geom1="floor" geom2="stick"/></contact>
+  <tendon><fixed name="both"><joint joint="a" coef="1"/><joint joint="b" coef="1"/></fixed></tendon>
+  <actuator><motor name="push" joint="a" ctrlrange="-1 1" ctrllimited="true"/></actuator>
+  <sensor><jointpos joint="a"/></sensor>
+  <keyframe><key name="k" qpos=".2 .3" qvel="1 -1"/></keyframe>
+</mujoco>
+"""
+
+
+def rich():
+    return mujoco.MjModel.from_xml_string(RICH)
+
+
+def acceleration(model):
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    return data.qacc_smooth.copy()
+
+
+def test_a_field_of_a_new_mujoco_has_yet_to_be_decided_on():
+    """Who fails here decides for each field whether it is used, told, or has no effect on a scene."""
+    found = {field: fates(field) for field, _ in fields(rich())}
+    assert [field for field, fate in found.items() if not fate] == []
+    assert [field for field, fate in found.items() if {"used", "told"} <= set(fate)] == []
+
+
+def test_the_table_has_no_field_that_mujoco_does_not_have():
+    known = {field for field, _ in fields(rich())}
+    assert [name for name in [*USED.split(), *(row.field for row in TOLD)] if name not in known] == []
+
+
+def test_each_flag_of_mujoco_is_honoured_or_has_no_effect():
+    bits = [*mujoco.mjtDisableBit.__members__, *mujoco.mjtEnableBit.__members__]
+    names = {bit.partition("_")[2] for bit in bits if "_" in bit}
+    assert names == {*DISABLED, *WITHOUT_EFFECT_FLAGS.split()}
+
+
+@pytest.mark.parametrize("row", TOLD, ids=lambda row: row.field)
+def test_what_is_told_is_told_where_it_is_not_at_its_default(row):
+    model = rich()
+    before = lines(told_fields(model), warning=row.effect == Effect.MOTION)
+    if row.field == "key_plastic":
+        assert model.nplastic == 0  # of springs that yield only, which are told themselves
+        return
+    holder = model.opt if row.kind == "option" else model
+    name = row.field.removeprefix("opt.")
+    value = np.asarray(getattr(holder, name))
+    if value.ndim:
+        value.flat[-1] = row.default + 1
+    else:
+        setattr(holder, name, row.default + 1)
+    after = lines(told_fields(model), warning=row.effect == Effect.MOTION)
+    (new,) = set(after) - set(before)
+    assert row.text in new
+
+
+def test_a_field_that_the_table_does_not_have_is_told_if_it_is_not_zero(monkeypatch):
+    monkeypatch.setattr(mjcf_fields, "USED", USED.replace("body_mass", ""))
+    told = lines(told_fields(rich()), warning=True)
+    assert [line for line in told if "body_mass" in line and "not known to this version" in line]
+
+
+def test_what_has_no_effect_changes_no_acceleration_in_flight():
+    model = rich()
+    expected = acceleration(model)
+    for field, value in fields(model):
+        held = np.asarray(value)
+        alone = {"used", "told", "follow from other fields", "counts, addresses and names"}
+        if alone & set(fates(field)) or held.dtype.kind != "f" or not held.ndim or not held.size:
+            continue
+        kept = held.copy()
+        held += 0.01
+        assert acceleration(model) == pytest.approx(expected, abs=1e-12), field
+        held[...] = kept
