@@ -192,11 +192,7 @@ PARAMETERS = (
         )
         for key, name in (("angles", "angle"), ("angular_velocities", "angular_velocity"))
     ),
-    block(
-        "one",
-        *_of(Solver, ("solver", KEY), ("solver", KEY), method={"choices": METHODS}),
-        smooth=False,
-    ),
+    block("one", *_of(Solver, ("solver", KEY), ("solver", KEY), method={"choices": METHODS}), smooth=False),
 )
 """The parameters."""
 EXPERIMENT = _of(Simulation, ("simulation", KEY), ())
