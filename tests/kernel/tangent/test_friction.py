@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS
-from chain_impact.kernel.tangent import friction, trust
+from chain_impact.kernel.tangent import event_times, friction, trust
 from tests.kernel.tangent.dual import dual
 
 TOLERANCE = 1e-6
@@ -79,14 +79,14 @@ def margin_of(monkeypatch, t, rate):
     y = [dual(9.0, 2.0, -6.0)]
     t.work.y, t.step.state_end, t.work.rate_end = [None], y, [dual(rate, 70.0, 70.0)]
     located = []
-    monkeypatch.setattr(friction, "locate_points", lambda _t, y: located.append(y[0].value - 9.0))
-    monkeypatch.setattr(friction, "ensure_points", lambda _t: None)
+    monkeypatch.setattr(event_times, "locate_points", lambda _t, y: located.append(y[0].value - 9.0))
+    monkeypatch.setattr(event_times, "ensure_points", lambda _t: None)
     monkeypatch.setattr(friction, "fastest_speed", lambda _t: 4.0)
 
     def located_rate(t, y, rate):
         t.element.force[2] = -y[0]
 
-    monkeypatch.setattr(friction, "located_rate", located_rate)
+    monkeypatch.setattr(event_times, "located_rate", located_rate)
     return located
 
 
@@ -96,7 +96,7 @@ def test_sliding_is_late_by_its_margin_over_the_rate_of_it(monkeypatch, t, ended
     delay = friction.delay_of_sliding(t, 2)
     assert delay.value == 0.0
     np.testing.assert_allclose(delay.slope, [-2.0 / 0.5, 6.0 / 0.5], rtol=1e-9)
-    apart = friction.DIFFERENCE * 0.5 * 0.5
+    apart = event_times.DIFFERENCE * 0.5 * 0.5
     assert located[:2] == pytest.approx([apart, -apart], abs=1e-15)
     assert located[-1] == 0.0  # points and forces are those of the end again
     assert ended == []
@@ -107,7 +107,6 @@ def test_sliding_that_begins_at_no_certain_time_matters_where_the_force_drops(
     monkeypatch, t, ended, static, reasons
 ):
     margin_of(monkeypatch, t, 1e-3)  # below √tolerance · 9 N · 2 rad/s
-    monkeypatch.setattr(friction, "margin_at", lambda _t, _e, time: dual(0.0, 1.0, 1.0) - 1e-3 * time)
     t.law.static_friction[1] = dual(static)
     delay = friction.delay_of_sliding(t, 1)
     assert (delay.value, delay.slope.tolist()) == (0.0, [0.0, 0.0])
@@ -144,7 +143,7 @@ def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
     t.element.force, t.element.limit = [dual(9.0, 1.0, 0.0)] * 3, [dual(9.0, 1.0, 0.0)] * 3
     monkeypatch.setattr(friction, "DIRECTIONS", 2)
     monkeypatch.setattr(friction, "largest_turn", lambda _t, _k: 0.0)
-    monkeypatch.setattr(friction, "margin_at", lambda _t, e, _time: dual(0.0, margins[e - 1], 0.0))
+    monkeypatch.setattr(friction, "margin_after", lambda _t, e, _time: dual(0.0, margins[e - 1], 0.0))
     monkeypatch.setattr(friction, "set_end", restored.append)
     friction.check_changes(t, dual(0.0, 0.5, 0.0))
     assert ended == ([] if together else [(trust.TOGETHER, 2)])
@@ -167,7 +166,7 @@ def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended,
     monkeypatch.setattr(friction, "excess", lambda _t, _e: dual(1e-9))
     monkeypatch.setattr(friction, "tangential_rate", lambda *_: dual(known))
     monkeypatch.setattr(friction, "tangential_acceleration", lambda *_: dual(known))
-    for name in ("list_sticking", "located_rate", "accelerate_points", "locate_points"):
+    for name in ("list_sticking", "located_rate", "accelerate_points"):
         monkeypatch.setattr(friction, name, lambda *_: None)
     t.element.before, t.element.mode, t.element.chosen = [mode] * 3, [mode] * 3, [mode] * 3
     t.element.undecided, t.element.force[1], t.step.state_end = [0, 1, 0], dual(known), "state"

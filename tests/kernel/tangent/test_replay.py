@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, SLIDING_ENDS
+from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE, SLIDING_ENDS
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
+from chain_impact.kernel.ode.last_step import SOLVER
 from chain_impact.kernel.tangent import replay
 from tests.derivative_scenes import AT_STOPS, pinned_chain, pressed_tip, sprung_chain, struck_twice
 from tests.kernel.tangent.dual import dual, followed, started
@@ -107,7 +107,7 @@ def calls(monkeypatch):
     names = (
         "copy_modes apply_pending_events copy_values choose_variable set_first_stage check_turns mark_jump"
     )
-    names += " truncate_step settle_impulses accept ensure_rate ensure_points check_onsets"
+    names += " truncate_step settle_impulses accept ensure_rate ensure_dense ensure_points check_onsets"
     for name in names.split():
         monkeypatch.setattr(replay, name, partial(note, name))
     return called
@@ -173,49 +173,50 @@ def test_values_are_those_of_the_run_and_slopes_stay():
     assert parts(t.step.end) == (1.5, [3.0, 4.0])
 
 
-@pytest.mark.parametrize("kind", [ONSET, END])
-def test_an_event_is_late_by_its_clearance_over_its_rate(monkeypatch, kind):
-    _, t = instances()
-    monkeypatch.setattr(replay, "clearance", lambda _t, _c: (dual(1e-9, 3.0, -6.0), dual(-2.0, 50.0, 50.0)))
-    assert parts(replay.delay(t, 1, kind)) == (0.0, [1.5, -3.0])
-
-
-def test_a_contact_that_is_latched_anew_is_late_by_its_speed_over_its_acceleration(monkeypatch):
-    """φ = −ġ − 2 v₀, and φ̇ = −g̈."""
-    _, t = instances()
-    monkeypatch.setattr(replay, "clearance", lambda _t, _c: (dual(1.0, 7.0, 7.0), dual(-1.0, 3.0, 8.0)))
-    monkeypatch.setattr(replay, "gap_acceleration", lambda _t, c: dual(-4.0 * c, 9.0, 9.0))
-    value, slopes = parts(replay.delay(t, 1, RELATCH))
-    assert value == 0.0
-    assert slopes == pytest.approx([-(-3.0 - RELATCH_RATIO) / 4.0, -(-8.0 - 2.0 * RELATCH_RATIO) / 4.0])
-
-
 @pytest.mark.parametrize(
-    ("regularized", "events", "moved"),  # those of two candidates and of an element
+    ("regularized", "events", "moved"),  # those of two candidates, of an element and of the drives
     [
-        (-1, (NONE, ONSET, NONE), (1, ONSET)),
-        (-1, (RELATCH, ONSET, NONE), (0, RELATCH)),
-        (-1, (NONE, END, NONE), (1, END)),
-        (0, (NONE, END, NONE), (1, END)),
-        (1, (NONE, END, NONE), None),
-        (-1, (KINK, NONE, NONE), None),
-        (-1, (NONE, ONSET, SLIDING_ENDS), (1, ONSET)),
-        (-1, (NONE, NONE, SLIDING_ENDS), "late"),
+        (-1, (NONE, ONSET, NONE, 0), (1, ONSET)),
+        (-1, (RELATCH, ONSET, NONE, 0), (0, RELATCH)),
+        (-1, (NONE, END, NONE, 0), (1, END)),
+        (0, (NONE, END, NONE, 0), (1, END)),
+        (1, (NONE, END, NONE, 0), None),
+        (-1, (NONE, ONSET, SLIDING_ENDS, 0), (1, ONSET)),
+        (-1, (KINK, NONE, SLIDING_ENDS, 0), "late"),
+        (-1, (KINK, NONE, NONE, 1), "kink of 0"),
+        (-1, (NONE, RELEASE, NONE, 0), "release of 1"),
+        (-1, (NONE, NONE, NONE, 1), "limit"),
+        (-1, (NONE, NONE, NONE, 0), None),
     ],
 )
 def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
     monkeypatch, calls, regularized, events, moved
 ):
-    """That of a contact goes before that of a change of a mode."""
+    """Contacts go before changes of modes, and these before what only bends a force."""
     _, t = instances(regularized)
-    *t.touch.event, t.element.event[1] = events
-    monkeypatch.setattr(replay, "delay", lambda _t, c, kind: (c, kind))
+    t.step.start = t.step.end - 0.2
+    *t.touch.event, t.element.event[1], t.drive.event = events
+    names = {KINK: "kink", RELEASE: "release"}
+    monkeypatch.setattr(replay, "delay_of_crossing", lambda _t, c, kind: (c, kind))
+    monkeypatch.setattr(replay, "delay_of_bend", lambda _t, c, kind: f"{names[kind]} of {c}")
+    monkeypatch.setattr(replay, "delay_of_saturation", lambda _t: "limit")
     monkeypatch.setattr(replay, "delay_of_change", lambda _t: "late")
     monkeypatch.setattr(replay, "check_changes", lambda _t, time: calls.append(("checked", time)))
     monkeypatch.setattr(replay, "move_along", lambda _t, time: calls.append(("moved", time)))
     replay.move_end(t)
-    check = ("checked", "late") if moved == "late" else ("check_onsets",)
-    assert calls == ([("ensure_rate",), ("ensure_points",), check, ("moved", moved)] if moved else [])
+    checks = {"late": [("checked", "late")], (0, RELATCH): [("check_onsets",)]}
+    checks |= {(1, kind): [("check_onsets",)] for kind in (ONSET, END)}
+    ready = [("ensure_rate",), ("ensure_dense", SOLVER), ("ensure_points",)]
+    assert calls == ([*ready, *checks.get(moved, []), ("moved", moved)] if moved else [])
+
+
+@pytest.mark.parametrize("events", [(RELATCH, NONE), (KINK, NONE), (NONE, RELEASE)])
+def test_what_a_jump_brings_about_has_the_time_of_the_jump(calls, events):
+    """A step of no length ends where a force is beyond its kink, or a speed is much larger than before."""
+    _, t = instances(events=events)
+    *t.touch.event, t.step.start, t.drive.event = *events, t.step.end, 1
+    replay.move_end(t)
+    assert calls == []
 
 
 def test_the_end_of_a_step_moves_along_the_motion(calls):

@@ -10,17 +10,17 @@ they occur.
 
 import math
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, largest
 from chain_impact.kernel.equations import located_rate
 from chain_impact.kernel.events.friction_modes import begins
 from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, pending_changes
 from chain_impact.kernel.events.sampled import excess, rest_speed
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
 from chain_impact.kernel.forces.holding import RESISTANCE
-from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import tangential_acceleration, tangential_rate
 from chain_impact.kernel.tangent.duals import DIRECTIONS, carried, slope, value
+from chain_impact.kernel.tangent.event_times import along_motion, delay_along_motion, set_end
 from chain_impact.kernel.tangent.trust import (
     AT_LIMIT,
     FROM_REST,
@@ -33,11 +33,6 @@ from chain_impact.kernel.tangent.trust import (
     mark_untrusted,
 )
 
-# Of the last step: the time over which the rate of the margin of static friction is found by differences.
-DIFFERENCE = 1e-3
-NEWTON_ITERATIONS = (
-    2  # of Newton's method for the time at which sticking ends: the error of differences is squared
-)
 # Times the tolerance, of the limit of friction: a difference from it that the errors of a run may have.
 OPEN = 100.0
 # Of the largest derivative: a difference between those of two times that are one.
@@ -77,12 +72,14 @@ def slow_acceleration(t, e):
     return math.sqrt(value(t.solver.tolerance)) * t.element.limit[e] / mean_mass(t)
 
 
+# φ of ``delay_of_sliding``
+margin_after, margin_rate = along_motion(lambda t, e: t.element.limit[e] - abs(t.element.force[e]))
+delay_of_margin = delay_along_motion(margin_after)
+
+
 def delay_of_sliding(t, e):
     """−φ′/φ̇ for φ = µ_s F_n − |F_t|, which is zero where element e begins to slide."""
-    lasted, delay = value(t.step.end - t.step.start), carried(0.0, 0.0, t.step.end)
-    later = margin_at(t, e, delay + DIFFERENCE * lasted)
-    before = margin_at(t, e, delay - DIFFERENCE * lasted)
-    rate = (value(later) - value(before)) / (2.0 * DIFFERENCE * lasted)
+    rate = margin_rate(t, e)
     limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.model.size)
     if t.element.undecided[e] == STOPPED and limit <= FIRST * value(excess(t, e)):
         end_at(t, FROM_REST, e)
@@ -90,10 +87,7 @@ def delay_of_sliding(t, e):
         if force_drops(t, e):
             end_at(t, SLOW_CHANGE, e)
         rate = -math.inf
-    for _ in range(NEWTON_ITERATIONS):
-        delay += carried(0.0, -1.0 / rate, margin_at(t, e, delay))
-    set_end(t)
-    return delay
+    return delay_of_margin(t, e, rate)
 
 
 def force_drops(t, e):
@@ -101,23 +95,6 @@ def force_drops(t, e):
     if e >= t.candidates:
         return False
     return value(t.law.static_friction[e]) > value(t.law.friction[e])
-
-
-def margin_at(t, e, time):
-    """φ of ``delay_of_sliding`` a ``time`` [s], a dual number, after the end of the last step."""
-    y, state, rate = t.work.y, t.step.state_end, t.work.rate_end
-    for j in range(len(y)):
-        y[j] = state[j] + value(rate[j]) * time
-    locate_points(t, y)
-    located_rate(t, y, t.work.rate)
-    return t.element.limit[e] - abs(t.element.force[e])
-
-
-def set_end(t):
-    """Set points and forces to those at the end of the last step again."""
-    locate_points(t, t.step.state_end)
-    located_rate(t, t.step.state_end, t.work.rate)
-    ensure_points(t)
 
 
 def check_changes(t, time):
@@ -145,7 +122,7 @@ def check_changes(t, time):
 
 def gives_way(t, e, time):
     """Whether the margin of element e, which is zero, is zero after a ``time`` [s], too."""
-    margin, force, limit = margin_at(t, e, time), t.element.force[e], t.element.limit[e]
+    margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.limit[e]
     for k in range(DIRECTIONS):
         known = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_turn(t, k)
         if abs(slope(margin, k)) > APART * known:

@@ -10,7 +10,8 @@ An event ends a step where a function φ of the state passes through zero, at a 
 parameters, too. With φ′ the derivatives of φ where the step of d ends, that time changes by −φ′/φ̇, and the
 state there by ẏ times that. Time is part of the state, so nothing else has to be known about an event: its
 change of the state is differentiated like everything else. At the kink of a force the rate is continuous,
-so the derivative of its time has no effect.
+so the derivative of its time has no effect on the motion, but on a peak that is there. The dense output of a
+step is found before its end moves: its derivatives are those at fixed times.
 
 An implicit step repeats the iteration, started from the stages that d has found. The result does not depend
 on A, so each direction of the derivatives is solved for with the linear systems of d, in its work space. The
@@ -27,8 +28,7 @@ import math
 from chain_impact.kernel.advance import apply_pending_events, apply_pending_inputs, set_first_stage
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, time_at, velocity_at
-from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.marks import END, ONSET, RELATCH, copy_marks, pending_changes
+from chain_impact.kernel.events.marks import END, KINK, ONSET, RELATCH, RELEASE, copy_marks, pending_changes
 from chain_impact.kernel.forces.contact import clear_loads
 from chain_impact.kernel.forces.contact_law import start_laws
 from chain_impact.kernel.forces.inputs import apply_inputs
@@ -53,8 +53,10 @@ from chain_impact.kernel.ode.extended import (
     project_clearances,
 )
 from chain_impact.kernel.ode.last_step import (
+    SOLVER,
     accept,
     choose_variable,
+    ensure_dense,
     ensure_points,
     ensure_rate,
     mark_jump,
@@ -65,7 +67,7 @@ from chain_impact.kernel.ode.methods import begin_explicit
 from chain_impact.kernel.ode.radau import RADAU_STAGES, REAL_EIGENVALUE
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START
 from chain_impact.kernel.rows.compliance import mean_mass
-from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_acceleration
+from chain_impact.kernel.rows.geometry import any_sticking
 from chain_impact.kernel.tangent.duals import (
     DIRECTIONS,
     carried,
@@ -74,6 +76,12 @@ from chain_impact.kernel.tangent.duals import (
     slope,
     sloped,
     value,
+)
+from chain_impact.kernel.tangent.event_times import (
+    delay_of_bend,
+    delay_of_crossing,
+    delay_of_saturation,
+    lasted,
 )
 from chain_impact.kernel.tangent.friction import check_changes, check_coefficients, delay_of_change
 from chain_impact.kernel.tangent.trust import (
@@ -296,36 +304,50 @@ def take_values(d, t):
 
 
 def move_end(t):
-    """Give the end of the last step the derivatives of the time of the event that ends it."""
+    """Give the end of the last step the derivatives of the time of the event that ends it.
+
+    The dense output is that of the step with its end where it was. An event that only bends a force has no
+    effect on the motion by its time, but on what is largest there, and on the end of a contact.
+    """
     for c in range(t.candidates):
-        kind = t.touch.event[c]
-        # at the end of a regularized contact dt/ds = 0: a change of s there does not change the state
-        if kind in (ONSET, RELATCH) or (kind == END and c != t.step.regularized):
-            ensure_rate(t)
-            ensure_points(t)
+        if is_crossing(t, c):
+            prepare_end(t)
             check_onsets(t)
-            move_along(t, delay(t, c, kind))
+            move_along(t, delay_of_crossing(t, c, t.touch.event[c]))
             return
     if pending_changes(t) > 0:
-        ensure_rate(t)
-        ensure_points(t)
+        prepare_end(t)
         time = delay_of_change(t)
         check_changes(t, time)
         move_along(t, time)
+        return
+    # what a jump at the start of the step has brought about has no time of its own
+    if not lasted(t) > 0.0:
+        return
+    for c in range(t.candidates):
+        if t.touch.event[c] in (KINK, RELEASE):
+            prepare_end(t)
+            move_along(t, delay_of_bend(t, c, t.touch.event[c]))
+            return
+    if t.drive.event:
+        prepare_end(t)
+        move_along(t, delay_of_saturation(t))
 
 
-def delay(t, c, kind):
-    """−φ′/φ̇ of an event of candidate c: the change of its time [s], a dual number of value 0."""
-    gap, gap_rate = clearance(t, c)
-    if kind == RELATCH:
-        # φ = −ġ − 2 v₀
-        change, rate = (
-            -gap_rate - RELATCH_RATIO * t.touch.impact_speed[c],
-            -gap_acceleration(t, c),
-        )
-    else:
-        change, rate = gap, gap_rate
-    return carried(0.0, -1.0 / value(rate), change)
+def is_crossing(t, c):
+    """Whether candidate c has an event at the end of the last step whose time changes the motion."""
+    kind = t.touch.event[c]
+    # at the end of a regularized contact dt/ds = 0: a change of s there does not change the state
+    if kind == END:
+        return c != t.step.regularized
+    return kind == ONSET or (kind == RELATCH and lasted(t) > 0.0)
+
+
+def prepare_end(t):
+    """Find the rate and the points at the end of the last step, and what depends on them before it moves."""
+    ensure_rate(t)
+    ensure_dense(t, SOLVER)
+    ensure_points(t)
 
 
 def move_along(t, time):

@@ -1,0 +1,107 @@
+"""The times of events: how the time at which a function φ of the motion is zero depends on the parameters.
+
+With φ′ the derivatives of φ at a fixed time, that time changes by the delay −φ′/φ̇. Clearances and their rates
+are known with their own rates; of other functions φ̇ is found by differences along the motion.
+"""
+
+import math
+
+from chain_impact.kernel.chain.joints import mode_margin
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.equations import located_rate
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.marks import KINK, RELATCH
+from chain_impact.kernel.forces.contact import kink_height
+from chain_impact.kernel.ode.last_step import ensure_points
+from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
+from chain_impact.kernel.tangent.duals import carried, value
+
+# Of the last step: the time over which a rate is found by differences.
+DIFFERENCE = 1e-3
+NEWTON_ITERATIONS = 2  # of Newton's method for a delay: the error of differences is squared
+
+
+def lasted(t):
+    """How long the last step was [s]."""
+    return value(t.step.end - t.step.start)
+
+
+def along_motion(function):
+    """Make two functions for φ of (t, c) along the motion, where the points are located and forces known.
+
+    Returns:
+        A function of (t, c, time) for φ a ``time`` [s], a dual number, after the end of the last step; and a
+        function of (t, c) for φ̇ there. Both locate the points elsewhere.
+    """
+
+    def after(t, c, time):
+        y, state, rate = t.work.y, t.step.state_end, t.work.rate_end
+        for j in range(len(y)):
+            y[j] = state[j] + value(rate[j]) * time
+        locate_points(t, y)
+        located_rate(t, y, t.work.rate)
+        return function(t, c)
+
+    def rate_at_end(t, c):
+        part, none = DIFFERENCE * lasted(t), carried(0.0, 0.0, t.step.end)
+        later, before = after(t, c, none + part), after(t, c, none - part)
+        return (value(later) - value(before)) / (2.0 * part) if part > 0.0 else 0.0
+
+    return after, rate_at_end
+
+
+def delay_along_motion(after):
+    """Make the function of (t, c, rate) for the delay of a zero of φ with that rate.
+
+    Points and forces are those at the end of the last step again afterwards.
+    """
+
+    def delay(t, c, rate):
+        time = carried(0.0, 0.0, t.step.end)
+        for _ in range(NEWTON_ITERATIONS):
+            time += carried(0.0, -1.0 / rate, after(t, c, time))
+        set_end(t)
+        return time
+
+    return delay
+
+
+def set_end(t):
+    """Set points and forces to those at the end of the last step again."""
+    locate_points(t, t.step.state_end)
+    located_rate(t, t.step.state_end, t.work.rate)
+    ensure_points(t)
+
+
+_kink_after, _kink_rate = along_motion(kink_height)
+_delay_of_kink = delay_along_motion(_kink_after)
+_force_after, _force_rate = along_motion(lambda t, c: t.touch.force[c])
+_delay_of_release = delay_along_motion(_force_after)
+_margin_after, _margin_rate = along_motion(lambda t, _c: mode_margin(t, t.work.y))
+_delay_of_margin = delay_along_motion(_margin_after)
+
+
+def delay_of_crossing(t, c, kind):
+    """The delay [s] of an onset, an end or a new latch of candidate c, a dual number of value 0."""
+    gap, gap_rate = clearance(t, c)
+    if kind == RELATCH:
+        # φ = −ġ − 2 v₀
+        change, rate = -gap_rate - RELATCH_RATIO * t.touch.impact_speed[c], -gap_acceleration(t, c)
+    else:
+        change, rate = gap, gap_rate
+    return carried(0.0, -1.0 / value(rate), change)
+
+
+def delay_of_bend(t, c, kind):
+    """The delay [s] of a kink or a release of candidate c, where a force has no jump."""
+    if kind == KINK:
+        rate = _kink_rate(t, c)
+        return _delay_of_kink(t, c, rate if rate != 0.0 else math.inf)
+    rate = _force_rate(t, c)
+    return _delay_of_release(t, c, rate if rate != 0.0 else math.inf)
+
+
+def delay_of_saturation(t):
+    """The delay [s] at which a drive reaches its limit of torque, or falls below it."""
+    rate = _margin_rate(t, 0)
+    return _delay_of_margin(t, 0, rate if rate != 0.0 else math.inf)

@@ -1,0 +1,81 @@
+"""The times of events, by functions whose zeros are known."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.marks import END, KINK, ONSET, RELATCH, RELEASE
+from chain_impact.kernel.tangent import event_times
+from tests.kernel.tangent.dual import dual
+
+
+@pytest.fixture
+def tangent(monkeypatch):
+    """An instance at the end of a step of 0.2 s with y = (2, 1) and ẏ = (3, −1), whose y has derivatives."""
+    monkeypatch.setattr(event_times, "locate_points", lambda _t, _y: None)
+    monkeypatch.setattr(event_times, "located_rate", lambda _t, _y, _rate: None)
+    monkeypatch.setattr(event_times, "ensure_points", lambda _t: None)
+    t = SimpleNamespace(touch=SimpleNamespace(impact_speed=[dual(0.5, 1.0, 2.0)] * 2))
+    t.step = SimpleNamespace(
+        start=dual(1.3), end=dual(1.5), state_end=[dual(2.0, 1.0, 0.0), dual(1.0, 0.0, 4.0)]
+    )
+    t.work = SimpleNamespace(
+        y=np.zeros(2, object), rate=None, rate_end=[dual(3.0, 9.0, 9.0), dual(-1.0, 9.0, 9.0)]
+    )
+    return t
+
+
+def parts(number):
+    return number.value, number.slope.tolist()
+
+
+@pytest.mark.parametrize("kind", [ONSET, END])
+def test_an_event_is_late_by_its_clearance_over_its_rate(monkeypatch, tangent, kind):
+    clearance = (dual(1e-9, 3.0, -6.0), dual(-2.0, 50.0, 50.0))
+    monkeypatch.setattr(event_times, "clearance", lambda _t, _c: clearance)
+    assert parts(event_times.delay_of_crossing(tangent, 1, kind)) == (0.0, [1.5, -3.0])
+
+
+def test_a_contact_that_is_latched_anew_is_late_by_its_speed_over_its_acceleration(monkeypatch, tangent):
+    """φ = −ġ − 2 v₀, and φ̇ = −g̈."""
+    monkeypatch.setattr(event_times, "clearance", lambda _t, _c: (dual(1.0, 7.0, 7.0), dual(-1.0, 3.0, 8.0)))
+    monkeypatch.setattr(event_times, "gap_acceleration", lambda _t, c: dual(-4.0 * c, 9.0, 9.0))
+    value, slopes = parts(event_times.delay_of_crossing(tangent, 1, RELATCH))
+    assert value == 0.0
+    assert slopes == pytest.approx([-(-3.0 - RELATCH_RATIO) / 4.0, -(-8.0 - 2.0 * RELATCH_RATIO) / 4.0])
+
+
+def test_a_function_of_the_motion_is_late_by_its_derivatives_over_its_rate(tangent):
+    """φ = y₀² − 4 y₁ c: φ̇ = 2 y₀ ẏ₀ − 4 ẏ₁ c = 16 for c = 1, and φ′ = (4, −16)."""
+    after, rate_at_end = event_times.along_motion(
+        lambda t, c: t.work.y[0] * t.work.y[0] - 4.0 * c * t.work.y[1]
+    )
+    rate = rate_at_end(tangent, 1)
+    assert rate == pytest.approx(16.0, rel=1e-9)
+    value, slopes = parts(event_times.delay_along_motion(after)(tangent, 1, rate))
+    assert value == pytest.approx(0.0, abs=1e-15)
+    assert slopes == pytest.approx([-0.25, 1.0], rel=1e-9)
+    # a rate that is off by a hundredth is off by that squared after two iterations
+    _, slopes = parts(event_times.delay_along_motion(after)(tangent, 1, 1.01 * rate))
+    assert slopes == pytest.approx([-0.25, 1.0], rel=2e-4)
+
+
+def test_what_has_no_rate_is_not_late(tangent):
+    after, rate_at_end = event_times.along_motion(lambda t, _c: 0.0 * t.work.y[0] + 1.0)
+    assert rate_at_end(tangent, 0) == 0.0
+    assert parts(event_times.delay_along_motion(after)(tangent, 0, math.inf))[1] == [0.0, 0.0]
+    tangent.step.start = tangent.step.end
+    assert rate_at_end(tangent, 0) == 0.0
+
+
+@pytest.mark.parametrize("kind", [KINK, RELEASE])
+def test_a_kink_and_a_release_are_late_by_their_own_functions(monkeypatch, tangent, kind):
+    for name, of in (("_kink", KINK), ("_force", RELEASE)):
+        monkeypatch.setattr(event_times, f"{name}_rate", lambda _t, c, of=of: (of, c))
+    monkeypatch.setattr(event_times, "_delay_of_kink", lambda _t, c, rate: ("kink", c, rate))
+    monkeypatch.setattr(event_times, "_delay_of_release", lambda _t, c, rate: ("release", c, rate))
+    name = "kink" if kind == KINK else "release"
+    assert event_times.delay_of_bend(tangent, 1, kind) == (name, 1, (kind, 1))
