@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+import warnings
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -58,6 +60,17 @@ class Difference:
 def of_joint(name: str, text: str, effect: Effect) -> Difference:
     """A difference of a joint, which has no effect where the joint is held."""
     return Difference(kind="joint", name=name, text=text, effect=effect, joints=frozenset([name]))
+
+
+@contextmanager
+def heard(package: str) -> Iterator[list[Difference]]:
+    """Keep what a package warns of, as differences."""
+    told: list[Difference] = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        yield told
+    for message in dict.fromkeys(" ".join(str(one.message).split()) for one in caught):
+        told.append(Difference(kind=package, text=message, effect=Effect.NONE))
 
 
 def lines(differences: Iterable[Difference], *, warning: bool) -> list[str]:

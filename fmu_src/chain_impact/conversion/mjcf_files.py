@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from chain_impact.conversion.differences import Difference, Effect
+from chain_impact.conversion.differences import Difference, Effect, heard
 from chain_impact.scene.reading import SceneError
 
 CORNERS = (0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
@@ -37,8 +36,7 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
         SceneError: when MuJoCo cannot read the file, or a body has no mass but that of a mesh that is absent.
     """
     try:
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
+        with heard("MuJoCo") as told:
             spec = mujoco.MjSpec.from_file(str(path))
             try:
                 model, absent, weightless = spec.compile(), dict[str, str](), list[tuple[Any, str]]()
@@ -49,7 +47,7 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
                 model = _compiled_without(spec, weightless)
     except (ValueError, mujoco.FatalError) as error:
         raise SceneError(f"{path}: MuJoCo cannot read it: {error}") from None
-    told = [
+    told += [
         Difference(kind="file", name=name, text="cannot be read; nothing needs it", effect=Effect.NONE)
         for name in dict.fromkeys(absent.values())
     ]
@@ -59,8 +57,6 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
         told.append(
             Difference(kind="body", name=name, text=text, effect=Effect.MASS, size=1.0, bodies=bodies)
         )
-    for message in dict.fromkeys(str(one.message) for one in caught):
-        told.append(Difference(kind="MuJoCo", text=" ".join(message.split()), effect=Effect.NONE))
     return Compiled(spec, model, set(absent), told)
 
 

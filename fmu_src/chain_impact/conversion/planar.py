@@ -238,7 +238,7 @@ class _Conversion:
             turn = math.atan2(abs(beside), ahead)
             text = (
                 f"its centre of mass is {' and '.join(filter(None, (where, behind)))}, "
-                f"{100 * shift / length:.2g} % of the length and {turn:.2g} rad seen from the joint; it is "
+                f"{100 * shift / length:.3g} % of the length and {turn:.2g} rad seen from the joint; it is "
                 "put onto the line, and the inertia about the joint stays"
             )
             self._tell("link of joint", name, text, Effect.MASS, max(shift / length, turn))

@@ -60,14 +60,15 @@ def _proposed(
 def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
     """Joints with parallel axes that follow one another, of those that are wanted; the most first."""
     pool = [one for one in joints_at_start(robot) if not wanted or one.joint.name in wanted]
-    slides = [one.joint.name for one in pool if one.joint.kind == "slide"]
-    paths: list[list[str]] = []
+    paths: list[list[Moving]] = []
     for group in parallel([one for one in pool if one.joint.kind == "hinge"]):
-        paths += [[hinge.joint.name for hinge in path] for path in _paths(robot, group)]
+        paths += _paths(robot, group)
     for path in sorted(paths, key=len, reverse=True):
-        if slides:
-            yield [*slides, *path]
-        yield path
+        before = set(above(robot, path[0].body))
+        slides = [one for one in pool if one.joint.kind == "slide" and one.body in before]
+        if len(slides) == 2:  # noqa: PLR2004
+            yield [one.joint.name for one in (*slides, *path)]
+        yield [hinge.joint.name for hinge in path]
 
 
 def _paths(robot: Robot, group: Sequence[Moving]) -> Iterator[list[Moving]]:

@@ -14,7 +14,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from chain_impact.conversion.differences import Difference, Effect, few, of_joint
+from chain_impact.conversion.differences import Difference, Effect, few, heard, of_joint
 from chain_impact.conversion.robot import Body, Joint, Robot, Shape
 from chain_impact.conversion.urdf_elements import SHAPES, other_elements
 from chain_impact.extras import require
@@ -36,11 +36,11 @@ def read_urdf(path: Path) -> Robot:
     """
     yourdfpy = require("yourdfpy", "convert")
     root = urdf_of(path)
-    differences = list(other_elements(root))
     shapes = {link.get("name", ""): list(_shapes(link)) for link in root.iter("link")}
     options = dict.fromkeys(("load_meshes", "load_collision_meshes", "build_scene_graph"), False)
     try:
-        robot = yourdfpy.URDF.load(io.BytesIO(moving_parts(root)), **options).robot
+        with heard("yourdfpy") as told:
+            robot = yourdfpy.URDF.load(io.BytesIO(moving_parts(root)), **options).robot
     except Exception as error:  # of lxml and of yourdfpy, which has many
         what = f"attribute {error} is missing" if isinstance(error, KeyError) else error
         raise SceneError(f"{path}: is no URDF that can be read: {what}") from None
@@ -59,6 +59,7 @@ def read_urdf(path: Path) -> Robot:
         places[name] = len(bodies)
         body = _body(name, links.get(name), joint, places[joint.parent] if joint else -1)
         bodies.append(replace(body, shapes=shapes.get(name, [])))
+    differences = [*other_elements(root), *told]
     for joint in robot.joints:
         differences += _limits_left_out(joint)
     return Robot(name=robot.name, bodies=bodies, gravity=GRAVITY, differences=differences)

@@ -27,18 +27,15 @@ SHAPES = ("visual", "collision")
 """Elements of a link that are counted, and told together."""
 NO_EFFECT = {"version", "schemaLocation", "noNamespaceSchemaLocation"}
 """Attributes that have no effect anywhere."""
-WITHOUT_EFFECT = {
-    "robot/material": "colours",
-    "robot/link/material": "colours",
-    "robot/link/inertial/origin": "quat",
-}
-"""Path of an element → why it has no effect."""
+WITHOUT_EFFECT = ("material",)
+"""Elements that have no effect anywhere: colours."""
 MOVES = {"mimic": "it follows another joint in the file, and moves freely in the scene"}
 """Element of a joint → what of its motion is not in the scene."""
 
 
 def other_elements(root: Element) -> Iterator[Difference]:
     """What of a robot's file is neither in the scene nor known to have no effect."""
+    yield from _attributes(root, "robot", root)
     for part in root:
         if not isinstance(part.tag, str) or part.tag in WITHOUT_EFFECT:
             continue

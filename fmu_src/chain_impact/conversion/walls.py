@@ -136,7 +136,7 @@ class _Walls:
         if reach > 0.0:
             name = self.chosen.hinges[i].joint.name
             text = (
-                f"its shapes reach {reach:.4g} m, {100 * reach / length:.2g} % of the length, beyond its two "
+                f"its shapes reach {reach:.4g} m, {100 * reach / length:.3g} % of the length, beyond its two "
                 "ends, which alone touch walls"
             )
             self._tell("link of joint", name, text, reach / length)

@@ -1,0 +1,115 @@
+"""Small files of robots, each with one thing that moves a robot otherwise than a plain chain of links."""
+
+ARM = """
+<mujoco model="{name}">
+  <option {option}>{flags}</option>
+  {asset}
+  <worldbody>
+    {world}
+    <body name="upper" pos="0 0 1.5" {upper}>
+      <joint name="a" axis="0 1 0" {a}/>
+      <geom name="upper" type="capsule" fromto="0 0 0 .4 0 0" size=".03" mass="2" {shape}/>
+      {more}
+      <body name="lower" pos=".4 0 0" {lower}>
+        <joint name="b" axis="0 1 0" {b}/>
+        <geom name="lower" type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1" {shape}/>
+        <site name="tip" pos=".3 0 0"/>
+      </body>
+    </body>
+  </worldbody>
+  {rest}
+</mujoco>
+"""
+FREE = """
+<mujoco model="free">
+  <option {option}/>
+  <worldbody>
+    <body name="trunk" pos="0 0 2">
+      <joint name="x" type="slide" axis="1 0 0" {x}/>
+      <joint name="z" type="slide" axis="0 0 1" {z}/>
+      <joint name="turn" axis="0 1 0" {turn}/>
+      <geom type="capsule" fromto="0 0 0 0 0 -.5" size=".05" mass="1"/>
+      <body name="leg" pos="0 0 -.5">
+        <joint name="knee" axis="0 1 0" stiffness="3" springref="40"/>
+        <geom type="capsule" fromto="0 0 0 0 0 -.4" size=".04" mass=".7"/>
+        <site name="foot" pos="0 0 -.4"/>
+      </body>
+    </body>
+  </worldbody>
+  {rest}
+</mujoco>
+"""
+PARTS = (
+    "option",
+    "flags",
+    "asset",
+    "world",
+    "upper",
+    "lower",
+    "a",
+    "b",
+    "shape",
+    "more",
+    "rest",
+    "x",
+    "z",
+    "turn",
+)
+
+
+def arm(**parts):
+    """The MJCF of an arm of two links in the x–z plane."""
+    return ARM.format(**{**dict.fromkeys(PARTS, ""), "name": "arm", **parts})
+
+
+def free(**parts):
+    """The MJCF of two links that fall freely."""
+    return FREE.format(**{**dict.fromkeys(PARTS, ""), **parts})
+
+
+def drives(*actuators):
+    """What drives an arm."""
+    return f"<actuator>{''.join(actuators)}</actuator>"
+
+
+def key(**values):
+    """A keyframe."""
+    given = " ".join(f'{name}="{value}"' for name, value in values.items())
+    return f"<keyframe><key name='k' {given}/></keyframe>"
+
+
+LINK = """
+  <link name="{name}"><inertial><origin xyz="{center}"/><mass value="{mass}"/>
+    <inertia ixx=".01" iyy=".02" izz=".02" ixy="0" ixz="0" iyz="0"/></inertial>{more}</link>
+"""
+JOINT = """
+  <joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>
+    <origin xyz="{place}"/><axis xyz="{axis}"/>{more}</joint>
+"""
+
+
+def link(name, center=".15 0 0", mass=1, more=""):
+    """A link of URDF."""
+    return LINK.format(name=name, center=center, mass=mass, more=more)
+
+
+def joint(name, parent, child, place="0 0 0", **others):
+    """A joint of URDF."""
+    given = {"axis": "0 1 0", "kind": "continuous", "more": "", **others}
+    return JOINT.format(name=name, parent=parent, child=child, place=place, **given)
+
+
+def urdf(*parts, attributes=""):
+    """A robot on a base."""
+    return f'<robot name="r" {attributes}><link name="base"/>{"".join(parts)}</robot>'
+
+
+TWO = (
+    link("upper"),
+    link("lower", mass=0.5),
+    '<link name="tool"/>',
+    joint("a", "base", "upper", "0 0 1"),
+    joint("b", "upper", "lower", ".3 0 0"),
+    joint("end", "lower", "tool", ".3 0 0", kind="fixed"),
+)
+"""An arm of two links."""

@@ -1,0 +1,275 @@
+"""What files of robots say of contacts, limits, drives and shapes is in the scene, or told."""
+
+import warnings
+
+import pytest
+
+from chain_impact import SceneError
+from chain_impact.cli import main
+from chain_impact.conversion.convert import of_robot
+from chain_impact.conversion.planar import Choices
+from tests.conversion.robot_files import TWO, arm, drives, joint, key, link, urdf
+from tests.tiers import needs_interop
+
+pytestmark = needs_interop
+
+FLOOR = '<geom name="floor" type="plane" size="3 3 .1" {}/>'
+
+
+def read(tmp_path, text, **choices):
+    file = tmp_path / ("robot.xml" if "<mujoco" in text else "robot.urdf")
+    file.write_text(text, encoding="utf-8")
+    return of_robot(file, Choices(**choices))
+
+
+def refused(tmp_path, text, **choices):
+    with pytest.raises(SceneError) as caught:
+        read(tmp_path, text, **choices)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_disabled_contacts_and_limits_are_not_in_the_scene(tmp_path):
+    limited = 'range="-30 30" limited="true"'
+    scene, done = read(
+        tmp_path, arm(flags='<flag contact="disable" limit="disable"/>', world=FLOOR.format(""), a=limited)
+    )
+    assert scene.half_planes == {}
+    assert scene.chain.links[0].joint_min is None
+    assert "flags: no limits of joints, no contacts: so in the scene" in done.notes
+    assert done.warnings == []
+    scene, _ = read(
+        tmp_path, arm(flags='<flag constraint="disable"/>', world=FLOOR.format(""), b='frictionloss="1"')
+    )
+    assert (scene.half_planes, scene.chain.links[1].joint_friction) == ({}, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("floor", "shape", "rest", "friction"),
+    [
+        ('contype="0" conaffinity="0"', "", "", None),
+        ('contype="2" conaffinity="4"', 'contype="1" conaffinity="8"', "", None),
+        ('contype="2" conaffinity="0"', 'contype="0" conaffinity="2"', "", 1.0),
+        ('friction="1"', 'friction="2"', "", 2.0),
+        ('friction=".3" priority="1"', 'friction="2"', "", 0.3),
+        ('condim="1"', 'condim="1"', "", 0.0),
+        (
+            'contype="0" conaffinity="0"',
+            "",
+            '<contact><pair geom1="floor" geom2="lower" friction=".7 .7 .1 .1 .1"/></contact>',
+            0.7,
+        ),
+        ("", "", '<contact><exclude body1="world" body2="lower"/></contact>', 1.0),
+    ],
+)
+def test_a_plane_is_a_wall_where_it_touches_and_has_the_friction_of_the_pair(
+    tmp_path, floor, shape, rest, friction
+):
+    scene, done = read(tmp_path, arm(world=FLOOR.format(floor), shape=shape, rest=rest))
+    if friction is None:
+        assert scene.half_planes == {}
+        assert "plane floor: nothing that moves touches it: it is no wall" in done.left_out
+    else:
+        assert list(scene.half_planes) == ["floor"]
+        material = scene.contact.wall.get("floor")
+        assert ((material and material.friction) or 0.0) == friction
+    ends = {"pair": (1, 2), "exclude": (1,)}
+    touching = next((points for word, points in ends.items() if word in rest), (1, 2))
+    assert scene.half_planes == {} or set(scene.contact.points) - {0} == set(touching)
+
+
+def test_a_foot_that_reaches_beyond_the_points_is_told_with_the_distance(tmp_path):
+    heel = '<geom type="capsule" fromto=".3 0 .2 .3 0 -.1" size=".03" mass=".1"/>'
+    text = arm(world=FLOOR.format("")).replace("<site", f"{heel}<site")
+    _, done = read(tmp_path, text)
+    (line,) = [line for line in done.warnings if "shapes reach" in line and "joint b" in line]
+    assert "reach 0.23 m, 76.7 % of the length" in line
+
+
+def test_dozens_of_shapes_are_one_line(tmp_path):
+    balls = "".join(f'<geom type="sphere" size=".01" pos=".{i:02} 0 0" mass="0"/>' for i in range(30))
+    _, done = read(tmp_path, arm(more=balls, world=FLOOR.format("")))
+    assert len([line for line in done.left_out if "sphere" in line]) == 1
+    assert any(
+        line.startswith("shapes 30 spheres, 2 capsules") or "30 spheres" in line for line in done.left_out
+    )
+
+
+@pytest.mark.parametrize(
+    ("actuators", "limit"),
+    [
+        (['<motor joint="a" ctrlrange="-10 10"/>'] * 2, 20.0),
+        (['<motor joint="a" ctrlrange="-10 10" gear="-3"/>'], 30.0),
+        (['<motor joint="a" ctrlrange="-10 10" forcerange="-4 4"/>'], 4.0),
+        (['<motor joint="a" ctrlrange="-10 10"/>', '<motor joint="a"/>'], None),
+        (['<position joint="a" kp="10" forcerange="-7 7" ctrlrange="-1 1"/>'], 7.0),
+    ],
+)
+def test_the_limits_of_drives_are_added_up(tmp_path, actuators, limit):
+    scene, _ = read(tmp_path, arm(rest=drives(*actuators)))
+    assert scene.chain.links[0].joint_torque_limit == limit
+    kept, _ = read(tmp_path, arm(a='actuatorfrcrange="-3 3"', rest=drives(*actuators)))
+    assert kept.chain.links[0].joint_torque_limit == 3.0
+    free, _ = read(tmp_path, arm(flags='<flag clampctrl="disable"/>', rest=drives(*actuators)))
+    if "forcerange" not in actuators[0]:
+        assert free.chain.links[0].joint_torque_limit is None
+
+
+def test_a_range_of_controls_of_a_servo_is_told(tmp_path):
+    servo = '<position name="hold" joint="a" kp="10" ctrlrange="-1 1"/>'
+    scene, done = read(tmp_path, arm(rest=drives(servo) + key(ctrl="3")))
+    assert scene.chain.links[0].joint_rest_angle == pytest.approx(-1.0)
+    assert "actuator hold: its control is from -1 to 1; targets of a scene have no limits" in done.left_out
+    assert scene.inputs.joint_targets
+
+
+def test_nothing_is_told_of_what_is_held(tmp_path):
+    text = arm(
+        b='stiffness="3 4 0" range="-1 1" frictionloss="2"',
+        rest=drives('<damper joint="b" kv="1" ctrlrange="0 1"/>'),
+    )
+    _, done = read(tmp_path, text, joints=["a"])
+    assert not [line for line in (*done.warnings, *done.left_out) if "joint b" in line or "actuator" in line]
+    assert "joint b: is held at its start" in done.notes
+
+
+def test_a_keyframe_is_chosen(tmp_path):
+    keys = '<keyframe><key name="low" qpos=".1 .2"/><key name="high" qpos="-1 .5"/></keyframe>'
+    first, done = read(tmp_path, arm(rest=keys))
+    assert "start: keyframe low; --keyframe can take high, none" in done.notes
+    assert first.initial.angles == pytest.approx((-0.1, -0.3))
+    high, _ = read(tmp_path, arm(rest=keys), keyframe="high")
+    assert high.initial.angles == pytest.approx((1.0, 0.5))
+    none, _ = read(tmp_path, arm(rest=keys), keyframe="none")
+    assert none.initial.angles == (0.0, 0.0)
+    assert "hi is no keyframe" in refused(tmp_path, arm(rest=keys), keyframe="hi")
+    assert "URDF has no keyframes" in refused(tmp_path, urdf(*TWO), keyframe="high")
+
+
+MESH = '<asset><mesh name="shell" file="absent.stl"/><texture name="t" type="2d" file="absent.png"/></asset>'
+
+
+def test_files_that_nothing_needs_may_be_absent(tmp_path):
+    seen = '<geom type="mesh" mesh="shell" contype="0" conaffinity="0" mass="0"/>'
+    scene, done = read(tmp_path, arm(asset=MESH, more=seen))
+    assert scene.chain == read(tmp_path, arm())[0].chain
+    assert "files absent.stl, absent.png: cannot be read; nothing needs it" in done.left_out
+    weighed = seen.replace(' mass="0"', "")
+    assert "without the mass of mesh shell" in read(tmp_path, arm(asset=MESH, more=weighed))[1].warnings[0]
+    only = arm(asset=MESH).replace(
+        '<geom name="lower" type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1" />', weighed
+    )
+    assert "a body has no mass but that of absent meshes: shell" in refused(tmp_path, only)
+
+
+def limited(low, high, effort=5):
+    return {
+        "kind": "revolute",
+        "more": f'<limit lower="{low}" upper="{high}" effort="{effort}" velocity="2"/>',
+    }
+
+
+def test_equal_limits_name_the_joint_and_what_converts(tmp_path):
+    parts = [link("u"), link("l"), joint("a", "base", "u", **limited(0, 0)), joint("b", "u", "l", ".3 0 0")]
+    told = refused(tmp_path, urdf(*parts))
+    assert "joint a: its limits are equal, 0 rad, so it cannot move" in told
+    assert "--joints b takes joints that make a chain" in told
+    scene, _ = read(tmp_path, urdf(*parts), joints=["b"])
+    assert len(scene.chain.links) == 1
+    parts[2] = joint("a", "base", "u", **limited(1, -1))
+    assert "joint a: its lower limit, 1 rad, is above its upper limit, -1 rad" in refused(
+        tmp_path, urdf(*parts)
+    )
+
+
+def test_an_effort_of_zero_is_told(tmp_path):
+    parts = [link("u"), joint("a", "base", "u", **limited(-1, 1, effort=0))]
+    scene, done = read(tmp_path, urdf(*parts))
+    assert scene.chain.links[0].joint_torque_limit is None
+    assert "joint a: limit of the effort 0: is taken as none" in done.left_out
+
+
+def test_unreadable_colours_and_absent_meshes_of_urdf_do_not_matter(tmp_path):
+    mesh, colour = '<geometry><mesh filename="no.dae"/></geometry>', '<color rgba="red"/>'
+    seen = f'<visual>{mesh}<material name="m">{colour}</material></visual>'
+    scene, done = read(
+        tmp_path,
+        urdf(
+            link("u", more=seen), joint("a", "base", "u"), '<material name="n"><color rgba="x"/></material>'
+        ),
+    )
+    assert len(scene.chain.links) == 1
+    assert done.left_out == ["shapes 1 mesh: touch nothing in the file, and are not in the scene"]
+
+
+def test_what_urdf_does_not_know_is_told(tmp_path):
+    extra = '<gazebo reference="u"><mu1>2</mu1></gazebo>'
+    text = urdf(
+        link("u", more="<contact><stiffness value='3'/></contact>"),
+        joint("a", "base", "u", more="<calibration rising='1'/>"),
+        extra,
+    )
+    _, done = read(tmp_path, text)
+    assert set(done.left_out) == {
+        "element gazebo u: is not in the scene: mu1",
+        "link u: contact: is not in the scene",
+        "joint a: calibration rising 1: is not in the scene",
+    }
+
+
+@pytest.mark.parametrize(
+    "part", ["<xacro:include filename='x'/>", '<link name="${prefix}l"/>'], ids=["element", "text"]
+)
+def test_of_a_xacro_file_it_is_said_to_run_xacro(tmp_path, part):
+    told = refused(tmp_path, urdf(*TWO, part, attributes='xmlns:xacro="http://www.ros.org/wiki/xacro"'))
+    assert "run xacro first" in told
+    generated, _ = read(tmp_path, urdf(*TWO, attributes='xmlns:xacro="http://www.ros.org/wiki/xacro"'))
+    assert len(generated.chain.links) == 2
+
+
+def test_a_proposal_converts(tmp_path):
+    """Of seven joints 2, 4, 6 and 7 are about parallel axes, and 6 and 7 about one."""
+    axes = ("0 0 1", "0 1 0", "0 0 1", "0 -1 0", "1 0 0", "0 1 0", "0 1 0")
+    parts = [link(f"l{i}", ".1 0 0") for i in range(7)]
+    for i, axis in enumerate(axes):
+        parent, place = ("base", "0 0 1") if i == 0 else (f"l{i - 1}", "0 0 0" if i == 6 else ".2 0 0")
+        parts.append(joint(f"j{i + 1}", parent, f"l{i}", place, axis=axis))
+    told = refused(tmp_path, urdf(*parts))
+    names = told.partition("--joints ")[2].partition(" takes")[0].split(",")
+    assert names[:2] == ["j2", "j4"]
+    scene, _ = read(tmp_path, urdf(*parts), joints=names)
+    assert len(scene.chain.links) == len(names) == 3
+    told = refused(tmp_path, urdf(*parts), joints=["j2", "j4", "j6", "j7"])
+    assert "joints j6 and j7 have the same axis; --joints j2,j4,j7 takes" in told
+
+
+def test_a_cart_is_refused_with_its_pole_as_a_proposal(tmp_path):
+    text = arm().replace('<joint name="a"', '<joint name="rail" type="slide" axis="1 0 0"/><joint name="a"')
+    assert "joint rail slides" in (told := refused(tmp_path, text))
+    assert "--joints a,b takes joints" in told
+
+
+def test_the_command_tells_warnings_first_and_quietly_nothing(tmp_path, capfd):
+    file = tmp_path / "robot.xml"
+    file.write_text(
+        arm(upper='gravcomp="1"', rest=drives('<position joint="a" kp="3" kv="1"/>')), encoding="utf-8"
+    )
+    out = ["-o", str(tmp_path / "robot.toml")]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert main(["convert", str(file), "--plane=-x,z", "--tip", "tip", *out]) == 0
+    said = capfd.readouterr().out.splitlines()
+    titles = [line.split()[0] for line in said]
+    assert titles == sorted(titles, key=["scene", "warning", "left", "note"].index)
+    assert "warning  body upper: gravcomp bears 1 of its weight" in said[1]
+    assert (
+        (tmp_path / "robot.toml")
+        .read_text(encoding="utf-8")
+        .splitlines()[1]
+        .startswith("# warning: body upper")
+    )
+    assert main(["convert", str(file), "-q", *out]) == 0
+    assert capfd.readouterr() == ("", "")
+    for option in ("--plane", "--tip", "--keyframe"):
+        assert main(["convert", "pinned_arm", option, "x", "-o", str(tmp_path / "x.xml")]) == 2
+        assert f"{option}: a scene has nothing to choose" in capfd.readouterr().err
