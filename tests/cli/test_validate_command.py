@@ -3,6 +3,10 @@
 import json
 import zipfile
 
+import pytest
+
+from chain_impact.system import HOST
+
 
 def test_validate_of_a_good_fmu(run, fmu):
     code, said, errors = run("validate", fmu)
@@ -41,3 +45,35 @@ def test_validate_says_as_json_what_it_says_in_words(run, here, fmu):
     assert (code, errors, len(said.splitlines())) == (1, "", len(found["findings"]))
     assert all(word in said for word in ("gravity.y", "stone"))
     assert "no problems found" not in said
+
+
+def test_validate_says_as_json_that_a_file_is_no_zip(run, here):
+    (here / "table.fmu").write_text("t,x\n")
+    code, said, errors = run("validate", "table.fmu", "--json")
+    (found,) = json.loads(said)["findings"]
+    assert (code, errors) == (2, "")
+    assert found["text"].startswith("not a readable FMU: ")
+
+
+@pytest.mark.parametrize(
+    ("kept", "said"),
+    [
+        (["binaries/nowhere64/a.so"], "it has folders for nowhere64"),
+        (["binaries/"], "its folder binaries is empty"),
+        (["binaries/linux64/", "binaries/win64/"], "its folder binaries is empty"),
+        ([], "it has no folder binaries"),
+    ],
+)
+def test_an_fmu_without_a_binary_for_this_machine_says_what_it_has(run, here, fmu, kept, said):
+    """To who simulates it and to who checks it."""
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(here / "other.fmu", "w") as new:
+        for name in old.namelist():
+            if not name.startswith("binaries/"):
+                new.writestr(name, old.read(name))
+        for name in kept:
+            new.writestr(name, "")
+    said = f"so there is no binary for {HOST}: {said}\n"
+    code, _, errors = run("simulate", "other.fmu")
+    assert (code, errors.endswith(said)) == (3, True)
+    code, found, _ = run("validate", "other.fmu")
+    assert (code, found.endswith(said)) == (1, True)

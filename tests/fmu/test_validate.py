@@ -66,7 +66,7 @@ def test_faults_of_the_whole_are_found(fmus, target, tmp_path, fault):
         "another GUID": "is not that of resources/model.json"
         if in_table
         else "Instantiate gives no instance: ",
-        "no binary": f"so there is no binary for {HOST}: it has no binary at all",
+        "no binary": f"so there is no binary for {HOST}: it has no folder binaries",
         "a binary that is none": "the loader fails: ",
         # pythonfmu's wrapper reads a file without a look whether it is there
         "no resources": "crashes the process: " if target == "pythonfmu" else "gives no instance: ",

@@ -13,7 +13,8 @@ from chain_impact.cli.options import Verbs, add_scene, add_verb, is_fmu
 from chain_impact.cli.progress import out, say
 from chain_impact.cli.screen import show, variable_table
 from chain_impact.fmu.importer import read_fmu
-from chain_impact.fmu.run import EXPERIMENT, platforms_of
+from chain_impact.fmu.platforms import platforms_of
+from chain_impact.fmu.run import EXPERIMENT
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import load_scene

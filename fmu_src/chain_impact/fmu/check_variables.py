@@ -207,7 +207,8 @@ def _aliases(variables: Sequence[Variable]) -> list[Finding]:
         if all(kind in ("parameter", "input", "independent") for kind in causality):
             reason = "both are given from outside"
         elif unit[0] != unit[1]:
-            reason = f"their units differ, {unit[0]} and {unit[1]}"
+            units = " and ".join(one or "none" for one in unit)
+            reason = f"their units differ, {units}: variables of an alias set have one unit (FMI 2.0, 2.2.7)"
         elif (variability[0] == "constant") != (variability[1] == "constant"):
             reason = "one is constant, and one is not"
         elif None not in start and variability[0] != "constant":

@@ -12,6 +12,7 @@ import os
 import shutil
 import tempfile
 import threading
+import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -22,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.fmu.findings import archive_findings
+from chain_impact.fmu.platforms import binary_of
 from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.system import HOST, PLATFORMS
@@ -60,10 +62,16 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
         options: those of ``fmpy.simulate_fmu``.
 
     Raises:
-        RunError: when it fails, with the first reason that the FMU gave.
+        RunError: when it has no binary for this machine, or fails, with the first reason that the FMU gave.
     """
     import fmpy
 
+    mode = description.coSimulation or description.modelExchange
+    with zipfile.ZipFile(path) as fmu:
+        names = fmu.namelist()
+    _, missing = binary_of(mode.modelIdentifier, names, second=description.fmiVersion == "2.0")
+    if missing:
+        raise RunError(f"{path}: {missing}")
     with listening() as reasons:
         try:
             # fmpy leaves what it has unpacked when a call fails

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-import zipfile
 from collections.abc import Mapping
 from dataclasses import replace
 from numbers import Integral, Real
@@ -26,20 +24,10 @@ from chain_impact.scene.names import STOPS, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
-from chain_impact.system import PLATFORMS
 from chain_impact.variables.variable import UNLESS_SET
 
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
 """What can be set of an FMU besides its parameters, for this run only."""
-
-
-def platforms_of(path: str | Path) -> list[str]:
-    """The platforms that an FMU has binaries for, as ``--platform`` names those that this package knows."""
-    ours = {one.fmi3: name for name, one in PLATFORMS.items()}
-    with zipfile.ZipFile(path) as fmu:
-        found = (re.fullmatch(r"binaries/([^/]+)/[^/]+", name) for name in fmu.namelist())
-    folders = sorted({file[1] for file in found if file})
-    return [ours.get(folder, folder) for folder in folders]
 
 
 def record_fmu(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -15,11 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
-from xml.etree.ElementTree import Element
 
 from chain_impact.fmu.check_description import description_findings
 from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
-from chain_impact.system import HOST, PLATFORMS
+from chain_impact.fmu.platforms import binary_of
 
 TIMEOUT = 300.0
 """Seconds that the binary of an FMU has, by default."""
@@ -61,27 +59,12 @@ def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Valida
     if not modes:
         said = f"not run: it has no CoSimulation or ModelExchange, only {_UNTRIED}"
         return Validation(findings, [said] if root.find(_UNTRIED) is not None else [])
-    binary, missing = _binary(modes[0], names, second=root.get("fmiVersion") == "2.0")
+    identifier, second = modes[0].get("modelIdentifier", ""), root.get("fmiVersion") == "2.0"
+    binary, missing = binary_of(identifier, names, second=second)
     if missing:
         return Validation([*findings, missing], [])
     tried = _tried(path, binary, timeout, references=not findings)
     return Validation([*findings, *tried.findings], tried.notes)
-
-
-def _binary(mode: Element, names: set[str], *, second: bool) -> tuple[str, Finding | None]:
-    """The file that an importer loads on this machine, and what is wrong if it is not there."""
-    platforms = [HOST, PLATFORMS[HOST].fmi3] if HOST else []
-    platforms = platforms if second else platforms[::-1]
-    file = f"{mode.get('modelIdentifier', '')}{PLATFORMS[HOST].suffix if HOST else ''}"
-    places = [f"binaries/{platform}/{file}" for platform in platforms]
-    for place in places:
-        if place in names:
-            return place, None
-    others = sorted({name.split("/")[1] for name in names if re.fullmatch(r"binaries/[^/]+/[^/]+", name)})
-    there = f"it has folders for {', '.join(others)}" if others else "it has no binary at all"
-    wanted = places[0] if places else "binaries"
-    said = f"is not in the FMU, so there is no binary for {HOST or 'this platform'}: {there}"
-    return "", Finding(said, wanted)
 
 
 def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Validation:

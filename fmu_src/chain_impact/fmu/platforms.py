@@ -1,0 +1,49 @@
+"""Which platforms an FMU has binaries for, and which file an importer loads on this machine."""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from collections.abc import Collection
+from pathlib import Path
+
+from chain_impact.fmu.findings import Finding
+from chain_impact.system import HOST, PLATFORMS
+
+
+def platforms_of(path: str | Path) -> list[str]:
+    """The platforms that an FMU has binaries for, as ``--platform`` names those that this package knows."""
+    ours = {one.fmi3: name for name, one in PLATFORMS.items()}
+    with zipfile.ZipFile(path) as fmu:
+        return [ours.get(folder, folder) for folder in _folders(fmu.namelist())]
+
+
+def binary_of(identifier: str, names: Collection[str], *, second: bool) -> tuple[str, Finding | None]:
+    """The file that an importer loads on this machine, and what is wrong if it is not there.
+
+    Args:
+        identifier: the attribute ``modelIdentifier``.
+        names: the files and folders in the FMU.
+        second: whether it is of FMI 2.0, whose folders have other names than those of FMI 3.0.
+    """
+    platforms = [HOST, PLATFORMS[HOST].fmi3] if HOST else []
+    platforms = platforms if second else platforms[::-1]
+    file = f"{identifier}{PLATFORMS[HOST].suffix if HOST else ''}"
+    places = [f"binaries/{platform}/{file}" for platform in platforms]
+    for place in places:
+        if place in names:
+            return place, None
+    if others := _folders(names):
+        there = f"it has folders for {', '.join(others)}"
+    elif any(name.startswith("binaries/") for name in names):
+        there = "its folder binaries is empty"
+    else:
+        there = "it has no folder binaries"
+    said = f"is not in the FMU, so there is no binary for {HOST or 'this platform'}: {there}"
+    return "", Finding(said, places[0] if places else "binaries")
+
+
+def _folders(names: Collection[str]) -> list[str]:
+    """The folders of binaries that have files."""
+    found = (re.fullmatch(r"binaries/([^/]+)/[^/]+", name) for name in names)
+    return sorted({file[1] for file in found if file})
