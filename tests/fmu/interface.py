@@ -68,6 +68,8 @@ class Binary:
         platform = "x86_64-linux" if self.fmi3 else "linux64"
         binary = self.folder / "binaries" / platform / f"{root.get('modelName')}.so"
         self.c: Any = ctypes.CDLL(str(binary), mode)
+        # pythonfmu's wrapper knows no other error than a fatal one
+        self.refusal = FATAL if (self.folder / "resources" / "slavemodule.txt").exists() else ERROR
 
     def said(self) -> list[str]:
         """The texts since the last look."""
@@ -382,9 +384,6 @@ ALLOWED = {
 """The table of section 4.2.4, without steps in progress; the rest is not supported: with no variables, a call
 to it can be made at any time."""
 LIMITS = {
-    "fmi2Terminate": {"instantiated", "initialization mode", "terminated"},
-    "fmi2GetReal": {"instantiated"},
-    "fmi2GetInteger": {"instantiated"},
     "fmi2GetStatus": {"step complete", "terminated"},
     **{f"fmi2Get{kind}Status": {"instantiated", "initialization mode"} for kind in KINDS[1:]},
     "fmi2GetDirectionalDerivative": ALWAYS,

@@ -2,22 +2,22 @@
 
 import ast
 import os
+import re
 import signal
 import subprocess
 import sys
+import time
 import zipfile
 from pathlib import Path
 
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.compilation.errors import BuildError
-from chain_impact.fmu import pythonfmu_target
 from chain_impact.fmu.build import build_fmu
 from chain_impact.fmu.pythonfmu_target import slave_source
 from chain_impact.fmu.references import FILE
 from tests.fmu.clean import importing
-from tests.fmu.importer import Instance, refused
+from tests.fmu.importer import MESSAGES, Instance, refused
 from tests.fmu.planted_faults import spoiled
 from tests.fmu.zig import zig
 
@@ -35,7 +35,7 @@ def test_only_the_files_that_are_needed_and_another_script_for_another_value(pat
     rest = [name for name in names if not name.startswith(("resources/pythonfmu/", "extra/"))]
     script, slave = sorted((name for name in rest if name.endswith(".py")), key=len)
     assert slave == script.replace(".py", "_slave.py")
-    resources = ("instance.bin", "kernel-linux64.so", "model.json", "slavemodule.txt")
+    resources = ("kernel-linux64.so", "model.bin", "slavemodule.txt")
     expected = {f"resources/{name}" for name in resources}
     expected |= {FILE, "documentation/index.html", "documentation/licenses/license.txt", "model.png"}
     assert set(rest) == expected | {"modelDescription.xml", "binaries/linux64/RodDrop.so", script, slave}
@@ -52,13 +52,6 @@ def test_the_slave_imports_the_standard_library_and_pythonfmu_only():
         elif isinstance(node, ast.ImportFrom):
             imported.add(node.module)
     assert {name.partition(".")[0] for name in imported} <= sys.stdlib_module_names | {"pythonfmu"}
-
-
-def test_what_the_builder_says_is_passed_on(tmp_path, monkeypatch, path):
-    monkeypatch.setattr(pythonfmu_target, "slave_source", lambda: b"raise RuntimeError('broken')\n")
-    with pytest.raises(BuildError, match="RuntimeError: broken"):
-        build_fmu("rod_drop", tmp_path)
-    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.full("takes long")
@@ -133,29 +126,94 @@ def raised(fmu, values):
 
 
 def test_a_fault_is_seen_where_the_importer_does_not_log(path, clean, tmp_path):
-    def change(name, content):
-        """A start that was edited by hand, in an FMU that is otherwise whole."""
-        if name == "resources/instance.bin":
-            return content[:5000] + bytes([content[5000] ^ 1]) + content[5001:]
-        return content
-
     error, said = clean(raised, path, {"initial.y": -1.0})
     assert "status 4 (fatal)" in error
-    beyond = "a contact point starts beyond a wall, or a joint beyond a stop"
-    assert said == f"RodDrop: the simulation cannot start: {beyond}: point 0 at the wall y_min\n"
-    error, said = clean(raised, str(spoiled(path, tmp_path / "RodDrop.fmu", change)), {})
-    assert "instantiate" in error
-    assert said == "RodDrop: the FMU's file resources/instance.bin is damaged\n"
+    beyond = "the simulation cannot start: a contact point starts beyond a wall, or a joint beyond a stop"
+    assert said == f"RodDrop: fmi2ExitInitializationMode: {beyond}: point 0 at the wall y_min\n"
+
+
+def damaged(name, content):
+    """A start that was edited by hand, in an FMU that is otherwise whole."""
+    if name == "resources/model.bin":
+        return content[:5000] + bytes([content[5000] ^ 1]) + content[5001:]
+    return content
+
+
+def described_anew(name, content):
+    """With another GUID in the model description, from which importers take it."""
+    described = name == "modelDescription.xml"
+    return re.sub(rb'(guid=")........', rb"\g<1>00000000", content) if described else content
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (damaged, "has a file model.bin that is damaged"),
+        (described_anew, "fmuGUID 00000000-.* is not that of this FMU"),
+    ],
+)
+def test_an_fmu_that_is_not_whole_is_refused_at_once(path, clean_python, tmp_path, change, reason):
+    """In a process that has not seen it before."""
+    spoilt = str(spoiled(path, tmp_path / "RodDrop.fmu", change))
+    program = f"import sys; sys.path.insert(0, {str(HERE)!r}); from importer import *; Instance({spoilt!r})"
+    done = subprocess.run([clean_python, "-I", "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert re.search(f"^RodDrop: fmi2Instantiate: .*{reason}", done.stderr, re.M)
+    assert "Failed to instantiate" in done.stderr
 
 
 @importing("rod_drop", **in_python)
-def test_percent_and_hash_are_escaped(fmu):
+def test_an_instance_needs_a_name(fmu):
+    import contextlib
+
+    for name in ("", " \t"):
+        MESSAGES.clear()
+        with contextlib.suppress(Exception):
+            Instance(fmu, name)
+        assert MESSAGES[-1].endswith("fmi2Instantiate: the instance has no name")
+    assert Instance(fmu, "x").start()["point[0].y"] > 0.0
+
+
+@importing("rod_drop", **in_python)
+def test_a_reason_is_a_format_for_the_wrapper_and_a_sentence_for_people(fmu):
     """As the wrapper takes what it is told for a printf format."""
+    import contextlib
+    import io
     import sys
 
     Instance(fmu)
     slave = next(module for name, module in sys.modules.items() if name.endswith("_slave"))
-    assert repr(slave.SlaveError("100 % of #1")) == "100 %% of ##1"
+    said = io.StringIO()
+    with contextlib.redirect_stderr(said):
+        error = slave.SlaveError(reason="100 %% of ##1")
+    assert [repr(error), said.getvalue()] == ["100 %% of ##1", "RodDrop: 100 % of #1\n"]
+
+
+# --- Ctrl-C ----------------------------------------------------------------------------------------------
+
+LONG = """
+instance = Instance(one).start(**{"solver.work_limit": 1e15})
+print("right", flush=True)
+try:
+    instance.step(1e9)
+except Exception as error:
+    print(type(error).__name__, MESSAGES[-1].splitlines()[-1], flush=True)
+instance.close()
+print(Instance(one).start()["solver.status"])
+"""
+
+
+def test_ctrl_c_ends_a_long_step(all_fmus, clean_python):
+    """The importer learns of it as of any other fault, and goes on with other instances."""
+    one = all_fmus["pythonfmu"]["simple_pendulum"]
+    lines = ["import sys", f"sys.path.insert(0, {str(HERE)!r})", "from importer import *", f"one = {one!r}"]
+    command = [clean_python, "-I", "-c", "\n".join([*lines, LONG])]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "right\n"
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+    assert (process.returncode, out) == (0, "FMICallException fmi2DoStep: interrupted\n0\n"), err
 
 
 # --- a process that has run it ends well, which guard.c makes sure of ---------------------------------------

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -81,13 +80,10 @@ def build_fmu(
         platform: kernel_library(links, platform, law_file=law, derivatives=varied) for platform in platforms
     }
     fmu, model = directory / f"{scene.name}.fmu", Model(scene)
-    # a scratch folder of its own: that of the path is the user's where the FMU is a link
-    with written_whole(fmu) as path, tempfile.TemporaryDirectory(prefix="chain-impact-") as scratch:
+    with written_whole(fmu) as path:
         log.debug("packaging the FMU")
         native = target == "native"
-        files = (
-            native_files(model, kernels, fmi) if native else pythonfmu_files(model, kernels, Path(scratch))
-        )
+        files = native_files(model, kernels, fmi) if native else pythonfmu_files(model, kernels)
         _pack(files | documents(model, fmi) | reference_files(model), path)
         log.debug("validating the FMU")
         problems = validate_fmu(path)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import zipfile
 import zlib
@@ -21,7 +20,6 @@ from chain_impact.fmu.check_variables import (
 )
 from chain_impact.fmu.findings import DESCRIPTION, Finding, archive_findings
 
-TABLE = "resources/model.json"
 VERSIONS = ("2.0", "3.0")
 TERMINALS = ("terminalsAndIcons/terminalsAndIcons.xml", "icons/terminalsAndIcons.xml")
 MODES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
@@ -62,7 +60,6 @@ def description_findings(path: Path) -> list[Finding]:
             terminals = {
                 name: ElementTree.fromstring(fmu.read(name)) for name in TERMINALS if name in fmu.namelist()
             }
-            own_guid = _own_guid(fmu)
         except (ElementTree.ParseError, LookupError) as error:  # of an encoding that is not known
             return [Finding(f"is no XML: {error}")]
         except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, EOFError) as error:
@@ -76,20 +73,12 @@ def description_findings(path: Path) -> list[Finding]:
     names = {one.name for one in variables} | {alias.get("name", "") for alias in root.iter("Alias")}
     for file, content in terminals.items():
         own += terminal_findings(content, names, file)
-    if own_guid not in (None, root.get("guid")):
-        own.append(Finding(f"guid = {root.get('guid')} is not that of {TABLE}, {own_guid}", attribute="guid"))
     # fmpy ends in an IndexError or a KeyError where a reference leads nowhere
     structure = Structure(root, variables)
     if lost := list(structure.lost()):
         return lost + own
     own += structure.findings()
     return own + _of_fmpy(path, known=bool(own))
-
-
-def _own_guid(fmu: zipfile.ZipFile) -> str | None:
-    """The GUID that an FMU of the kind pythonfmu was made with: its binary compares none."""
-    table = json.loads(fmu.read(TABLE)) if TABLE in fmu.namelist() else None
-    return table.get("guid") if isinstance(table, dict) else None
 
 
 def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:

@@ -6,16 +6,13 @@ from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
-from chain_impact.fmu.model_description import TOKEN, array_variables, model_description
-from chain_impact.fmu.table import guid_of, model_table, packed
+from chain_impact.fmu.model_description import array_variables, model_description
+from chain_impact.fmu.table import described
 from chain_impact.system import PLATFORMS
 from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
 from chain_impact.variables.variable import LARGEST
-
-TABLE = "resources/model.bin"
 
 
 def native_files(model: Model, kernels: Mapping[str, Path], fmi: int) -> dict[str, bytes]:
@@ -40,11 +37,4 @@ def native_files(model: Model, kernels: Mapping[str, Path], fmi: int) -> dict[st
         f"binaries/{platform}/{model.scene.name}{library.suffix}": library.read_bytes()
         for platform, library in sorted(kernels.items())
     }
-    table, record = {**model_table(model), "guid": ""}, model.start.tobytes()
-    contents = (packed(table, record, further), ElementTree.tostring(description), *files.values())
-    table["guid"] = guid_of(contents)
-    description.set(TOKEN[fmi], table["guid"])
-    files[TABLE] = packed(table, record, further)
-    ElementTree.indent(description)
-    files["modelDescription.xml"] = ElementTree.tostring(description, encoding="UTF-8", xml_declaration=True)
-    return files
+    return described(files, model, description, fmi, further)

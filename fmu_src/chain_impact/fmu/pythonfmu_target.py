@@ -1,20 +1,14 @@
-"""An FMU that pythonfmu packages: a slave in Python, with the kernel behind it."""
+"""An FMU that runs in the importer's Python: pythonfmu's binary, a slave, and the kernel behind it."""
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-import zipfile
-import zlib
 from collections.abc import Mapping
-from importlib.metadata import version
+from importlib.metadata import distribution, version
 from pathlib import Path
-from xml.etree import ElementTree
 
-from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu.model_description import model_description
-from chain_impact.fmu.table import guid_of, model_table
+from chain_impact.fmu.table import described
+from chain_impact.system import PLATFORMS as ALL_PLATFORMS
 from chain_impact.variables.model import Model
 
 PLATFORMS = ("linux64", "win64")
@@ -31,29 +25,31 @@ ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
 So it does no more than import the slave, which Python does once in a process.
 """
-DESCRIPTION = "description.xml"  # what the slave's to_xml() gives the builder; not part of the FMU
 
 
-def pythonfmu_files(model: Model, kernels: Mapping[str, Path], scratch: Path) -> dict[str, bytes]:
+def pythonfmu_files(model: Model, kernels: Mapping[str, Path]) -> dict[str, bytes]:
     """All files of the FMU, by their names in it.
 
     Args:
         model: what it simulates.
         kernels: platform → library.
-        scratch: a folder to work in.
-
-    Raises:
-        BuildError: when pythonfmu fails.
     """
-    built = _run_builder(_staged(model, kernels), model.scene.name, scratch)
-    with zipfile.ZipFile(built) as fmu:
-        return {name: fmu.read(name) for name in fmu.namelist() if _wanted(name, kernels)}
-
-
-def _wanted(name: str, kernels: Mapping[str, Path]) -> bool:
-    """Whether a file that pythonfmu has packed belongs to the FMU: no binary that was not asked for."""
-    folder, _, rest = name.partition("/")
-    return name != f"resources/{DESCRIPTION}" and (folder != "binaries" or rest.partition("/")[0] in kernels)
+    tool = f"chain-impact {version('chain-impact')} with PythonFMU {version('pythonfmu')}"
+    sources = {"script": SCRIPT.encode(), "slave": slave_source()}
+    files = sources | _of_pythonfmu(model.scene.name, kernels)
+    for platform, library in sorted(kernels.items()):
+        files[f"resources/kernel-{platform}{library.suffix}"] = library.read_bytes()
+    files = described(files, model, description := model_description(model, tool, 2), 2)
+    # the guid names both modules: one process can hold several FMUs, and Python knows modules by name
+    guid = description.attrib["guid"]
+    script = f"chain_impact_{guid.replace('-', '')[:16]}"
+    modules = {
+        f"resources/{script}.py": SCRIPT.format(slave=f"{script}_slave").encode(),
+        f"resources/{script}_slave.py": sources["slave"],
+        # the script that the wrapper executes, and what the slave reads: some importers unpack no description
+        "resources/slavemodule.txt": "\n".join((script, model.scene.name, guid)).encode(),
+    }
+    return {name: content for name, content in files.items() if name not in sources} | modules
 
 
 def slave_source() -> bytes:
@@ -62,38 +58,13 @@ def slave_source() -> bytes:
     return (packaged if packaged.is_file() else Path(__file__).parents[2] / "slave.py").read_bytes()
 
 
-def _staged(model: Model, kernels: Mapping[str, Path]) -> dict[str, bytes]:
-    """The files that pythonfmu makes the FMU of, the slave's script first: name → content."""
-    files = {"instance.bin": model.start.tobytes()}
-    for platform, library in sorted(kernels.items()):
-        files[f"kernel-{platform}{library.suffix}"] = library.read_bytes()
-    checksum = zlib.crc32(files["instance.bin"])
-    slave, table = slave_source(), {**model_table(model), "start_checksum": checksum}
-    tool = f"chain-impact {version('chain-impact')} with PythonFMU {version('pythonfmu')}"
-    description = model_description(model, tool, 2)
-
-    guid = guid_of((slave, json.dumps(table).encode(), ElementTree.tostring(description), *files.values()))
-    description.set("guid", guid)
-    files["model.json"] = json.dumps({**table, "guid": guid}).encode()
-    files[DESCRIPTION] = ElementTree.tostring(description)
-    # the guid also names both modules: one process can hold several FMUs, and Python knows modules by name
-    script = f"chain_impact_{guid.replace('-', '')[:16]}"
-    files[f"{script}_slave.py"] = slave
-    return {f"{script}.py": SCRIPT.format(slave=f"{script}_slave").encode(), **files}
-
-
-def _run_builder(files: dict[str, bytes], name: str, scratch: Path) -> Path:
-    """Let pythonfmu build an FMU from the files, the slave's script first; return its path."""
-    staging, out = scratch / "staging", scratch / "out"
-    staging.mkdir()
-    for file, content in files.items():
-        (staging / file).write_bytes(content)
-    script, *others = files
-    command = [sys.executable, "-m", "pythonfmu", "build", "-f", script, "-d", str(out.resolve()), *others]
-    options = ["--no-external-tool", "--handle-state", "--serialize-state"]
-    # in a process of its own, as the builder imports the script and keeps it
-    done = subprocess.run([*command, *options], cwd=staging, capture_output=True, text=True, check=False)
-    fmu = out / f"{name}.fmu"
-    if done.returncode != 0 or not fmu.is_file():
-        raise BuildError(f"pythonfmu could not build the FMU:\n{done.stdout}{done.stderr}")
-    return fmu
+def _of_pythonfmu(name: str, platforms: Mapping[str, Path]) -> dict[str, bytes]:
+    """Return pythonfmu's modules, and its wrappers as the binaries of an FMU of a name."""
+    # what is installed: the module's own path leads to an FMU, if this process has run one
+    folder = Path(str(distribution("pythonfmu").locate_file("pythonfmu")))
+    files = {f"resources/pythonfmu/{module.name}": module for module in folder.glob("*.py")}
+    for platform in platforms:
+        suffix = ALL_PLATFORMS[platform].suffix
+        wrapper = next(folder.glob(f"resources/binaries/{platform}/*{suffix}"))
+        files[f"binaries/{platform}/{name}{suffix}"] = wrapper
+    return {name: path.read_bytes() for name, path in sorted(files.items())}

@@ -1,4 +1,4 @@
-"""What an FMU knows of its model: one table, as JSON for pythonfmu's slave, as bytes for the C interface."""
+"""What the C interface of an FMU has to know of its model: the table resources/model.bin, and the GUID."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ import hashlib
 import struct
 import uuid
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
+from chain_impact.fmu.model_description import TOKEN
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import places as places_of
 from chain_impact.scene.names import Place
@@ -21,30 +24,31 @@ HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s15q"), 24
 ROW, PLACE = struct.Struct("<ddqqqiiii"), struct.Struct("<q")
 MAGIC = b"chaintab"
 TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
+Rows = Sequence[tuple[list[Any], int]]
+"""Rows of variables, and how many values each has."""
 
 
-def model_table(model: Model) -> dict[str, Any]:
-    """What an FMU has to know of its model, but for the start values and the GUID."""
-    variables, layout = model.variables, model.start.dtype
-    places: dict[str, Place] = {
-        "time": ("step", "time"),
-        "changed": ("given", "changed"),
-        "tolerance": ("solver", "tolerance"),
-        "place": ("fault", "place"),
-    }
-    if model.sizes[-1]:
-        places |= {"contradiction": ("moved", "contradiction"), "position": (MOTION, "position", 0)}
-    return {
-        "name": model.scene.name,
-        "variables": [model.table_row(variable) for variable in variables],
-        "first_output": sum(variable.causality != "output" for variable in variables),
-        "words": {name: word_index(layout, place) for name, place in places.items()},
-        "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
-        "places": places_of(model.scene),
-    }
+def described(
+    files: Mapping[str, bytes], model: Model, description: Element, fmi: int, further: Rows = ()
+) -> dict[str, bytes]:
+    """Add the model description and the table to the files of an FMU.
+
+    Args:
+        files: all that the FMU has besides, but for what no result follows from.
+        model: what it simulates.
+        description: the model description, which gets the GUID that follows from all of this.
+        fmi: the version of FMI.
+        further: variables that only FMI 3.0 has.
+    """
+    contents = (packed(model, "", further), ElementTree.tostring(description), *files.values())
+    description.set(TOKEN[fmi], _guid_of(contents))
+    table = packed(model, description.attrib[TOKEN[fmi]], further)
+    ElementTree.indent(description)
+    text = ElementTree.tostring(description, encoding="UTF-8", xml_declaration=True)
+    return {**files, "modelDescription.xml": text, "resources/model.bin": table}
 
 
-def guid_of(contents: Iterable[bytes]) -> str:
+def _guid_of(contents: Iterable[bytes]) -> str:
     """A GUID that follows from all that makes an FMU."""
     digest = hashlib.sha256()
     for content in contents:
@@ -52,18 +56,13 @@ def guid_of(contents: Iterable[bytes]) -> str:
     return str(uuid.UUID(bytes=digest.digest()[:16]))
 
 
-def packed(model: dict[str, Any], record: bytes, further: Sequence[tuple[list[Any], int]] = ()) -> bytes:
+def packed(model: Model, guid: str, further: Rows) -> bytes:
     """The table with its GUID, and the record with the start values, as the C interface reads them.
 
     The layout is that of the structures in compilation/c_interface/common/instance.h.
-
-    Args:
-        model: as ``model_table`` gives it, with the GUID.
-        record: the start values.
-        further: rows of variables that only FMI 3.0 has, and how many values each has.
     """
-    texts = bytearray()
-    variables = [*((row, 1) for row in model["variables"]), *further]
+    texts, record = bytearray(), model.start.tobytes()
+    variables = [*((model.table_row(variable), 1) for variable in model.variables), *further]
 
     def text(content: str) -> int:
         texts.extend(content.encode() + b"\0")
@@ -76,21 +75,32 @@ def packed(model: dict[str, Any], record: bytes, further: Sequence[tuple[list[An
         )
         for (name, type_, word, kind, low, high, allowed, set_word), length in variables
     )
-    codes = range(max(map(int, model["statuses"])) + 1)
-    statuses = b"".join(
-        PLACE.pack(text(model["statuses"].get(str(code), "unknown status"))) for code in codes
-    )
-    reasons = b"".join(PLACE.pack(text(place)) for place in model["places"])
+    codes = range(max(STATUS_TEXT) + 1)
+    statuses = b"".join(PLACE.pack(text(STATUS_TEXT.get(code, "unknown status"))) for code in codes)
+    places = places_of(model.scene)
+    reasons = b"".join(PLACE.pack(text(place)) for place in places)
     variables_at = HEAD.size
     statuses_at = variables_at + len(rows)
     places_at = statuses_at + len(statuses)
     record_at = places_at + len(reasons)
     texts_at = record_at + len(record)
-    numbers = [len(variables), len(codes), len(model["places"])]
-    names = ("time", "changed", "tolerance", "place", "contradiction", "position")
-    numbers += [model["words"].get(name, 0) for name in names]
+    numbers = [len(variables), len(codes), len(places), *_words(model)]
     numbers += [variables_at, statuses_at, places_at, texts_at, record_at, len(record)]
     parts = rows + statuses + reasons + record + bytes(texts)
-    head = HEAD.pack(MAGIC, HEAD.size + len(parts), 0, model["guid"].encode(), *numbers)
+    head = HEAD.pack(MAGIC, HEAD.size + len(parts), 0, guid.encode(), *numbers)
     checked = head[CHECKED_FROM:] + parts
     return head[: CHECKED_FROM - 8] + zlib.crc32(checked).to_bytes(8, "little") + checked
+
+
+def _words(model: Model) -> list[int]:
+    """The words of the record that the C interface reads and writes by itself; 0 for what the model lacks."""
+    places: list[Place] = [
+        ("step", "time"),
+        ("given", "changed"),
+        ("solver", "tolerance"),
+        ("fault", "place"),
+    ]
+    if model.sizes[-1]:
+        places += [("moved", "contradiction"), (MOTION, "position", 0)]
+    words = [word_index(model.start.dtype, place) for place in places]
+    return words if model.sizes[-1] else [*words, 0, 0]

@@ -39,7 +39,8 @@ typedef enum { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED, FAILED, EVENT, 
 #define IN(phase) (1u << (phase))
 enum { ANY_PHASE = IN(PHASES) - 1 };
 
-enum { OK, WARNING, DISCARD, ERROR }; /* of fmi2Status and fmi3Status; functions that return a status return an int */
+/* of fmi2Status and fmi3Status, PENDING of the first; functions that return a status return an int */
+enum { OK, WARNING, DISCARD, ERROR, PENDING = 5 };
 
 typedef struct Instance Instance;
 
@@ -63,11 +64,12 @@ struct Instance {
     const char *name;
     unsigned categories; /* of messages that are wanted, a bit for each */
     const Table *table;
+    int shares_table; /* with another instance, which releases it */
     Word *record; /* what the kernel works on */
-    Word *other;  /* as long: to return from a start that is refused, and to try what has been set */
+    Word *other;  /* as long, once it has been needed: to try what has been set */
     Phase phase;
     int event_mode;  /* the importer uses event mode */
-    int stops;       /* steps end at onsets */
+    int32_t (*advance)(Word *record, double time); /* the function of the kernel that its steps call */
     int set_up;      /* start and stop time are given */
     int initialized; /* the record holds the start that follows from the parameters as they are */
     const Word *observed; /* the record whose outputs are those of the present time; NULL if neither's are */
@@ -77,6 +79,7 @@ struct Instance {
 
 /* life.c: each call of the standard as far as it is the same in both versions; `call` is its name */
 Instance *new_instance(Instance draft, const char *call, const char *token, const char *resources);
+Instance *another_instance(const Instance *first, const char *call, const char *name); /* with the same table */
 void free_instance(Instance *one);
 int set_logging(Instance *one, const char *call, int on, size_t count, const char *const names[]);
 int set_up(Instance *one, const char *call, int with_tolerance, double tolerance, double start, int with_stop,
@@ -132,7 +135,8 @@ const char *text_of(const Table *table, int64_t place);
 /* the kernel, chain_impact/compilation/entry_points.py */
 extern int32_t initialize(Word *record, double time);
 extern int32_t advance(Word *record, double time);
-enum { ONSET_DUE = -3 }; /* a status of the kernel, no fault */
+enum { PAUSED = -2, ONSET_DUE = -3 }; /* statuses of the kernel, no faults */
+extern int32_t advance_awhile(Word *record, double time);
 extern int32_t advance_to_onset(Word *record, double time);
 extern int32_t event_update(Word *record);
 extern int32_t observe(Word *record);

@@ -23,19 +23,26 @@ static void back_to_the_start(Instance *one) {
     one->stop_time = INFINITY;
 }
 
-/* An instance with its name and its records, in one piece of memory; NULL if there is not enough. The record of the
-   kernel comes last, so that a sanitizer sees when the kernel reads or writes beyond it. */
+/* An instance with its name and its record, in one piece of memory; NULL if there is not enough. The record comes last,
+   so that a sanitizer sees when the kernel reads or writes beyond it. */
 static Instance *allocated(const Instance *draft) {
     size_t record = (size_t)draft->table->record_size, name = strlen(draft->name) + 1;
     size_t words = (name + sizeof(Word) - 1) / sizeof(Word);
-    Instance *one = draft->allocate(1, sizeof *one + words * sizeof(Word) + 2 * record);
+    Instance *one = draft->allocate(1, sizeof *one + words * sizeof(Word) + record);
     if (!one) return NULL;
     *one = *draft;
     one->name = memcpy(one + 1, draft->name, name);
-    one->other = (Word *)(one + 1) + words;
-    one->record = (Word *)((char *)one->other + record);
+    one->record = (Word *)(one + 1) + words;
+    one->other = NULL;
     back_to_the_start(one);
     return one;
+}
+
+static int is_named(Instance *draft, const char *call) {
+    draft->name = draft->name ? draft->name : "";
+    int named = draft->name[strspn(draft->name, " \t\r\n\v\f")] != '\0';
+    if (!named) say(draft, ERROR, "%s: the instance has no name", call);
+    return named;
 }
 
 /* The instance, as far as it can be made; why there is none is said in any case. */
@@ -43,9 +50,7 @@ Instance *new_instance(Instance draft, const char *call, const char *token, cons
     const Interface *names = draft.interface;
     const char *reason;
     draft.phase = INSTANTIATED;
-    draft.name = draft.name ? draft.name : "";
-    if (draft.name[strspn(draft.name, " \t\r\n\v\f")] == '\0')
-        return say(&draft, ERROR, "%s: the instance has no name", call), NULL;
+    if (!is_named(&draft, call)) return NULL;
     if (!given(&draft, call, names->token, token) || !given(&draft, call, names->resources, resources)) return NULL;
     if (!(draft.table = read_table(&draft, resources, &reason)))
         return say(&draft, ERROR, "%s: %s %s %s", call, names->resources, resources, reason), NULL;
@@ -58,10 +63,21 @@ Instance *new_instance(Instance draft, const char *call, const char *token, cons
     return one;
 }
 
+Instance *another_instance(const Instance *first, const char *call, const char *name) {
+    Instance draft = *first, *one = NULL;
+    draft.phase = INSTANTIATED;
+    draft.name = name;
+    draft.shares_table = 1;
+    if (is_named(&draft, call) && !(one = allocated(&draft)))
+        say(&draft, ERROR, "%s: no memory for an instance", call);
+    return one;
+}
+
 void free_instance(Instance *one) {
     if (!one) return;
     void (*release)(void *) = one->release;
-    release((void *)one->table);
+    if (!one->shares_table) release((void *)one->table);
+    if (one->other) release(one->other);
     release(one);
 }
 
@@ -106,13 +122,14 @@ int enter_initialization(Instance *one, const char *call) {
 int start(Instance *one, const char *call) {
     if (one->initialized) return OK;
     size_t size = (size_t)one->table->record_size;
-    memcpy(one->other, one->record, size);
+    Word *before = one->allocate(1, size);
+    if (!before) return say(one, ERROR, "%s: no memory to start in", call);
+    memcpy(before, one->record, size);
     int status = initialize(one->record, one->time);
-    if (status) {
-        Sentence why = reason(one->table, one->record, status);
-        memcpy(one->record, one->other, size);
-        return say(one, ERROR, "%s: the simulation cannot start: %s", call, why.text);
-    }
+    Sentence why = reason(one->table, one->record, status);
+    if (status) memcpy(one->record, before, size);
+    one->release(before);
+    if (status) return say(one, ERROR, "%s: the simulation cannot start: %s", call, why.text);
     one->initialized = 1;
     one->observed = NULL;
     return OK;
@@ -176,8 +193,9 @@ int do_step(Instance *one, const char *call, double now, double size, int *onset
         return say(one, ERROR, "%s: %s s lies beyond the stop time %s s", call, number(time).text,
                    number(one->stop_time).text);
     one->observed = NULL;
-    int status = one->stops ? advance_to_onset(one->record, time) : advance(one->record, time);
+    int status = one->advance(one->record, time);
     *onset_due = status == ONSET_DUE;
+    if (status == PAUSED) return PENDING;
     if (status != 0 && !*onset_due) return fail(one, one->interface->unfinished, status);
     one->time = *onset_due ? one->record[one->table->time_word].real : time;
     warn(one);

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The slave of the pythonfmu FMU has the same one. The checksum is for the bytes only. */
+/* The checksum is for the bytes only. */
 typedef struct {
     char magic[8];
     uint64_t size, checksum; /* of what follows this number */

@@ -111,16 +111,26 @@ const Table *read_table(const Instance *draft, const char *resources, const char
     return table;
 }
 
-/* Four bits at a time: the table of 16 stays in a line of the processor's cache. */
+/* Four bytes at a time, by a table of 16 for each four bits of them. The first table is that of the last bits; what a
+   number becomes four bits later leads from a table to the next. */
 uint32_t checksum(const void *bytes, size_t size) {
-    static const uint32_t TABLE[16] = {
+    static const uint32_t LAST[16] = {
         0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,
         0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c, 0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
-    uint32_t crc = ~0u;
-    for (const unsigned char *at = bytes; size > 0; at++, size--) {
+    uint32_t tables[8][16], crc = ~0u, word;
+    memcpy(tables[0], LAST, sizeof LAST);
+    for (int k = 1; k < 8; k++)
+        for (int i = 0; i < 16; i++) tables[k][i] = tables[k - 1][i] >> 4 ^ LAST[tables[k - 1][i] & 15];
+    const unsigned char *at = bytes;
+    for (; size >= sizeof word; at += sizeof word, size -= sizeof word) {
+        memcpy(&word, at, sizeof word);
+        word ^= crc;
+        crc = 0;
+        for (int k = 0; k < 8; k++) crc ^= tables[7 - k][word >> 4 * k & 15];
+    }
+    for (; size > 0; at++, size--) {
         crc ^= *at;
-        crc = crc >> 4 ^ TABLE[crc & 15];
-        crc = crc >> 4 ^ TABLE[crc & 15];
+        for (int k = 0; k < 2; k++) crc = crc >> 4 ^ LAST[crc & 15];
     }
     return ~crc;
 }

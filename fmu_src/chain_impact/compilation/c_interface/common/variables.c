@@ -41,8 +41,12 @@ static const Word *source(Instance *one, const char *call, const uint32_t vr[], 
         return say(one, ERROR, "%s: outputs cannot be read %s", call, when(one)), NULL;
     if (start(one, call) != OK) return NULL;
     Word *seen = one->record;
-    if (one->record[one->table->changed_word].integer)
-        seen = memcpy(one->other, one->record, (size_t)one->table->record_size);
+    if (one->record[one->table->changed_word].integer) {
+        size_t size = (size_t)one->table->record_size;
+        if (!one->other && !(one->other = one->allocate(1, size)))
+            return say(one, ERROR, "%s: no memory to try what has been set", call), NULL;
+        seen = memcpy(one->other, one->record, size);
+    }
     int fault = observe(seen);
     if (fault && IN(one->phase) & (IN(STEPPING) | IN(EVENT)))
         *status = say(one, WARNING, "%s: what has been set cannot act: %s", call, reason(one->table, seen, fault).text);

@@ -32,13 +32,23 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
     if (!functions || !functions->logger) return NULL;
     Instance draft = {.interface = &FMI2, .logger = (void (*)(void))functions->logger,
                       .environment = functions->componentEnvironment, .allocate = functions->allocateMemory,
-                      .release = functions->freeMemory, .name = name ? name : "", .categories = ALL_CATEGORIES};
+                      .release = functions->freeMemory, .name = name ? name : "", .categories = ALL_CATEGORIES,
+                      .advance = advance};
     if (!draft.allocate || !draft.release)
         return say(&draft, ERROR, "%s: the callbacks allocateMemory and freeMemory are needed", __func__), NULL;
     if (type != fmi2CoSimulation)
         return say(&draft, ERROR, "%s: this FMU is for co-simulation, not for model exchange", __func__), NULL;
     Instance *one = new_instance(draft, __func__, guid, location);
     if (one) one->categories = logging ? ALL_CATEGORIES : REFUSALS;
+    return one;
+}
+
+/* Beyond the standard, for a slave in Python (slave.py): another instance of the same FMU, which shares the table of the
+   first one; that has to outlive it. A step that takes long returns fmi2Pending within a second of computing, and goes
+   on when it is called again with the same arguments: in between, Python looks after signals such as that of Ctrl-C. */
+FMI2_Export fmi2Component another_fmi2_instance(fmi2Component first, fmi2String name) {
+    Instance *one = first ? another_instance(first, "fmi2Instantiate", name) : NULL;
+    if (one) one->advance = advance_awhile;
     return one;
 }
 
