@@ -1,0 +1,82 @@
+"""The rows of the table of variables: what they name is there, and what they say of all of a kind."""
+
+import pytest
+
+from chain_impact import load_scene
+from chain_impact.fmu.model_description import nominal_values
+from chain_impact.kernel.record.instance import output_dtype
+from chain_impact.scene.names import INPUTS_OF, is_like
+from chain_impact.variables.kind import ALWAYS
+from chain_impact.variables.listing import absent_hint
+from chain_impact.variables.model import Model
+from chain_impact.variables.outputs import INPUTS, OUTPUTS
+from chain_impact.variables.parameters import PARAMETERS
+from chain_impact.variables.shape import ELEMENTS, shape_of
+
+EVERYTHING = load_scene("four_link_box").with_values(
+    {
+        "link[2].joint_min": -2.0,
+        "link[2].joint_friction": 0.1,
+        "contact.friction": 0.1,
+        "inputs.wall_motion": True,
+        "outputs.loads": True,
+        "outputs.impacts": 1,
+        "walls": [{"name": "slope", "point": [0.0, -9.0], "angle": 0.0}],
+    }
+)
+KINDS = [kind for block in (*PARAMETERS, *INPUTS, *OUTPUTS) for kind in block.kinds]
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.pattern)
+def test_what_a_row_names_is_there(kind):
+    """Its element, conditions, words, limits, magnitude and what it is the derivative of."""
+    shape = shape_of(EVERYTHING)
+    (element, *_) = ELEMENTS[kind.of](shape)
+    known = shape.known() | element
+    assert all(isinstance(known[condition], bool) for condition in kind.when)
+    assert known.get(kind.tunable or ALWAYS) in (True, False)
+    assert "{" not in kind.description.format_map(known)
+    assert all(one in known for one in (kind.minimum, kind.maximum) if isinstance(one, str))
+    assert kind.nominal == "" or kind.nominal in nominal_values(EVERYTHING)
+    assert kind.rate_of == "" or kind.rate_of in output_dtype(1, 0, 0, 0, 0).names
+
+
+def test_all_of_a_kind_are_described_at_once():
+    found = {one.kind.pattern: one.of_its_kind for one in Model(EVERYTHING).variables}
+    assert found["link[i].length"] == "link i: length; must be > 0"
+    assert found["wall.<wall>.x"] == "wall at any angle: x of a point on the wall"
+    assert found["contact[k].<wall>.penetration"] == "point k at a wall: penetration, 0 when apart"
+    assert found["joint[i].angle"] == "joint i: angle of link i relative to the link before"
+    pinned = {one.kind.pattern: one.of_its_kind for one in Model(load_scene("triple_pendulum")).variables}
+    assert pinned["joint[i].angle"] == "joint i: angle of link i relative to the link before, or the ground"
+
+
+def test_the_derivatives_of_a_kind_are_a_kind():
+    model = Model(load_scene("four_link_box").with_values({"outputs.sensitivities": ["link[*].mass"]}))
+    kinds = {one.kind.pattern: one.of_its_kind for one in model.variables if one.name.startswith("sens")}
+    assert (
+        kinds["sensitivity.link[i].mass.point[k].x"]
+        == "derivative of point[k].x with respect to link[i].mass"
+    )
+    assert len(kinds) == len({one.kind.pattern for one in model.motion})
+
+
+def test_a_name_is_like_its_template_only():
+    names = ["joint[12].torque", "wall.ramp.belt_speed", "tip.force.x"]
+    templates = [template for one in INPUTS_OF.values() for template in one]
+    assert [sum(is_like(name, template) for template in templates) for name in names] == [1, 1, 1]
+    for name in (
+        "joint[].torque",
+        "joint[a].torque",
+        "joint[1.torque",
+        "joint.torque",
+        "wall.a[1].belt_speed",
+    ):
+        assert not any(is_like(name, template) for template in templates)
+
+
+def test_a_parameter_that_a_scene_lacks_has_a_hint():
+    lacking = ("wall.ramp.friction", "contact.friction", "link[3].joint_friction", "link[1].joint_armature")
+    assert all(absent_hint(name) for name in lacking)
+    assert absent_hint("link[1].joint_rest_angle") != absent_hint("link[1].joint_friction")
+    assert absent_hint("link[1].mass") is absent_hint("friction") is None
