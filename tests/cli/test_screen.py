@@ -5,14 +5,16 @@ import math
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from rich.console import Console
 
 from chain_impact import CONTACT_LAWS, compare, load_scene
 from chain_impact.cli.screen import law_table, plain_lines, show, summary, table_of, variable_table
+from chain_impact.results.summary import NONE
 from chain_impact.simulation.record_scene import record_scene
 from chain_impact.variables.model import Model
-from tests.problems import default_scene
+from tests.problems import default_scene, driven
 
 
 def test_an_impulse_and_a_law_without_a_result_have_a_row():
@@ -87,3 +89,21 @@ def test_elsewhere_lines_are_whole_and_have_no_spaces_at_their_end():
     table.add_row("b" * 200, "23")
     assert [len(line) for line in plain_lines(table)] == [209] * 3
     assert not any(line.endswith(" ") for line in plain_lines(table_of(("name", "text"))))
+
+
+def test_the_list_of_impacts_has_their_durations_and_tells_which_last():
+    recording = record_scene(driven(stop_time=0.2), {})
+    head, *rows = plain_lines(list(summary(recording))[1])
+    column = head.index("duration, ms")
+    cells = [row[column:].split()[0] for row in rows]
+    assert "lasts" in cells
+    for cell, impact in zip(cells, recording.impacts, strict=True):
+        if np.isnan(impact["end"]):
+            assert cell == "lasts"
+        else:
+            assert float(cell) == pytest.approx(1e3 * (impact["end"] - impact["onset"]), rel=1e-3)
+
+
+def test_a_rigid_impact_has_no_duration():
+    _, first, *_ = plain_lines(list(summary(record_scene(default_scene(model="newton_impact"), {})))[1])
+    assert first.split()[5:7] == [NONE, NONE]

@@ -133,11 +133,12 @@ def test_an_output_that_is_not_there_is_refused_before_anything_runs():
 def test_a_result_says_what_happened(result):
     lines = repr(result).splitlines()
     assert lines[0] == f"FourLinkBox  0 … 0.6 s, 2 impacts, 601 rows of {len(result.names)} outputs"
-    heads = ["#", "time, s", "point", "wall", "speed, m/s", "peak force, N", "impulse, N·s"]
+    heads = ["#", "time, s", "point", "wall", "speed, m/s", "duration, ms", "peak force, N", "impulse, N·s"]
     assert re.split(r"  +", lines[1]) == heads
     first = result.impacts[0]
     force = f"{100 * round(first['peak_force'] / 100)}"  # four digits of 19,1xx N, the last of them a 0
-    told = ["1", "0.499446", "2", "y_min", "4.9710", force, f"{first['impulse']:.4g}"]
+    lasting = f"{1e3 * (first['end'] - first['onset']):.4g}"
+    told = ["1", "0.499446", "2", "y_min", "4.9710", lasting, force, f"{first['impulse']:.4g}"]
     assert lines[2].split() == told
     assert lines[3].split()[:5] == ["2", "0.534169", "4", "y_min", "3.1488"]
     assert lines[4].startswith("energy   61.663 J at the start = ")

@@ -41,7 +41,7 @@ class Course:
 
 
 def course_of(
-    model: Model, rerun: Rerun | None, impact: np.void, *, until: float = math.nan, early: bool = False
+    model: Model, rerun: Rerun | None, impact: np.void, *, until: float = math.nan, near: float = 0.0
 ) -> Course:
     """The course of an impact, a row of ``Result.impacts``.
 
@@ -53,7 +53,7 @@ def course_of(
         rerun: ``Result.rerun``.
         impact: the row.
         until: the end of the course where the impact has none [s].
-        early: with more times, most of them shortly after the onset, for a contact that lasts long.
+        near: so long after the onset [s] are the times of a contact that lasts longer close together.
 
     Raises:
         ValueError: when the result cannot be run once more.
@@ -63,9 +63,10 @@ def course_of(
     onset, end = float(impact["onset"]), float(impact["end"])
     end = until if math.isnan(end) else end
     inside = np.linspace(onset, end, SAMPLES if end > onset else 0)
-    if early and end > onset:
+    if 0.0 < near < end - onset:
         shares = np.union1d(np.geomspace(SOON, 1.0, SAMPLES), np.linspace(0.0, 1.0, MANY))
-        inside = np.unique((onset + (end - onset) * shares).clip(onset, end))
+        times = np.union1d((end - onset) * shares, np.linspace(0.0, near, SAMPLES))
+        inside = np.unique((onset + times).clip(onset, end))
     before, after = max(0.0, math.nextafter(onset, 0.0)), math.nextafter(end, math.inf)
     outputs = rerun(np.concatenate([[before], inside, [after]]))
     at, sign = place_of(model, impact)

@@ -70,6 +70,11 @@ def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
     return table
 
 
+def lasts(impacts: np.ndarray | np.void) -> Any:
+    """Whether contacts last to the end of the simulation; their peak forces are known, others' may not be."""
+    return np.isnan(impacts["end"]) & ~np.isnan(impacts["peak_force"])
+
+
 def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str] = ()) -> np.ndarray:
     """Rebuild the table of impacts from a record of the FMU's outputs over time.
 

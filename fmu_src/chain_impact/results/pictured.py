@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.results.course import Rerun, course_of
+from chain_impact.results.pacing import impact_ends
 from chain_impact.results.recording import Recording
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.scene.scene import Scene
@@ -93,7 +94,8 @@ class Pictured(Recording):
         """Draw one impact: force, penetration and speed over time, and the force over the penetration.
 
         The restitution that was realised, and the energy that all parts of the chain have lost meanwhile, are
-        told. An impact is shorter than the distance of rows. So the run is repeated up to its end with rows
+        told. Of a contact that lasts much longer than its impact, the impact is shown over time. An impact is
+        shorter than the distance of rows. So the run is repeated up to its end with rows
         within it: it is the same run to the last bit, as rows do not change the solution.
 
         Args:
@@ -113,7 +115,9 @@ class Pictured(Recording):
             there = f"1 to {len(self.impacts)}" if len(self.impacts) else "left out: there is no impact"
             raise ValueError(f"{self.name}: the number of an impact = {number!r} must be {there}")
         impact = self.impacts[number - 1]
-        course = course_of(self.model, self.rerun, impact, until=float(self.time[-1]), early=True)
+        stop = float(self.time[-1])
+        near = float(impact_ends(self.impacts, stop)[number - 1] - impact["onset"])
+        course = course_of(self.model, self.rerun, impact, until=stop, near=near)
         if ax is None:
             fill = partial(plots.fill_impact, recording=self, number=number, course=course)
             return plots.drawn(fill, path, size, plots.IMPACT_SIZE)

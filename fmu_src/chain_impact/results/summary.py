@@ -8,6 +8,7 @@ import numpy as np
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.status import OK, STATUS_TEXT
+from chain_impact.results.impacts import lasts
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import place_of
@@ -17,6 +18,7 @@ from chain_impact.scene.scene import Scene
 LISTED, FEW = 30, 10  # impacts that are listed, and in a text
 SHOWN = 3  # contacts and joints that stick at the end
 NONE = "—"  # in place of a number that there is not
+LASTS = "lasts"  # the duration of a contact that lasts to the end
 LONG, MILLION = 1e4, 1e6  # between these, four digits would need an exponent
 
 
@@ -72,29 +74,32 @@ def _headline(result: Recording, outputs: int) -> str:
 
 def impact_heads(result: Recording) -> tuple[str, ...]:
     """The heads of the columns of ``impact_cells``, with units where all impacts have the same."""
-    values = {"speed": "m/s", "peak force": "N", "impulse": "N·s"}
+    values = {"speed": "m/s", "duration": "ms", "peak force": "N", "impulse": "N·s"}
     told = (name if result.stops else f"{name}, {unit}" for name, unit in values.items())
     loads = ("joint force, N", "joint") if result.knows_joint_forces else ()
     return ("time, s", "point", "wall", *told, *loads)
 
 
 def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
-    """An impact in words: time, point, wall, speed, peak force and impulse, with units if they differ.
+    """An impact in words: time, point, wall, speed, duration, peak force, impulse, with units if they differ.
 
     Where loads are known also the largest force in a joint, and the joint.
     """
     stop = result.is_stop(impact["wall"])
     point = what(impact["point"], True) if stop else str(impact["point"])
-    units = [speed_unit(stop), *(("N·m", "N·m·s") if stop else ("N", "N·s"))]
-    values = (f"{impact['impact_speed']:.4f}", _peak(impact["peak_force"]), _digits(impact["impulse"]))
+    units = [speed_unit(stop), "ms", *(("N·m", "N·m·s") if stop else ("N", "N·s"))]
+    speed, duration = f"{impact['impact_speed']:.4f}", 1e3 * (impact["end"] - impact["onset"])
+    values = (speed, _peak(duration), _peak(impact["peak_force"]), _digits(impact["impulse"]))
     joint = (_peak(impact["joint_force"]), str(impact["joint"] or NONE))
     loads = joint if result.knows_joint_forces else ()
-    cells = (f"{one} {unit}" if result.stops else one for one, unit in zip(values, units, strict=True))
+    cells = [f"{one} {unit}" if result.stops else one for one, unit in zip(values, units, strict=True)]
+    if lasts(impact):
+        cells[1] = LASTS
     return (f"{impact['onset']:.6f}", point, result.wall_names[impact["wall"]], *cells, *loads)
 
 
 def _peak(value: float) -> str:
-    """A peak force as ``_digits``; a dash for an impulse, whose peak is stored as 0 but which has none."""
+    """A peak force or a duration as ``_digits``; a dash for an impulse, which has none and is stored as 0."""
     return _digits(value) if value else NONE
 
 

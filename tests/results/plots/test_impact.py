@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from chain_impact import compare, simulate
 from chain_impact.results.course import course_of
+from tests.problems import driven
 from tests.results.plots.pictures import recorded
 from tests.results.plots.test_overview import WIDTHS, check_texts
 
@@ -87,3 +88,30 @@ def test_a_comparison_draws_itself_at_any_width_and_into_axes(tmp_path):
     assert comparison.plot(ax=axes) is axes
     assert len(axes.lines) == 3
     assert comparison.plot(tmp_path / "laws.pdf") is None
+
+
+def test_of_a_contact_that_lasts_the_impact_is_shown_and_that_it_lasts_is_told():
+    """Its peak is not squeezed into a line, and the loop is open."""
+    result = simulate(driven(stop_time=1.0))
+    number = 1 + int(np.flatnonzero(np.isnan(result.impacts["end"]))[0])
+    lasting = 1.0 - result.impacts["onset"][number - 1]
+    page = result.plot_impact(number)
+    loop, force, *_ = page.axes
+    time, values = force.lines[1].get_data()
+    first, last = force.get_xlim()
+    peak = time[values.argmax()]
+    assert 0.1 * (last - first) < peak - first < 0.6 * (last - first)
+    assert 1e3 * lasting > 20.0 * last  # ms
+    assert time[time < last].size > 100
+    assert time[-1] == pytest.approx(1e3 * lasting)
+    assert any("lasts to the end" in text.get_text() for text in force.texts)
+    assert "lasts to the end" in page.texts[1].get_text()
+    assert not loop.patches  # no area is the energy that is lost
+    check_texts(page)
+
+
+def test_an_impact_that_ends_is_shown_whole():
+    result = recorded("four_link_box")
+    force = result.plot_impact(1).axes[1]
+    assert force.get_xlim()[1] >= force.lines[1].get_xdata()[-1]
+    assert not force.texts

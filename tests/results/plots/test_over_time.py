@@ -15,7 +15,8 @@ from tests.results.plots.pictures import MODELS, drawn, hit, recorded, swing, te
 def test_every_impact_is_in_the_picture(model):
     recording = recorded(model)
     _, _, _, energy, speeds, *_ = drawn(recording)
-    stems = [path for item in speeds.collections for path in item.get_segments()]
+    lines = [path for item in speeds.collections for path in item.get_segments()]
+    stems = [line for line in lines if np.ptp(line[:, 0]) == 0.0]
     expected = sorted(recording.impacts[["onset", "impact_speed"]].tolist())
     assert sorted(tuple(stem[1]) for stem in stems) == expected
     (lines,) = energy.collections
@@ -71,3 +72,19 @@ def test_many_points_are_not_told_apart_by_colour():
 def test_without_impacts_the_panel_says_so():
     *_, speeds = drawn(swing())
     assert texts(speeds) == ["no impact"]
+
+
+def test_a_contact_that_lasts_has_a_band_to_its_end():
+    recording = recorded("sliding_rod")
+    axes = drawn(recording)[0].axes
+    (speeds,) = (one for one in axes if one.get_label() == "impacts")
+    bands = [line for lines in speeds.collections for line in lines.get_segments() if np.ptp(line[:, 1]) == 0]
+    bands = {(round(float(x0), 9), round(float(x1), 9)) for (x0, _), (x1, _) in bands}
+    expected = {
+        (round(float(row["onset"]), 9), round(float(np.nan_to_num(row["end"], nan=recording.time[-1])), 9))
+        for row in recording.impacts
+    }
+    long = {(onset, end) for onset, end in expected if end - onset > 0.02 * recording.time[-1]}
+    assert long
+    assert long <= bands <= expected
+    assert "in contact" in [text.get_text() for text in speeds.get_legend().get_texts()]

@@ -24,6 +24,7 @@ from chain_impact.results.pacing import frame_times, slow_spans
 from chain_impact.results.plots.over_time import ENERGY_COLOURS, mark_impacts
 from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_pin, draw_room, moves
 from chain_impact.results.plots.style import BLUE, BROWN, INK, PALE, STYLE as PICTURES, force_text
+from chain_impact.results.plots.trace import trace_of
 from chain_impact.results.recording import Recording
 from chain_impact.results.view import framed, pin_mark, radius_of
 
@@ -166,6 +167,7 @@ class Film:
         if self.tells_energies:
             self._draw_energies(figure.add_axes(ENERGY))
         still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
+        self.trace_times, self.path = trace_of(recording, self.side)
         (self.trace,) = self.scene.plot([], [], color=TIP, linewidth=0.8, alpha=0.35, **still)
         self.tail = LineCollection([], colors=TIP, animated=True)
         self.ranges = LineCollection([], colors=MUTED, linewidths=1.2, animated=True)
@@ -252,7 +254,8 @@ class Film:
             rate: simulated seconds in a second on the screen.
         """
         time, points = self.times[frame], self.points[frame]
-        self.trace.set_data(*self.points[: frame + 1, -1].T)
+        passed = np.searchsorted(self.trace_times, time, side="right")
+        self.trace.set_data(*np.append(self.path[:passed], points[-1:], axis=0).T)
         self._show_tail(time)
         for point, disc in self.discs.items():
             disc.set_center(tuple(points[point]))
@@ -274,7 +277,7 @@ class Film:
 
     def _show_tail(self, time: float) -> None:
         moments = np.linspace(max(time - TAIL, self.times[0]), time, TAIL_PARTS + 1)
-        tip = np.stack([np.interp(moments, self.times, self.points[:, -1, k]) for k in (0, 1)], axis=-1)
+        tip = np.stack([np.interp(moments, self.trace_times, along) for along in self.path.T], axis=-1)
         self.tail.set_segments(list(np.stack([tip[:-1], tip[1:]], axis=1)))
         self.tail.set_alpha(list(np.linspace(0.0, 1.0, TAIL_PARTS)))
         self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))

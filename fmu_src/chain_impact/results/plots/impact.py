@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,6 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
 from chain_impact.results.course import Course
+from chain_impact.results.impacts import lasts
+from chain_impact.results.pacing import LONGEST_IMPACT, SLOWEST
 from chain_impact.results.plots.motion import ABOVE
 from chain_impact.results.plots.pages import settle
 from chain_impact.results.plots.style import (
@@ -28,6 +31,11 @@ from chain_impact.results.recording import Recording
 from chain_impact.results.text import speed_unit, what
 
 SIZE = (7.5, 4.8)  # inches
+PEAK = 0.95  # of the largest force, from which the peak is taken to be reached
+AFTER_PEAK = 4.0  # times of the peak force, for which an impact is shown at least
+MUCH_LONGER = 2.0  # times as long as its impact lasts a contact of which the impact alone is shown
+EDGE = 0.03  # of the time shown, before the onset
+DOT = 5.0  # points, the mark of the end of a contact that lasts
 LOOP = 1.6  # of the height of a panel over time, the loop on a narrow page
 
 
@@ -44,7 +52,8 @@ def fill_impact(page: Figure, recording: Recording, number: int, course: Course)
     else:
         grid = page.add_gridspec(4, 1, height_ratios=(1, 1, 1, LOOP))
         loop = page.add_subplot(grid[3, 0], label="loop")
-    time_factor, time_unit = prefixed(np.ptp(course.time) if len(course.time) else 0.0, "s")
+    shown = shown_time(impact, course)
+    time_factor, time_unit = prefixed(shown, "s")
     timed: list[Axes] = []
     for row, (name, values, unit, colour) in enumerate(quantities(course, stop)):
         axes = page.add_subplot(grid[row, 0], sharex=timed[0] if timed else None, label=name)
@@ -57,20 +66,53 @@ def fill_impact(page: Figure, recording: Recording, number: int, course: Course)
             continue
         axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
         axes.plot(time_factor * (course.time - impact["onset"]), factor * values, color=colour)
+        if shown < np.ptp(course.time):
+            axes.set_xlim(-EDGE * time_factor * shown, time_factor * shown)
+    if shown < (np.ptp(course.time) if len(course.time) else 0.0):
+        look: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": "small", "color": INK}
+        timed[0].text(1.0, 1.02, f"{duration_text(impact, course)} →", transform=timed[0].transAxes, **look)
     timed[-1].set_xlabel(f"time after the onset at {impact['onset']:.6f} s [{time_unit}]")
     draw_loop(loop, impact, course, at_stop=stop)
     settle(page)
 
 
+def shown_time(impact: np.void, course: Course) -> float:
+    """How long after the onset [s] an impact is shown: all of it, but of a contact that lasts, its impact.
+
+    That is until the force is over by theory, and long after it is first near its peak.
+    """
+    if not len(course.time):
+        return 0.0
+    lasting = float(np.ptp(course.time))
+    speed = max(impact["impact_speed"], SLOWEST)
+    first = np.argmax(course.force >= PEAK * course.force.max())
+    peak = float(course.time[first] - course.time[0])
+    near = max(LONGEST_IMPACT * np.nan_to_num(impact["max_penetration"]) / speed, AFTER_PEAK * peak)
+    return near if lasting > MUCH_LONGER * near else lasting
+
+
+def duration_text(impact: np.void, course: Course) -> str:
+    """How long a contact lasts, in words."""
+    lasting = float(np.ptp(course.time)) if len(course.time) else 0.0
+    told = force_text(lasting, "s") if lasting > 0.0 else "0 s"
+    return f"lasts to the end, for {told}" if lasts(impact) else f"lasts {told}"
+
+
 def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
-    """Draw the force over the penetration; the area within is the energy that the contact has taken."""
+    """Draw the force over the penetration; the area within is the energy that the contact has taken.
+
+    That of a contact that lasts is open: a dot is where it ends.
+    """
     (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, at_stop)
     force_factor, force_told = prefixed(force.max(initial=0.0), force_unit)
     depth_factor, depth_told = prefixed(depth.max(initial=0.0), depth_unit)
     label = f"{restitution_text(impact)}\n{course.energy_lost:.3g} J lost"
     x, y = depth_factor * depth, force_factor * force
-    axes.fill(x, y, color=VERMILLION, alpha=0.15, linewidth=0.0)
     axes.plot(x, y, color=VERMILLION, label=label)
+    if not lasts(impact):
+        axes.fill(x, y, color=VERMILLION, alpha=0.15, linewidth=0.0)
+    elif len(x):
+        axes.plot(x[-1], y[-1], "o", color=VERMILLION, markersize=DOT, label="at the end")
     name = "moment" if at_stop else "force"
     axes.set(xlabel=f"penetration [{depth_told}]", ylabel=f"{name} [{force_told}]")
     axes.legend(**ABOVE)
@@ -96,7 +138,8 @@ def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, st
 
 def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
     """The numbers of an impact in words."""
-    parts = [restitution_text(impact), f"{course.energy_lost:.3g} J lost"]
+    parts = [restitution_text(impact), duration_text(impact, course), f"{course.energy_lost:.3g} J lost"]
+    parts = parts[1:] if lasts(impact) else parts
     parts.append(f"{impact['impact_speed']:.4g} {speed_unit(at_stop)} at the onset")
     if impact["peak_force"] > 0.0:
         parts.append(f"at most {force_text(impact['peak_force'], 'N·m' if at_stop else 'N')}")

@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.results.impacts import lasts
 from chain_impact.results.plots.motion import ABOVE, by_speed
 from chain_impact.results.plots.pages import Label, place_labels
 from chain_impact.results.plots.style import (
@@ -39,6 +40,7 @@ FEW_ENERGIES = 4  # in a legend that is not narrow
 ROWS = 8  # contacts and joints, at most, whose phases of dry friction are drawn
 TOLD = 5  # points, at most, that have a colour of their own, so that the legend has room
 NUMBERED = 60  # impacts, at most, for whose numbers room is sought
+SEEN = 0.01  # of the time that is shown: a shorter contact has no band
 DOT = 4.0  # points, the size of the mark of an impact
 
 
@@ -114,13 +116,17 @@ def mark_impacts(axes: Axes, recording: Recording) -> None:
 def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     """The approach speed of each impact over time, coloured by point; of many points most share a grey.
 
-    Impacts at stops have an axis of their own, on the right, if there are others too.
+    A band goes on from the mark as long as the contact lasts, where that is long enough to be seen. Impacts
+    at stops have an axis of their own, on the right, if there are others too.
     """
     stopped, times, tops = recording.at_stops, recording.impacts["onset"], heights(recording)
+    ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
     for name, colour, hits in point_groups(recording):
         axes.vlines(times[hits], 0.0, tops[hits], color=colour, linewidth=1.0)
         marker = "D" if stopped[hits[0]] else "o"
         axes.plot(times[hits], tops[hits], marker, linestyle="", color=colour, markersize=DOT, label=name)
+        goes_on = hits[ends[hits] - times[hits] > SEEN * span]
+        axes.hlines(tops[goes_on], times[goes_on], ends[goes_on], color=colour, linewidth=2.5, alpha=0.35)
     at_stops, at_walls = bool(stopped.any()), not stopped.all()
     axes.set_ylabel(f"impact speed [{speed_unit(at_stops and not at_walls)}]")
     axes.set_ylim(0.0, 1.2 * (tops.max(initial=0.0) or 1.0))
@@ -131,9 +137,19 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
         right.set_ylabel("at stops [rad/s]")
         axes.spines["right"].set_visible(True)
     if len(times):
-        axes.legend(**ABOVE, ncols=columns(axes, 7), handlelength=0.8)
+        handles, _ = axes.get_legend_handles_labels()
+        if (ends - times > SEEN * span).any():
+            handles.append(Line2D([], [], color=GREY, linewidth=2.5, label="in contact"))
+        axes.legend(handles=handles, **ABOVE, ncols=columns(axes, 7), handlelength=0.8)
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=GREY)
+
+
+def contact_ends(recording: Recording) -> np.ndarray:
+    """The ends of the contacts, shape (I,) [s]: of one that lasts, that of the recording; else the onset."""
+    impacts = recording.impacts
+    ends = np.where(lasts(impacts), recording.time[-1], impacts["end"])
+    return np.asarray(np.where(np.isnan(ends), impacts["onset"], ends))
 
 
 def stop_scale(recording: Recording) -> float:
