@@ -125,7 +125,12 @@ def mujoco_model(path: Path) -> Any:
                     ElementTree.SubElement(root, "link", name=element.get("link", ""))
                     named.add(element.get("link"))
         compiler = ElementTree.SubElement(ElementTree.SubElement(root, "mujoco"), "compiler")
-        compiler.attrib |= {"fusestatic": "true", "balanceinertia": "true"}
+        compiler.attrib |= {"fusestatic": "true", "balanceinertia": "true"}  # else it refuses many files
+        compiler.attrib |= {"boundmass": "1e-12", "boundinertia": "1e-15"}
+        for inertial in root.iter("inertial"):
+            if inertial.find("inertia") is None:
+                axes = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+                ElementTree.SubElement(inertial, "inertia", dict.fromkeys(axes, "0"))
         model = mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))
     model.opt.disableflags |= CONSTRAINTS
     return model
@@ -160,7 +165,7 @@ def turned_in_mujoco(path: Path, robot: Robot, names: Sequence[str], keyframe: s
         return np.concatenate([state[n : 2 * n], np.linalg.solve(inertia, force), data.act_dot])
 
     start = np.concatenate([data.qpos[places], data.qvel[speeds], data.act])
-    run = solve_ivp(rates, (0.0, DURATION), start, method="DOP853", rtol=1e-11, atol=1e-12)
+    run = solve_ivp(rates, (0.0, DURATION), start, method="LSODA", rtol=1e-12, atol=1e-12)
     return np.asarray((run.y[:n, -1] - start[:n])[hinges])
 
 

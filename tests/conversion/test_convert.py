@@ -147,7 +147,7 @@ def test_a_urdf_becomes_a_scene_and_what_is_left_out_is_named(tmp_path, capsys):
         "shapes 1 mesh: touch nothing in the file, and are not in the scene",
         "joint shoulder: limit of the velocity, 20 rad/s: is not in the scene",
         "element transmission drive: is not in the scene",
-        "body base: does not move, so its mass has no effect",
+        "body base: no motion, so no effect of the mass",
     ):
         assert line in said
         assert f"{line}\n" in scene.read_text(encoding="utf-8")

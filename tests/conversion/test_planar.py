@@ -107,7 +107,7 @@ def test_an_offset_along_the_axes_has_no_effect_and_a_held_joint_merges_two_bodi
     (link,) = held.chain.links
     assert link.mass == 2.0
     assert link.length == pytest.approx(math.hypot(0.3, 0.2))
-    assert "joint b: is held at its start" in done.notes
+    assert "joint b: held at the start" in done.notes
     # of masses at 0.1 m ahead and at (0.3, 0.1) m, in part beside the line of the link
     about = 2 * 0.02 + 0.1**2 + 0.3**2 + 0.1**2
     assert link.inertia + link.mass * link.center_of_mass**2 == pytest.approx(about, abs=1e-10)

@@ -130,7 +130,7 @@ def test_nothing_is_told_of_what_is_held(tmp_path):
     )
     _, done = read(tmp_path, text, joints=["a"])
     assert not [line for line in (*done.warnings, *done.left_out) if "joint b" in line or "actuator" in line]
-    assert "joint b: is held at its start" in done.notes
+    assert "joint b: held at the start" in done.notes
 
 
 def test_a_keyframe_is_chosen(tmp_path):
@@ -187,6 +187,12 @@ def test_an_effort_of_zero_is_told(tmp_path):
     scene, done = read(tmp_path, urdf(*parts))
     assert scene.chain.links[0].joint_torque_limit is None
     assert "joint a: limit of the effort 0: is taken as none" in done.left_out
+
+
+def test_moments_of_inertia_that_no_body_has_are_told(tmp_path):
+    parts = [link("u").replace('ixx=".01"', 'ixx=".05"'), joint("a", "base", "u")]
+    told = "link u: its moments of inertia, 0.02, 0.02 and 0.05 kg.m2, are those of no body"
+    assert told in read(tmp_path, urdf(*parts))[1].left_out
 
 
 def test_unreadable_colours_and_absent_meshes_of_urdf_do_not_matter(tmp_path):

@@ -80,13 +80,14 @@ def lines(differences: Iterable[Difference], *, warning: bool) -> list[str]:
     for one in ordered:
         if one.warns == warning:
             names.setdefault((one.kind, one.text), []).append(one.name)
-    return [_line(kind, list(dict.fromkeys(found)), text) for (kind, text), found in names.items()]
+    return [line(kind, list(dict.fromkeys(found)), text) for (kind, text), found in names.items()]
 
 
-def _line(kind: str, names: Sequence[str], text: str) -> str:
+def line(kind: str, names: Sequence[str], text: str, shown: int = SHOWN) -> str:
+    """A sentence on some elements of a kind."""
     if len(names) > 1:
         kind = PLURALS.get(kind, f"{kind}s")
-    return f"{' '.join(filter(None, (kind, few(names))))}: {text}"
+    return f"{' '.join(filter(None, (kind, few(names, shown))))}: {text}"
 
 
 def few(names: Sequence[str], shown: int = SHOWN) -> str:

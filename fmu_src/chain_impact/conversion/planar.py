@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.differences import Difference, Effect, few, lines
+from chain_impact.conversion.differences import Difference, Effect, few, line, lines
 from chain_impact.conversion.flat import TINY, Plan, near, plan_of
 from chain_impact.conversion.joints import Chosen, Moving, NoChainError, chosen_joints
 from chain_impact.conversion.robot import Body, Joint, Robot
@@ -104,7 +104,8 @@ class _Conversion:
         for key, table in self.robot.tables.items():
             if isinstance(table, dict):
                 data[key] = {**data.get(key, {}), **table}
-        self.notes += [f"joint {name}: is held at its start" for name in sorted(self.held)]
+        if self.held:
+            self.notes.append(line("joint", sorted(self.held), "held at the start"))
         told = [one for one in self.robot.differences if one.matters(self.held, self.owner)]
         told += [*self.differences, *differences]
         return Converted(data, lines(told, warning=True), lines(told, warning=False), self.notes)
@@ -129,15 +130,17 @@ class _Conversion:
 
     def _gravity(self) -> np.ndarray:
         """Gravity [m/s²], less what of the weight something else than the joints bears."""
-        still = [
-            (b, body) for b, body in enumerate(self.robot.bodies) if self.owner[b] < 0 and body.mass > 0.0
-        ]
-        for b, body in still:
+        still = []
+        for b, body in enumerate(self.robot.bodies):
+            if self.owner[b] >= 0 or body.mass == 0.0:
+                continue
             if self.slides and self.slides[0].body <= b:
                 text = f"its mass of {body.mass:.6g} kg is before the first hinge, which no link has"
                 self._tell("body", body.name, text, Effect.MOTION)
             else:
-                self.notes.append(f"body {body.name}: does not move, so its mass has no effect")
+                still.append(body.name)
+        if still:
+            self.notes.append(line("body", still, "no motion, so no effect of the mass"))
         gravity = self.robot.gravity
         along = float(np.dot(gravity, self.plan.axis))
         if abs(along) > TINY:
@@ -258,8 +261,8 @@ class _Conversion:
             angles.append(angle)
             speeds.append(speed)
         if turned:
-            which = f"joint{'s' * (len(turned) > 1)} {', '.join(turned)}"
-            self.notes.insert(1, f"{which}: angles and torques have the other sign in the scene")
+            text = "angles and torques have the other sign in the scene"
+            self.notes.insert(1, line("joint", turned, text, shown=len(turned)))
         return angles, speeds
 
     def _joint(self, link: dict[str, Any], joint: Joint, offset: float, sign: float, grounded: bool) -> float:

@@ -25,6 +25,7 @@ KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
 GRAVITY = np.array([0.0, 0.0, -9.81])
 """URDF says nothing of it, and its z axis points up."""
 XACRO = "xacro"
+ROUND = 1e-6  # of a moment of inertia, what may be round-off of the file
 
 
 def read_urdf(path: Path) -> Robot:
@@ -59,7 +60,7 @@ def read_urdf(path: Path) -> Robot:
         places[name] = len(bodies)
         body = _body(name, links.get(name), joint, places[joint.parent] if joint else -1)
         bodies.append(replace(body, shapes=shapes.get(name, [])))
-    differences = [*other_elements(root), *told]
+    differences = [*other_elements(root), *told, *_odd_inertias(bodies)]
     for joint in robot.joints:
         differences += _limits_left_out(joint)
     return Robot(name=robot.name, bodies=bodies, gravity=GRAVITY, differences=differences)
@@ -160,6 +161,18 @@ def _body(name: str, link: Any, joint: Any, parent: int) -> Body:
         inertia=inertia,
         joints=joints,
     )
+
+
+def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
+    """Moments of inertia A ≤ B ≤ C that no body has, as A + B < C or A < 0."""
+    for b, body in enumerate(bodies):
+        low, middle, high = np.linalg.eigvalsh(body.inertia)
+        if low + middle < high * (1.0 - ROUND) or low < -ROUND * high:
+            text = (
+                f"its moments of inertia, {low:.4g}, {middle:.4g} and {high:.4g} kg.m2, are those of no body"
+            )
+            around = frozenset([b, -1])
+            yield Difference(kind="link", name=body.name, text=text, effect=Effect.MASS, bodies=around)
 
 
 def _joint(joint: Any) -> Joint:

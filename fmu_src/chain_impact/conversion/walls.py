@@ -62,8 +62,11 @@ class _Walls:
                 continue
             touching |= links
             point, normal = self.plan.flat(plane.point), self.plan.flat(plane.normal)
-            name = plane.name if plane.name.isidentifier() else f"wall_{number}"
-            if plane.name in WALLS and np.allclose(normal, NORMALS[WALLS.index(plane.name)], 0.0, PARALLEL):
+            name, boxed = plane.name, plane.name in WALLS
+            boxed = boxed and np.allclose(normal, NORMALS[WALLS.index(name)], 0.0, PARALLEL)
+            if not boxed and (name in WALLS or not name.isidentifier()):
+                name = f"wall_{number}"
+            if boxed:
                 box[name] = float(point[0] if name.startswith("x") else point[1])
             else:
                 angle = math.atan2(-normal[0], normal[1]) + 0.0  # not −0
