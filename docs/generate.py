@@ -102,7 +102,9 @@ def _joined(rows: Iterable[Sequence[str]]) -> Iterable[Sequence[str]]:
 
 def _of_the_joint(description: str) -> str:
     """A description without "of the joint nearer to the base" and "for its FMU", which the pages say once."""
-    return re.sub(r" (of|in) the joint nearer to the base|, for its FMU$", "", description)
+    for said in (" of the joint nearer to the base", " in the joint nearer to the base"):
+        description = description.replace(said, "")
+    return description.removesuffix(", for its FMU")
 
 
 def _is_table(kind: Any) -> bool:

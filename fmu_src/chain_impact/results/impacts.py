@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from itertools import count as naturals
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.rows.geometry import WALLS
-from chain_impact.scene.names import STOPS
+from chain_impact.scene.names import STOPS, is_like
 
 LOG_DTYPE = np.dtype(
     [
@@ -130,7 +129,7 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
 def wall_names_of(record: Any) -> list[str]:
     """The names of the walls by their numbers, as far as the names of the columns tell."""
     names = [str(name) for name in names_of(record)]
-    touched = [found[1] for name in names if (found := re.match(r"contact\[\d+\]\.(\w+)\.force$", name))]
+    touched = [name.split(".")[1] for name in names if is_like(name, "contact[{n}].{name}.force")]
     stops = STOPS if touched and any(name.endswith(".stop_moment") for name in names) else ()
     return [*dict.fromkeys((*WALLS, *touched)), *stops]
 
