@@ -195,6 +195,21 @@ def test_moments_of_inertia_that_no_body_has_are_told(tmp_path):
     assert told in read(tmp_path, urdf(*parts))[1].left_out
 
 
+@pytest.mark.parametrize(
+    ("parts", "said"),
+    [
+        (['<joint name="a" type="fixed"/>'], "joint a: has no parent, must have one as in"),
+        ([link("u"), joint("a", "base", "u", axis="0 0 0")], "robot.urdf: joint a: its axis is 0 0 0"),
+        ([link("u", mass="1kg"), joint("a", "base", "u")], "link u cannot be read: could not convert"),
+        ([link("u"), link("u"), joint("a", "base", "u")], "a link has 2 times the name u"),
+        ([link("u"), joint("a", "base", "u"), joint("b", "base", "u")], "link u is the child of two joints"),
+        ([link("u"), joint("a", "u", "u")], "joints make a ring of u; each link must lead back to base"),
+    ],
+)
+def test_a_urdf_that_makes_no_sense_is_refused_with_the_place(tmp_path, parts, said):
+    assert said in refused(tmp_path, urdf(*parts))
+
+
 def test_unreadable_colours_and_absent_meshes_of_urdf_do_not_matter(tmp_path):
     mesh, colour = '<geometry><mesh filename="no.dae"/></geometry>', '<color rgba="red"/>'
     seen = f'<visual>{mesh}<material name="m">{colour}</material></visual>'

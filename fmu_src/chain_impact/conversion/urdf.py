@@ -38,17 +38,15 @@ def read_urdf(path: Path) -> Robot:
     yourdfpy = require("yourdfpy", "convert")
     root = urdf_of(path)
     shapes = {link.get("name", ""): list(_shapes(link)) for link in root.iter("link")}
-    options = dict.fromkeys(("load_meshes", "load_collision_meshes", "build_scene_graph"), False)
-    try:
-        with heard("yourdfpy") as told:
-            robot = yourdfpy.URDF.load(io.BytesIO(moving_parts(root)), **options).robot
-    except Exception as error:  # of lxml and of yourdfpy, which has many
-        what = f"attribute {error} is missing" if isinstance(error, KeyError) else error
-        raise SceneError(f"{path}: is no URDF that can be read: {what}") from None
+    _check_parts(root, path)
+    with heard("yourdfpy") as told:
+        robot = _loaded(yourdfpy, root, path)
     links = {link.name: link for link in robot.links}
     by_parent: dict[str, list[Any]] = {}
     for joint in robot.joints:
         by_parent.setdefault(joint.parent, []).append(joint)
+        if joint.type != "fixed" and joint.axis is not None and not np.any(joint.axis):
+            raise SceneError(f"{path}: joint {joint.name}: its axis is 0 0 0, must have a direction")
     named = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])  # "world" may be named only
     roots = [name for name in named if name not in {joint.child for joint in robot.joints}]
     if len(roots) != 1:
@@ -60,10 +58,52 @@ def read_urdf(path: Path) -> Robot:
         places[name] = len(bodies)
         body = _body(name, links.get(name), joint, places[joint.parent] if joint else -1)
         bodies.append(replace(body, shapes=shapes.get(name, [])))
+    if lost := [name for name in named if name not in places]:
+        raise SceneError(f"{path}: joints make a ring of {few(lost)}; each link must lead back to {roots[0]}")
     differences = [*other_elements(root), *told, *_odd_inertias(bodies)]
     for joint in robot.joints:
         differences += _limits_left_out(joint)
     return Robot(name=robot.name, bodies=bodies, gravity=GRAVITY, differences=differences)
+
+
+def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
+    """The links and joints as yourdfpy reads them."""
+    options = dict.fromkeys(("load_meshes", "load_collision_meshes", "build_scene_graph"), False)
+    try:
+        return yourdfpy.URDF.load(io.BytesIO(moving_parts(root)), **options).robot
+    except Exception:  # of lxml and of yourdfpy, which has many
+        for part in root:
+            alone = Element("robot", name="alone")
+            alone.append(part)
+            try:
+                yourdfpy.URDF.load(io.BytesIO(moving_parts(alone)), **options)
+            except Exception as error:
+                what = f"attribute {error} is missing" if isinstance(error, KeyError) else error
+                raise SceneError(f"{path}: {part.tag} {part.get('name')} cannot be read: {what}") from None
+        raise
+
+
+def _check_parts(root: Element, path: Path) -> None:
+    """Refuse links and joints without what yourdfpy takes for granted, and names that are not unique."""
+    for kind in ("link", "joint"):
+        names = [part.get("name") for part in root.findall(kind)]
+        for name in names:
+            if not name or names.count(name) > 1:
+                what = f"has {names.count(name)} times the name {name}" if name else "has no name"
+                raise SceneError(f"{path}: a {kind} {what}; each must have its own")
+    children: set[str] = set()
+    for joint in root.findall("joint"):
+        name = f"{path}: joint {joint.get('name')}"
+        for key in ("parent", "child"):
+            element = joint.find(key)
+            if element is None or not element.get("link"):
+                raise SceneError(f'{name}: has no {key}, must have one as in <{key} link="name"/>')
+        if not joint.get("type"):
+            raise SceneError(f"{name}: has no type, must be revolute, continuous, prismatic or fixed")
+        child = joint.find("child").get("link", "")  # type: ignore[union-attr]
+        if child in children:
+            raise SceneError(f"{name}: link {child} is the child of two joints, must be of one")
+        children.add(child)
 
 
 def xml_of(path: Path) -> Element:
