@@ -453,3 +453,12 @@ def test_the_module_can_be_run(here):
     done = program("simulate", "--set", "a=1")
     assert done.returncode == 2
     assert re.fullmatch(r"chain-impact: FourLinkBox: a is no parameter.*\n", done.stderr)
+
+
+@pytest.mark.full("more cases", but=1)
+def test_set_takes_the_keys_of_a_scene_file(run, source):
+    first = run("simulate", source, "--stop-time", "0.5", "--set", "chain.links[1].mass=1.5")
+    assert first == run("simulate", source, "--stop-time", "0.5", "--set", "link[1].mass=1.5")
+    code, _, errors = run("simulate", source, "--set", "chain.links[1].mass=heavy")
+    assert code == 2
+    assert ": chain.links[1].mass = " in errors

@@ -53,6 +53,7 @@ def refused(run, here):
 def files(here, fmu):
     """Files and folders that stand in the way, scenes and FMUs that are none."""
     (here / "file").write_text("")
+    (here / "t.csv").write_text("t,point[0].x,point[0].y,point[1].x,point[1].y\n0,0,1,0,1\n1,0,1,0,1\n")
     for name in ("folder.csv", "folder.png"):
         (here / name).mkdir()
     (here / "full.csv").symlink_to("/dev/full")

@@ -67,6 +67,10 @@ def test_a_chain_without_walls_needs_no_scene(tmp_path):
     ("text", "pattern"),
     [
         ("", "the column time is missing"),
+        (
+            f"{HEAD.replace('time', 't [s]', 1)}\n",
+            r"time is missing; the column t \[s\] may be meant",
+        ),
         (f"{HEAD}\n", "0 rows of"),
         ("time,x\n0,1\n", r"the column point\[0\]\.x is missing"),
         (f"{HEAD}\n0,0,0,1,0\n0.1,0,0,1,much\n", "not a table of numbers: .*much"),

@@ -20,8 +20,8 @@ from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import phases_from
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.scene.names import STOPS, input_key
-from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
+from chain_impact.scene.names import STOPS, fmu_name, input_key
+from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
 from chain_impact.variables.variable import UNLESS_SET
@@ -48,6 +48,8 @@ def record_fmu(
         RunError: when the FMU reports a fault.
     """
     path, show = Path(path), progress or silent
+    typed = {fmu_name(name): name for name in settings}
+    settings = {fmu_name(name): value for name, value in settings.items()}
     description = read_fmu(path)
     variables = {variable.name: variable for variable in description.modelVariables}
     if "link[1].length" not in variables:
@@ -61,11 +63,12 @@ def record_fmu(
         _positive(name, value_of(settings.get(name, default)), str(path))
         for name, default in zip(EXPERIMENT, (experiment.stopTime, experiment.stepSize), strict=True)
     )
-    start_values = {
-        name: _start_value(_known(name, parameters, str(path)), value_of(value), str(path))
-        for name, value in settings.items()
-        if name not in EXPERIMENT
-    }
+    with as_typed(typed.values()):
+        start_values = {
+            name: _start_value(_known(name, parameters, str(path)), value_of(value), str(path))
+            for name, value in settings.items()
+            if name not in EXPERIMENT
+        }
     outputs = [
         name
         for name, variable in variables.items()

@@ -14,7 +14,7 @@ from chain_impact.results.stick_slip import phases_from
 from chain_impact.scene.names import SENSITIVITY
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.text_file import check_separator, text_of
+from chain_impact.scene.text_file import check_separator, likely_time, text_of
 
 NEEDED = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
 
@@ -75,7 +75,10 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         raise SceneError(f"{path}: not a table of numbers: {error}") from None
     missing = [name for name in NEEDED if name not in names]
     if missing:
-        raise SceneError(f"{path}: the column {missing[0]} is missing; `Recording.save_csv` writes it")
+        likely = likely_time(names) if missing[0] == "time" else ""
+        raise SceneError(
+            f"{path}: the column {missing[0]} is missing{likely or '; `simulate --csv` writes it'}"
+        )
     if rows.shape[0] < 2 or rows.shape[1] != len(names):  # noqa: PLR2004
         raise SceneError(
             f"{path}: {rows.shape[0]} rows of {rows.shape[1]} numbers; must be at least 2 of {len(names)}"

@@ -55,6 +55,25 @@ def _wall(number: int | str, walls: Sequence[object]) -> str | None:
     return name if isinstance(name, str) else None
 
 
+def fmu_name(name: str) -> str:
+    """The name in the FMU of a value that may be called by its key in the scene file.
+
+    For example ``stop.stiffness`` for ``stops.stiffness``, ``link[1].mass`` for ``chain.links[1].mass``.
+    """
+    steps = name.replace("[", ".").replace("]", "").split(".")
+    try:
+        return name_of(tuple(int(step) - 1 if step.isdecimal() else step for step in steps)) or name
+    except (IndexError, ValueError):  # a number that no list has, or of too many digits
+        return name
+
+
+def other_names(name: str) -> set[str]:
+    """What else a value is called that has this name: its name in the FMU, and its key in the file."""
+    of_fmu = fmu_name(name)
+    in_file = f"stops.{of_fmu.removeprefix('stop.')}" if of_fmu.startswith("stop.") else of_fmu
+    return {of_fmu, in_file} - {name}
+
+
 def place_in_file(path: Place) -> str:
     """Where the value at a path is in the scene file: "mass in [[chain.links]]"."""
     *head, last = path

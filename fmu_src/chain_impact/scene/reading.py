@@ -6,13 +6,14 @@ import functools
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import MISSING, Field, is_dataclass
 from numbers import Integral, Real
 from typing import Any, get_args, get_origin
 
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.limits import Derived, allowed, extended, keeps, keys, without_none
-from chain_impact.scene.names import Place, nearest
+from chain_impact.scene.names import Place, fmu_name, nearest, other_names
 
 ALIKE = 0.7  # from this ratio on, a name may be meant for another
 _SHOWN = 60  # characters of a value that a message shows
@@ -29,6 +30,21 @@ class SceneError(ValueError):
         """Keep the message to one line, whatever names and values it quotes."""
         super().__init__(" ".join(message.splitlines()))
         self.place = place
+
+
+@contextmanager
+def as_typed(names: Iterable[Any]) -> Iterator[None]:
+    """Let errors call values by the names that were typed, where a value has two names."""
+    try:
+        yield
+    except SceneError as error:
+        text = str(error)
+        for name in (one for one in names if isinstance(one, str)):
+            literal = name.replace("\\", "\\\\")
+            for other in other_names(name):
+                text = re.sub(rf"(?<![\w.]){re.escape(other)}(?!\w)", literal, text)
+        error.args = (text,)
+        raise
 
 
 class SceneWarning(UserWarning):
@@ -76,6 +92,8 @@ def matching(
         UnknownNameError: when there are none.
     """
     found = [name] if name in names else []
+    if not found and isinstance(name, str) and fmu_name(name) in names:
+        found = [fmu_name(name)]
     if not found and isinstance(name, str) and "*" in name:
         first, *parts, last = map(re.escape, name.split("*"))
         # each part is taken where it comes first, so that the time does not grow with the number of ways

@@ -23,9 +23,9 @@ from chain_impact.scene.derived import above, of_every_link, rule_of, without_de
 from chain_impact.scene.limits import keys
 from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
-from chain_impact.scene.names import Place, name_of, nearest, parameter_hint, place_in_file
+from chain_impact.scene.names import Place, fmu_name, name_of, nearest, parameter_hint, place_in_file
 from chain_impact.scene.numbers import with_numbers
-from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, keys_of, shown
+from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, shown
 from chain_impact.scene.text_file import text_of
 
 SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
@@ -184,7 +184,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
     """Return the validated scene with some values changed.
 
     A change is a name and its value: `{"link[1].mass": 2.0, "contact.model": "flores"}`. The name is that of
-    the FMU's parameter, else the dotted key, which also names a whole list: `"initial.angles"`. A contact law
+    the FMU's parameter, or the dotted key, which also names a whole list: `"initial.angles"`. A contact law
     and a solver method can be given by their number in the FMU, too. A path can replace a name:
     `("chain", "links", 0, "mass")`.
 
@@ -197,7 +197,8 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
     checks.warn(scene.name, checks.turning_hints(scene, changes))
     if (quick := with_numbers(scene, changes)) is not None:
         return quick
-    changed = _with_any(scene, [_place_and_value(scene, *change) for change in changes.items()])
+    with as_typed(changes):
+        changed = _with_any(scene, [_place_and_value(scene, *change) for change in changes.items()])
     known = checks.hints(scene)
     checks.warn(scene.name, [hint for hint in checks.hints(changed) if hint not in known])
     return changed
@@ -231,9 +232,10 @@ def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Pla
     if not isinstance(change, str):
         return change, given
     names = _keys() if change in _keys() else _keys() | _names(scene)
+    typed, change = change, change if change in names else fmu_name(change)
     if change not in names:
         raise UnknownNameError(
-            scene.name, change, names, "no parameter", parameter_hint(change, len(scene.chain.links))
+            scene.name, typed, names, "no parameter", parameter_hint(change, len(scene.chain.links))
         )
     return names[change], _chosen(scene, change, given)
 

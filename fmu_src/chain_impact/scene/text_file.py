@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # how a file in it begins
@@ -37,6 +38,20 @@ def comma_in(text: str, fault: str) -> str:
     lines = text.splitlines()
     found = COMMA.search(lines[int(line[1]) - 1]) if line and int(line[1]) <= len(lines) else None
     return f"; a number has a decimal point: {found[1]}.{found[2]}" if found else ""
+
+
+def likely_time(names: Iterable[str]) -> str:
+    """Say which column of a table without a column ``time`` may be meant for it; nothing if none may."""
+    for name in names:
+        word, _, unit = name.strip().strip('"').lower().replace("[", "(").partition("(")
+        said = f"; the column {name} may be meant: call it time, in seconds"
+        if word.strip(" _") in TIMES and unit.rstrip(") ]") in SECONDS:
+            return said
+    return ""
+
+
+TIMES = ("t", "time", "times", "timestamp", "zeit", "temps", "tiempo", "time_s", "t_s", "sec", "s", "seconds")
+SECONDS = ("", "s", "sec", "seconds", "ms", "us", "µs", "min")
 
 
 def check_separator(head: str) -> None:

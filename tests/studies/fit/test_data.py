@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact import load_scene
+from chain_impact import fit, load_scene
 from chain_impact.studies.fit.data import QUANTITIES, read_measurements, standard_deviation
 from tests.refusal import refusal
 from tests.stops import knee
@@ -162,3 +162,11 @@ def test_impacts_at_stops_are_named_by_joint_and_stop():
     assert [row.wall for row in found.impacts] == [4, 1]
     message = refusal(read_measurements, table | {"wall": ["joint_min", "y_min"]}, scene, {}, None)
     assert "must be a wall of the scene: x_max, joint_min, joint_max" in message
+
+
+@pytest.mark.parametrize("name", ["t", "Time", "time [ms]", "t_s"])
+def test_without_a_column_time_the_likely_one_is_named(tmp_path, name):
+    path = tmp_path / "motion.csv"
+    path.write_text(f"{name},point[1].x\n0,0.86\n0.01,0.87\n", encoding="utf-8")
+    message = refusal(fit, "rod_drop", path, ["contact.stiffness"])
+    assert f"{path}: the column time is missing; the column {name} may be meant" in message

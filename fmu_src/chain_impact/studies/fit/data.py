@@ -13,6 +13,7 @@ import numpy as np
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, matching, shown
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.text_file import likely_time
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
 from chain_impact.studies.fit.table import Source, Table, is_table, read_table
 from chain_impact.variables.model import Model
@@ -207,8 +208,11 @@ class _Book:
         """The columns of outputs and inputs, and those of quantities of impacts."""
         there, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in there if name in chosen]
+        likely = "" if TIME in table.names else likely_time(table.names)
         for name in values:
             if name not in over_time and name not in QUANTITIES:
+                if likely and likely_time([name]):
+                    raise SceneError(f"{table.source}: the column {TIME} is missing{likely}")
                 raise SceneError(f"{table.source}: column {name} {self._hint(name)}")
             if name in over_time and name in self._seen:
                 raise SceneError(f"{table.source}: column {name} is also in {self._seen[name]}")
@@ -227,7 +231,7 @@ class _Book:
             if columns and not any(name in table.names for name in needed):
                 raise SceneError(
                     f"{table.source}: the column {' or '.join(needed)} is missing; "
-                    f"it says to which of the {kinds} the values in {columns[0]} belong"
+                    f"it says to which of the {kinds} the values in {columns[0]} belong{likely}"
                 )
         if not there:
             raise SceneError(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.scene.angles import in_radians
-from chain_impact.scene.names import nearest
+from chain_impact.scene.names import fmu_name, nearest
 from chain_impact.scene.reading import SceneError, UnknownNameError, shown
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.listing import absent_hint
@@ -90,10 +90,14 @@ def parameters_of(
     names = [*free, *free_each]
     if not names:
         raise SceneError(f"{scene.name}: no parameter is free; name at least one")
-    for k, name in enumerate(names):
-        if name not in known:
+    free, free_each = [*map(fmu_name, free)], [*map(fmu_name, free_each)]
+    bounds = {fmu_name(name): values for name, values in bounds.items()}
+    for typed in names:
+        if fmu_name(typed) not in known:
             what = "no parameter that can be fitted"
-            raise UnknownNameError(scene.name, name, known, what, absent_hint(name))
+            raise UnknownNameError(scene.name, typed, known, what, absent_hint(typed))
+    names = [*free, *free_each]
+    for k, name in enumerate(names):
         if name in names[:k]:
             raise SceneError(f"{scene.name}: {name} is named twice among the free parameters")
     for name in bounds:

@@ -9,8 +9,8 @@ import numpy as np
 
 from chain_impact.scene.angles import in_radians, or_degrees, radians_hint
 from chain_impact.scene.checks import warn
-from chain_impact.scene.names import parameter_hint
-from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
+from chain_impact.scene.names import fmu_name, parameter_hint
+from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.model import Model, model_of
@@ -83,13 +83,15 @@ def variations_of(source: Scene | Model, vary: Mapping[str, Values]) -> tuple[Va
         raise SceneError(f"{scene.name}: nothing is varied; give at least one parameter")
     known = sweepable(model)
     found = []
-    for name, values in vary.items():
+    for typed, values in vary.items():
+        name = fmu_name(typed)
         if name not in known:
             what = "no parameter that can be varied"
             hint = absent_hint(name) or parameter_hint(name, len(scene.chain.links))
-            raise UnknownNameError(scene.name, name, known, what, hint)
-        variation = _read(known[name], values, scene.name)
-        _check(variation, scene.name)
+            raise UnknownNameError(scene.name, typed, known, what, hint)
+        with as_typed([typed]):
+            variation = _read(known[name], values, scene.name)
+            _check(variation, scene.name)
         warned = radians_hint(name, max(variation.values, key=abs), variation.variable.unit)
         warn(scene.name, [warned] if warned else [])
         found.append(variation)

@@ -1,0 +1,66 @@
+"""A value has its name in the FMU and its key in the scene file: both work wherever one does."""
+
+import pytest
+
+from chain_impact import SceneError, load_scene, simulate, sweep
+from chain_impact.scene.names import fmu_name
+from chain_impact.studies.fit.parameters import parameters_of
+from tests.stops import knee
+
+BOTH = {
+    "contact.wall.x_max.restitution": "wall.x_max.restitution",
+    "stops.stiffness": "stop.stiffness",
+    "chain.links[2].mass": "link[2].mass",
+    "initial.angles[1]": "initial.angle[1]",
+    "initial.position[2]": "initial.y",
+    "gravity[2]": "gravity.y",
+}
+
+
+def walled():
+    """A scene with stops, and a wall of a material of its own."""
+    return knee().with_values({"wall.x_max.restitution": 0.4})
+
+
+@pytest.mark.parametrize("key", BOTH)
+def test_a_key_of_the_file_is_the_name_of_the_fmu(key):
+    assert fmu_name(key) == fmu_name(BOTH[key]) == BOTH[key]
+
+
+@pytest.mark.parametrize(
+    "name", ["", ".", "walls[1].point[1]", "initial.position[9]", "a" * 99, "x[" + "9" * 5000]
+)
+def test_what_is_no_key_stays(name):
+    assert fmu_name(name) == name
+
+
+@pytest.mark.parametrize("key", BOTH)
+def test_values_sweeps_fits_and_derivatives_take_the_key(key):
+    scene, value = walled(), 0.37
+    changed = scene.with_values({key: value})
+    assert changed == scene.with_values({BOTH[key]: value}) != scene
+    rows = sweep(scene.with_values({"simulation.stop_time": 0.01}), {key: [value]})
+    assert rows[BOTH[key]].tolist() == [value]
+    (free,) = parameters_of([changed], [key], [], {key: (0.1, 0.9)})
+    assert (free.name, free.start, free.low, free.high) == (BOTH[key], value, 0.1, 0.9)
+    if key.startswith("stops"):
+        result = simulate(scene, 0.01, sensitivities=[key])
+        assert list(result.sensitivities.parameters) == [BOTH[key]]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["contact.wall.x_max.restitution", "wall.x_max.restitution", "stops.restitution", "stop.restitution"],
+)
+def test_an_error_uses_the_name_that_was_typed(name):
+    scene = walled()
+    with pytest.raises(SceneError) as caught:
+        scene.with_values({name: -1.0})
+    assert str(caught.value).startswith(f"{scene.name}: {name} = -1.0 must be ")
+    with pytest.raises(SceneError) as caught:
+        sweep(scene, {name: "-1,0.5"})
+    assert str(caught.value).startswith(f"{scene.name}: {name} = -1 must be ")
+    if name.startswith("stop"):
+        with pytest.raises(SceneError) as caught:
+            load_scene("rod_drop").with_values({name: 0.5})
+        assert str(caught.value).startswith(f"RodDrop: {name} = 0.5 must be left out")
