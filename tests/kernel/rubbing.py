@@ -95,18 +95,25 @@ class AtRest:
         d.law.friction[:] = rng.uniform(0.02, 1.5, d.candidates)
         d.law.static_friction[:] = holding * d.law.friction
         d.model.joint_friction[:] *= rng.uniform(0.1, 20.0, n)
+        self.scene = scene
         rows = tangents(scene, d, y, self.elements)
         speeds, free = y[n + 2 : 2 * n + 4], slice(2, None) if base == "pinned" else slice(None)
         speeds[free] -= np.linalg.pinv(rows[:, free]) @ (rows @ speeds)
         d.step.state_end[:] = y
-        self.mobility = mobility(scene, d, y, rows)[1]
-        d.friction.count = 0
-        self.bias = self.accelerations()
-        list_friction(d)
+        self.find_problem()
         d.element.mode[:] = NO_FRICTION
         d.element.mode[self.elements] = rng.choice(MODES, len(self.elements))
         d.element.force[self.elements] = rng.choice((-1.0, 1.0), len(self.elements))
         d.element.anchor[self.elements] = [tangential_position(d, e) for e in self.elements]
+
+    def find_problem(self) -> None:
+        """Set ``bias`` and ``mobility``."""
+        d = self.d
+        y = np.array(d.step.state_end)
+        self.mobility = mobility(self.scene, d, y, tangents(self.scene, d, y, self.elements))[1]
+        d.friction.count = 0
+        self.bias = self.accelerations()
+        list_friction(d)
 
     def accelerations(self) -> np.ndarray:
         """t·a of all elements, as the kernel has it at the end of the last step."""
@@ -150,3 +157,22 @@ class AtRest:
             if fits.all():
                 found[modes] = reached
         return found
+
+
+class Doubled(AtRest):
+    """A chain of which two contacts, the ``twins``, are at one point and one wall: W is singular."""
+
+    def __init__(self, seed: int) -> None:
+        super().__init__(seed, "free", 3, True)
+        d, self.twins = self.d, tuple(self.elements[:2])
+        first, second = self.twins
+        for values in (
+            d.candidate.place,
+            d.candidate.point,
+            d.candidate.normal_x,
+            d.candidate.normal_y,
+            d.candidate.offset,
+            d.element.anchor,
+        ):
+            values[second] = values[first]
+        self.find_problem()

@@ -7,7 +7,8 @@ slide so that friction acts against the motion that begins,
     sticks    |F_t| ≤ µ_s F_n        slides with s    s t·a ≥ 0.
 
 The modes are found by pivoting, as in ``solve_lcp``: all that violate their condition change at once as long
-as fewer and fewer do, else only the last. An element keeps its mode if that is consistent.
+as fewer and fewer do. An element keeps its mode if that is consistent. If this comes to no end, the modes are
+those of forces within the limits of friction (rows/limits.py), which always exist.
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
@@ -26,8 +27,9 @@ from chain_impact.kernel.forces.friction import (
 )
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.ode.last_step import reset_step
-from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, ROUNDS, count_stalls, note_unsolved
+from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, count_stalls
 from chain_impact.kernel.rows.geometry import any_sticking, tangential_acceleration, tangential_rate
+from chain_impact.kernel.rows.limits import share_within_limits
 from chain_impact.kernel.status import count_evaluations
 
 # Of the largest acceleration, gravity and a link length per second squared: a sliding element at rest that
@@ -89,10 +91,14 @@ def begins(d, e):
 def set_slack(d, e):
     """Set how far element e may move against its direction of sliding: as it does now, because of errors.
 
-    Sliding that begins at rest does so with the error of a speed that has been located to be 0.
+    Sliding that begins at rest does so with the error of a speed that has been located to be 0. If others
+    hold what has a force at its limit, it moves with them, by as much as the tolerance allows for a speed: it
+    accelerates backward, or has ended to slide and slides on.
     """
     backward = -d.element.mode[e] * tangential_rate(d, e)
-    d.element.slack[e] = max(0.0, 2.0 * backward) if d.element.undecided[e] else 0.0
+    held = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
+    least = d.solver.tolerance * d.model.size if held else 0.0
+    d.element.slack[e] = max(least, 2.0 * backward) if d.element.undecided[e] else 0.0
 
 
 def first_guess(d, e, jumped):
@@ -105,7 +111,9 @@ def first_guess(d, e, jumped):
     resting = event == SLIDING_ENDS or (before == STICKS and not jumped)
     if resting and abs(speed) <= MISLOCATED * d.model.size:
         return STICKS
-    if abs(speed) > rest_speed(d):
+    # a speed that sliding may have backward is an error
+    slides = abs(before) == 1 and not jumped
+    if abs(speed) > rest_speed(d) + (d.element.slack[e] if slides else 0.0):
         d.element.undecided[e] = 0
         return against(-speed)
     return STICKS if before == NO_FRICTION else before
@@ -117,37 +125,62 @@ def against(force):
 
 
 def choose_modes(d):
-    """Change the modes of undecided elements until all are consistent, or note that this is unsolved."""
-    own, rate = d.friction, d.work.rate
-    fewest, stalls_left = own.count + 1, MAX_STALLED_PIVOTS
-    for turn in range(ROUNDS + 4 * own.count):
-        list_sticking(d)
-        located_rate(d, d.step.state_end, rate)
-        count_evaluations(d, 1)
-        accelerate_points(d, d.step.state_end, rate)
-        wrong = count_inconsistent(d)
+    """Change the modes of undecided elements until all are consistent, or take those by the limits."""
+    fewest, stalls_left = d.friction.count + 1, MAX_STALLED_PIVOTS
+    while stalls_left >= 0:
+        wrong = count_inconsistent_now(d)
         if wrong == 0:
             return
         fewest, stalls_left = count_stalls(wrong, fewest, stalls_left)
-        for i in range(own.count):
-            e = d.element.index[own.count - 1 - i]
+        for i in range(d.friction.count):
+            e = d.element.index[i]
             if is_inconsistent(d, e):
-                set_mode(d, e, next_mode(d, e, turn))
-                if stalls_left < 0:
-                    break
+                set_mode(d, e, against(d.element.force[e]) if d.element.mode[e] == STICKS else STICKS)
+    choose_by_limits(d)
+
+
+def count_inconsistent_now(d):
+    """Find the forces and accelerations with the present modes; return how many of these are inconsistent."""
+    rate = d.work.rate
     list_sticking(d)
-    note_unsolved(d)
+    located_rate(d, d.step.state_end, rate)
+    count_evaluations(d, 1)
+    accelerate_points(d, d.step.state_end, rate)
+    return count_inconsistent(d)
 
 
-def next_mode(d, e, turn):
-    """The mode to try instead of that of element e, at a turn of the search.
+def choose_by_limits(d):
+    """Let all undecided elements stick but those whose forces are at their limits (rows/limits.py).
 
-    What slides against its acceleration sticks next. If its share of a load on several elements only lets it
-    slide the same way again, that has no end: in every third of the late turns it slides the other way.
+    An element at its limit slides, or others hold it: then it moves by errors only, in either direction.
     """
-    if d.element.mode[e] == STICKS:
-        return against(d.element.force[e])
-    return -d.element.mode[e] if turn >= ROUNDS and turn % 3 == 0 else STICKS
+    for i in range(d.friction.count):
+        if d.element.undecided[d.element.index[i]]:
+            set_mode(d, d.element.index[i], STICKS)
+    while count_inconsistent_now(d) > 0 and any_over(d):
+        share_within_limits(d)
+        let_go(d)
+
+
+def any_over(d):
+    """Whether the force of any element that sticks exceeds its limit."""
+    for i in range(d.friction.stuck_count):
+        if is_inconsistent(d, d.element.stuck[i]):
+            return True
+    return False
+
+
+def let_go(d):
+    """Let the elements slide whose forces are at their limits, or if there are none, those over them."""
+    held = True
+    for i in range(d.friction.stuck_count):
+        if d.share.at_limit[i] != 0:
+            set_mode(d, d.element.stuck[i], against(float(d.share.at_limit[i])))
+            held = False
+    for i in range(d.friction.stuck_count if held else 0):
+        e = d.element.stuck[i]
+        if is_inconsistent(d, e):
+            set_mode(d, e, against(d.element.force[e]))
 
 
 def count_inconsistent(d):

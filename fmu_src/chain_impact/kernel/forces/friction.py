@@ -13,7 +13,7 @@ lever arm s of its place. As the normal force of a law with a force depends on t
 accelerations that follow from these laws exist; for µ_s = µ the accelerations are unique.
 
 Where several constraints are dependent, the forces of the sticking elements are not unique. They are shared
-in proportion to their limits (constraints.py).
+in proportion to their limits (constraints.py), or so that none exceeds its limit (limits.py).
 
 Source: C. A. Coulomb 1785, Théorie des machines simples, Mém. Math. Phys. Acad. Sci. 10:161; for latched
 modes in place of the sign of a speed, after Pfeiffer & Glocker 1996, Multibody Dynamics with Unilateral

@@ -14,6 +14,8 @@ from chain_impact.kernel.forces.friction import keep_static_forces
 from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass
 from chain_impact.kernel.rows.constraints import (
     activate_all,
+    any_point_held,
+    clear_impulses,
     factorize_free,
     note_moving,
     note_squeezed,
@@ -206,6 +208,7 @@ def solve_positions(d):
     """Find the change of the coordinates that brings the active set to its targets, g = target.
 
     If the residuals and errors do not explain so large a change, only candidates with g < target are moved.
+    What sticks then stays where it is, as motions that can hardly be held would be large.
     """
     own, size, asked, moved = d.rigid, d.model.size, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
@@ -215,7 +218,10 @@ def solve_positions(d):
     for j in range(coordinate_count(d.links)):
         moved = max(moved, abs(own.change[j]) / (size if j < ANGLES else 1.0))
     if moved > MISPLACED * (d.solver.tolerance + asked / size):
-        solve_lcp(d, size)
+        if any_point_held(d):
+            solve_lcp(d, size)
+        else:
+            clear_impulses(d)
 
 
 def solve_stopping_impulses(d):

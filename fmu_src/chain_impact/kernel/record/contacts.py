@@ -126,6 +126,23 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     )
 
 
+@written_by("rows/limits.py")
+def share_dtype(links: int, elements: int) -> np.dtype:
+    """The iteration to forces within the limits of friction, for the rows of `rigid`."""
+    rows = 2 * elements  # no fewer than `rigid` has, and none without friction
+    return record(
+        ("change", REAL, (coordinate_count(links),)),  # of the coordinates' rates, m/s² or rad/s²
+        ("inside", INTEGER, (rows,)),  # 1: its force is inside its limits, 0: it is one of them
+        ("at_limit", INTEGER, (elements,)),  # ±1: the sign of a force at its limit, of what sticks, packed
+        ("impulse", REAL, (rows,)),  # N, its force p⁺
+        ("center", REAL, (rows,)),  # N, its force p before the iteration
+        ("residual", REAL, (rows,)),  # m/s², the missing part of its motion with p
+        ("wanted", REAL, (rows,)),  # N, p + D m⁺
+        ("impedance", REAL, (rows,)),  # kg, D inside the limits, else 0
+        ("push", REAL, (rows,)),  # N, D m inside the limits, else the change of p
+    )
+
+
 @written_by("events/contact_log.py")
 def finished_dtype(candidates: int) -> np.dtype:
     """The contacts, a ring of rows: those that have ended, and behind them those that last.

@@ -27,6 +27,7 @@ from chain_impact.kernel.record.contacts import (
     peaks_dtype,
     quadrature_dtype,
     rigid_dtype,
+    share_dtype,
     touch_dtype,
 )
 from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
@@ -177,6 +178,7 @@ def instance_dtype(
         ("finished", finished_dtype(candidates)),
         ("implicit", implicit_dtype(links, candidates, elements)),
         ("rigid", rigid_dtype(links, candidates, elements)),
+        ("share", share_dtype(links, elements)),
         ("element", element_dtype(elements)),
         ("quadrature", quadrature_dtype(candidates, elements)),
         ("changes", changes_dtype(elements)),

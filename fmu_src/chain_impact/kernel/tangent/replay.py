@@ -88,7 +88,6 @@ from chain_impact.kernel.tangent.trust import (
     NO_IMPACT,
     NOT_SOLVED,
     TRUSTED,
-    begin_trust,
     check_onsets,
     check_turns,
     mark_untrusted,
@@ -105,7 +104,7 @@ def start_tangent(d, t):
     apply_inputs(t)
     derive_resistance(t)
     start_laws(t)
-    begin_trust(t)
+    trust(t)
     set_start(t, d.step.time)
     check_coefficients(t)
     begin_explicit(t)

@@ -1,0 +1,164 @@
+"""Constraint forces within the limits of friction: a convex problem, which always has a solution.
+
+Where constraints depend on each other, their forces are not unique. Those of constraints.py, with the least
+Σ p²/D, may exceed a limit of friction although other forces hold the same within all limits. Forces that hold
+as much as they can are the solution of
+
+    ½ pᵀ W p − pᵀ (target − start) = min,    least ≤ p ≤ most,
+
+with ∓ µ F_n for what sticks, and 0 and ∞ for a point at a rigid wall. That is the dual form of Gauss'
+principle of least constraint with Coulomb's law for given normal forces (Moreau 1966, SIAM J Control 4:153):
+what does not reach a limit is held, and what moves on has a force at its limit, against the motion.
+
+The method of multipliers finds it also where W is singular (Rockafellar 1976, SIAM J Control Optim 14:877).
+From p = 0, each of a few iterations solves
+
+    p⁺ = clip(p + D m⁺),    m⁺ = target − u(p⁺),
+
+which is unique, as W + D⁻¹ is positive definite. If no limit is reached, this is the iteration in
+constraints.py. The rows I inside their limits follow from the recursion, the others have their limits:
+
+    (M + J_Iᵀ D J_I) z = J_Iᵀ D m + Σ over the others of Jᵀ (limit − p),    p⁺ = p + D (m − J z).
+
+The rows inside are found one by one, as in bounded least squares (Stark & Parker 1995, Comput Stat 10:129).
+"""
+
+import math
+
+from chain_impact.kernel.chain.tree import FREE, HELD
+from chain_impact.kernel.rows.compliance import SWEEPS, factorize_contacts, holding_impedance, solve_contacts
+from chain_impact.kernel.rows.constraints import ROUND_OFF, ROUNDS, SIGN_TOLERANCE, set_impedance
+from chain_impact.kernel.rows.geometry import along, constraint, constraint_rows
+from chain_impact.kernel.status import count_other_work, work_exceeded
+
+
+def share_within_limits(d):
+    """Find forces within the limits of friction that hold as much as they can.
+
+    For the constraints of ``add_constraint_forces`` in forces/holding.py, which has been called just now.
+    Afterwards ``at_limit`` has the signs of the forces that are at their limits.
+    """
+    own, scale = d.share, largest_start(d)
+    set_impedance(d, holding_impedance(d))
+    for k in range(constraint_rows(d)):
+        own.center[k], own.impulse[k], own.inside[k] = 0.0, 0.0, 1
+        own.residual[k] = d.rigid.target[k] - d.rigid.start[k]
+    for _ in range(SWEEPS):
+        minimize(d, scale)
+        find_left(d)
+        if work_exceeded(d):
+            break
+    for i in range(d.friction.stuck_count):
+        own.at_limit[i] = sign_at_limit(d, d.touch.active_count + i)
+
+
+def largest_start(d):
+    """The largest acceleration of a row without the forces [m/s²], to which round-off is relative."""
+    scale = 0.0
+    for k in range(d.touch.compliant_count, constraint_rows(d)):
+        scale = max(scale, abs(d.rigid.start[k]))
+    return scale
+
+
+def sign_at_limit(d, k):
+    """The sign of the force of row k if it is at its limit, if that is 0 by the motion, or else 0."""
+    own, limit = d.share, most(d, k)
+    if limit == 0.0:
+        return 1 if own.residual[k] > 0.0 else -1
+    return 1 if own.impulse[k] >= limit else (-1 if own.impulse[k] <= -limit else 0)
+
+
+def least(d, k):
+    """The least force [N] of row k, a point at a rigid wall or what sticks."""
+    return 0.0 if k < d.touch.active_count else -most(d, k)
+
+
+def most(d, k):
+    """The largest force [N] of row k. What is at its limit slides: that limit is µ F_n."""
+    first = d.touch.active_count
+    if k < first:
+        return math.inf
+    e = d.element.stuck[k - first]
+    share = d.law.friction[e] / d.law.static_friction[e] if e < d.candidates else 1.0
+    return max(0.0, share * d.element.limit[e])
+
+
+def clipped(d, k, force):
+    """The force [N] of row k within its limits that is the nearest to a ``force``."""
+    return min(most(d, k), max(least(d, k), force))
+
+
+def minimize(d, scale):
+    """Solve one iteration, with forces that stay within their limits.
+
+    All forces go toward the solution for the rows inside until the first of them reaches a limit, where it
+    stays. At that solution, the row that wants inside most is let in. As the function falls, no set of rows
+    comes twice, so that this ends.
+    """
+    own, end = d.share, constraint_rows(d)
+    for _ in range(ROUNDS + 4 * end):
+        solve_inside(d)
+        row, part = first_at_limit(d)
+        for k in range(d.touch.compliant_count, end):
+            if own.inside[k]:
+                own.impulse[k] += part * (own.wanted[k] - own.impulse[k])
+        if row >= 0:
+            own.inside[row], own.impulse[row] = 0, clipped(d, row, own.wanted[row])
+        else:
+            row = most_inside(d, scale)
+            if row < 0 or work_exceeded(d):
+                return
+            own.inside[row] = 1
+
+
+def first_at_limit(d):
+    """The first row to reach a limit on the way to the forces wanted, or −1, and the part of the way."""
+    own, first, part = d.share, -1, 1.0
+    for k in range(d.touch.compliant_count, constraint_rows(d)):
+        limit = clipped(d, k, own.wanted[k])
+        if own.inside[k] and limit != own.wanted[k]:
+            there = (limit - own.impulse[k]) / (own.wanted[k] - own.impulse[k])
+            if there < part or first < 0:
+                first, part = k, there
+    return first, part
+
+
+def most_inside(d, scale):
+    """The row at a limit that wants inside most, or −1: by more than round-off."""
+    own, row, largest, most_of_all = d.share, -1, 0.0, 0.0
+    for k in range(d.touch.compliant_count, constraint_rows(d)):
+        largest = max(largest, abs(own.impulse[k]))
+    for k in range(d.touch.compliant_count, constraint_rows(d)):
+        inward = abs(clipped(d, k, own.wanted[k]) - own.impulse[k])
+        round_off = SIGN_TOLERANCE * largest + ROUND_OFF * scale * d.rigid.impedance[k]
+        if not own.inside[k] and inward > max(round_off, most_of_all):
+            row, most_of_all = k, inward
+    return row
+
+
+def solve_inside(d):
+    """Find p + D m⁺ of all rows, in ``wanted``, if those that are not inside have their limits."""
+    own, motion = d.share, d.work.motion
+    for k in range(constraint_rows(d)):
+        moves = k < d.touch.compliant_count
+        own.impedance[k] = 0.0 if moves or not own.inside[k] else d.rigid.impedance[k]
+        own.push[k] = own.impedance[k] * own.residual[k]
+        if not moves and not own.inside[k]:
+            own.push[k] = own.impulse[k] - own.center[k]
+    factorize_contacts(d, HELD, own.impedance)
+    solve_contacts(d, HELD, own.push, own.change)
+    for k in range(d.touch.compliant_count, constraint_rows(d)):
+        left = own.residual[k] - along(constraint(d, k), motion)
+        own.wanted[k] = own.center[k] + d.rigid.impedance[k] * left
+    count_other_work(d, 1)
+
+
+def find_left(d):
+    """Find the motion that the forces leave to hold, where the next iteration begins."""
+    own = d.share
+    solve_contacts(d, FREE, own.impulse, own.change)
+    for k in range(d.touch.compliant_count, constraint_rows(d)):
+        own.center[k] = own.impulse[k]
+        reached = d.rigid.start[k] + along(constraint(d, k), d.work.motion)
+        own.residual[k] = d.rigid.target[k] - reached
+    count_other_work(d, 1)

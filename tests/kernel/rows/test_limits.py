@@ -1,0 +1,96 @@
+"""Forces within the limits of friction, against a dense solver for bounded least squares."""
+
+import numpy as np
+import pytest
+from scipy.linalg import cholesky
+from scipy.optimize import lsq_linear
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.equations import located_rate
+from chain_impact.kernel.forces.friction import STICKS, list_sticking
+from chain_impact.kernel.rows.constraints import LEAST_SHARE
+from chain_impact.kernel.rows.geometry import constraint_rows
+from chain_impact.kernel.rows.limits import share_within_limits
+from tests.kernel.rubbing import AtRest, Doubled
+
+CASES = [("free", 3, True), ("free", 2, False), ("pinned", 1, True), ("pinned", 0, True)]
+
+
+def stuck(seed, case, part):
+    """A chain of which all sticks, with limits that are a ``part`` of the forces that this takes, or more."""
+    chain = AtRest(seed, *case)
+    d = chain.d
+    d.element.mode[chain.elements] = STICKS
+    list_sticking(d)
+    limits = part * np.random.default_rng(seed).uniform(0.2, 1.5, len(chain.elements))
+    solve(d)
+    set_limits(chain, limits * np.abs(d.element.force[chain.elements]))
+    return chain
+
+
+def set_limits(chain, limits):
+    """Give the elements limits of friction [N]."""
+    d = chain.d
+    for e, limit in zip(chain.elements, limits, strict=True):
+        if e < d.candidates:
+            d.law.static_friction[e] = d.law.friction[e] = limit / d.touch.force[e]
+        else:
+            d.model.joint_friction[e - d.candidates] = limit * d.model.size
+            d.element.limit[e] = limit
+
+
+def solve(d):
+    """The forces that hold all that sticks, at the end of the last step."""
+    rate = np.zeros(len(d.step.state_end))
+    locate_points(d, d.step.state_end)
+    located_rate(d, d.step.state_end, rate)
+
+
+def forces(d):
+    """Of all that sticks [N]."""
+    return d.share.impulse[d.touch.active_count : constraint_rows(d)]
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("part", [0.3, 1.0])
+def test_forces_hold_as_much_as_they_can(part, seed, case):
+    """They are the minimum of ½ pᵀ W p + pᵀ (t·a without them), within the limits."""
+    chain = stuck(seed, case, part)
+    d = chain.d
+    solve(d)
+    share_within_limits(d)
+    limits = chain.limits()[0]
+    root = cholesky(chain.mobility)
+    right = lsq_linear(root, -np.linalg.solve(root.T, chain.bias), (-limits, limits), method="bvls").x
+    np.testing.assert_allclose(forces(d), right, atol=1e-8 * np.abs(right).max())
+    at_limit = np.where(np.abs(right) >= limits * (1.0 - 1e-9), np.sign(right), 0.0)
+    assert d.share.at_limit[: len(right)].tolist() == at_limit.tolist()
+    assert at_limit.any()
+
+
+@pytest.mark.parametrize("total", [0.5, 1.0, 1.5])
+@pytest.mark.parametrize("seed", range(4))
+def test_of_two_in_one_place_each_takes_what_the_other_cannot(seed, total):
+    """The least sum of squares would give more to the one with the small limit; together they hold all."""
+    chain = Doubled(seed)
+    d = chain.d
+    d.element.mode[chain.elements] = STICKS
+    list_sticking(d)
+    solve(d)
+    first, second = (chain.elements.index(e) for e in chain.twins)
+    needed = abs(sum(d.element.force[list(chain.twins)]))
+    limits = np.full(len(chain.elements), 1e9)
+    limits[second], limits[first] = LEAST_SHARE / 10.0 * needed, needed / total
+    set_limits(chain, limits)
+    solve(d)
+    share_within_limits(d)
+    found, left = forces(d), chain.bias + chain.mobility @ forces(d)
+    assert (np.abs(found) <= limits * (1.0 + 1e-12)).all()
+    assert found[first] * found[second] > 0.0
+    if total < 1.0:
+        np.testing.assert_allclose(left, 0.0, atol=1e-9 * np.abs(chain.bias).max())
+        assert (d.share.at_limit[: len(limits)] != 0).sum() <= 1
+    elif total > 1.0:
+        assert np.abs(found[[first, second]]) == pytest.approx(limits[[first, second]], rel=1e-12)
+        assert (left[[first, second]] * found[first] < 0.0).all()
