@@ -503,9 +503,10 @@ def test_each_reason_has_a_sentence():
 
 @pytest.mark.parametrize(("share", "given"), [(1.0, False), (1.001, True), (0.999, True)])
 def test_a_puck_that_stops_where_it_is_at_the_limit(share, given):
-    """µ = tan α: it stays or slides back, which no derivative tells."""
-    told, result = limits(sloping(share))
-    slopes = result.sensitivity("point[0].x", "contact.stiffness")
+    """µ = tan α: it stays with more friction and slides back with less; a stiffness changes neither."""
+    assert limits(sloping(share))[0] == ()
+    told, result = limits(sloping(share), ["contact.friction"])
+    slopes = result.sensitivity("point[0].x", "contact.friction")
     assert np.isfinite(slopes[-1]) == given
     assert (told == ()) == given
     if not given:

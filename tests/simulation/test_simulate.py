@@ -90,6 +90,35 @@ def test_progress_rises_to_one():
 # --- one result --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("sensitivities", [(), ("contact.restitution",)])
+def test_without_outputs_no_row_is_computed_and_all_else_is_there(monkeypatch, sensitivities):
+    """Also after a fault, up to which the times are those of the rows."""
+    rows, computed = Instance.trajectory, []
+
+    def trajectory(instance, times, *others):
+        computed.append(len(times))
+        return rows(instance, times, *others)
+
+    monkeypatch.setattr(Instance, "trajectory", trajectory)
+    scene = default_scene()
+    whole = simulate(scene, 1.2, 1e-3, sensitivities=sensitivities)
+    computed.clear()
+    bare = simulate(scene, 1.2, 1e-3, output=[], sensitivities=sensitivities)
+    assert sum(computed) <= 2
+    np.testing.assert_array_equal(bare.time, whole.time)
+    assert bare.impacts.tobytes() == whole.impacts.tobytes()
+    assert bare.statistics == whole.statistics
+    assert not bare.outputs.dtype.names
+    scene, faults = with_values(scene, {("solver", "work_limit"): 800.0}), []
+    for output in (None, []):
+        with pytest.raises(SimulationError) as error:
+            simulate(scene, 1.2, 1e-3, output=output, sensitivities=sensitivities)
+        result = error.value.result
+        faults.append([error.value.time, result.time.tolist(), result.impacts.tobytes(), result.statistics])
+    assert faults[0] == faults[1]
+    assert 1 < len(faults[0][1]) < len(whole.time)
+
+
 def test_a_simulation_is_repeatable_to_the_bit():
     first, second = (simulate(default_scene(), 0.5) for _ in range(2))
     assert first.outputs.tobytes() == second.outputs.tobytes()

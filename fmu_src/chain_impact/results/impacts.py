@@ -43,6 +43,8 @@ At a stop of a joint, the wall ``joint_min`` or ``joint_max``, the point is the 
 the quantities are those of its angle: speeds [rad/s], moment [N·m], angle beyond the stop [rad], effective
 inertia [kg·m²], impulse of the moment [N·m·s]."""
 
+_LOGGED = np.dtype({"names": ["log"], "formats": [LOG_DTYPE], "itemsize": IMPACT_DTYPE.itemsize})
+"""An impact as what the log has of it: its first columns."""
 NO_IMPACTS = np.zeros(0, IMPACT_DTYPE)
 NO_IMPACTS.flags.writeable = False
 COLUMNS = {
@@ -62,8 +64,7 @@ COLUMNS = {
 def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
     """Impacts with the names of their walls, of which ``walls`` are those by their numbers."""
     table = np.zeros(len(impacts), IMPACT_DTYPE)
-    for name in LOG_DTYPE.names or ():
-        table[name] = impacts[name]
+    np.ndarray(len(impacts), _LOGGED, table)["log"] = impacts
     known = (impacts["wall"] >= 0) & (impacts["wall"] < len(walls))
     table["wall_name"][known] = np.array(walls)[impacts["wall"][known]]
     return table

@@ -225,7 +225,10 @@ class Result(Pictured):
 
     @property
     def sensitivity_limits(self) -> tuple[str, ...]:
-        """Sentences: from when on derivatives are NaN, and why; none if they all can be trusted."""
+        """Sentences: from when on derivatives are NaN, and why, and how far friction leaves them open.
+
+        There are none if all derivatives can be trusted.
+        """
         return self.sensitivities.limits if self.sensitivities else ()
 
     @property

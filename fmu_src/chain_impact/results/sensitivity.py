@@ -31,7 +31,7 @@ class Sensitivities:
         slopes: derivatives of the outputs, shape (T, W, P).
         impacts: one row for each contact, shape (I,), as ``Result.impacts``.
         impact_slopes: quantity of an impact → derivatives, shape (I, P).
-        limits: sentences: from when on there are none, and why.
+        limits: sentences: from when on there are none, and why, and how far friction leaves them open.
     """
 
     __eq__ = same

@@ -26,7 +26,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Drive, drive
 from chain_impact.simulation.instance import Instance, SimulationError, WordRows, in_order
-from chain_impact.simulation.reasons import REASONS, REASONS_AT_STOPS, REASONS_OF_FRICTION
+from chain_impact.simulation.reasons import LEFT_OPEN, REASONS, REASONS_AT_STOPS, REASONS_OF_FRICTION
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.model import Model
 from chain_impact.variables.places import WORD, first_word, word_index
@@ -34,6 +34,8 @@ from chain_impact.variables.variable import Variable
 
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
 """The quantities of an impact that have derivatives."""
+TOLD = 1e-5
+"""Of the largest derivative: an error that is told. A smaller one is like those that follow the tolerance."""
 AT_ONSET = ("onset", "impact_speed", "effective_mass")  # those that are known from its onset on
 
 
@@ -167,10 +169,11 @@ class DifferentiatedInstance(Instance):
 
     @property
     def limits(self) -> tuple[str, ...]:
-        """From when on derivatives are NaN, and why."""
-        trust = self._tangents["trust"][0]
+        """From when on derivatives are NaN, and why; and their error by what dry friction has left open."""
+        trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["share"].max())
+        left_open = (LEFT_OPEN.format(share=share),) if share > TOLD else ()
         if trust["reason"] == TRUSTED:
-            return ()
+            return left_open
         where, reasons, cause = "", REASONS, "impact"
         if trust["reason"] in REASONS_OF_FRICTION:
             reasons, cause = REASONS_OF_FRICTION, "dry friction"
@@ -182,7 +185,8 @@ class DifferentiatedInstance(Instance):
             where = f", the {cause} of {what(trust['point'], stopped)} at {scene.wall_names[wall]}"
             reasons = REASONS_AT_STOPS if stopped else reasons
         reason = reasons[int(trust["reason"])]
-        return (f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}",)
+        ended = f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}"
+        return ended, *left_open
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +199,7 @@ class Differentiated:
         impacts: one row for each contact in order of onset, as ``Result.impacts``.
         impact_slopes: derivatives of the impacts' quantities: name → shape (I, P).
         status: 0 if there is no fault, see ``chain_impact.kernel.status``.
-        limits: sentences: from when on derivatives are NaN, and why.
+        limits: sentences: from when on derivatives are NaN, and why, and how far friction leaves them open.
     """
 
     __eq__ = same

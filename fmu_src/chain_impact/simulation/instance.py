@@ -28,6 +28,7 @@ from chain_impact.variables.variable import Variable
 
 # words at the start of a record: numbers of links, candidates, elements, loads, channels, tangents
 SIZES = 6
+NO_CONTACTS = np.zeros(0, LOG_DTYPE)
 CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000  # that the kernel fills at once, at most
 
 
@@ -73,19 +74,23 @@ class WordRows:
     """Numbers of the record at each communication point.
 
     Attributes:
-        numbers: shape (T, W).
+        numbers: shape (T, W); of rows that are not filled anything.
         spans: which of the record's numbers they are, see ``spans_of``.
     """
 
     def __init__(self, count: int, words: Sequence[int] | np.ndarray) -> None:
         """Make room for so many rows."""
-        self.numbers = np.zeros((count, len(words)))
+        self.numbers = np.empty((count, len(words)))
         self.spans = spans_of(words)
         self.at_once = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, 8 * len(words))))
 
     def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
         """See ``Rows``."""
-        return instance.trajectory(times, self.numbers[start : start + len(times)], self.spans)
+        if self.numbers.shape[1]:
+            return instance.trajectory(times, self.numbers[start : start + len(times)], self.spans)
+        # a run does not depend on its rows: where they are empty, only the last of them is computed
+        done = instance.trajectory(times[-1:], self.numbers[:1], self.spans)
+        return len(times) if done else int(np.searchsorted(times, instance.time, side="right"))
 
 
 def spans_of(words: Sequence[int] | np.ndarray) -> np.ndarray:
@@ -266,6 +271,8 @@ class Instance:
 
     def _impacts(self, places: np.ndarray) -> np.ndarray:
         """The impacts at some places of the log, without the impulses and forces that are not followed."""
+        if not len(places):
+            return NO_CONTACTS
         room, columns = len(self.record["finished"]["point"]), len(LOG_DTYPE.names or ())
         # the log has the columns of the table, in the same order, behind two counts
         first = first_word(self._block.dtype, "finished") + 2

@@ -38,3 +38,9 @@ REASONS_OF_FRICTION = {
     FROM_REST: "it begins to slide from rest, and a small speed against its direction would first be stopped",
 }
 """Why derivatives end because of dry friction."""
+
+LEFT_OPEN = (
+    "derivatives may be off by {share:.2g} of the largest, as the tolerance leaves open when sliding and "
+    "sticking end while the chain comes to rest"
+)
+"""The error of derivatives by dry friction, where it is negligible when exactly a mode ends."""

@@ -89,6 +89,8 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
     That is where scenes differ in more than numbers, or in numbers on which the layout of the record or the
     variables depend. A table that is the same object in both has not changed.
     """
+    if before is scene:
+        return []
     for name in ("box", "walls", "stops", "inputs", "outputs", "derived_places"):
         if getattr(before, name) is not getattr(scene, name):
             return None

@@ -34,6 +34,7 @@ TRUST = np.dtype(
         ("time", np.float64),  # s, after which they cannot be trusted
         ("point", np.int64),  # of the impact or the dry friction, or the joint; −1 without one
         ("wall", np.int64),  # −1: a joint
+        ("share", np.float64),  # of the largest: what friction has left open may change, see friction.py
     ]
 )
 

@@ -88,6 +88,7 @@ from chain_impact.kernel.tangent.trust import (
     NO_IMPACT,
     NOT_SOLVED,
     TRUSTED,
+    begin_trust,
     check_onsets,
     check_turns,
     mark_untrusted,
@@ -104,7 +105,7 @@ def start_tangent(d, t):
     apply_inputs(t)
     derive_resistance(t)
     start_laws(t)
-    trust(t)
+    begin_trust(t)
     set_start(t, d.step.time)
     check_coefficients(t)
     begin_explicit(t)

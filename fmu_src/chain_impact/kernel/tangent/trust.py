@@ -101,6 +101,12 @@ def trust(t):
     t.trust.reason = TRUSTED
 
 
+def begin_trust(t):
+    """Trust the derivatives from the start of a run on, before anything has been left open."""
+    t.trust.share = 0.0
+    trust(t)
+
+
 def share_reason(t, other):
     """End the derivatives of t where those of another tangent instance end, if that is earlier."""
     mine, given = t.trust, other.trust

@@ -147,7 +147,7 @@ def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
         "type": one.type,
         "low": low,
         "high": high,
-        "allowed": one.allowed,
+        "allowed": f"one of {', '.join(item.name for item in items)}" if items else one.allowed,
         "text": one.description,
         "items": [[item.name, _sentence(item)] for item in items],
         "rule": rule
@@ -182,6 +182,7 @@ def _layout() -> dict[str, Any]:
     statistics = record["statistics"].names or ()
     return {
         "status": words(("statistics", "status")),
+        "place": words(("fault", "place")),
         "time": words(("step", "time")),
         "impulses": words(("quadrature", "wanted")),
         "loads": words(("loads",)),

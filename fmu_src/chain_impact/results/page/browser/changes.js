@@ -1,5 +1,7 @@
 // The parameters as they are on the page: those of the scene, and what has been changed.
 
+import { inRadians } from "./scene_file.js";
+
 /** A number in as few digits as tell it from all others. */
 export function numberText(value) {
   const size = Math.abs(value);
@@ -60,11 +62,12 @@ export class Changes {
   numberOf(name, given) {
     const parameter = this.parameters.get(name);
     if (!parameter) throw new RangeError(`${this.scene.name} has no parameter ${name}`);
-    const { items, low, high, allowed, type } = parameter;
+    const { items, low, high, allowed, type, unit } = parameter;
     const choice = items.findIndex(([id]) => id === given) + 1;
     const text = typeof given === "string" ? given.trim() : given;
-    const isNumber = typeof text === "number" || (typeof text === "string" && text !== "");
-    const value = choice || (isNumber ? Number(text) : NaN);
+    const number = inRadians(text, unit);
+    const isNumber = typeof number === "number" || (typeof number === "string" && number !== "");
+    const value = choice || (isNumber ? Number(number) : NaN);
     const whole = type === "real" || Number.isInteger(value);
     if (!(value >= low && value <= high && whole)) throw new RangeError(`${name} = ${given} must be ${allowed}`);
     return value;

@@ -85,8 +85,10 @@ class Chart {
 
   fit() {
     if (!this.plot) return;
-    const width = this.element.clientWidth;
-    if (width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: this.height });
+    const { clientWidth: width, clientHeight } = this.element;
+    this.height = clientHeight || this.height;
+    const { width: before, height: high } = this.plot;
+    if (width > 0 && (width !== before || this.height !== high)) this.plot.setSize({ width, height: this.height });
     this.mark();
   }
 

@@ -46,9 +46,9 @@ function steady(next) {
 }
 
 /** What went wrong, in a sentence; nothing if all is well. `found` tells whether there is a motion. */
-function sentenceOf({ status, reached }, found) {
+function sentenceOf({ status, place, reached }, found) {
   if (status === 0) return "";
-  const text = changes.scene.statuses[status];
+  const text = [changes.scene.statuses[status], changes.scene.places[place - 1]].filter(Boolean).join(": ");
   return found ? `The simulation stopped at t = ${+reached.toPrecision(6)} s: ${text}.` : `The simulation cannot start: ${text}.`;
 }
 

@@ -60,6 +60,7 @@ export class Ghosts {
     const { pinned, panel, table, player } = this;
     player.panels.forEach(([, , chart]) => chart.compare(pinned.map(({ recording, colour }) => ({ recording, colour: `pin-${colour}` }))));
     panel.hidden = pinned.length === 0;
+    document.body.classList.toggle("with-pins", !panel.hidden); // there the charts leave room for the list of impacts
     if (panel.hidden) return;
     const all = [{ recording: player.recording, text: "present" }, ...pinned];
     const count = Math.min(LISTED, Math.max(...all.map(({ recording }) => recording.impacts.length)));

@@ -16,9 +16,10 @@ function approachText(impact) {
   return `${impact.speed.toFixed(2)} ${unitsOf(impact).speed}`;
 }
 
-/** How much of the speed an impact has left, with its sign turned. */
-function reboundText({ speed, rebound }) {
-  return Number.isFinite(rebound ?? NaN) && speed > 0 ? (rebound / speed).toFixed(3) : "–";
+/** How much of the speed an impact has left, with its sign turned; of a contact that has not ended, that it lasts. */
+function reboundText({ speed, rebound, peak }) {
+  if (!Number.isFinite(rebound ?? NaN)) return peak === null ? "–" : "lasts";
+  return speed > 0 ? (rebound / speed).toFixed(3) : "–";
 }
 
 export class ImpactList {

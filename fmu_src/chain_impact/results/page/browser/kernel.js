@@ -124,6 +124,7 @@ export class Kernel {
       yield done / times.length;
     }
     const { status, reached } = { status: this.status, reached: this.reals[this.scene.layout.time] };
+    const place = Number(this.integers[this.scene.layout.place]);
     const statistics = Object.fromEntries(
       Object.entries(this.scene.layout.statistics).map(([name, word]) => [name, Number(this.integers[word])]));
     if (status === 0 || done > 0) impacts.push(...this.#open());
@@ -131,6 +132,7 @@ export class Kernel {
     impacts.sort((a, b) => a.onset - b.onset || a.point - b.point || a.wall - b.wall);
     return {
       status,
+      place,
       reached,
       statistics,
       impacts,

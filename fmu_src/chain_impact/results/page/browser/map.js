@@ -5,6 +5,7 @@ import { numberText } from "./changes.js";
 import { pictureOf, save } from "./outside.js";
 import { unitText } from "./knobs.js";
 
+const RIM = 2; // pixels around the run that the keyboard is at
 const POINTS = 41; // in each direction
 const RUNS = POINTS * POINTS;
 const WORKERS = 8; // at most
@@ -52,6 +53,7 @@ function rangeOf({ low, high }, value) {
 export class GridMap {
   #engines = []; // those that are at work
   #read; // the run that a finger has pointed at
+  #chosen; // the run that the keyboard is at
 
   /** `begin` makes an engine. */
   constructor(begin, changes) {
@@ -70,7 +72,8 @@ export class GridMap {
     new ResizeObserver(() => this.shown && this.#drawScales()).observe(find("map-frame"));
     this.dialog.addEventListener("close", () => this.#stop());
     this.canvas.addEventListener("click", (event) => this.#choose(event));
-    this.canvas.addEventListener("pointermove", (event) => this.#tell(event));
+    this.canvas.addEventListener("pointermove", (event) => this.#tell(this.#at(event)));
+    this.canvas.addEventListener("keydown", (event) => this.#press(event));
   }
 
   /** Show the dialog, with ranges around the present values where they are as it has put them. */
@@ -131,7 +134,7 @@ export class GridMap {
       return;
     }
     this.#stop();
-    this.#read = undefined;
+    this.#read = this.#chosen = undefined;
     const shown = { ...asked, found: Array(RUNS), rows: 0 };
     this.shown = shown;
     const began = performance.now();
@@ -139,7 +142,7 @@ export class GridMap {
     if (shown !== this.shown) return;
     this.#stop();
     const seconds = ((performance.now() - began) / 1000).toPrecision(2);
-    const done = `${RUNS} runs in ${seconds} s. Point at a run to read it, click to open it; with a finger, tap twice.`;
+    const done = `${RUNS} runs in ${seconds} s. Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
     this.#say(fault || (shown.rows === POINTS ? done : `Stopped after ${shown.rows} of ${POINTS} rows.`));
   }
 
@@ -260,6 +263,12 @@ export class GridMap {
     });
     scales.rect(width, height).move(EDGE.left, EDGE.top).addClass("map-tick");
     this.#drawColours(write, EDGE.left, bottom + 52, width, titleOf(output.name, unitText(output.unit)), ends);
+    if (this.#chosen !== undefined) {
+      const [column, row] = [this.#chosen % POINTS, Math.floor(this.#chosen / POINTS)];
+      const [left, top] = [EDGE.left + (column * width) / POINTS, bottom - ((row + 1) * height) / POINTS];
+      ["map-present-edge", "map-present map-chosen"].forEach((kind) =>
+        scales.rect(width / POINTS + 2 * RIM, height / POINTS + 2 * RIM).move(left - RIM, top - RIM).addClass(kind));
+    }
     const present = names.map((name, k) => at(k, this.changes.valueOf(name)));
     const isSeen = present[0] >= EDGE.left && present[0] <= EDGE.left + width && present[1] >= EDGE.top && present[1] <= bottom;
     if (isSeen && this.#isOfPresent()) ["map-present-edge", "map-present"].forEach((kind) => scales.circle(13).center(...present).addClass(kind));
@@ -306,9 +315,25 @@ export class GridMap {
     return this.shown?.found[index] === undefined ? undefined : index;
   }
 
-  #tell(event) {
-    const index = this.#at(event);
-    if (index === undefined) return;
+  /** The arrow keys go from run to run, first from the one in the middle; Enter opens it. */
+  #press(event) {
+    const [right, up] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] ?? [];
+    if (!this.shown || (right === undefined && event.key !== "Enter")) return;
+    event.preventDefault();
+    const middle = (RUNS - 1) / 2;
+    if (event.key === "Enter") {
+      if (this.#chosen !== undefined) this.#open(this.#chosen);
+      return;
+    }
+    const [column, row] = this.#chosen === undefined ? [middle % POINTS, Math.floor(middle / POINTS)]
+      : [this.#chosen % POINTS + right, Math.floor(this.#chosen / POINTS) + up].map((place) => Math.min(Math.max(place, 0), POINTS - 1));
+    this.#chosen = row * POINTS + column;
+    this.#tell(this.#chosen);
+    this.#drawScales();
+  }
+
+  #tell(index) {
+    if (this.shown?.found[index] === undefined) return;
     const value = this.shown.found[index];
     const parameters = Object.entries(this.#givenAt(index)).map(([name, one]) => this.#valueText(name, one));
     const result = value === null ? "the run fails" : `${this.shown.output.name} = ${numberText(Number(value.toPrecision(6)))}`;
@@ -329,10 +354,12 @@ export class GridMap {
     if (index === undefined) return;
     const isRead = event.pointerType !== "touch" || index === this.#read;
     this.#read = index;
-    if (!isRead) {
-      this.#tell(event);
-      return;
-    }
+    if (isRead) this.#open(index);
+    else this.#tell(index);
+  }
+
+  #open(index) {
+    if (this.shown.found[index] === undefined) return;
     try {
       this.changes.replace(this.changes.with(this.#givenAt(index), this.shown.values));
       this.dialog.close();

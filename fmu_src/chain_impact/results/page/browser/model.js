@@ -236,5 +236,10 @@ export function describe(kit, file, command) {
     drawn: drawnOf(kit, parts, columns),
     rigidWithFriction: kit.rigidWithFriction,
     statuses: kit.statuses,
+    places: [ // what a run may be refused for: each candidate, and then each link
+      ...parts.pairs.map(([point, wall]) => `point ${point} at the wall ${wallNames[wall]}`),
+      ...stops.map(([joint, stop]) => `joint ${joint} at its ${stop}`),
+      ...file.chain.links.map((_, k) => `link[${k + 1}]`),
+    ],
   };
 }

@@ -49,8 +49,8 @@ export function* motion(kernel, values) {
   const first = yield* half(kernel.run(values, rowTimes(stop, stop / PARTS), [], 1), 0);
   const spent = performance.now() - began;
   const end = first.status === 0 ? stop : Math.min(first.reached, stop);
-  const { status, reached, statistics, impacts } = first;
-  const ending = { status, reached, statistics, impacts, spent };
+  const { status, place, reached, statistics, impacts } = first;
+  const ending = { status, place, reached, statistics, impacts, spent };
   if (first.time.length === 0 || !(end > 0)) return { ...ending, parts: null };
   const contacts = contactsOf(listed(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
   const { times, frameRate } = timesOf(contacts, 0, end, scene.links, IMPACT_TIME);

@@ -21,7 +21,7 @@ function refuse(path, what) {
 }
 
 /** An angle in text, "90 deg", in radians; all else stays as it is. */
-function inRadians(value, unit) {
+export function inRadians(value, unit) {
   const [, number, given] = (typeof value === "string" && DEGREES_TEXT.exec(value)) || [];
   return given && given === IN_DEGREES[unit] ? Number(number) * (Math.PI / 180) : value;
 }

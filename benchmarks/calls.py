@@ -1,0 +1,105 @@
+"""What a call costs beside its run: ``python benchmarks/calls.py [--quick]``.
+
+Calls of ``simulate()``: the default scene to 1.2 s, in CPU time over that of a run in a sweep, one thread.
+Steps of 1 ms in FMPy, with one output: those of an FMU that does nothing show what FMPy and pythonfmu itself
+take. All take turns, so that other work on the machine hits all.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import math
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import fmpy
+
+from chain_impact import build_fmu, load_scene, simulate, sweep
+
+STOP, ROW = 1.2, 1e-3  # s
+TOLERANCES = (1e-4, 1e-8)
+NAME = "contact.restitution"
+ROUNDS, RUNS = 9, 500
+EMPTY = '''
+from pythonfmu import Fmi2Causality, Fmi2Slave, Real
+
+
+class Empty(Fmi2Slave):
+    """Does nothing."""
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.x = 1.0
+        self.register_variable(Real("x", causality=Fmi2Causality.output))
+
+    def do_step(self, current_time, step_size):
+        return True
+'''
+
+
+def calls(tolerance: float) -> dict[str, Callable[[], object]]:
+    """The calls of ``simulate()``, and the runs in a sweep that they are held against."""
+    settings = {"solver.tolerance": tolerance, "simulation.stop_time": STOP}
+    scene = load_scene("four_link_box").with_values(settings)
+    value = scene.values[NAME]
+    values = [value + 1e-9 * k for k in range(RUNS)]
+    others = iter(values * RUNS)
+    return {
+        "sweep": lambda: sweep(scene, {NAME: values}, threads=1),
+        "a row each ms, all outputs": lambda: simulate(scene, output_step=ROW),
+        "a row each ms, one output": lambda: simulate(scene, output_step=ROW, output="point[4].x"),
+        "a row each ms, no output": lambda: simulate(scene, output_step=ROW, output=[]),
+        "two rows": lambda: simulate(scene, output_step=math.inf),
+        "two rows of with_values": lambda: simulate(
+            scene.with_values({NAME: next(others)}), output_step=math.inf
+        ),
+    }
+
+
+def steps(folder: Path) -> dict[str, Callable[[], object]]:
+    """Runs of FMUs in FMPy."""
+    (folder / "empty.py").write_text(EMPTY, encoding="utf-8")
+    command = [sys.executable, "-m", "pythonfmu", "build", "-f", "empty.py"]
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    built = {kind: build_fmu("four_link_box", folder / kind, target=kind) for kind in ("pythonfmu", "native")}
+    run = {}
+    for name, fmu in {"empty": folder / "Empty.fmu", **built}.items():
+        place, description = fmpy.extract(str(fmu)), fmpy.read_model_description(str(fmu))
+        instance = fmpy.instantiate_fmu(place, description, "CoSimulation")
+
+        def call(place=place, description=description, instance=instance) -> object:
+            instance.reset()
+            read = next(v.name for v in description.modelVariables if v.causality == "output")
+            options = {"model_description": description, "fmu_instance": instance, "output_interval": ROW}
+            options["output"] = [read]
+            return fmpy.simulate_fmu(place, stop_time=STOP, terminate=False, **options)
+
+        run[name] = call
+    return run
+
+
+def main() -> None:
+    """Measure."""
+    rounds, started, results = common.rounds(__doc__, ROUNDS), common.environment(), {}
+    for tolerance in TOLERANCES:
+        timings = common.interleave(calls(tolerance), rounds)
+        timings["sweep"] = [one / RUNS for one in timings["sweep"]]
+        ratios = {name: common.ratio(timings, name, "sweep") for name in timings if name != "sweep"}
+        results[f"times a run in a sweep, tolerance {tolerance:g}"] = ratios
+    with tempfile.TemporaryDirectory() as folder:
+        timings = common.interleave(steps(Path(folder)), rounds)
+    count = round(STOP / ROW)
+    results["CPU microseconds a step in FMPy"] = {
+        name: common.spread([1e6 * one / count for one in found]) for name, found in timings.items()
+    }
+    for name, value in results.items():
+        print(f"{name}: {value}")
+    common.save("calls", started, {"stop [s]": STOP, "row [s]": ROW, "rounds": rounds, "runs": RUNS}, results)
+
+
+if __name__ == "__main__":
+    main()
