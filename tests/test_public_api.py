@@ -13,10 +13,26 @@ from pathlib import Path
 import chain_impact
 from chain_impact import cli
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.scene.scene import load_scene, model_names, scene_keys
+from chain_impact.scene.scene import load_scene, model_names, scene_from_dict, scene_keys
 from chain_impact.variables.model import Model
 
 FILE = Path(__file__).with_name("public_api.txt")
+BODIES = {
+    "name": "Cart",
+    "chain": {
+        "base": "slider",
+        "slider": {"min": -1.0, "max": 1.0, "force_limit": 9.0, "friction": 1.0},
+        "links": [
+            {"length": 1.0, "mass": 1.0, "center_of_mass_offset": 0.1, "points": [{"x": 0.5, "y": 0.1}]},
+        ],
+    },
+    "box": {"y_min": -9.0},
+    "contact": {"points": []},
+    "initial": {"angles": [0.0]},
+    "inputs": {"slider_force": True},
+    "outputs": {"loads": True},
+}
+"""What no model has: a slider, and a link that is more than a line."""
 DRIVES = {"link[2].joint_armature": 0.1, "link[2].joint_torque_limit": 9.0, "inputs.joint_targets": True}
 """What no model has."""
 HINT = "run: python tests/test_public_api.py"
@@ -37,7 +53,9 @@ def names():
     yield from (f"contact law: {law.number} {law.id}" for law in CONTACT_LAWS.values())
     yield from command_line()
     driven = load_scene("pinned_arm").with_values(DRIVES)
-    for scene in (*map(load_scene, model_names()), driven):
+    cart = scene_from_dict(BODIES, "cart")
+    following = cart.with_values({"inputs.joint_targets": True})
+    for scene in (*map(load_scene, model_names()), driven, cart, following):
         kinds = {re.sub(r"\[\d+\]", "[i]", variable.name) for variable in Model(scene).variables}
         yield from (f"FMU variable: {kind}" for kind in kinds)
 

@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact.compilation.affine import Affine, affine
 from chain_impact.compilation.record_type import TABLES
-from chain_impact.kernel.chain import tree
+from chain_impact.kernel.chain import response
 from chain_impact.kernel.entry import observe_now, trajectory
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.record.fields import is_table
@@ -114,8 +114,8 @@ def by_type(function, of_complex):
 )
 def test_compiled_code_gives_the_bits_of_plain_python(changes, monkeypatch):
     """The whole kernel through impacts: lowering and linking change no rounding."""
-    for function, of_complex in tree.COMPLEX.items():
-        monkeypatch.setattr(tree, function.__name__, by_type(function, of_complex))
+    for function, of_complex in response.COMPLEX.items():
+        monkeypatch.setattr(response, function.__name__, by_type(function, of_complex))
     scene = with_values(chain(), changes)
     times = np.array([0.2, 0.28, 0.2801, 0.33, 0.37, 0.4])
     instance = Instance(scene)

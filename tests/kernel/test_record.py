@@ -6,8 +6,16 @@ import pytest
 from chain_impact.kernel.record.instance import instance_dtype, output_dtype
 from chain_impact.variables.places import WORD
 
-# links N, candidates C, elements F
-SIZES = [(1, 0, 0, 0), (1, 1, 0, 3), (1, 0, 1, 0), (2, 2, 4, 0), (4, 20, 0, 8), (7, 32, 39, 0)]
+# links N, candidates C, elements F, loads L, channels K, sites P
+SIZES = [
+    (1, 0, 0, 0),
+    (1, 1, 0, 3),
+    (1, 0, 1, 0),
+    (2, 2, 4, 0),
+    (4, 20, 0, 8),
+    (7, 32, 39, 0),
+    (2, 8, 0, 0, 2, 3),
+]
 
 
 def scalars(dtype):

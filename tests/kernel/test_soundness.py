@@ -66,7 +66,7 @@ BOUNDS = {
     ("step", "dense_for"): (0, SOLVER),
     ("search", "known"): (0, FAR),
     ("law", "number"): (1, LAW_COUNT),
-    ("candidate", "stop"): (-1, 1),
+    ("candidate", "stop"): (-2, 2),
     ("solver", "method"): (1, len(SOLVER_METHODS)),
     ("statistics", "status"): (OK, LAST_STATUS),
     ("latest", "kept"): (0, LATEST),

@@ -1,6 +1,6 @@
-"""Sizes and offsets in the record of an instance: a + bN + cC + dF + eL + fK, affine in five numbers.
+"""Sizes and offsets in the record of an instance: a + bN + cC + dF + eL + fK + gP, affine in six numbers.
 
-A record has N links, C candidates, F elements that may have dry friction, L loads and K channels.
+A record has N links, C candidates, F elements that may have dry friction, L loads, K channels and P sites.
 """
 
 from __future__ import annotations
@@ -8,18 +8,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-COUNTS = ("links", "candidates", "elements", "loads", "channels")
-"""The fields of the instance with N, C, F, L and K."""
+COUNTS = ("links", "candidates", "elements", "loads", "channels", "sites")
+"""The fields of the instance with N, C, F, L, K and P."""
 SAMPLES = (
-    (5, 7, 4, 3, 3),
-    *((6, 7, 4, 3, 3), (5, 8, 4, 3, 3), (5, 7, 5, 3, 3), (5, 7, 4, 4, 3), (5, 7, 4, 3, 4)),
-    (7, 10, 9, 8, 5),
+    (5, 7, 4, 3, 3, 2),
+    *((6, 7, 4, 3, 3, 2), (5, 8, 4, 3, 3, 2), (5, 7, 5, 3, 3, 2), (5, 7, 4, 4, 3, 2), (5, 7, 4, 3, 4, 2)),
+    (5, 7, 4, 3, 3, 3),
+    (7, 10, 9, 8, 5, 6),
 )
-"""N, C, F, L and K of the records that all sizes and offsets are worked out from; the last one is a check."""
+"""N, C, F, L, K and P of the records that all sizes and offsets follow from; the last one is a check."""
 
 
 class Affine(NamedTuple):
-    """The number ``constant + per_link N + per_candidate C + per_element F + per_load L + per_channel K``."""
+    """The number ``constant + per_link N + per_candidate C + … + per_site P``."""
 
     constant: int
     per_link: int
@@ -27,6 +28,7 @@ class Affine(NamedTuple):
     per_element: int
     per_load: int
     per_channel: int
+    per_site: int
 
 
 def affine(numbers: Sequence[int]) -> Affine:
@@ -39,5 +41,5 @@ def affine(numbers: Sequence[int]) -> Affine:
     slopes = [number - first for number in others]
     constant = first - sum(slope * count for slope, count in zip(slopes, SAMPLES[0], strict=True))
     if constant + sum(slope * count for slope, count in zip(slopes, SAMPLES[-1], strict=True)) != last:
-        raise ValueError(f"{numbers}: no number a + bN + cC + dF + eL + fK")
+        raise ValueError(f"{numbers}: no number a + bN + cC + dF + eL + fK + gP")
     return Affine(constant, *slopes)

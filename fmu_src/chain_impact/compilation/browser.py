@@ -38,7 +38,7 @@ def compile_kernel(module: str, compiled: Path) -> None:
         BuildError: when the compiler fails.
     """
     kernel = compiled.with_name("kernel.ll")
-    kernel.write_text(compilers.complete(module, compilers.MOVING, compilers.NO_REGISTERS))
+    kernel.write_text(compilers.complete(module, compilers.GENERAL, compilers.NO_REGISTERS))
     compilers.run_zig(["cc", "-c", *TARGET, *FLAGS, "-o", str(compiled), str(kernel)], compiled)
 
 

@@ -58,9 +58,9 @@ runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sy
 # Parts of the C runtime that Windows has since version 10. Without them zig would first build one of its own,
 # which takes a minute. What Windows lacks is in zig's compiler-rt and in c_interface/common/windows.c.
 WINDOWS_PARTS = ("convert", "heap", "math", "private", "stdio", "string")
-MOVING = 0
-"""In place of a number of links: of a kernel for any number of links whose base or walls move. All others do
-without that at no cost."""
+GENERAL = 0
+"""In place of a number of links: a kernel for any number of links and for all that few scenes have, such as
+walls that move, points of links, or a slider. The other kernels do without these at no cost."""
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
 # A number that the instance holds does not change while the kernel works on it, and is of a sensible size.
@@ -107,7 +107,7 @@ define internal void @put_registers_back(i64 %registers) alwaysinline {
 """
 C_TYPES = {"i64": "long long", "double": "double", "ptr": "void *"}
 _DECLARED_ABOVE = re.compile(
-    r"^declare .*@(chain_(links|candidates|elements|loads|channels)|usual_registers|put_registers_back)"
+    r"^declare .*@(chain_\w+|usual_registers|put_registers_back)"
     r"\(.*$\n",
     re.M,
 )
@@ -121,7 +121,7 @@ def complete(module: str, links: int | None, registers: str = REGISTERS) -> str:
     Args:
         module: the kernel in LLVM's language, as lower.py writes it.
         links: the number of links that it is for, from which the sizes of a record follow; None for any, and
-            MOVING for any with motions.
+            GENERAL for any with all features.
         registers: the functions that set the floating-point registers: declared, as the C interface has them,
             or those that do nothing.
     """
@@ -129,8 +129,9 @@ def complete(module: str, links: int | None, registers: str = REGISTERS) -> str:
     sizes = CONSTANT.format(name=name, number=links) if links else HELD.format(name=name, word=0)
     for word, held in enumerate(("chain_candidates", "chain_elements", "chain_loads"), 1):
         sizes += HELD.format(name=held, word=word)
-    name = "chain_channels"
-    sizes += HELD.format(name=name, word=4) if links == MOVING else CONSTANT.format(name=name, number=0)
+    for word, held in enumerate(("chain_channels", "chain_sites", "chain_skewed", "chain_slides"), 4):
+        whole = links == GENERAL
+        sizes += HELD.format(name=held, word=word) if whole else CONSTANT.format(name=held, number=0)
     hidden = _LEFT_OPEN.sub(r"\1 hidden ", module)  # private to a library, and called without a table
     return _DECLARED_ABOVE.sub("", hidden) + sizes + registers
 

@@ -15,7 +15,7 @@ from chain_impact.compilation.compilers import HOOKS
 from chain_impact.compilation.dual_numbers import DUAL, Dual
 from chain_impact.compilation.record_type import INSTANCE, TANGENT
 from chain_impact.kernel import functions, hooks
-from chain_impact.kernel.chain.tree import COMPLEX
+from chain_impact.kernel.chain.response import COMPLEX
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.rules import RULES

@@ -28,7 +28,7 @@ def kernel_library(
     """Return the shared library for chains of N ``links``.
 
     Args:
-        links: number of links N, or MOVING for a chain whose base or walls move.
+        links: number of links N, or GENERAL for a scene with what few scenes have.
         platform: of ``compilers.ZIG_TARGETS``.
         law_file: the file of a user's law that the kernel shall have, if any.
         derivatives: whether it shall carry derivatives.

@@ -15,7 +15,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from chain_impact.compilation import browser, cache, compilers
-from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, MOVING
+from chain_impact.compilation.compilers import DERIVATIVES, GENERAL, KERNEL
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import COMPILERS, PACKAGE, fingerprint
 from chain_impact.extras import how_to_install
@@ -30,8 +30,8 @@ LARGEST_EXACT = 10
 one that reads the number from the instance: with it, runs of up to ten links take a tenth to three tenths
 longer, with many rows of outputs up to two fifths, and of thirty no longer."""
 
-SIZES: tuple[int | None, ...] = (None, MOVING, *range(1, LARGEST_EXACT + 1))
-"""What a wheel for release has. Every installation has the two for any number of links, None and MOVING."""
+SIZES: tuple[int | None, ...] = (None, GENERAL, *range(1, LARGEST_EXACT + 1))
+"""What a wheel for release has. Every installation has the two for any number of links, None and GENERAL."""
 PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
 """Kind of library → what is compiled and linked for it."""
 
@@ -56,7 +56,7 @@ def for_release() -> bool:
 def exact(links: int, kind: str = KERNEL) -> int | None:
     """The number of links that a kernel for a chain of ``links`` is compiled for here; None for any.
 
-    MOVING stays what it is.
+    GENERAL stays what it is.
     """
     return links if links in sizes(kind, for_release()) else None
 
@@ -64,13 +64,13 @@ def exact(links: int, kind: str = KERNEL) -> int | None:
 def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
     """The numbers of links that there are kernels of a kind for."""
     # with derivatives, one for a number of links is a twentieth faster only
-    return SIZES if release and kind == KERNEL else (None, MOVING)
+    return SIZES if release and kind == KERNEL else (None, GENERAL)
 
 
 def library_name(links: int | None, platform: str, law: str = "", what: str = KERNEL) -> str:
     """The file name of a kernel for a number of links, or for any; with a user's law, if that has a name."""
     suffix = compilers.ZIG_TARGETS[platform][1]
-    size = {None: "any", MOVING: "moving"}.get(links, str(links))
+    size = {None: "any", GENERAL: "general"}.get(links, str(links))
     return "-".join(filter(None, (what, size, law, platform))) + suffix
 
 
@@ -81,7 +81,7 @@ def find(name: str) -> Path | None:
 
 def best(links: int, platform: str, what: str) -> Path | None:
     """The ready kernel of a kind for this number of links, or else for any."""
-    sizes = (links,) if links == MOVING else (links, None)
+    sizes = (links,) if links == GENERAL else (links, None)
     return next(filter(None, (find(library_name(size, platform, what=what)) for size in sizes)), None)
 
 

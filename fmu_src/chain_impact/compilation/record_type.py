@@ -1,9 +1,9 @@
 """The instance as a numba type: one lowering of the kernel serves every number of links and candidates.
 
-numba's own record types have all sizes in them. Code for this type asks for five numbers, N links, C
-candidates, F elements that may have dry friction, L loads and K channels, by calling functions that are
-defined when a kernel is linked (compilers.py): as constants, or as numbers that the instance holds. All sizes
-and offsets follow from these numbers (affine.py).
+numba's own record types have all sizes in them. Code for this type asks for six numbers, N links, C
+candidates, F elements that may have dry friction, L loads, K channels and P sites, and for two flags, by
+calling functions that are defined when a kernel is linked (compilers.py): as constants, or as numbers that
+the instance holds. All sizes and offsets follow from the six numbers (affine.py).
 
 A value is the address of the instance. Which record or field of it is meant, the type tells; and whether its
 reals are plain numbers or dual ones, which carry derivatives (dual_numbers.py).
@@ -39,8 +39,10 @@ from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
-# field of the instance → the function that tells its number for an instance: N, C, F, L and K
+# field of the instance → the function that tells its number for an instance: N, C, F, L, K and P, …
 COUNTERS = {name: f"chain_{name}" for name in COUNTS}
+# … and flags, on which no size depends
+FLAGS = {name: f"chain_{name}" for name in ("skewed", "slides")}
 WORD = 8  # bytes of every scalar
 
 Path = tuple[str, ...]
@@ -178,8 +180,8 @@ def _get_field(context: Any, builder: ir.IRBuilder, record: Record, instance: ir
     field = record.field(name)
     if field.fields:
         return instance
-    if record.path == () and name in COUNTERS:
-        return builder.call(_counter(builder, COUNTERS[name]), [instance])
+    if record.path == () and (counter := (COUNTERS | FLAGS).get(name)):
+        return builder.call(_counter(builder, counter), [instance])
     place = _place(context, builder, instance, field)
     if field.shape:
         shape = [_built(size, builder, instance) for size in field.shape]

@@ -65,11 +65,11 @@ def within_bounds(d):
     for c in range(d.candidates):
         fits = (
             fits
-            and within(d.candidate.stop[c], -1, 1)
+            and within(d.candidate.stop[c], -2, 2)
             # a stop is in a joint, and these are counted from 1
-            and within(d.candidate.point[c], abs(d.candidate.stop[c]), d.links)
-            and within(d.candidate.place[c], 0, 2 * d.links)
-            # those of stops have the two numbers after those of walls
+            and within(d.candidate.point[c], abs(d.candidate.stop[c]) % 2, d.links + d.sites)
+            and within(d.candidate.place[c], 0, 2 * d.links + d.sites)
+            # those of stops have the numbers after those of walls
             and within(d.candidate.wall[c], 0, len(WALLS) + d.candidates - 1 + 2 * abs(d.candidate.stop[c]))
         )
         fits = fits and within(d.shift.channel[c], -1, max(-1, d.channels - 2))
@@ -78,6 +78,10 @@ def within_bounds(d):
         fits = fits and within(d.touch.number[c], 0, d.impact.count)
         fits = fits and within(d.touch.active_index[c], 0, d.candidates - 1)
         fits = fits and within(d.touch.active[c], 0, 1) and within(d.touch.event[c], 0, NEIGHBOUR)
+    for s in range(d.sites):
+        fits = fits and within(d.site.link[s], 0, d.links - 1)
+    for i in range(d.links + 1):
+        fits = fits and within(d.model.first_site[i], 0, d.sites)
     return fits
 
 

@@ -13,6 +13,13 @@ from chain_impact.kernel.chain.joints import (
     stretch,
 )
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
+from chain_impact.kernel.chain.sites import carry_sites
+from chain_impact.kernel.chain.slider import (
+    carriage_energy,
+    slider_force,
+    slider_power,
+    slider_spring_energy,
+)
 from chain_impact.kernel.chain.state import (
     coordinate_count,
     dissipated_at,
@@ -48,8 +55,10 @@ def other_energy(d, y):
 
 
 def stored_energy(d, y):
-    """Elastic energy [J] of the active contacts, for the located points, and of the joints' springs."""
+    """Elastic energy [J] of the active contacts, for the located points, and of the springs."""
     energy = spring_energy(d, y) if d.model.sprung else 0.0
+    if d.slides:
+        energy += slider_spring_energy(d, y)
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         gap, _ = clearance(d, c)
@@ -65,12 +74,19 @@ def mechanical_energy(d, y):
     for i in range(n):
         m, ratio, omega = d.model.mass[i], d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
         # centre of mass: p_C = p_i + c, v_C = v_i + ω c⊥
-        vx = d.work.velocity.x[i] - omega * ratio * d.work.link.y[i]
-        vy = d.work.velocity.y[i] + omega * ratio * d.work.link.x[i]
+        cx, cy = ratio * d.work.link.x[i], ratio * d.work.link.y[i]
+        if d.skewed:
+            beside = d.model.offset_ratio[i]
+            cx, cy = cx - beside * d.work.link.y[i], cy + beside * d.work.link.x[i]
+        vx = d.work.velocity.x[i] - omega * cy
+        vy = d.work.velocity.y[i] + omega * cx
         kinetic += 0.5 * m * (vx * vx + vy * vy) + 0.5 * d.model.inertia[i] * omega * omega
-        x = d.work.position.x[i] + ratio * d.work.link.x[i]
-        y_ = d.work.position.y[i] + ratio * d.work.link.y[i]
+        x = d.work.position.x[i] + cx
+        y_ = d.work.position.y[i] + cy
         potential -= m * (d.model.gravity[0] * x + d.model.gravity[1] * y_)
+    if d.slides:
+        of_motion, of_height = carriage_energy(d, y)
+        kinetic, potential = kinetic + of_motion, potential + of_height
     return kinetic + rotor_energy(d, y) if d.model.geared else kinetic, potential
 
 
@@ -117,9 +133,14 @@ def loaded_rate(d, y, dissipated, rate):
     if d.model.resisting or d.model.driven or d.model.jointed:
         damped, supplied = joint_moments(d, y)
         dissipated += damped
+    if d.slides:
+        d.work.thrust = slider_force(d, y)
+        damped, driven = slider_power(d, y)
+        dissipated, supplied = dissipated + damped, supplied + driven
 
     for j in range(coordinate_count(n)):
         rate[j] = y[velocity_at(n) + j]
+    carry_sites(d, d.work.link, d.work.load)
     if d.model.geared:
         geared_accelerations(d, y, rate)
     else:

@@ -2,7 +2,7 @@
 
 These functions do nothing. A kernel that carries derivatives is linked with those of HOOKS in
 kernel/tangent/entry.py in their place. Two more tables replace functions when a kernel is compiled: RULES in
-kernel/tangent/rules.py, for dual numbers, and COMPLEX in kernel/chain/tree.py, for complex ones. A user's
+kernel/tangent/rules.py, for dual numbers, and COMPLEX in kernel/chain/response.py, for complex ones. A user's
 contact law (kernel/forces/user_law.py) is linked as the hooks are: EXTERNAL in compilation/functions.py.
 """
 

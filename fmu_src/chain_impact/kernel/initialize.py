@@ -12,6 +12,7 @@ from chain_impact.kernel.chain.joints import (
     spring_stiffness,
 )
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.slider import slider_damping, slider_stiffness
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, velocity_at
 from chain_impact.kernel.equations import mechanical_energy, state_rate, stored_energy
 from chain_impact.kernel.events.contact_log import clear_log
@@ -36,7 +37,7 @@ from chain_impact.kernel.ode.dense import clear_quadratures
 from chain_impact.kernel.ode.last_step import reset_step, reset_times
 from chain_impact.kernel.ode.methods import begin_explicit, stable
 from chain_impact.kernel.rows.constraints import UNSOLVED, clear_unsolved
-from chain_impact.kernel.rows.geometry import check_base, clearance, place_walls
+from chain_impact.kernel.rows.geometry import at_joint, check_base, clearance, place_walls
 from chain_impact.kernel.status import (
     BASE_BEYOND_WALL,
     FORCES_NOT_FOUND,
@@ -96,6 +97,9 @@ def set_initial_state(d, y):
         # a base that moves has no part in the state
         y[j] = 0.0 if d.channels > 0 and d.model.base_moves else d.initial.position[j]
         y[velocity_at(n) + j] = d.initial.velocity[j]
+    if d.slides:
+        rate = d.initial.slider_velocity
+        y[velocity_at(n)], y[velocity_at(n) + 1] = rate * d.slider.ux, rate * d.slider.uy
     for i in range(n):
         y[ANGLES + i] = d.initial.angle[i]
         y[omega_at(n) + i] = d.initial.angular_velocity[i]
@@ -146,9 +150,16 @@ def derive_chain(d):
         model.proximal_inertia[i] = model.inertia[i] + model.mass[i] * c * c
         rest = model.length[i] - c
         model.distal_inertia[i] = model.inertia[i] + model.mass[i] * rest * rest
+        if d.skewed:
+            beside = model.center_of_mass_offset[i]
+            model.offset_ratio[i] = beside / model.length[i]
+            model.proximal_inertia[i] += model.mass[i] * beside * beside
+            model.distal_inertia[i] += model.mass[i] * beside * beside
         model.size = max(model.size, model.length[i])
         model.reach += model.length[i]
-    total, armatures = 0.0, 0.0
+    if d.sites > 0:
+        derive_sites(d)
+    total, armatures = d.slider.mass if d.slides else 0.0, 0.0
     for i in range(len(model.length)):
         total += model.mass[i]
         armatures += joint_armature(d, i)
@@ -162,9 +173,33 @@ def derive_chain(d):
         if model.joint_torque_limit[i] < math.inf:
             model.limited = 1
     for c in range(d.candidates):
-        if d.candidate.stop[c] != 0:
+        if at_joint(d, c):
             model.stopped = 1
+    if d.slides:
+        derive_slider(d)
     model.jointed = max(model.stopped, model.rubbing)
+
+
+def derive_slider(d):
+    """Derive the direction of the slider's line, and whether its drive has a limit."""
+    d.slider.ux, d.slider.uy = math.cos(d.slider.angle), math.sin(d.slider.angle)
+    if d.slider.force_limit < math.inf:
+        d.model.limited = 1
+
+
+def derive_sites(d):
+    """Derive the first site of each link, the arms of the sites over the link's length, and their reach."""
+    before, s, model = 0.0, 0, d.model
+    for i in range(d.links):
+        model.first_site[i] = s
+        while s < d.sites and d.site.link[s] == i:
+            x, y, length = d.site.x[s], d.site.y[s], model.length[i]
+            d.site.along[s], d.site.beside[s] = x / length, y / length
+            d.site.radius[s] = in_use(d.site.given_radius[s], d.contact.radius)
+            model.reach = max(model.reach, before + math.sqrt(x * x + y * y))
+            s += 1
+        before += model.length[i]
+    model.first_site[d.links] = s
 
 
 def derive_resistance(d):
@@ -178,6 +213,8 @@ def derive_resistance(d):
         if resists(spring_stiffness(d, i)):
             model.sprung = 1
     model.resisting = max(model.damped, model.sprung)
+    if d.slides and (resists(slider_damping(d)) or resists(slider_stiffness(d))):
+        model.resisting = 1
     model.joint_bound = joint_bound(d)
 
 
@@ -194,7 +231,7 @@ def check_parameters(d):
     ):
         if not (value > 0.0 and math.isfinite(value)):
             return PARAMETER_OUT_OF_RANGE
-    if not (d.contact.radius >= 0.0 and walls_are_finite(d)):
+    if not (d.contact.radius >= 0.0 and walls_are_finite(d)) or (d.slides and not slider_is_valid(d)):
         return PARAMETER_OUT_OF_RANGE
     status = check_stops(d) if d.model.stopped else OK
     if status != OK:
@@ -202,6 +239,15 @@ def check_parameters(d):
     if not 1 <= d.solver.method <= len(SOLVER_METHODS):
         return UNKNOWN_METHOD
     return OK
+
+
+def slider_is_valid(d):
+    """Whether the parameters of the slider are in their ranges."""
+    own = d.slider
+    positive = own.mass >= 0.0 and own.damping >= 0.0 and own.stiffness >= 0.0 and own.friction >= 0.0
+    total = own.mass + own.damping + own.stiffness + own.friction + own.angle
+    total += d.given.slider_target_position + d.initial.slider_velocity
+    return positive and own.force_limit >= 0.0 and own.min < own.max and math.isfinite(total)
 
 
 def walls_are_finite(d):
@@ -242,9 +288,13 @@ def check_links(d):
                 return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
         if not d.model.joint_torque_limit[i] >= 0.0:
             return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
-        if not math.isfinite(d.given.joint_target_angle[i] + d.model.center_of_mass[i]):
+        center = d.model.center_of_mass[i] + d.model.center_of_mass_offset[i]
+        if not math.isfinite(d.given.joint_target_angle[i] + center):
             return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
-    first, _ = loose_links(d.model)
+    for s in range(d.sites):
+        if not (d.site.radius[s] >= 0.0 and math.isfinite(d.site.x[s] + d.site.y[s] + d.site.radius[s])):
+            return refuse_link(d, d.site.link[s], PARAMETER_OUT_OF_RANGE)
+    first, _ = loose_links(d.model, d.slides and d.slider.mass == 0.0)
     return OK if first < 0 else refuse_link(d, first, MASS_MATRIX_SINGULAR)
 
 

@@ -4,8 +4,8 @@ Newton's law for links i…N, with f_i the force of link i − 1 on link i, F_k 
 
     f_i = Σ_{j≥i} m_j (a_Cj − g) − Σ_{k≥i} F_k.
 
-A contact at point k acts on link k, which ends there; one at the base of a free chain acts on link 1. In
-time, with p the momentum of these links, that is
+A contact at point k acts on link k, which ends there; one at the base acts on link 1, and one at a site on
+its link. In time, with p the momentum of these links, that is
 
     ∫f_i dt = Δp − Σ m_j g Δt − Σ_{k≥i} ∫F_k dt,
 
@@ -21,13 +21,13 @@ does not request loads has none.
 import math
 
 from chain_impact.kernel.chain.joints import joint_armature, joint_torque
-from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, at_center, locate_points
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.equations import located_rate
 from chain_impact.kernel.forces.contact import set_joint_top
 from chain_impact.kernel.ode.dense import fraction, interpolate, maximum_of
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
-from chain_impact.kernel.rows.geometry import WALLS, lever, normal, tangent
+from chain_impact.kernel.rows.geometry import WALLS, at_joint, lever, link_of, normal, tangent
 from chain_impact.kernel.status import counted_work, uncount_work
 
 INTERVALS = 8  # of a step, between the samples of the forces in its joints
@@ -52,21 +52,16 @@ def keep_tip_impulse(d, j, impulse):
 def link_momenta(d, x, y):
     """Set x and y to the momentum [N·s] of each link, for the located points."""
     for i in range(d.links):
-        x[i] = d.model.mass[i] * at_center(d, d.work.velocity.x, i)
-        y[i] = d.model.mass[i] * at_center(d, d.work.velocity.y, i)
-
-
-def at_center(d, values, i):
-    """The value at the centre of mass of link i, from those at the points."""
-    return values[i] + d.model.center_of_mass_ratio[i] * (values[i + 1] - values[i])
+        vx, vy = at_center(d, d.work.velocity, i)
+        x[i], y[i] = d.model.mass[i] * vx, d.model.mass[i] * vy
 
 
 def joint_forces(d, contact_force, friction_force, x, y):
     """Set x and y to f_i [N] for the accelerated points, with forces of the active contacts, by candidate."""
-    acceleration = d.work.acceleration
     for i in range(d.links):
-        x[i] = d.model.mass[i] * (at_center(d, acceleration.x, i) - d.model.gravity[0])
-        y[i] = d.model.mass[i] * (at_center(d, acceleration.y, i) - d.model.gravity[1])
+        ax, ay = at_center(d, d.work.acceleration, i)
+        x[i] = d.model.mass[i] * (ax - d.model.gravity[0])
+        y[i] = d.model.mass[i] * (ay - d.model.gravity[1])
     for k in range(d.touch.active_count):
         subtract_contact(d, d.touch.active_index[k], contact_force, friction_force, x, y)
     sum_from_tip(d, d.inputs.tip_force, x, y)
@@ -76,7 +71,7 @@ def subtract_contact(d, c, along_normal, along_tangent, x, y):
     """Subtract the force, or impulse, of candidate c from what its link needs."""
     if d.candidate.stop[c] == 0:
         fx, fy = wall_force(d, c, along_normal, along_tangent)
-        i = max(d.candidate.point[c], 1) - 1
+        i = link_of(d, c)
         x[i] -= fx
         y[i] -= fy
 
@@ -117,22 +112,32 @@ def fill_loads(d, y, rate):
         if d.elements > 0:
             out.load.moment[i] += out.friction.joint_moment[i]
         before = alpha
+    if d.slides:
+        fill_guide(d)
     for row in range(d.links, d.loads):
         out.load.x[row], out.load.y[row], out.load.moment[row] = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         if d.candidate.stop[c] == 0:
             load_wall(d, c)
-        else:
+        elif at_joint(d, c):
             moment = d.candidate.stop[c] * lever(d, c) * out.force[c]
             out.load.moment[d.candidate.point[c] - 1] += moment
 
 
+def fill_guide(d):
+    """Fill the outputs of what the line of a slider exerts on the carriage, from the loads of joint 1."""
+    out, own, gravity = d.output, d.slider, d.model.gravity
+    # R = n·(f₁ − m g),  n = (−u_y, u_x); the carriage does not turn
+    fx, fy = out.load.x[0] - own.mass * gravity[0], out.load.y[0] - own.mass * gravity[1]
+    out.slider_reaction, out.slider_moment = own.ux * fy - own.uy * fx, out.load.moment[0]
+
+
 def load_wall(d, c):
     """Add the force of candidate c on its wall, and the moment about the wall's point, to the outputs."""
-    out, wall, point = d.output, d.candidate.wall[c], d.candidate.point[c]
+    out, wall, place = d.output, d.candidate.wall[c], d.candidate.place[c]
     fx, fy = wall_force(d, c, out.force, out.friction.force)
-    x, y = d.work.position.x[point], d.work.position.y[point]
+    x, y = d.work.position.x[place], d.work.position.y[place]
     if wall >= len(WALLS):
         x -= d.walls.x[wall - len(WALLS)]
         y -= d.walls.y[wall - len(WALLS)]

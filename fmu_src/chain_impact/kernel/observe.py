@@ -6,6 +6,8 @@ what has been summed up until now, such as impulses: these outputs stay as they 
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.sites import site_place
+from chain_impact.kernel.chain.slider import slider_position, slider_velocity
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
 from chain_impact.kernel.equations import located_rate, mechanical_energy, stored_energy
 from chain_impact.kernel.events.contact_log import list_latest
@@ -15,7 +17,7 @@ from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, keep_tip_impulse
 from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_within
 from chain_impact.kernel.rows.constraints import any_constraint
-from chain_impact.kernel.rows.geometry import clearance, lever
+from chain_impact.kernel.rows.geometry import at_joint, clearance, lever
 from chain_impact.kernel.status import counted_work, uncount_work
 
 
@@ -72,6 +74,8 @@ def fill_motion(d, theta):
             work.acceleration.x[k],
             work.acceleration.y[k],
         )
+    for s in range(d.sites):
+        fill_site(d, s)
     angle, turning = 0.0, 0.0
     for i in range(n):
         out.angle[i] = y[ANGLES + i]
@@ -82,6 +86,9 @@ def fill_motion(d, theta):
             out.angular_velocity[i] - turning,
         )
         angle, turning = out.angle[i], out.angular_velocity[i]
+    if d.slides:
+        out.slider_position, out.slider_velocity = slider_position(d, y), slider_velocity(d, y)
+        out.slider_acceleration = slider_velocity(d, rate)
     for m in range(d.channels):
         out.channel[m] = d.moved.position[m]
     fill_forces(d)
@@ -94,6 +101,15 @@ def fill_motion(d, theta):
     out.dissipated = y[dissipated_at(n)]
     out.supplied = y[supplied_at(n)]
     out.total = out.kinetic + out.potential + out.elastic
+
+
+def fill_site(d, s):
+    """Fill the outputs of the motion of site s, which stand behind those of the points 0…N."""
+    out, work, k, place = d.output, d.work, d.links + 1 + s, site_place(d, s)
+    out.point_position[k, 0], out.point_position[k, 1] = work.position.x[place], work.position.y[place]
+    out.point_velocity[k, 0], out.point_velocity[k, 1] = work.velocity.x[place], work.velocity.y[place]
+    out.point_acceleration[k, 0] = work.acceleration.x[place]
+    out.point_acceleration[k, 1] = work.acceleration.y[place]
 
 
 def fill_forces(d):
@@ -123,7 +139,8 @@ def fill_friction(d):
         sticks = 1.0 if mode == STICKS else 0.0
         if e >= d.candidates:
             joint = joint_of(d, e)
-            out.joint_moment[joint], out.joint_sticking[joint] = d.model.size * d.element.force[e], sticks
+            arm = d.model.size if joint < d.links else 1.0  # a slider has a force
+            out.joint_moment[joint], out.joint_sticking[joint] = arm * d.element.force[e], sticks
         else:
             out.sticking[e] = sticks
             # −s µ F_n with the true normal force, which is not continued beyond the kink of its law
@@ -164,7 +181,7 @@ def combine_forces(d):
     out = d.output
     for c in range(d.candidates):
         side, arm = d.candidate.stop[c], lever(d, c)
-        if side != 0:
+        if at_joint(d, c):
             moment = side * arm * out.force[c]
             depth, rate = out.penetration[c] / arm, out.penetration_rate[c] / arm
             out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
@@ -179,7 +196,7 @@ def combine_impulses(d):
     out = d.output
     for c in range(d.candidates):
         side = d.candidate.stop[c]
-        if side != 0:
+        if at_joint(d, c):
             impulse = side * lever(d, c) * out.impulse[c]
             out.impulse[c] = 0.0
             out.impulse[first_stop(d, c)] += impulse

@@ -80,8 +80,24 @@ class Recording:
         return {(n, wall): found for (one, n, wall), found in self._quantities.items() if one == owner}
 
     @cached_property
+    def link_count(self) -> int:
+        """N, by the numbers of links and joints; without any of these all points are ends of links."""
+        numbers = [n for owner in ("link", "joint") for n, _ in self._of(owner)]
+        return max(numbers, default=self.all_points.shape[1] - 1)
+
+    @property
     def points(self) -> np.ndarray:
-        """Positions of the points 0…N, shape (T, N+1, 2) [m]."""
+        """Positions of the points 0…N, the ends of the links, shape (T, N+1, 2) [m]."""
+        return self.all_points[:, : self.link_count + 1]
+
+    @property
+    def sites(self) -> np.ndarray:
+        """Positions of the points of links beside their ends, numbered from N + 1, shape (T, P, 2) [m]."""
+        return self.all_points[:, self.link_count + 1 :]
+
+    @cached_property
+    def all_points(self) -> np.ndarray:
+        """Positions of all points by their numbers, shape (T, N+1+P, 2) [m]."""
         points = self._of("point")
         known = takewhile(lambda at: points.get(at, {}).keys() >= {"x", "y"}, ((k, "") for k in count()))
         each = [np.stack([points[at][axis] for axis in "xy"], axis=-1) for at in known]
@@ -191,7 +207,7 @@ class Recording:
 
     def point_at(self, point: int, time: float) -> np.ndarray:
         """Position [m] of a point at a time [s], interpolated between communication points, shape (2,)."""
-        return np.array([np.interp(time, self.time, self.points[:, point, axis]) for axis in (0, 1)])
+        return np.array([np.interp(time, self.time, self.all_points[:, point, axis]) for axis in (0, 1)])
 
     def pose_at(self, time: float) -> np.ndarray:
         """Positions of the points in the row nearest to a time [s], shape (N+1, 2) [m].

@@ -166,8 +166,13 @@ class Result(Pictured):
         return len(self.impacts)
 
     @cached_property
-    def points(self) -> np.ndarray:
-        """Positions of the points 0…N, shape (T, N+1, 2) [m]."""
+    def link_count(self) -> int:
+        """The number of links N."""
+        return len(self.scene.chain.links)
+
+    @cached_property
+    def all_points(self) -> np.ndarray:
+        """Positions of all points by their numbers, shape (T, N+1+P, 2) [m]."""
         return self._all("point_position")
 
     @property

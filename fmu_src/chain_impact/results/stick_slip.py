@@ -57,9 +57,9 @@ def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]
 
 
 def place_of(phase: np.void, walls: Sequence[str]) -> str:
-    """What sticks or slides: "point 2 at y_min", "joint 3"."""
+    """What sticks or slides: "point 2 at y_min", "joint 3", "the slider"."""
     if phase["wall"] == JOINT:
-        return f"joint {phase['point']}"
+        return f"joint {phase['point']}" if phase["point"] > 0 else "the slider"
     return f"point {phase['point']} at {walls[phase['wall']]}"
 
 

@@ -6,35 +6,25 @@ import inspect
 import math
 import warnings
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.kernel.chain.inertia import loose_links
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import WITHOUT_FRICTION
 from chain_impact.scene.angles import radians_hint
-from chain_impact.scene.contents import AnyScene, Contents
-from chain_impact.scene.half_planes import direction
+from chain_impact.scene.contents import Contents
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.reading import SceneError, SceneWarning, shown
 from chain_impact.scene.tables import Chain, Contact, Material, Stops
 
-_MASSES = ("length", "center_of_mass", "inertia")
-ANGLES = ("initial", "angles")
+_MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
 PACKAGE = __name__.partition(".")[0]
 START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
-
-
-def completed(scene: AnyScene, folder: Path) -> AnyScene:
-    """Return the scene with what its file leaves to other keys; files in it are sought from ``folder``."""
-    scene = with_angles(with_law_path(scene, folder))
-    return with_materials(with_absolute_angles(scene))
 
 
 def check(scene: Contents) -> None:
@@ -49,60 +39,11 @@ def check(scene: Contents) -> None:
         raise SceneError("; ".join([str(error), *angle_hints(scene)]), error.place) from None
 
 
-def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
-    """Return the scene with the whole path of its law's file, after a check of that."""
-    file = scene.contact.law_file
-    if not file:
-        return scene
-    path = (folder / file).absolute()
-    try:
-        read_law(path)
-    except LawError as error:
-        raise SceneError(f"contact.law_file = {file!r} {error}") from None
-    return replace(scene, contact=replace(scene.contact, law_file=str(path)))
-
-
-def with_angles(scene: AnyScene) -> AnyScene:
-    """Return the scene with the angles of the walls that were given by a normal, which have none then."""
-    walls = []
-    for wall in scene.walls:
-        if (wall.angle is None) == (wall.normal is None):
-            has = "neither angle nor" if wall.angle is None else "both angle and"
-            raise SceneError(f"wall.{wall.name} has {has} normal; must have one of them")
-        if wall.normal and not any(wall.normal):
-            raise SceneError(f"wall.{wall.name}.normal = {list(wall.normal)} must not be zero")
-        walls.append(replace(wall, angle=direction(wall.normal), normal=None) if wall.normal else wall)
-    return replace(scene, walls=tuple(walls))
-
-
-def with_absolute_angles(scene: AnyScene) -> AnyScene:
-    """Return the scene with the initial angles given, also where its file gives those of the joints."""
-    initial, places = scene.initial, scene.derived_places
-    if initial.joint_angles is None:
-        return scene
-    if ANGLES not in places:
-        raise SceneError("initial has both angles and joint_angles; must have one of them", ANGLES)
-    places = tuple(place for place in places if place != ANGLES)
-    absolute = replace(initial, joint_angles=None)
-    return replace(scene, initial=absolute, derived_places=places, has_joint_angles=True)
-
-
-def with_materials(scene: AnyScene) -> AnyScene:
-    """Return the scene with a material of each wall that is there; what is not given of it is None."""
-    given = dict(scene.contact.wall)
-    materials = {name: given.pop(name, Material()) for name in scene.half_planes}
-    if given:
-        needed = f"one of {', '.join(materials)}" if materials else "empty: the scene has no walls"
-        raise SceneError(
-            f"contact.wall = {shown(next(iter(given)))} is no wall of the scene; must be {needed}"
-        )
-    return replace(scene, contact=replace(scene.contact, wall=materials))
-
-
 def check_masses(chain: Chain) -> None:
     """Refuse links without inertia that could turn without moving any mass; see kernel/chain/inertia.py."""
     columns = {name: [getattr(link, name) for link in chain.links] for name in _MASSES}
-    first, last = loose_links(SimpleNamespace(pinned=chain.base == "pinned", **columns))
+    massless = chain.slider is not None and chain.slider.mass == 0.0
+    first, last = loose_links(SimpleNamespace(pinned=chain.has_base_joint, **columns), massless)
     if first < 0:
         return
     if first == last:
@@ -130,6 +71,7 @@ def check_together(scene: Contents) -> None:
         check_law(contact.model, f"wall.{name}", material)
     if scene.chain.base == "pinned" and any(scene.initial.velocity):
         raise SceneError(f"initial.velocity = {list(scene.initial.velocity)} must be zero for a pinned base")
+    check_slider(scene)
     check_motion(scene)
     for i, wall in enumerate(scene.walls):
         others = *WALLS, *(other.name for other in scene.walls[:i])
@@ -141,11 +83,44 @@ def check_together(scene: Contents) -> None:
             raise SceneError(f"box.{axis}_max = {high} must be > {least}")
 
 
+def check_slider(scene: Contents) -> None:
+    """Refuse what a base on a slider cannot have, and what only such a base has."""
+    slider, start, place = scene.chain.slider, scene.initial, ("initial", "slider_velocity")
+    if scene.chain.base != "slider" or slider is None:
+        needed = 'only a base on a slider has it: chain.base = "slider"'
+        if slider is not None:
+            raise SceneError(f"chain.slider must be left out; {needed}", ("chain", "slider"))
+        if start.slider_velocity != 0.0:
+            raise SceneError(f"initial.slider_velocity = {start.slider_velocity} must be 0; {needed}", place)
+        if scene.inputs.slider_force:
+            place = ("inputs", "slider_force")
+            raise SceneError(f"inputs.slider_force = true must be false; {needed}", place)
+        return
+    if any(start.velocity):
+        raise SceneError(
+            f"initial.velocity = {list(start.velocity)} must be left out for a base on a slider; "
+            "initial.slider_velocity is its velocity along the line",
+            ("initial", "velocity"),
+        )
+    low, high = slider.min, slider.max
+    if low is not None and high is not None and not low < high:
+        raise SceneError(f"slider.max = {high} must be > {low} [m], which is slider.min")
+    for name, limit, beyond in (
+        ("min", low, low is not None and low > 0.0),
+        ("max", high, high is not None and high < 0.0),
+    ):
+        if beyond:
+            raise SceneError(
+                f"slider.{name} = {limit} [m] has the slider beyond it: its position is 0 at the start"
+            )
+
+
 def check_motion(scene: Contents) -> None:
     """Refuse a motion of a free base, or of walls that are not there."""
     if scene.inputs.base_motion and scene.chain.base != "pinned":
         reason = 'it moves as inputs tell only with chain.base = "pinned"'
-        raise SceneError(f"inputs.base_motion = true must be false for a free base: {reason}")
+        what = "free base" if scene.chain.base == "free" else "base on a slider"
+        raise SceneError(f"inputs.base_motion = true must be false for a {what}: {reason}")
     walls = [*scene.half_planes]
     for i, name in enumerate(scene.inputs.wall_motion):
         if name != "*" and name not in walls:
@@ -238,18 +213,17 @@ def _check_coefficients(scene: Contents, table: str, sliding: float, static: flo
 
 def check_start(scene: Contents) -> None:
     """Refuse a start in which a candidate point is already in a wall."""
-    x, y = scene.initial.position
-    positions = [(x, y)]
-    for link, angle in zip(scene.chain.links, scene.initial.angles, strict=True):
-        x, y = x + link.length * math.cos(angle), y + link.length * math.sin(angle)
-        positions.append((x, y))
-    walls, candidates = scene.half_planes, [positions[point] for point in scene.contact.points]
-    for point, (x, y) in zip(scene.contact.points, candidates, strict=True):
+    walls, start, links = scene.half_planes, scene.start, len(scene.chain.links)
+    candidates = {k: start[k] for k in start if k > links or k in scene.contact.points}
+    for point, (x, y, radius) in candidates.items():
         for name, wall in walls.items():
-            depth = scene.contact.radius - wall.clearance(x, y)
+            depth = radius - wall.clearance(x, y)
             if depth > START_TOLERANCE:
-                place = f"point {point} at ({x:.6g}, {y:.6g}) m is {depth:.6g} m deep in"
-                beyond = name not in WALLS and all(wall.clearance(*one) < 0.0 for one in candidates)
+                where = scene.point_label(point)
+                place = f"{where} at ({x:.6g}, {y:.6g}) m is {depth:.6g} m deep in"
+                beyond = name not in WALLS and all(
+                    wall.clearance(*at) < 0.0 for *at, _ in candidates.values()
+                )
                 asked = "; no point is: is its normal reversed?" if beyond and not angle_hints(scene) else ""
                 raise SceneError(f"initial: {place} the wall {name}; must be outside{asked}")
 

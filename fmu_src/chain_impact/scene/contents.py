@@ -3,6 +3,7 @@
 What checks, changes and describes a scene stands on this; ``scene.py`` makes of it what users have.
 """
 
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
@@ -56,11 +57,26 @@ class Contents:
     def wall_names(self) -> tuple[str, ...]:
         """The names of the walls, in the order of their numbers: those of the box, then ``walls``.
 
-        Of a scene with stops in joints these come last, as two more: ``joint_min`` and ``joint_max``. Where
-        no point can touch a wall, ``walls`` have no numbers.
+        Of a scene with stops in joints these come next, as two more, ``joint_min`` and ``joint_max``, and
+        the stops of a slider come last. Where no point can touch a wall, ``walls`` have no numbers.
         """
-        walls = self.walls if self.contact.points else ()
-        return *WALLS, *(wall.name for wall in walls), *(STOPS if self.stops.exponent is not None else ())
+        walls = self.walls if self.may_touch else ()
+        return (
+            *WALLS,
+            *(wall.name for wall in walls),
+            *(STOPS if self.stops.exponent is not None else ()),
+            *self.slider_stops,
+        )
+
+    @property
+    def slider_stops(self) -> tuple[str, ...]:
+        """The stops of a slider that are there."""
+        return self.chain.slider.stops if self.chain.slider else ()
+
+    @property
+    def may_touch(self) -> bool:
+        """Whether a point may touch a wall."""
+        return bool(self.contact.points or self.chain.sites)
 
     @property
     def moving_walls(self) -> tuple[str, ...]:
@@ -72,7 +88,7 @@ class Contents:
     @property
     def has_contact_friction(self) -> bool:
         """Whether a contact may have dry friction: a coefficient is not 0, or given for a wall."""
-        if not (self.contact.points and self.contact.wall):
+        if not (self.may_touch and self.contact.wall):
             return False
         for material in self.contact.wall.values():
             if material.friction is not None or material.static_friction is not None:
@@ -84,25 +100,48 @@ class Contents:
         """The joints with dry friction, numbered as their links; a free base has no joint 1."""
         joints = []
         for joint, link in enumerate(self.chain.links, 1):
-            if link.joint_friction > 0.0 and (joint > 1 or self.chain.base == "pinned"):
+            if link.joint_friction > 0.0 and (joint > 1 or self.chain.has_base_joint):
                 joints.append(joint)
         return tuple(joints)
 
     @property
     def is_driven(self) -> bool:
         """Whether energy may be supplied: by inputs, or by springs and motors whose torque is limited."""
-        return self.inputs.any or any(link.joint_torque_limit is not None for link in self.chain.links)
+        limits = [link.joint_torque_limit for link in self.chain.links]
+        limits += [self.chain.slider.force_limit] if self.chain.slider else []
+        return self.inputs.any or any(limit is not None for limit in limits)
 
     @property
     def has_friction(self) -> bool:
         """Whether a contact or a joint may have dry friction."""
-        return self.has_contact_friction or bool(self.friction_joints)
+        slides = self.chain.slider is not None and self.chain.slider.friction > 0.0
+        return self.has_contact_friction or bool(self.friction_joints) or slides
 
     @property
     def law_names(self) -> tuple[str, ...]:
         """The contact laws in the order of their numbers in the FMU, a law of the user's last."""
         file = self.contact.law_file
         return *CONTACT_LAWS, *([Path(file).stem] if file else [])
+
+    @property
+    def start(self) -> dict[int, tuple[float, float, float]]:
+        """Where all points are at the start, x and y [m], and their radii [m], by their numbers."""
+        x, y = self.initial.position
+        found, radius = {0: (x, y, self.contact.radius)}, self.contact.radius
+        sites = []
+        for number, (link, angle) in enumerate(zip(self.chain.links, self.initial.angles, strict=True), 1):
+            c, s = math.cos(angle), math.sin(angle)
+            for site in link.points:
+                sites.append((x + site.x * c - site.y * s, y + site.x * s + site.y * c, site.radius or 0.0))
+            x, y = x + link.length * c, y + link.length * s
+            found[number] = x, y, radius
+        return found | dict(enumerate(sites, len(found)))
+
+    def point_label(self, number: int) -> str:
+        """What a point is called in sentences: its name, if it has one, or its number."""
+        behind = number - len(self.chain.links) - 1
+        name = self.chain.sites[behind][1].name if behind >= 0 else ""
+        return f"point {number} ({name})" if name else f"point {number}"
 
     @property
     def half_planes(self) -> dict[str, HalfPlane]:

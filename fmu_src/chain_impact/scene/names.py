@@ -13,9 +13,13 @@ Place = tuple[str | int, ...]
 """A path into nested tables and lists; lists count from 0."""
 AT = "{at}"
 """Any index, in a path or a place that is a template; the name has {n} or, of a wall, {name} there."""
+LINK_AT, ENTRY_AT = "{link}", "{entry}"
+"""The indices of a link and of a point of it, likewise; the name has {of} and {n} there."""
 AXES = ("x", "y")
 STOPS = ("joint_min", "joint_max")
 """The stops of a joint: keys of a link, and what they are called among the walls."""
+SLIDER_STOPS = ("slider_min", "slider_max")
+"""The stops of a slider, as they are called among the walls."""
 
 
 def name_of(path: Place, walls: Sequence[object] = ()) -> str:
@@ -26,8 +30,10 @@ def name_of(path: Place, walls: Sequence[object] = ()) -> str:
     match path:
         case "gravity", int(j):
             name = f"gravity.{AXES[j]}"
-        case "chain", "links", int() | "{at}" as i, *rest:
-            name = _dotted(("link", i, *rest))
+        case "chain", "links", int() | "{link}" as i, "points", int() | "{entry}" as j, *rest:
+            name = _dotted(("link", i, "point", j, *rest))
+        case "chain", ("links" | "slider") as part, *rest if rest:
+            name = _dotted((part.removesuffix("s"), *rest))
         case "walls", int() | "{at}" as w, "point", int(j) if wall := _wall(w, walls):
             name = f"wall.{wall}.{AXES[j]}"
         case "walls", int() | "{at}" as w, key, *rest if key != "name" and (wall := _wall(w, walls)):
@@ -85,7 +91,11 @@ def place_in_file(path: Place) -> str:
 
 INPUTS_OF = {
     "joint_torques": ("joint[{n}].torque",),
-    "joint_targets": ("joint[{n}].target_angle", "joint[{n}].target_velocity"),
+    "joint_targets": (
+        *("joint[{n}].target_angle", "joint[{n}].target_velocity"),
+        *("slider.target_position", "slider.target_velocity"),
+    ),
+    "slider_force": ("slider.force",),
     "tip_force": ("tip.force.x", "tip.force.y"),
     "base_motion": tuple(f"base.{prefix}{axis}" for prefix in ("", "v", "a") for axis in AXES),
     "wall_motion": tuple(
@@ -103,8 +113,8 @@ def is_like(name: str, template: str) -> bool:
 
 def _fits(step: str, form: str) -> bool:
     head, bracket, number = step.partition("[")
-    if form.endswith("[{n}]"):
-        return f"{head}[{{n}}]" == form and number[:-1].isdecimal() and number[-1] == "]"
+    if form.endswith("}]"):
+        return head == form.partition("[")[0] and number[:-1].isdecimal() and number[-1] == "]"
     return step == form or (form == "{name}" and not bracket)
 
 
@@ -150,7 +160,6 @@ def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | Non
 
 
 def _dotted(path: Place) -> str:
-    steps = (
-        "[{n}]" if step == AT else f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path
-    )
+    numbers = {AT: "[{n}]", LINK_AT: "[{of}]", ENTRY_AT: "[{n}]"}
+    steps = (f"[{step + 1}]" if isinstance(step, int) else numbers.get(step, f".{step}") for step in path)
     return "".join(steps).removeprefix(".")

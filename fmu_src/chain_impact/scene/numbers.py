@@ -90,10 +90,10 @@ def _changed(scene: AnyScene, path: Place, value: Any) -> AnyScene | None:
             return _with_link(scene, i, key, value)
         case "initial", str(key), int(k):
             numbers = getattr(scene.initial, key)
-            if k >= len(numbers) or (key == "velocity" and scene.chain.base == "pinned"):
+            if k >= len(numbers) or (key == "velocity" and scene.chain.base != "free"):
                 return None
-            numbers = (*numbers[:k], value, *numbers[k + 1 :])
-            return replace(scene, initial=replace(scene.initial, **{key: numbers}))
+            changed: dict[str, Any] = {key: (*numbers[:k], value, *numbers[k + 1 :])}
+            return replace(scene, initial=replace(scene.initial, **changed))
         case "contact", str(key) if value == 0.0 or ("stops", key) in scene.derived_places:
             return None
         case str(table), str(key):

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from chain_impact.kernel.ode.control import SOLVER_METHODS
-from chain_impact.scene import checks, drawing, scene_text
+from chain_impact.scene import checks, completion, drawing, scene_text
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.derived import above, of_every_link, rule_of, without_derived
 from chain_impact.scene.limits import keys
@@ -132,7 +132,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
         reader = Reader(Scene, label)
         scene: Scene = reader.read(data)
         scene = replace(scene, derived_places=tuple(sorted(of_every_link(reader.derived, data))))
-        scene = checks.completed(scene, Path(source).parent)
+        scene = completion.completed(scene, Path(source).parent)
         checks.check(scene)
     except SceneError as error:
         raise SceneError(f"{source}: {error}", error.place) from None
@@ -164,8 +164,10 @@ def _plain(value: Any) -> Any:
 
 
 def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
-    """The data of a scene without the tables of stops and of materials that hold nothing."""
-    data, contact = dict(data), data["contact"]
+    """The data of a scene without tables of stops and materials, and lists of points, that hold nothing."""
+    data, contact, chain = dict(data), data["contact"], data["chain"]
+    if isinstance(chain, Mapping) and isinstance(chain.get("links"), list):
+        data["chain"] = {**chain, "links": [_without_no_points(link) for link in chain["links"]]}
     if isinstance(data.get("stops"), Mapping) and not data["stops"]:
         del data["stops"]
     if isinstance(contact, Mapping) and isinstance(contact.get("wall"), Mapping):
@@ -173,6 +175,11 @@ def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
         data["contact"] = {key: one for key, one in contact.items() if key != "wall"}
         data["contact"] |= {"wall": walls} if walls else {}
     return data
+
+
+def _without_no_points(link: Any) -> Any:
+    """The data of a link without an empty list of points."""
+    return {key: one for key, one in link.items() if one != []} if isinstance(link, Mapping) else link
 
 
 def _holds(table: Any) -> bool:
@@ -207,7 +214,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     """As with_values: all is read anew."""
     data, paths = _plain(scene), [path for path, _ in values]
-    if JOINT_ANGLES in paths and checks.ANGLES not in above(paths):
+    if JOINT_ANGLES in paths and completion.ANGLES not in above(paths):
         del data["initial"]["angles"]
     # of a derived list of which one value is given, all are given
     without_derived(data, scene.derived_places, kept=above(paths))
@@ -218,7 +225,7 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
         except (LookupError, TypeError, ValueError):
             raise SceneError(f"{scene.name}: {shown(path)} is no path to a value of the scene") from None
     found = _validated(_without_empty(data), scene.name, in_file=False)
-    kept = scene.has_joint_angles and checks.ANGLES not in paths
+    kept = scene.has_joint_angles and completion.ANGLES not in paths
     return replace(found, has_joint_angles=kept or found.has_joint_angles)
 
 

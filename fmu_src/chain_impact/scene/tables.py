@@ -12,7 +12,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.scene.limits import Derived, quantity
-from chain_impact.scene.names import STOPS
+from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import SceneError
 
 MAX_LINKS = 1000
@@ -20,6 +20,7 @@ MAX_LINKS = 1000
 IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
 _RESERVED = ("con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)))
 _ANY_CASE = "|".join("".join(f"[{c.upper()}{c}]" if c.isalpha() else c for c in name) for name in _RESERVED)
+OPTIONAL_NAME = (rf"({IDENTIFIER[0]})?", IDENTIFIER[1])
 MODEL_NAME = (  # of files, too
     rf"(?!(?:{_ANY_CASE})$){IDENTIFIER[0]}",
     f"{IDENTIFIER[1]}, and no name that Windows reserves: con, prn, aux, nul, com1 to com9, lpt1 to lpt9",
@@ -58,6 +59,20 @@ def _with_stops(value: float) -> Derived:
     return Derived(f"{value:g}", lambda known: value if known["chain"].stops else None, constant=True)
 
 
+# the scene fills it in when all is read, as contact.radius comes later
+_CONTACT_RADIUS = Derived("contact.radius", lambda _: None, ("contact.radius",))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Site:
+    """A point that is fixed to a link, beside its ends, and may touch the walls: a heel, a corner."""
+
+    x: float = quantity("m", "place along the link, from the joint nearer to the base")
+    y: float = quantity("m", "place to the left of the link's line", 0.0)
+    radius: float | None = quantity("m", "radius of the point", _CONTACT_RADIUS, minimum=0.0)
+    name: str = quantity("", "name in lists and pictures", "", matching=OPTIONAL_NAME)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Link:
     """One rigid link, from its joint nearer to the base to the other one; in a file several."""
@@ -70,7 +85,21 @@ class Link:
     center_of_mass: float = quantity(
         "m", "centre of mass, from the joint nearer to the base", _MIDDLE, minimum=0.0
     )
+    center_of_mass_offset: float = quantity(
+        "m", "distance of the centre of mass from the link's line, to its left", 0.0
+    )
     inertia: float = quantity("kg.m2", "inertia about the centre of mass", _ROD, minimum=0.0)
+    shape: str | None = quantity(
+        "",
+        "box: a rectangle, with a point at each corner and its inertia",
+        None,
+        choices=("box",),
+        file_only=True,
+    )
+    height: float | None = quantity(
+        "m", "height of the box, across the link", None, above=0.0, file_only=True
+    )
+    points: tuple[Site, ...] = quantity("", "points of the link, beside its ends, that may touch", ())
     joint_damping: float = quantity(
         "N.m.s/rad", "viscous damping of the joint nearer to the base", 0.0, minimum=0.0
     )
@@ -92,10 +121,41 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Slider:
+    """The carriage of a base that slides along a straight line through the initial position."""
+
+    angle: float = quantity("rad", "direction of the line, from +x", 0.0)
+    mass: float = quantity("kg", "mass of the carriage", 1.0, minimum=0.0)
+    damping: float = quantity("N.s/m", "viscous damping along the line", 0.0, minimum=0.0)
+    stiffness: float = quantity("N/m", "stiffness of a spring along the line", 0.0, minimum=0.0)
+    rest_position: float = quantity("m", "position on the line at which the spring is slack", 0.0)
+    friction: float = quantity("N", "force of dry friction along the line", 0.0, minimum=0.0)
+    min: float | None = quantity("m", "stop of the carriage: its least position", None)
+    max: float | None = quantity("m", "stop of the carriage: its largest position", None)
+    force_limit: float | None = quantity(
+        "N", "limit of the force of motor, spring and damper together", None, minimum=0.0
+    )
+
+    @property
+    def stops(self) -> tuple[str, ...]:
+        """The stops that are there, as they are called among the walls."""
+        return tuple(stop for stop in SLIDER_STOPS if getattr(self, stop.removeprefix("slider_")) is not None)
+
+
+_CARRIAGE = Derived("", lambda known: {} if known["base"] == "slider" else None, constant=True)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Chain:
     """The links from base to tip, and whether the base moves."""
 
-    base: str = quantity("", "base point: free to move, or pinned", "free", choices=("free", "pinned"))
+    base: str = quantity(
+        "",
+        "base point: free to move, pinned, or on a slider",
+        "free",
+        choices=("free", "pinned", "slider"),
+    )
+    slider: Slider | None = quantity("", "carriage and line of a base on a slider", _CARRIAGE)  # noqa: RUF009
     links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
 
     def __post_init__(self) -> None:
@@ -107,8 +167,28 @@ class Chain:
 
     @property
     def movable_points(self) -> range:
-        """The points that can move: all but a pinned base."""
+        """The joints and ends that can move: all but a pinned base."""
         return range(1 if self.base == "pinned" else 0, len(self.links) + 1)
+
+    @property
+    def is_skewed(self) -> bool:
+        """Whether the centre of mass of some link lies beside the link's line."""
+        return any(link.center_of_mass_offset != 0.0 for link in self.links)
+
+    @property
+    def is_body(self) -> bool:
+        """Whether some link is more than a line with two ends, or the base slides."""
+        return self.is_skewed or self.slider is not None or any(link.points for link in self.links)
+
+    @property
+    def has_base_joint(self) -> bool:
+        """Whether link 1 hangs in a joint at the base."""
+        return self.base != "free"
+
+    @property
+    def sites(self) -> tuple[tuple[int, Site], ...]:
+        """The points of links beside their ends, numbered from N + 1: index of the link, and the point."""
+        return tuple((i, site) for i, link in enumerate(self.links) for site in link.points)
 
     @property
     def stops(self) -> tuple[tuple[int, str], ...]:
@@ -233,7 +313,10 @@ class Stops:
 class Inputs:
     """The inputs that the FMU shall have."""
 
-    joint_torques: bool = quantity("", "torques at the joints between links and at a pinned base", False)
+    joint_torques: bool = quantity(
+        "", "torques at the joints between links and at a base that is pinned or on a slider", False
+    )
+    slider_force: bool = quantity("", "force on the carriage of a slider, along its line", False)
     joint_targets: bool = quantity(
         "", "angles and angular velocities that these joints follow by their springs and dampers", False
     )
@@ -251,7 +334,7 @@ class Inputs:
     def any(self) -> bool:
         """Whether there are inputs."""
         moves = self.base_motion or bool(self.wall_motion)
-        return self.joint_torques or self.joint_targets or self.tip_force or moves
+        return any((self.joint_torques, self.joint_targets, self.slider_force, self.tip_force, moves))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -291,6 +374,7 @@ class Initial:
     angular_velocities: tuple[float, ...] = quantity(
         "rad/s", "angular velocity of each link, absolute", _ZEROS, per_link=True
     )
+    slider_velocity: float = quantity("m/s", "velocity of a slider along its line", 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

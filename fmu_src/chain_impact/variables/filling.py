@@ -28,7 +28,7 @@ from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.parameters import METHODS, PARAMETERS
 from chain_impact.variables.places import WORD, layout_of, word_index
 
-Sizes = tuple[int, int, int, int, int]
+Sizes = tuple[int, int, int, int, int, int]
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> 
     Args:
         scene: what it is of.
         pairs: the candidates.
-        sizes: of the record: links, candidates, elements, loads, channels.
+        sizes: of the record: links, candidates, elements, loads, channels, sites.
     """
     layout, before = layout_of(*sizes), _kept.get(sizes)
     changes = None if before is None else changed_numbers(before.scene, scene)
@@ -109,19 +109,24 @@ def _kind_of_contact(scene: Scene) -> tuple[Any, ...]:
 
 def _kind_of_chain(scene: Scene) -> tuple[Any, ...]:
     """Values on which the layout of the record or the variables depend."""
-    return scene.chain.base, [[getattr(link, name) for name in _DECISIVE] for link in scene.chain.links]
+    links, slider = scene.chain.links, scene.chain.slider
+    ends = slider and (slider.min, slider.max, slider.friction, slider.force_limit, slider.angle)
+    kinds = [[getattr(link, name) for name in _DECISIVE] for link in links]
+    return scene.chain.base, kinds, scene.chain.sites, ends
 
 
 def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     """Put the parameters of a scene, and its candidates, in their places in a new instance."""
     d["links"], d["candidates"] = len(scene.chain.links), len(pairs)
     d["elements"], d["loads"] = len(d["element"]["mode"]), len(d["transmitted"]["peak"])
-    d["channels"] = len(d["motion"]["position"])
+    d["channels"], d["sites"] = len(d["motion"]["position"]), len(scene.chain.sites)
+    d["skewed"], d["slides"] = scene.chain.is_skewed, scene.chain.slider is not None
+    d["site"]["link"] = [link for link, _ in scene.chain.sites]
     d["step"]["regularized"] = NO_CONTACT
     model = d["model"]
     if pairs:
         d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
-    model["pinned"] = scene.chain.base == "pinned"
+    model["pinned"] = scene.chain.has_base_joint
     model["driven"], model["followed"] = scene.inputs.any, scene.inputs.joint_targets
     _fill_motion(d, scene, pairs)
 
@@ -131,8 +136,12 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     d["quadrature"]["wanted"] = asked.contacts or asked.impacts > 0 or asked.loads or rubbed
     stops = scene.chain.stops
     if stops:
-        d["candidate"]["stop"][-len(stops) :] = [1 if stop == "joint_min" else -1 for _, stop in stops]
+        last = len(pairs) - len(scene.slider_stops)
+        signs = [1 if stop == "joint_min" else -1 for _, stop in stops]
+        d["candidate"]["stop"][last - len(stops) : last] = signs
         d["stops"]["law"] = _law_number(scene.stops.model) if scene.stops.model else 0
+    for c, stop in enumerate(scene.slider_stops, len(pairs) - len(scene.slider_stops)):
+        d["candidate"]["stop"][c] = 2 if stop == "slider_min" else -2
     _fill_materials(d, scene)
 
 
@@ -143,7 +152,8 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
     for of, kinds in PARAMETERS:
         for kind in kinds:
             if kind.path and of != "material":
-                found.setdefault(str(kind.path[0]), []).append((kind, _reader(kind, kind.path)))
+                reader = _site_reader(kind) if of == "site" else _reader(kind, kind.path)
+                found.setdefault(str(kind.path[0]), []).append((kind, reader))
     return found
 
 
@@ -168,6 +178,23 @@ def _reader(kind: Kind, path: Place) -> Callable[[Scene], list[Any]]:
     return read
 
 
+def _site_reader(kind: Kind) -> Callable[[Scene], list[Any]]:
+    """Return what gets the values of a parameter of all points of links, and behind them those given."""
+    *_, key = kind.path or ()
+
+    def read(scene: Scene) -> list[Any]:
+        links = enumerate(scene.chain.links)
+        sites = [((i, j), site) for i, link in links for j, site in enumerate(link.points)]
+        values = [getattr(site, str(key)) for _, site in sites]
+        if not kind.given:
+            return values
+        derived = frozenset(scene.derived_places)
+        places = [("chain", "links", i, "points", j, key) for (i, j), _ in sites]
+        return values + [DERIVED if at in derived else one for at, one in zip(places, values, strict=True)]
+
+    return read
+
+
 def _getter(path: Place) -> Callable[[Any], Any]:
     """Return what gets the value at a path, of names and, at its end, an index."""
     names, indices = (tuple(step for step in path if isinstance(step, kind)) for kind in (str, int))
@@ -187,20 +214,28 @@ def _choice(kind: Kind, name: str) -> float:
 
 def _write(table: str, words: np.ndarray, scene: Scene, sizes: Sizes) -> None:
     """Write the numbers of a table of the scene to the words of its record."""
-    lines = len(scene.walls) if scene.contact.points else 0  # there is room where points may touch them
+    lines = len(scene.walls) if scene.may_touch else 0  # there is room where points may touch them
+    counts = (
+        *(("one", 1), ("link", sizes[0]), ("line", lines)),
+        *(("site", sizes[5]), ("slider", int(scene.chain.slider is not None))),
+    )
     met = tuple(name for name in _GIVEN_IF if attrgetter(name)(scene))
-    read = (get for kind, get in _tables()[table] if lines or kind.of != "line")
-    words[_words_of(table, sizes, lines, met)] = [number for get in read for number in get(scene)]
+    there = {of for of, count in counts if count}
+    read = (get for kind, get in _tables()[table] if kind.of in there)
+    words[_words_of(table, sizes, counts, met)] = [number for get in read for number in get(scene)]
 
 
 @lru_cache(MOST_KEPT * len(keys(Scene)))
-def _words_of(table: str, sizes: Sizes, lines: int, met: tuple[str, ...]) -> np.ndarray:
+def _words_of(
+    table: str, sizes: Sizes, counts: tuple[tuple[str, int], ...], met: tuple[str, ...]
+) -> np.ndarray:
     """The words for the numbers of a table, in the order in which they are read; ``met`` are conditions."""
-    counts, layout, found = {"one": 1, "link": sizes[0], "line": lines}, layout_of(*sizes), []
+    layout, found = layout_of(*sizes), []
     for kind, _ in _tables()[table]:
         given = kind.given if not kind.given_if or kind.given_if in met else None
         for place in filter(None, (kind.place, given)):
-            found += [word_index(layout, filled(place, {"at": i})) for i in range(counts[kind.of])]
+            count = dict(counts)[kind.of]
+            found += [word_index(layout, filled(place, {"at": i})) for i in range(count)]
     return np.array(found, int)
 
 
@@ -218,7 +253,7 @@ def _fill_materials(d: Any, scene: Scene) -> None:
     for kind in (kind for of, kinds in PARAMETERS if of == "material" for kind in kinds):
         part, key, _ = map(str, kind.place)
         d[part][key] = kind.if_missing
-        for w, wall in enumerate(scene.wall_names if scene.contact.points else ()):
+        for w, wall in enumerate(scene.wall_names if scene.may_touch else ()):
             value = getattr(scene.contact.wall.get(wall), key, None)
             if value is not None:
                 d[part][key][w] = value

@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from chain_impact.scene.limits import Derived
-from chain_impact.scene.names import AT, Place, sensitivity_name
+from chain_impact.scene.names import Place, sensitivity_name
 
 NEXT = "{next}"
 ALWAYS = "always"
@@ -33,7 +33,9 @@ class Heading(NamedTuple):
 
 NO_HEADING = Heading()
 LINK, JOINT = Heading("link {n}", "link i"), Heading("joint {n}", "joint i")
-POINT, CONTACT = Heading("point {n}", "point k"), Heading("point {n} at {name}", "point k at a wall")
+POINT = Heading("point {n}{label}", "point k")
+CONTACT = Heading("{touching} at {name}", "point k at a wall")
+SITE, SLIDER = Heading("point {n} of link {of}", "point j of link i"), Heading("slider", "slider")
 LINE, WALL = Heading("wall {name}", "wall at any angle"), Heading("at wall {name}", "at one wall")
 IMPACT = Heading("latest impact{but}", "impact i, 1 the latest")
 
@@ -103,7 +105,7 @@ class Kind:
     @cached_property
     def pattern(self) -> str:
         """The name of all of the kind: `link[i].length`, `contact[k].<wall>.force`."""
-        return self.name.format(n=LETTERS.get(self.of, "i"), name="<wall>")
+        return self.name.format(n=LETTERS.get(self.of, "i"), of="i", name="<wall>")
 
     @cached_property
     def description(self) -> str:
@@ -128,7 +130,7 @@ class Kind:
         return text if self.above is None else f"{text}; must be > {self.above:g}"
 
 
-LETTERS = {"point": "k", "contact": "k"}
+LETTERS = {"point": "k", "contact": "k", "site": "j"}
 """Element → the letter for its number, where it is not i."""
 
 
@@ -163,6 +165,6 @@ def filled(place: Place, element: Mapping[str, Any]) -> Place:
     """A place, or a path in the scene file, of an element."""
     if not element:
         return place
-    at, name = element.get("at", 0), element.get("name", "")
-    steps: dict[str | int, str | int] = {AT: at, NEXT: at + 1, "{name}": name}
+    steps: dict[str | int, Any] = {f"{{{word}}}": value for word, value in element.items()}
+    steps[NEXT] = element.get("at", 0) + 1
     return tuple([steps.get(step, step) for step in place])

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.compilers import MOVING
+from chain_impact.compilation.compilers import GENERAL
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import Place, input_asked, parameter_hint
 from chain_impact.scene.reading import matching
@@ -44,7 +44,7 @@ class Model:
     Attributes:
         scene: what the model is of.
         candidates: the C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch.
-        sizes: of a record: links, candidates, elements, loads, channels.
+        sizes: of a record: links, candidates, elements, loads, channels, sites.
         layout: the record of an instance without derivatives.
         row: the record of the outputs, a row of ``Result.outputs``.
     """
@@ -62,7 +62,9 @@ class Model:
             links, pairs = len(scene.chain.links), len(self.candidates)
             loads = links + len(scene.wall_names) if scene.outputs.loads else 0
             channels = 2 * scene.inputs.base_motion + 2 * len(scene.moving_walls)
-            self.sizes = links, pairs, links + pairs if scene.has_friction else 0, loads, channels
+            sites, slides = len(scene.chain.sites), scene.chain.slider is not None
+            elements = links + pairs + slides if scene.has_friction else 0
+            self.sizes = links, pairs, elements, loads, channels, sites
             self.layout = layout_of(*self.sizes)
             self.row: np.dtype = self.layout["output"]
         Model._last = self  # complete: another thread may take over what it has
@@ -268,7 +270,7 @@ class Model:
 def kernel_size(scene: Scene) -> int:
     """What ``kernel_library`` takes as the number of links for a scene."""
     moves = scene.inputs.base_motion or scene.moving_walls
-    return MOVING if moves else len(scene.chain.links)
+    return GENERAL if moves or scene.chain.is_body else len(scene.chain.links)
 
 
 def model_of(source: Scene | Model) -> Model:

@@ -19,6 +19,7 @@ from chain_impact.variables.kind import (
     MOTION,
     NEXT,
     POINT,
+    SLIDER,
     WALL,
     Block,
     Kind,
@@ -46,7 +47,7 @@ def _block(
     for number, (name, unit, text, field, nominal, more, axis) in enumerate(_rows(rows)):
         member = names[number].removeprefix(f"{owner}.") if names else name
         steps = [int(step) if step.isdecimal() else step for step in (field or member).split(".")]
-        index = [] if of == "one" or AT in steps or NEXT in steps else [AT]
+        index = [] if of in ("one", "slider") or AT in steps or NEXT in steps else [AT]
         found: dict[str, Any] = {"array": f"{of}.{member}" if array else "", "nominal": nominal}
         found |= dict(_attribute(one, unit) for one in more.split())
         place = (part, *steps, *index)
@@ -88,7 +89,26 @@ INPUTS = (
         | rad   | angle that the spring of joint {n} follows            | joint_target_angle
         | rad/s | angular velocity that the damper of joint {n} follows | joint_target_velocity
         """,
-        names=INPUTS_OF["joint_targets"],
+        names=INPUTS_OF["joint_targets"][:2],
+        when=("inputs.joint_targets",),
+        causality="input",
+    ),
+    _block(
+        *("given", "slider", "slider"),
+        " | N | force on the carriage, along the line | slider_force",
+        names=INPUTS_OF["slider_force"],
+        heading=SLIDER,
+        when=("inputs.slider_force",),
+        causality="input",
+    ),
+    _block(
+        *("given", "slider", "slider"),
+        """
+        | m   | position that the spring of the slider follows | slider_target_position
+        | m/s | velocity that the damper of the slider follows | slider_target_velocity
+        """,
+        names=INPUTS_OF["joint_targets"][2:],
+        heading=SLIDER,
         when=("inputs.joint_targets",),
         causality="input",
     ),
@@ -155,6 +175,24 @@ OUTPUTS = (
         angular_velocity | rad/s | angular velocity of link {n} relative to {parent}{from_x} | joint_angular_velocity |  | rate_of=joint_angle
         """,
         heading=JOINT,
+    ),
+    _block(
+        *("output", "slider", "slider"),
+        """
+        position     | m    | position along the line, 0 at the start | slider_position     | size
+        velocity     | m/s  | velocity along the line                 | slider_velocity     | size | rate_of=slider_position
+        acceleration | m/s2 | acceleration along the line             | slider_acceleration | size | rate_of=slider_velocity at_once
+        """,
+        heading=SLIDER,
+    ),
+    _block(
+        *("output", "slider", "slider"),
+        """
+        friction_force | N | dry friction on the carriage, along the line | friction.joint_moment.{at}   | force | at_once
+        sticking       | 1 | 1 while it sticks by dry friction, else 0    | friction.joint_sticking.{at} |       | at_once minimum=0 maximum=1
+        """,
+        heading=SLIDER,
+        when=("outputs.contacts", "rubs"),
     ),
     _block(
         *("output", "contact", "contact[{n}].{name}"),
@@ -226,6 +264,15 @@ OUTPUTS = (
         when=("outputs.loads",),
     ),
     _block(
+        *("output", "slider", "slider"),
+        """
+        reaction | N   | force of the line on the carriage, along its left normal | slider_reaction | momentum | at_once
+        moment   | N.m | moment of the line on the carriage                       | slider_moment   | energy   | at_once
+        """,
+        heading=SLIDER,
+        when=("outputs.loads",),
+    ),
+    _block(
         *("output", "touched wall", "wall.{name}"),
         """
         load.{axis} | N   | {axis} of the force of the chain on the wall   | load.{axis} | momentum | at_once
@@ -239,7 +286,7 @@ OUTPUTS = (
         """
         count      |     | impacts since the start                                         |  |  | minimum=0
         last_time  | s   | time of the last impact, of the start before the first
-        last_point |     | point of the last impact, -1 before the first{its_joint}        |  |  | minimum=-1 maximum=links
+        last_point |     | point of the last impact, -1 before the first{its_joint}        |  |  | minimum=-1 maximum=points
         last_wall  |     | wall of the last impact: {wall_numbers}                         |  |  | minimum=0 maximum=walls
         last_speed | m/s | approach speed at the last impact, 0 before the first{in_rad_s} |  |  | minimum=0
         """,
@@ -249,7 +296,7 @@ OUTPUTS = (
         *("latest", "impact", "impact[{n}]"),
         """
         time             | s   | time of its onset, 0 if there is none
-        point            |     | point, -1 if there is none{its_joint}                                 |  |          | minimum=-1 maximum=links
+        point            |     | point, -1 if there is none{its_joint}                                 |  |          | minimum=-1 maximum=points
         wall             |     | wall: {wall_numbers_if_any}                                           |  |          | minimum=0 maximum=walls
         speed            | m/s | approach speed at its onset{in_rad_s}                                 |  | size     | minimum=0
         end              | s   | time of its end, the present time if it lasts

@@ -15,9 +15,21 @@ from typing import Any
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.limits import Derived, keys
-from chain_impact.scene.names import AT, AXES, Place, name_of
-from chain_impact.scene.tables import Box, Contact, Initial, Link, Material, Simulation, Solver, Stops, Wall
-from chain_impact.variables.kind import ALWAYS, LINE, LINK, MOTION, WALL, Kind, block
+from chain_impact.scene.names import AT, AXES, ENTRY_AT, LINK_AT, Place, name_of
+from chain_impact.scene.tables import (
+    Box,
+    Contact,
+    Initial,
+    Link,
+    Material,
+    Simulation,
+    Site,
+    Slider,
+    Solver,
+    Stops,
+    Wall,
+)
+from chain_impact.variables.kind import ALWAYS, LINE, LINK, MOTION, SITE, SLIDER, WALL, Kind, block
 
 LAWS, METHODS = "laws", "methods"
 """The lists of choices."""
@@ -83,6 +95,8 @@ PARAMETERS = (
         "link",
         *_of(
             *(Link, ("chain", "links", AT, KEY), ("model", KEY, AT)),
+            [key for key in _rules(Link) if key != "points"],
+            center_of_mass_offset={"trivial": 0.0, "hint": HAS_ONE},
             center_of_mass={"given": ("model", "given_center_of_mass", AT)},
             inertia={"given": ("model", "given_inertia", AT)},
             joint_damping={"place": ("given", "joint_damping", AT), "tunable": "follows"},
@@ -100,6 +114,34 @@ PARAMETERS = (
             joint_max={"if_missing": math.inf},
         ),
         heading=LINK,
+    ),
+    block(
+        "site",
+        *_of(
+            *(Site, ("chain", "links", LINK_AT, "points", ENTRY_AT, KEY), ("site", KEY, AT)),
+            ("x", "y", "radius"),
+            radius={"given": ("site", "given_radius", AT)},
+        ),
+        heading=SITE,
+    ),
+    block(
+        "slider",
+        *_of(
+            *(Slider, ("chain", "slider", KEY), ("slider", KEY)),
+            rest_position={
+                "place": ("given", "slider_target_position"),
+                "when": ("rests",),
+                "hint": HAS_TARGET.replace("angle", "position"),
+            },
+            min={"if_missing": -math.inf},
+            max={"if_missing": math.inf},
+            force_limit={"if_missing": math.inf, "hint": HAS_ONE},
+        ),
+        _parameter(
+            *(_rules(Initial)["slider_velocity"], ("initial", "slider_velocity")),
+            *(("initial", "slider_velocity"), "initial {}"),
+        ),
+        heading=SLIDER,
     ),
     block(
         "one",

@@ -60,7 +60,7 @@ def places_of(motion: dict[str, int], stepwise: dict[str, tuple[int, bool]]) -> 
 
 
 @lru_cache(SHAPES)
-def output_places(shape: Shape, sizes: tuple[int, int, int, int, int]) -> OutputPlaces:
+def output_places(shape: Shape, sizes: tuple[int, int, int, int, int, int]) -> OutputPlaces:
     """Of all scenes of a shape, worked out once: that takes as long as a short simulation."""
     layout = layout_of(*sizes)
     motion: dict[str, int] = {}

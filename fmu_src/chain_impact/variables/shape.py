@@ -23,7 +23,10 @@ class Shape:
 
     Attributes:
         links: how many.
-        pinned: whether the base is.
+        sites: the points of links: the indices of the link and of the point in it, and its name.
+        base: of the chain.
+        slider_stops: the stops of a slider, as they are called among the walls.
+        slider_rubs: whether a slider has dry friction.
         pairs: the pairs of a point and a wall that can touch.
         stops: the stops, as such pairs of a joint and a wall.
         wall_names: as of the scene.
@@ -39,7 +42,10 @@ class Shape:
     """
 
     links: int
-    pinned: bool
+    sites: tuple[tuple[int, int, str], ...]
+    base: str
+    slider_stops: tuple[str, ...]
+    slider_rubs: bool
     pairs: tuple[tuple[int, int], ...]
     stops: tuple[tuple[int, int], ...]
     wall_names: tuple[str, ...]
@@ -56,7 +62,17 @@ class Shape:
     @property
     def joints(self) -> range:
         """The joints, numbered as their links; a free base has no joint 1."""
-        return range(1 if self.pinned else 2, self.links + 1)
+        return range(2 if self.base == "free" else 1, self.links + 1)
+
+    @property
+    def ground(self) -> str:
+        """What is before link 1."""
+        return "the carriage" if self.base == "slider" else "the ground"
+
+    def label(self, point: int) -> str:
+        """The name of a point in brackets, if it has one."""
+        name = self.sites[point - self.links - 1][2] if point > self.links else ""
+        return f" ({name})" if name else ""
 
     @property
     def first_channel(self) -> int:
@@ -65,17 +81,17 @@ class Shape:
 
     def known(self) -> dict[str, Any]:
         """What templates, limits and conditions of variables name of the scene, by its names."""
-        has_friction = self.contact_friction or bool(self.friction_joints)
+        has_friction = self.contact_friction or bool(self.friction_joints) or self.slider_rubs
         asked = {f"inputs.{entry.name}": getattr(self.inputs, entry.name) for entry in fields(self.inputs)}
         asked |= {
             f"outputs.{entry.name}": getattr(self.outputs, entry.name) for entry in fields(self.outputs)
         }
         conditions = {
             ALWAYS: True,
-            "free": not self.pinned,
-            "contacts": bool(self.pairs),
+            "free": self.base == "free",
+            "contacts": bool(self.pairs or self.slider_stops),
             "stops": bool(self.stops),
-            "law": bool(self.pairs or (self.stops and not self.own_stop_law)),
+            "law": bool(self.pairs or (self.stops and not self.own_stop_law) or self.slider_stops),
             "contact_friction": self.contact_friction,
             "friction": has_friction,
             "driven": self.driven,
@@ -83,7 +99,7 @@ class Shape:
         without = () if self.contact_friction else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
         statuses = {code: text for code, text in STATUS_TEXT.items() if code not in without}
         numbers = {
-            "links": self.links,
+            "points": self.links + len(self.sites),
             "walls": len(self.wall_names),
             "most_status": max(statuses),
         }
@@ -104,7 +120,7 @@ class Shape:
         """The words for elements, in the description of all that there are."""
         return {
             "before": "link i − 1, or the base",
-            "parent": "the link before, or the ground" if self.pinned else "the link before",
+            "parent": "the link before" if self.base == "free" else f"the link before, or {self.ground}",
             "from_x": "",
             "about": "the origin, of a wall at any angle about its point" if self.lines else "the origin",
         }
@@ -124,7 +140,14 @@ def shape_of(scene: Scene) -> Shape:
     """The shape of a scene."""
     return Shape(
         links=len(scene.chain.links),
-        pinned=scene.chain.base == "pinned",
+        sites=tuple(
+            (i, j, site.name)
+            for i, link in enumerate(scene.chain.links)
+            for j, site in enumerate(link.points)
+        ),
+        base=scene.chain.base,
+        slider_stops=scene.slider_stops,
+        slider_rubs=scene.chain.slider is not None and scene.chain.slider.friction > 0.0,
         pairs=tuple(point_wall_pairs(scene)),
         stops=() if scene.stops.exponent is None else tuple(stop_pairs(scene)),
         wall_names=scene.wall_names,
@@ -155,8 +178,9 @@ def _links(shape: Shape) -> Iterable[Element]:
 
 def _points(shape: Shape) -> Iterable[Element]:
     """With whether nothing moves the point."""
-    for n in range(shape.links + 1):
-        yield {"n": n, "at": n, "held": n == 0 and shape.pinned and not shape.inputs.base_motion}
+    fixed = shape.base == "pinned" and not shape.inputs.base_motion
+    for n in range(shape.links + 1 + len(shape.sites)):
+        yield {"n": n, "at": n, "held": n == 0 and fixed, "label": shape.label(n)}
 
 
 def _joints(shape: Shape) -> Iterable[Element]:
@@ -164,7 +188,7 @@ def _joints(shape: Shape) -> Iterable[Element]:
     for n in shape.joints:
         before = {"before": f"link {n - 1}", "parent": "the link before", "from_x": ""}
         if n == 1:
-            before = {"before": "the base", "parent": "the ground", "from_x": ", from +x"}
+            before = {"before": "the base", "parent": shape.ground, "from_x": ", from +x"}
         yield {"n": n, "at": n - 1, **before}
 
 
@@ -174,6 +198,21 @@ def _stops(shape: Shape) -> Iterable[Element]:
     for c, (joint, _) in enumerate(shape.stops, len(shape.pairs)):
         first.setdefault(joint, c)
     return [{"n": joint, "at": c} for joint, c in first.items()]
+
+
+def _contacts(shape: Shape) -> Iterable[Element]:
+    """The pairs of a point and a wall, and the stops of a slider, which come last among the candidates."""
+    for c, (point, wall) in enumerate(shape.pairs):
+        touching = f"point {point}{shape.label(point)}"
+        yield {"n": point, "name": shape.wall_names[wall], "at": c, "touching": touching}
+    for c, stop in enumerate(shape.slider_stops, len(shape.pairs) + len(shape.stops)):
+        yield {"n": 0, "name": stop, "at": c, "touching": "slider", "contact_friction": False}
+
+
+def _slider(shape: Shape) -> Iterable[Element]:
+    """The slider, if there is one, with where its dry friction is among the joints'."""
+    follows = shape.inputs.joint_targets
+    return [{"rests": not follows, "rubs": shape.slider_rubs, "at": shape.links}] * (shape.base == "slider")
 
 
 def _touched_walls(shape: Shape) -> Iterable[Element]:
@@ -190,9 +229,11 @@ ELEMENTS: dict[str, Callable[[Shape], Iterable[Element]]] = {
     "joint": _joints,
     "rubbing joint": lambda shape: [{"n": n, "at": n - 1} for n in shape.friction_joints],
     "stop": _stops,
-    "contact": lambda shape: [
-        {"n": point, "name": shape.wall_names[wall], "at": c} for c, (point, wall) in enumerate(shape.pairs)
+    "contact": _contacts,
+    "site": lambda shape: [
+        {"n": j + 1, "of": i + 1, "at": s, "link": i, "entry": j} for s, (i, j, _) in enumerate(shape.sites)
     ],
+    "slider": _slider,
     "line": lambda shape: [{"name": name, "at": w} for w, name in enumerate(shape.lines)],
     "material": lambda shape: [
         {"name": name, "at": shape.wall_names.index(name)} for name in shape.materials if shape.pairs

@@ -27,6 +27,8 @@ UNITS = {
     "kg.m2": Unit("MomentOfInertia", {"kg": 1, "m": 2}),
     "N.s": Unit("Impulse", {"kg": 1, "m": 1, "s": -1}),
     "N": Unit("Force", {"kg": 1, "m": 1, "s": -2}),
+    "N.s/m": Unit("Damping", {"kg": 1, "s": -1}),
+    "N/m": Unit("Stiffness", {"kg": 1, "s": -2}),
     "N.m.s": Unit("AngularImpulse", {"kg": 1, "m": 2, "s": -1}),
     "N.m": Unit("Torque", {"kg": 1, "m": 2, "s": -2}),
     "N.m/rad": Unit("RotationalStiffness", {"kg": 1, "m": 2, "s": -2, "rad": -1}),

@@ -8,7 +8,7 @@ import pytest
 
 from chain_impact.kernel.chain.inertia import loose_links
 from chain_impact.kernel.chain.kinematics import link_vectors
-from chain_impact.kernel.chain.tree import FREE, factorize, no_impedance
+from chain_impact.kernel.chain.response import FREE, factorize, no_impedance
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict
 from tests.plain import record_of

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain import kinematics, tree
+from chain_impact.kernel.chain import kinematics, response
 from chain_impact.kernel.rows import compliance, geometry
 from tests.kernel.chain.test_elimination import relative_motion
 from tests.kernel.chains import (
@@ -92,8 +92,8 @@ def test_it_gives_way_as_assembled(case, resist, time):
     count, active, across = d.links, len(jacobian), relative_motion(d.links)
     assert d.model.resisting == (resist and (count > 1 or d.model.pinned))
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
-    compliance.factorize_contacts(d, tree.HELD, impedance)
-    compliance.solve_contacts(d, tree.HELD, impulse, d.rigid.change)
+    compliance.factorize_contacts(d, response.HELD, impedance)
+    compliance.solve_contacts(d, response.HELD, impulse, d.rigid.change)
     added, work = jacobian.T @ np.diag(impedance[:active]) @ jacobian, jacobian.T @ impulse[:active]
     expected = solved(d, mass_matrix(scene, angles) + added, work)
     np.testing.assert_allclose(d.rigid.change, expected, rtol=0, atol=1e-10)
@@ -101,7 +101,7 @@ def test_it_gives_way_as_assembled(case, resist, time):
     assert_loads(scene, d, angles, added, work)
     geometry.join(d, d.work.impedance, time)
     with_joints = d.model.resisting or d.model.stopped
-    tree.factorize(d, d.work.link, d.work, tree.SHIFTED, with_joints)
+    response.factorize(d, d.work.link, d.work, response.SHIFTED, with_joints)
     joints = rng.normal(size=count) * with_joints
     joints[0] *= d.model.pinned  # a free base is no joint
     geometry.clear_loads_of(d, d.work.load)
@@ -109,7 +109,7 @@ def test_it_gives_way_as_assembled(case, resist, time):
         geometry.add_along(geometry.normal(d, d.touch.active_index[k]), d.work.load, impulse[k])
     d.work.load.joint[:] += joints
     change = np.full(count + 2, np.nan)
-    compliance.solve_space(d, d.work.link, d.work, tree.SHIFTED, change)
+    compliance.solve_space(d, d.work.link, d.work, response.SHIFTED, change)
     links = scene.chain.links
     resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
     resistance[0] *= d.model.pinned

@@ -8,7 +8,7 @@ import itertools
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.tree import HELD
+from chain_impact.kernel.chain.response import HELD
 from chain_impact.kernel.forces import holding
 from chain_impact.kernel.rows import compliance, constraints, geometry
 from tests.kernel.chains import touch

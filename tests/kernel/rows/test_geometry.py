@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain import kinematics, tree
+from chain_impact.kernel.chain import kinematics, response
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.rows.geometry import (
     NORMALS,
@@ -76,6 +76,7 @@ def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
 def test_a_clearance_and_its_rate_are_those_of_the_point(placed):
     scene, d = placed
     d.contact.radius = 0.07
+    place_walls(d)
     y = np.random.default_rng(3).normal(size=len(d.work.y))
     kinematics.locate_points(d, y)
     names = list(scene.half_planes)
@@ -162,7 +163,7 @@ def assert_adjoint(d, rows, change):
         to_joints(d, load)
         power = load.x[points] @ motion.x[points] + load.y[points] @ motion.y[points] + load.joint @ turns
         assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
-        tree.no_impedance(d, own)
+        response.no_impedance(d, own)
         own.xy[d.links + 1 :] = own.yy[d.links + 1 :] = 0.0  # which nothing reads
         add_impedance(row, own, 1.0)
         add_impedance(row, own, 1.5)

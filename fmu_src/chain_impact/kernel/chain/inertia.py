@@ -47,12 +47,13 @@ def inertia_of_rod(mass, length):
 NEAR = 1e-8
 
 
-def loose_links(chain):
+def loose_links(chain, free_base):
     """The first and the last link that can move without kinetic energy in some position; −1, −1 for none.
 
     Args:
-        chain: record with ``length`` [m], ``center_of_mass`` [m] and ``inertia`` [kg·m²] of each link, and
-            ``pinned``.
+        chain: record with ``length`` [m], ``center_of_mass`` [m], ``center_of_mass_offset`` [m] and
+            ``inertia`` [kg·m²] of each link, and ``pinned``.
+        free_base: whether the base has no mass of its own although link 1 hangs in a joint there.
     """
     begin, count = -1, len(chain.length)
     for i in range(count):
@@ -60,8 +61,11 @@ def loose_links(chain):
         if chain.inertia[i] > 0.0:
             begin = -1
             continue
-        if chain.center_of_mass[i] <= near or (i == 0 and not chain.pinned):
+        beside = abs(chain.center_of_mass_offset[i]) > near
+        at_proximal = chain.center_of_mass[i] <= near and not beside
+        at_distal = abs(chain.length[i] - chain.center_of_mass[i]) <= near and not beside
+        if at_proximal or (i == 0 and (free_base or not chain.pinned)):
             begin = i
-        if begin >= 0 and (i == count - 1 or abs(chain.length[i] - chain.center_of_mass[i]) <= near):
+        if begin >= 0 and (i == count - 1 or at_distal):
             return begin, i
     return -1, -1

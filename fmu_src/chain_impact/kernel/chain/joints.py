@@ -25,8 +25,10 @@ without inertia makes it infinite.
 import math
 
 from chain_impact.kernel.chain.kinematics import clear_joints, link_vectors, zero
+from chain_impact.kernel.chain.response import FREE, factorize, no_impedance, solve
+from chain_impact.kernel.chain.sites import clear_link_moments
+from chain_impact.kernel.chain.slider import slide_along, slider_damping, slider_stiffness, wanted_force
 from chain_impact.kernel.chain.state import ANGLES, omega_at
-from chain_impact.kernel.chain.tree import FREE, factorize, no_impedance, solve
 
 # Of the limit of a torque, and of the moments whose difference a spring has: an excess that is round-off.
 EXCESS, ROUND_OFF = 1e-12, 1e-14
@@ -113,6 +115,13 @@ def mode_margin(d, y):
             size += abs(d.inputs.joint_target_angle[i])
             margin += EXCESS * limit + ROUND_OFF * d.inputs.joint_stiffness[i] * size
             least = min(least, margin)
+    if d.slides and 0.0 < d.slider.force_limit < math.inf:
+        limit, mode, force = d.slider.force_limit, d.slider.mode, wanted_force(d, y)
+        margin = limit - abs(force) if mode == 0 else float(mode) * force - limit
+        size = abs(y[0]) + abs(y[1]) + abs(d.inputs.slider_target_position)
+        margin += EXCESS * limit + ROUND_OFF * d.slider.stiffness * size
+        # the least of forces and moments, over the longest link
+        least = min(least, margin * d.model.size)
     return least
 
 
@@ -126,6 +135,9 @@ def joint_bound(d):
             k += spring_stiffness(d, i + 1)
         damping = max(damping, over(2.0 * c, d.model.inertia[i]))
         stiffness = max(stiffness, over(2.0 * k, d.model.inertia[i]))
+    if d.slides:
+        damping = max(damping, over(slider_damping(d), d.slider.mass))
+        stiffness = max(stiffness, over(slider_stiffness(d), d.slider.mass))
     return damping + math.sqrt(stiffness)
 
 
@@ -146,6 +158,7 @@ def joint_rate(d, y):
     factorize(d, work.link, work, FREE, True)
     zero(d, work.load)
     clear_joints(work.load)
+    clear_link_moments(d, work.load)
     for i in range(d.links):
         c, k = joint_damping(d, i), spring_stiffness(d, i)
         if c > 0.0 or k > 0.0:
@@ -155,4 +168,11 @@ def joint_rate(d, y):
             # g_iᵀ M⁻¹ g_i
             mobility = work.change[ANGLES + i] - (work.change[ANGLES + i - 1] if i > 0 else 0.0)
             fastest = max(fastest, c * mobility, math.sqrt(k * mobility))
+    if d.slides:
+        work.load.x[0], work.load.y[0] = d.slider.ux, d.slider.uy
+        solve(d, work.link, work, FREE, work.change)
+        work.load.x[0], work.load.y[0] = 0.0, 0.0
+        mobility = slide_along(d, work.change[0], work.change[1])
+        c, k = slider_damping(d), slider_stiffness(d)
+        fastest = max(fastest, c * mobility, math.sqrt(k * mobility))
     return fastest

@@ -1,8 +1,9 @@
 """Kinematics of the chain: where its points are, how fast they move and how they accelerate.
 
-Vectors of all places are records with ``x, y``, shape (2N+1,). The first N + 1 places are the points 0…N. A
-scene with stops has N more, one for each joint 1…N. Their x is the joint's own angle θ_i − θ_{i−1} at a lever
-arm, the longest link, and their y is 0. So a stop is to all other modules what a wall is to a point.
+Vectors of all places are records with ``x, y``, shape (2N+1+P,). The first N + 1 places are the points 0…N.
+The next N are those of the joints 1…N, which scenes with stops use: their x is the joint's own angle
+θ_i − θ_{i−1} at a lever arm, the longest link, and their y is 0. So a stop is to all other modules what a
+wall is to a point. The last P places are the sites (chain/sites.py).
 
 The cosines and sines of all angles are computed at once and without branches, three times cheaper than the C
 library's, which would take half the time of a right-hand side. They are the same on every machine, so results
@@ -12,6 +13,7 @@ do not depend on its C library. Their errors are below 2e-16, see tests/kernel/c
 import math
 
 from chain_impact.kernel.chain.motion import move_with
+from chain_impact.kernel.chain.sites import accelerate_sites, clear_sites, place_sites, turn_sites
 from chain_impact.kernel.chain.state import ANGLES, omega_at, velocity_at
 from chain_impact.kernel.functions import inlined
 
@@ -132,6 +134,7 @@ def place_points(d, y):
     if d.model.jointed:
         place_joints(d, y, ANGLES, position)
         place_joints(d, y, omega_at(n), velocity)
+    place_sites(d, y, omega_at(n), position, velocity)
 
 
 def place_joints(d, values, first, vectors):
@@ -158,6 +161,7 @@ def accelerate_points(d, y, rate):
     acceleration.x[n], acceleration.y[n] = ax, ay
     if d.model.jointed:
         place_joints(d, rate, omega_at(n), acceleration)
+    accelerate_sites(d, y, rate, omega_at(n), acceleration)
 
 
 def zero(d, vectors):
@@ -168,6 +172,7 @@ def zero(d, vectors):
     if d.model.jointed:
         for k in range(d.links + 1, 2 * d.links + 1):
             vectors.x[k], vectors.y[k] = 0.0, 0.0
+    clear_sites(d, vectors)
 
 
 def clear_joints(values):
@@ -203,6 +208,7 @@ def move_points(d, links, change, response):
     response.x[n], response.y[n] = x, y
     if d.model.jointed:
         place_joints(d, change, ANGLES, response)
+    turn_sites(d, links, change, ANGLES, response)
 
 
 def largest(d, vectors):
@@ -213,4 +219,17 @@ def largest(d, vectors):
     if d.model.jointed:
         for k in range(d.links + 1, 2 * d.links + 1):
             most = max(most, abs(vectors.x[k]))
+    for k in range(2 * d.links + 1, 2 * d.links + 1 + d.sites):
+        most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
     return most
+
+
+def at_center(d, vectors, i):
+    """The vector at the centre of mass of link i, from velocities, accelerations or changes at the points."""
+    # v_C = v_i + (c/ℓ) Δv + (o/ℓ) Δv⊥,  Δv = v_{i+1} − v_i
+    ratio, x, y = d.model.center_of_mass_ratio[i], vectors.x[i], vectors.y[i]
+    dx, dy = vectors.x[i + 1] - x, vectors.y[i + 1] - y
+    if d.skewed:
+        beside = d.model.offset_ratio[i]
+        return x + ratio * dx - beside * dy, y + ratio * dy + beside * dx
+    return x + ratio * dx, y + ratio * dy

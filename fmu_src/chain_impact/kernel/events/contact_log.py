@@ -24,7 +24,7 @@ from chain_impact.kernel.ode.last_step import (
     truncate_to_output_time,
 )
 from chain_impact.kernel.rows.constraints import any_point_held
-from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, lever
+from chain_impact.kernel.rows.geometry import at_joint, clearance, gap_acceleration, lever
 from chain_impact.kernel.status import count_evaluations, counted_work, uncount_work
 
 HELD_SAMPLES = 5  # samples of a constraint force over a step, its ends included
@@ -244,7 +244,7 @@ def log_with_peaks(d, c, row, end, separation_speed):
     touch, peaks, arm = d.touch, d.peaks, lever(d, c)
     force, depth = touch.peak_force[c], touch.max_penetration[c]
     log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.total[c])
-    if d.candidate.stop[c] == 0:
+    if not at_joint(d, c):
         peaks.force = max(peaks.force, force)
         peaks.penetration = max(peaks.penetration, depth)
     else:

@@ -8,6 +8,8 @@ and φ̇ keeps its sign if it has the same sign at both ends and |φ̇_a| + |φ�
 neither condition decides is halved.
 """
 
+import math
+
 from chain_impact.kernel.chain import motion
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
@@ -18,7 +20,7 @@ from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import TRIES, interpolate, next_guess, rate_bounds, rate_bounds_along
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.ode.sundman import NO_CONTACT
-from chain_impact.kernel.rows.geometry import normal
+from chain_impact.kernel.rows.geometry import at_joint, normal
 from chain_impact.kernel.status import count_other_work, work_exceeded
 
 FINEST = 1e-15  # fraction of a step: nothing is located better
@@ -234,10 +236,20 @@ def bound_curvature(d):
             speed, push = given_bounds(d, c)
             # a channel is a function of time: d(ġ)/ds has p times its acceleration
             v, a = v + speed, a + p * push
-        of_links = links[d.candidate.point[c]] if d.candidate.stop[c] == 0 else 0.0
+        of_links = links_part(d, c) if not at_joint(d, c) else 0.0
         d.search.curvature[c] = p * a + change * v + of_links
     if d.step.last_method == IMPLICIT:
         curvatures(d, d.step.size)
+
+
+def links_part(d, c):
+    """The bound in ``work.reach`` for the point of candidate c, with |r|/ℓ of its link for a site."""
+    links, point = d.work.reach, d.candidate.point[c]
+    if point <= d.links:
+        return links[point]
+    s = point - d.links - 1
+    i, along, beside = d.site.link[s], d.site.along[s], d.site.beside[s]
+    return links[i] + math.sqrt(along * along + beside * beside) * (links[i + 1] - links[i])
 
 
 def motion_bounds(d, c, along_x, along_y):
@@ -245,8 +257,8 @@ def motion_bounds(d, c, along_x, along_y):
 
     ``along_x`` and ``along_y`` are those of the components of the base's velocity.
     """
-    own, link = d.candidate, d.candidate.point[c] - 1
-    if own.stop[c] != 0:
+    if at_joint(d, c):
+        link = d.candidate.point[c] - 1
         first, arm = omega_at(d.links) + link, d.model.size
         if link == 0:
             v, a = rate_bounds(d.step, first)

@@ -222,6 +222,7 @@ def log_changes(d):
             row = log.count % len(log.time)
             joint = e >= d.candidates
             log.time[row], log.mode[row] = d.step.end, d.element.mode[e]
-            log.point[row] = joint_of(d, e) + 1 if joint else d.candidate.point[e]
+            # a slider is point 0
+            log.point[row] = (joint_of(d, e) + 1) % (d.links + 1) if joint else d.candidate.point[e]
             log.wall[row] = -1 if joint else d.candidate.wall[e]
             log.count += 1

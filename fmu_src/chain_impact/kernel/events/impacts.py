@@ -22,8 +22,8 @@ impulses leave. If these turn the point back, there is no such contact.
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.response import take_factors
 from chain_impact.kernel.chain.state import velocity_at
-from chain_impact.kernel.chain.tree import take_factors
 from chain_impact.kernel.equations import free_rate
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.friction_modes import update_modes

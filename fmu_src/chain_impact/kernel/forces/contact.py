@@ -16,7 +16,7 @@ from chain_impact.kernel.forces.contact_force import (
 from chain_impact.kernel.forces.friction import apply_friction, begin_friction, list_friction, may_rub
 from chain_impact.kernel.functions import clear
 from chain_impact.kernel.rows.compliance import effective_mass
-from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, clearance, lever, normal
+from chain_impact.kernel.rows.geometry import add_along, at_joint, clear_loads_of, clearance, lever, normal
 
 
 def clear_impacts(d, time):
@@ -183,7 +183,7 @@ def list_touching(d):
         list_kind(d, 1)
     touch.stop_count = 0
     for k in range(touch.active_count if d.model.stopped else 0):
-        touch.stop_count += d.candidate.stop[touch.active_index[k]] != 0
+        touch.stop_count += at_joint(d, touch.active_index[k])
     if d.friction.used:
         list_friction(d)
 

@@ -13,7 +13,7 @@ import math
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.forces.contact_law import USER_LAW
 from chain_impact.kernel.forces.laws import LAW_COUNT, MASS_POWERS
-from chain_impact.kernel.rows.geometry import lever
+from chain_impact.kernel.rows.geometry import at_joint, lever
 
 # Relative increment of penetration and speed for the central differences of a user's law: about the cube root
 # of round-off, where the errors of truncation and of round-off are equal.
@@ -84,7 +84,7 @@ def unit_of_damping(d, c, mass_power):
     With the lever arm r these are K' = K rⁿ⁺¹, m' = m r² and d = d'/rᵖ⁺²: the factor is 1 if f is a number
     without a unit.
     """
-    if d.candidate.stop[c] == 0:
+    if not at_joint(d, c):
         return 1.0
     law = d.law
     lengths = (law.exponent[c] + 1.0) * (1.0 - mass_power) + 2.0 * mass_power - law.rate_exponent[c] - 2.0
@@ -161,7 +161,7 @@ def user_contact_force(d, c, depth, rate):
     law, arm = d.law, lever(d, c)
     speed, mass = d.touch.impact_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
     stiffness = law.stiffness[c]
-    if d.candidate.stop[c] != 0:
+    if at_joint(d, c):
         stiffness *= arm ** (law.exponent[c] + 1.0)
     force = user_force(depth / arm, rate / arm, speed, mass, stiffness, law.exponent[c], law.restitution[c])
     return force / arm

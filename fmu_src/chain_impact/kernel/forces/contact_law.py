@@ -22,6 +22,7 @@ from chain_impact.kernel.forces.laws import (
     RATE_EXPONENTS,
     damping_factor,
 )
+from chain_impact.kernel.rows.geometry import at_joint
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
     FRICTION_WITH_RIGID_WALLS,
@@ -53,9 +54,14 @@ def start_laws(d):
 
 
 def origin(d, c):
-    """Where the law of candidate c comes from: −2 for stops, the wall if its material is its own, or −1."""
+    """Where the law of candidate c comes from.
+
+    Returns:
+        The wall if its material is its own, −1 if it is that of `contact`, −2 for a stop in a joint, and −3
+        for an end of the slider's line, which has no friction.
+    """
     if d.candidate.stop[c] != 0:
-        return -2
+        return -2 if at_joint(d, c) else -3
     wall = d.candidate.wall[c]
     own = d.walls
     collides = own.stiffness[wall] > 0.0 or own.restitution[wall] >= 0.0
@@ -120,21 +126,25 @@ def note_kind(d, c):
 
 def given_number(d, c):
     """The number of the law that is given for candidate c."""
-    return d.stops.law if d.candidate.stop[c] != 0 and d.stops.law > 0 else d.given.law
+    return d.stops.law if at_joint(d, c) and d.stops.law > 0 else d.given.law
 
 
 def given_stiffness(d, c):
     """The given stiffness K of candidate c [N/mⁿ], of a stop as of a contact at the lever arm."""
-    if d.candidate.stop[c] != 0:
+    if at_joint(d, c):
         return d.given.stop_stiffness / d.model.size ** (d.stops.exponent + 1.0)
+    if d.candidate.stop[c] != 0:
+        return d.given.stiffness
     own = d.walls.stiffness[d.candidate.wall[c]]
     return own if own > 0.0 else d.given.stiffness
 
 
 def given_restitution(d, c):
     """The given restitution of candidate c."""
-    if d.candidate.stop[c] != 0:
+    if at_joint(d, c):
         return in_use(d.given.stop_restitution, d.given.restitution)
+    if d.candidate.stop[c] != 0:
+        return d.given.restitution
     own = d.walls.restitution[d.candidate.wall[c]]
     return own if own >= 0.0 else d.given.restitution
 
@@ -156,7 +166,7 @@ def given_friction(d, c):
 
 def exponent(d, c):
     """The exponent n of the law of candidate c."""
-    return d.stops.exponent if d.candidate.stop[c] != 0 else d.contact.exponent
+    return d.stops.exponent if at_joint(d, c) else d.contact.exponent
 
 
 def check_law(d, c):
@@ -224,5 +234,5 @@ def set_parameters(d, c):
     law.minimum_impact_speed[c] = d.contact.minimum_impact_speed
     law.friction[c], static = given_friction(d, c)
     law.static_friction[c] = max(law.friction[c], static)
-    if d.candidate.stop[c] != 0:
+    if at_joint(d, c):
         law.minimum_impact_speed[c] = d.stops.minimum_impact_speed * d.model.size

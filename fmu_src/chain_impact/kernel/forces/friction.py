@@ -32,13 +32,19 @@ def may_rub(d, c):
 
 
 def joint_of(d, e):
-    """The index of the joint of element e, which is none of the candidates; 0 is the joint of link 1."""
+    """The index of the joint of element e, which is none of the candidates; 0 is the joint of link 1.
+
+    N is the slider.
+    """
     return e - d.candidates
 
 
 def set_friction_used(d):
     """Set whether any contact or joint has dry friction, in a record that has room for it."""
-    d.friction.used = max(d.contact.any_friction, d.model.rubbing) if d.elements > 0 else 0
+    rubs = max(d.contact.any_friction, d.model.rubbing)
+    if d.slides and d.slider.friction > 0.0:
+        rubs = 1
+    d.friction.used = rubs if d.elements > 0 else 0
 
 
 def clear_friction(d):
@@ -75,6 +81,11 @@ def list_friction(d):
             d.element.index[own.count] = e
             d.element.limit[e] = d.model.joint_friction[i] / d.model.size
             own.count += 1
+    if d.slides and d.slider.friction > 0.0:
+        e = d.candidates + d.links
+        d.element.index[own.count] = e
+        d.element.limit[e] = d.slider.friction
+        own.count += 1
     list_sticking(d)
 
 

@@ -6,9 +6,9 @@ right-hand side, an accepted step and an event state: what moves freely, and wha
 
 import math
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, move_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, at_center, locate_points, move_points
+from chain_impact.kernel.chain.response import take_factors
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, supplied_at, velocity_at
-from chain_impact.kernel.chain.tree import take_factors
 from chain_impact.kernel.forces.contact import keep_force
 from chain_impact.kernel.forces.friction import keep_static_forces
 from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass
@@ -165,8 +165,9 @@ def power_of_motion(d, y, rate):
     for i in range(d.links):
         total += d.model.mass[i]
     # F₀ = Σ m (a_C − g) − Σ F
-    fx = momentum(d, d.work.acceleration.x) - total * d.model.gravity[0] - d.inputs.tip_force[0] - fx
-    fy = momentum(d, d.work.acceleration.y) - total * d.model.gravity[1] - d.inputs.tip_force[1] - fy
+    px, py = momentum(d, d.work.acceleration)
+    fx = px - total * d.model.gravity[0] - d.inputs.tip_force[0] - fx
+    fy = py - total * d.model.gravity[1] - d.inputs.tip_force[1] - fy
     return power + fx * d.moved.velocity[0] + fy * d.moved.velocity[1]
 
 
@@ -186,17 +187,17 @@ def work_of_impulses(d):
     if not d.model.base_moves:
         return work
     move_points(d, d.work.link, own.change, d.work.motion)
-    px, py = momentum(d, d.work.motion.x) - px, momentum(d, d.work.motion.y) - py
-    return work + px * d.moved.velocity[0] + py * d.moved.velocity[1]
+    x, y = momentum(d, d.work.motion)
+    return work + (x - px) * d.moved.velocity[0] + (y - py) * d.moved.velocity[1]
 
 
-def momentum(d, values):
-    """Σ m v_C of components v at the points: of velocities, their changes, or accelerations."""
-    total = 0.0
+def momentum(d, vectors):
+    """Σ m v_C of vectors v at the points: velocities, their changes, or accelerations."""
+    x, y = 0.0, 0.0
     for i in range(d.links):
-        inner, outer = values[i], values[i + 1]
-        total += d.model.mass[i] * (inner + d.model.center_of_mass_ratio[i] * (outer - inner))
-    return total
+        cx, cy = at_center(d, vectors, i)
+        x, y = x + d.model.mass[i] * cx, y + d.model.mass[i] * cy
+    return x, y
 
 
 def contact_resistance(d):

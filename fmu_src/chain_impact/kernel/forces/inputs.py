@@ -55,9 +55,23 @@ def apply_inputs(d):
         d.inputs.tip_force[j] = own.tip_force[0, j] = given.tip_force[j]
         for m in range(1, own.order + 1):
             own.tip_force[m, j] = course.tip_force[m, j]
+    if d.slides:
+        apply_slider_inputs(d)
     for j in range(d.channels):
         for m in range(own.order + 1):
             d.moved.course[m, j] = d.motion.course[m, j]
+
+
+def apply_slider_inputs(d):
+    """Make the given inputs of the slider the present ones."""
+    given, course, own, used = d.given, d.given.course, d.inputs.course, d.inputs
+    used.slider_force = own.slider_force[0, 0] = given.slider_force
+    used.slider_target_position = own.slider_target_position[0, 0] = given.slider_target_position
+    used.slider_target_velocity = own.slider_target_velocity[0, 0] = given.slider_target_velocity
+    for m in range(1, own.order + 1):
+        own.slider_force[m, 0] = course.slider_force[m, 0]
+        own.slider_target_position[m, 0] = course.slider_target_position[m, 0]
+        own.slider_target_velocity[m, 0] = course.slider_target_velocity[m, 0]
 
 
 def withdraw_request(d):
@@ -82,6 +96,12 @@ def inputs_in_use(d):
             or given.joint_stiffness[i] != own.joint_stiffness[i]
         ):
             return False
+    if d.slides and (
+        given.slider_force != own.slider_force
+        or given.slider_target_position != own.slider_target_position
+        or given.slider_target_velocity != own.slider_target_velocity
+    ):
+        return False
     return given.tip_force[0] == own.tip_force[0] and given.tip_force[1] == own.tip_force[1]
 
 
@@ -102,6 +122,12 @@ def set_inputs(d, time):
             d.inputs.joint_target_velocity[i] = polynomial(course.joint_target_velocity, course.order, i, x)
     for j in range(2):
         d.inputs.tip_force[j] = polynomial(course.tip_force, course.order, j, x)
+    if d.slides:
+        own, order = d.inputs, course.order
+        own.slider_force = polynomial(course.slider_force, order, 0, x)
+        if d.model.followed:
+            own.slider_target_position = polynomial(course.slider_target_position, order, 0, x)
+            own.slider_target_velocity = polynomial(course.slider_target_velocity, order, 0, x)
     if d.channels > 0:
         move(d, time)
 

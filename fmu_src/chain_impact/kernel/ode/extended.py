@@ -25,7 +25,7 @@ recursion. With x_v = r_v − Δ the rows of v̇ are M Δ = s (Jᵀ (k x_g + c x
 
 with Δ the response of the chain to impulses at the touching points and moments in the joints. The contacts'
 impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) acts as a damper in joint
-i, on which K r_v + s S r_q is an impulse (chain/tree.py). A point that a rigid wall constrains,
+i, on which K r_v + s S r_q is an impulse (chain/response.py). A point that a rigid wall constrains,
 J Δ = 0, has an impedance far larger than the mass of the chain.
 
 The functions take s, x and work ``space`` that are all real or all complex. The space has impedances, loads,
@@ -38,6 +38,8 @@ step.
 
 from chain_impact.kernel.chain.joints import joint_resistance, spring_stiffness
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, locate_points_now
+from chain_impact.kernel.chain.response import SHIFTED, factorize, no_impedance
+from chain_impact.kernel.chain.slider import slide_along, slider_resistance, slider_stiffness
 from chain_impact.kernel.chain.state import (
     ANGLES,
     coordinate_count,
@@ -46,7 +48,6 @@ from chain_impact.kernel.chain.state import (
     supplied_at,
     velocity_at,
 )
-from chain_impact.kernel.chain.tree import SHIFTED, factorize, no_impedance
 from chain_impact.kernel.equations import loaded_rate
 from chain_impact.kernel.forces.contact import apply_contact, clear_loads
 from chain_impact.kernel.forces.contact_force import law_slopes
@@ -176,6 +177,11 @@ def solve_shift(d, s, space, row, x):
             turning, turned = relative(x, omega_at(n), i), relative(x, ANGLES, i)
             moment = joint_resistance(d, i, s) * turning + s * spring_stiffness(d, i) * turned
             space.load.joint[i] = moment
+    if d.slides:
+        # κ u·r_v + s k u·r_q of the slider's damper and spring
+        sliding, slid = slide_along(d, x[velocity_at(n)], x[velocity_at(n) + 1]), slide_along(d, x[0], x[1])
+        push = slider_resistance(d, s) * sliding + s * slider_stiffness(d) * slid
+        add_along((0, d.slider.ux, d.slider.uy), space.load, push)
     for k in range(compliant(d)):
         # D r_ġ + s k r_g
         impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * own.stiffness[k] * x[gap_at(d, k)]

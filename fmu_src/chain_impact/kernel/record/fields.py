@@ -62,13 +62,19 @@ def vectors_dtype(points: int, scalar: type = REAL) -> np.dtype:
     return record(("x", scalar, (points,)), ("y", scalar, (points,)))
 
 
-def loads_dtype(links: int, scalar: type = REAL) -> np.dtype:
-    """A vector for each place, and a number for each joint."""
-    places = 2 * links + 1
-    return record(("x", scalar, (places,)), ("y", scalar, (places,)), ("joint", scalar, (links,)))
+def place_count(links: int, sites: int) -> int:
+    """The number of places: the points 0…N, the joints 1…N and the sites."""
+    return 2 * links + 1 + sites
 
 
-def impedance_dtype(links: int, scalar: type = REAL) -> np.dtype:
+def loads_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
+    """A vector for each place, a number for each joint, and a moment for each link."""
+    places = place_count(links, sites)
+    numbers = ((name, scalar, (links,)) for name in ("joint", "link"))
+    return record(("x", scalar, (places,)), ("y", scalar, (places,)), *numbers)
+
+
+def impedance_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
     """A symmetric 2×2 matrix for each place, and a number for each joint."""
-    matrices = ((name, scalar, (2 * links + 1,)) for name in ("xx", "xy", "yy"))
+    matrices = ((name, scalar, (place_count(links, sites),)) for name in ("xx", "xy", "yy"))
     return record(*matrices, ("joint", scalar, (links,)))

@@ -27,13 +27,14 @@ def model_dtype(links: int) -> np.dtype:
         # m from the proximal joint, and kg·m² about the centre of mass, as they are given; or DERIVED
         ("given_center_of_mass", REAL, (links,)),
         ("given_inertia", REAL, (links,)),
+        ("center_of_mass_offset", REAL, (links,)),  # m, to the left of the link's line
         ("joint_friction", REAL, (links,)),  # N·m, dry friction at the proximal joint
         ("joint_armature", REAL, (links,)),  # kg·m², acts on the relative rotation in the joint
         ("joint_torque_limit", REAL, (links,)),  # N·m, of motor, spring and damper together; ∞: none
         ("joint_min", REAL, (links,)),  # rad, stops of the joint's own angle; −∞ …
         ("joint_max", REAL, (links,)),  # rad, … and ∞ where there is none
         ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
-        ("pinned", INTEGER),  # 1: the base cannot move
+        ("pinned", INTEGER),  # 1: link 1 hangs in a joint at the base, which cannot move or slides
         ("driven", INTEGER),  # 1: there are inputs
         ("followed", INTEGER),  # 1: all joints have servos, whose targets are inputs
         ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
@@ -50,8 +51,10 @@ def model_dtype(links: int) -> np.dtype:
         ("resisting", INTEGER),  # 1: some joint has damping or a spring …
         ("joint_bound", REAL),  # 1/s, … and an upper bound on the rates of the motions that this causes
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
+        ("offset_ratio", REAL, (links,)),  # offset of the centre of mass / length
         ("proximal_inertia", REAL, (links,)),  # kg·m² about the proximal …
         ("distal_inertia", REAL, (links,)),  # kg·m² … and about the distal joint
+        ("first_site", INTEGER, (links + 1,)),  # the first site of each link and, at N, the number of sites
         ("middle", INTEGER),  # joint at which the two arms of the elimination meet: the base if it is pinned
         ("gravity_size", REAL),  # m/s²
         ("reach", REAL),  # m, length of the stretched chain
@@ -96,6 +99,30 @@ def stops_dtype() -> np.dtype:
 
 
 @given(AT_START)
+@written_by("initialize.py", mode="events/saturation.py")
+def slider_dtype() -> np.dtype:
+    """The line along which the base slides, and the carriage, see kernel/chain/slider.py.
+
+    variables/model.py sets what is not derived.
+    """
+    return record(
+        ("angle", REAL),  # rad, direction of the line from +x
+        ("mass", REAL),  # kg, of the carriage
+        ("damping", REAL),  # N·s/m
+        ("stiffness", REAL),  # N/m
+        ("friction", REAL),  # N, dry friction
+        ("min", REAL),  # m, stops; −∞ …
+        ("max", REAL),  # m, … and ∞ where there is none
+        ("force_limit", REAL),  # N, of motor, spring and damper together; ∞: none
+        # derived
+        ("ux", REAL),  # u, the unit vector along the line
+        ("uy", REAL),
+        ("mode", INTEGER),  # as `drive.mode`
+        ("chosen", INTEGER),  # as `drive.chosen`
+    )
+
+
+@given(AT_START)
 @written_by()
 def initial_dtype(links: int) -> np.dtype:
     """The initial values. variables/model.py sets them."""
@@ -104,6 +131,7 @@ def initial_dtype(links: int) -> np.dtype:
         ("velocity", REAL, (2,)),  # m/s
         ("angle", REAL, (links,)),  # rad
         ("angular_velocity", REAL, (links,)),  # rad/s
+        ("slider_velocity", REAL),  # m/s, along the line of a slider
     )
 
 
@@ -130,6 +158,9 @@ def course_dtype(links: int) -> np.dtype:
         ("joint_target_angle", REAL, (DEGREE + 1, links)),  # rad
         ("joint_target_velocity", REAL, (DEGREE + 1, links)),  # rad/s
         ("tip_force", REAL, (DEGREE + 1, 2)),  # N
+        ("slider_force", REAL, (DEGREE + 1, 1)),  # N
+        ("slider_target_position", REAL, (DEGREE + 1, 1)),  # m
+        ("slider_target_velocity", REAL, (DEGREE + 1, 1)),  # m/s
     )
 
 
@@ -155,6 +186,9 @@ def given_dtype(links: int) -> np.dtype:
         ("joint_target_angle", REAL, (links,)),
         ("joint_target_velocity", REAL, (links,)),
         ("tip_force", REAL, (2,)),
+        ("slider_force", REAL),
+        ("slider_target_position", REAL),
+        ("slider_target_velocity", REAL),
         ("course", course_dtype(links)),
     )
 
@@ -169,6 +203,9 @@ def inputs_dtype(links: int) -> np.dtype:
         ("joint_target_angle", REAL, (links,)),  # rad, at which the spring is slack: given, or an input
         ("joint_target_velocity", REAL, (links,)),  # rad/s, at which the damper is without moment
         ("tip_force", REAL, (2,)),  # N
+        ("slider_force", REAL),  # N
+        ("slider_target_position", REAL),  # m, at which the spring is slack: given, or an input
+        ("slider_target_velocity", REAL),  # m/s, at which the damper has no force
         ("course", course_dtype(links)),
     )
 
@@ -230,14 +267,34 @@ def candidate_dtype(candidates: int) -> np.dtype:
     """
     return table(
         candidates,
-        ("point", INTEGER),  # 0…N; of a stop 1…N, the number of its joint
+        ("point", INTEGER),  # 0…N, sites N+1…N+P; of a stop 1…N, the number of its joint
         ("wall", INTEGER),  # index into WALLS, or 4 and that into `walls`; of a stop the numbers after those
-        ("stop", INTEGER),  # 1: at joint_min, −1: at joint_max, 0: a point at a wall
+        ("stop", INTEGER),  # ±1: at joint_min, joint_max; ±2: at slider_min, slider_max; 0: at a wall
         # derived at initialization
-        ("place", INTEGER),  # the point, or of a stop N and the number of the joint
+        ("place", INTEGER),  # the point; of a stop N and the number of the joint; of a site N and its number
+        ("radius", REAL),  # m, of the point
         ("normal_x", REAL),  # n of the wall …
         ("normal_y", REAL),
         ("offset", REAL),  # m, … and n·p of the points on it
+    )
+
+
+@given(AT_START)
+@written_by("initialize.py")
+def site_dtype(sites: int) -> np.dtype:
+    """The sites: points that are fixed to links, in the order of the links, beside the joints.
+
+    variables/model.py sets what is not derived.
+    """
+    return record(
+        ("link", INTEGER, (sites,)),  # its index, from 0
+        ("x", REAL, (sites,)),  # m, along the link from its proximal joint, …
+        ("y", REAL, (sites,)),  # m, … and to the left of its line
+        ("given_radius", REAL, (sites,)),  # m, or DERIVED: that of `contact`
+        # derived at initialization
+        ("radius", REAL, (sites,)),  # m
+        ("along", REAL, (sites,)),  # x / length …
+        ("beside", REAL, (sites,)),  # … and y / length
     )
 
 

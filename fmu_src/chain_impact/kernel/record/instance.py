@@ -5,10 +5,10 @@ record without pointers, so the state of an FMU is a copy of its bytes. Every sc
 double or an integer), so each has an index counted in doubles from the start of the record: the FMU's code
 needs no other knowledge of the layout.
 
-N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point and a wall), state vector y
-(kernel/chain/state.py).
+N links, points 0…N (0 the base, N the tip), P sites (points of links beside these), C candidates (pairs of a
+point or site and a wall), state vector y (kernel/chain/state.py).
 
-Every size and offset is a + bN + cC + dF + eL + fK. The compiled kernel relies on it
+Every size and offset is a + bN + cC + dF + eL + fK + gP. The compiled kernel relies on it
 (compilation/record_type.py). The parts that depend on C come after all others, then those that depend on F,
 then those that depend on L, and last those that depend on K, so that the offsets of all others do not depend
 on them.
@@ -42,6 +42,8 @@ from chain_impact.kernel.record.given import (
     motion_dtype,
     moved_dtype,
     shift_dtype,
+    site_dtype,
+    slider_dtype,
     solver_dtype,
     stops_dtype,
     walls_dtype,
@@ -59,12 +61,14 @@ from chain_impact.kernel.record.solver import (
 )
 
 
-@written_by("observe.py", load="loads.py")
-def output_dtype(links: int, candidates: int, elements: int, loads: int, channels: int = 0) -> np.dtype:
+@written_by("observe.py", **dict.fromkeys(("load", "slider_reaction", "slider_moment"), "loads.py"))
+def output_dtype(
+    links: int, candidates: int, elements: int, loads: int, channels: int = 0, sites: int = 0
+) -> np.dtype:
     """The outputs at the communication point; one row of a time series."""
-    points = links + 1
+    points = links + 1 + sites
     return record(
-        ("point_position", REAL, (points, 2)),  # m
+        ("point_position", REAL, (points, 2)),  # m, of the points 0…N and the sites
         ("point_velocity", REAL, (points, 2)),  # m/s
         ("point_acceleration", REAL, (points, 2)),  # m/s²
         ("angle", REAL, (links,)),  # rad, absolute, from +x
@@ -72,6 +76,11 @@ def output_dtype(links: int, candidates: int, elements: int, loads: int, channel
         ("angular_acceleration", REAL, (links,)),  # rad/s²
         ("joint_angle", REAL, (links,)),  # rad, from the link before, of the first one from +x
         ("joint_angular_velocity", REAL, (links,)),  # rad/s, likewise
+        ("slider_position", REAL),  # m, along the line, 0 at the start
+        ("slider_velocity", REAL),  # m/s
+        ("slider_acceleration", REAL),  # m/s²
+        ("slider_reaction", REAL),  # N, of the line on the carriage, along its left normal, with loads …
+        ("slider_moment", REAL),  # N·m, … and its moment
         ("force", REAL, (candidates,)),  # N, wall on point, along the inward normal
         ("penetration", REAL, (candidates,)),  # m, 0 when apart
         ("penetration_rate", REAL, (candidates,)),  # m/s, > 0 compressing, 0 when apart
@@ -94,7 +103,8 @@ def friction_output_dtype(elements: int) -> np.dtype:
         ("force", REAL, (elements,)),  # N, of a candidate: wall on point, along t = (n_y, −n_x)
         ("impulse", REAL, (elements,)),  # N·s, likewise, since the start
         ("sticking", REAL, (elements,)),  # 1: the contact sticks
-        ("joint_moment", REAL, (elements,)),  # N·m, on the link of each joint; there are fewer than elements
+        # N·m, on the link of each joint, or N, on a slider; there are fewer than elements
+        ("joint_moment", REAL, (elements,)),
         ("joint_sticking", REAL, (elements,)),  # 1: the joint sticks
         ("dissipated", REAL),  # J, part of `dissipated`
     )
@@ -135,14 +145,15 @@ def transmitted_dtype(loads: int) -> np.dtype:
 
 
 def instance_dtype(
-    links: int, candidates: int, elements: int = 0, loads: int = 0, channels: int = 0
+    links: int, candidates: int, elements: int = 0, loads: int = 0, channels: int = 0, sites: int = 0
 ) -> np.dtype:
     """The record of an instance with N = ``links`` links, C = ``candidates`` candidates and F elements.
 
-    The ``elements`` are what may have dry friction: candidates and joints, C + N, or none, F = 0, in a scene
-    without dry friction, whose record has no room for it. Nor has it room for loads unless they are
+    The ``elements`` are what may have dry friction: candidates, joints and a slider, or none, F = 0, in a
+    scene without dry friction, whose record has no room for it. Nor has it room for loads unless they are
     requested: then ``loads`` L is the number of joints N and walls together. The ``channels`` K are the
-    motions of the base and of walls that are given (chain/motion.py).
+    motions of the base and of walls that are given (chain/motion.py). The ``sites`` P are points of links
+    beside the joints (chain/sites.py).
     """
     return record(
         ("links", INTEGER),  # N
@@ -150,10 +161,14 @@ def instance_dtype(
         ("elements", INTEGER),  # F
         ("loads", INTEGER),  # L
         ("channels", INTEGER),  # K
+        ("sites", INTEGER),  # P
+        ("skewed", INTEGER),  # 1: the centre of mass of some link lies beside its line
+        ("slides", INTEGER),  # 1: the base slides along a line
         ("tangents", INTEGER),  # number of tangent instances that follow this one in memory (kernel/tangent/)
         ("model", model_dtype(links)),
         ("contact", contact_dtype()),
         ("stops", stops_dtype()),
+        ("slider", slider_dtype()),
         ("initial", initial_dtype(links)),
         ("solver", solver_dtype()),
         ("given", given_dtype(links)),
@@ -167,7 +182,7 @@ def instance_dtype(
         ("fault", fault_dtype()),
         ("limits", limits_dtype()),
         ("balance", balance_dtype()),
-        ("work", work_dtype(links)),
+        ("work", work_dtype(links, sites)),
         ("drive", drive_dtype(links)),
         ("friction", friction_dtype()),
         ("touch", touch_dtype(candidates)),
@@ -176,15 +191,16 @@ def instance_dtype(
         ("law", law_dtype(candidates)),
         ("search", search_dtype(candidates)),
         ("finished", finished_dtype(candidates)),
-        ("implicit", implicit_dtype(links, candidates, elements)),
+        ("implicit", implicit_dtype(links, candidates, elements, sites)),
         ("rigid", rigid_dtype(links, candidates, elements)),
         ("share", share_dtype(links, elements)),
         ("element", element_dtype(elements)),
         ("quadrature", quadrature_dtype(candidates, elements)),
         ("changes", changes_dtype(elements)),
-        ("output", output_dtype(links, candidates, elements, loads, channels)),
+        ("output", output_dtype(links, candidates, elements, loads, channels, sites)),
         ("transmitted", transmitted_dtype(loads)),
         ("shift", shift_dtype(candidates)),
         ("motion", motion_dtype(channels)),
         ("moved", moved_dtype(channels)),
+        ("site", site_dtype(sites)),
     )

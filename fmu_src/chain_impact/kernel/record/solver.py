@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from chain_impact.kernel.chain.response import ROWS
 from chain_impact.kernel.chain.state import coordinate_count, state_size
-from chain_impact.kernel.chain.tree import ROWS
 from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
 from chain_impact.kernel.ode.radau import PAIRS, RADAU_STAGES
@@ -13,6 +13,7 @@ from chain_impact.kernel.record.fields import (
     REAL,
     impedance_dtype,
     loads_dtype,
+    place_count,
     record,
     vectors_dtype,
     written_by,
@@ -141,16 +142,18 @@ def elimination_dtype(links: int) -> np.dtype:
     load=("forces/contact.py", "chain/joints.py", "rows/compliance.py"),
     motion="rows/compliance.py",
     impedance="chain/joints.py",
-    factors="chain/tree.py",
+    factors="chain/response.py",
     moment="equations.py",
+    thrust="equations.py",
     elimination="chain/tree.py",
     reach="events/crossing.py",
     **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),
 )
-def work_dtype(links: int) -> np.dtype:
+def work_dtype(links: int, sites: int) -> np.dtype:
     """Work space: valid within a step, except `rate_end` (`rate_known`) and, if `at_end` is 1, the points."""
     points, state = links + 1, state_size(links)
-    places, loads, impedance = vectors_dtype(2 * links + 1), loads_dtype(links), impedance_dtype(links)
+    places, loads = vectors_dtype(place_count(links, sites)), loads_dtype(links, sites)
+    impedance = impedance_dtype(links, sites)
     return record(
         ("stage", REAL, (STAGES, state)),  # dy/ds at the stages
         ("rate_start", REAL, (state,)),  # ẏ at the start …
@@ -161,10 +164,11 @@ def work_dtype(links: int) -> np.dtype:
         ("link", vectors_dtype(points)),  # m, L_i; entry N is not used
         ("load", loads),  # N or N·s at each place, N·m or N·m·s in each joint
         ("moment", REAL, (links,)),  # N·m on each link, from its joints
+        ("thrust", REAL),  # N, of motor, spring and damper on the carriage
         ("impedance", impedance),  # kg, D of each place; kg·m², of each joint
-        ("factors", factors_dtype(links, REAL, ROWS)),  # see kernel/chain/tree.py
+        ("factors", factors_dtype(links, REAL, ROWS)),  # see kernel/chain/response.py
         ("elimination", elimination_dtype(links)),  # of the accelerations
-        ("position", places),  # m, of the places: points and, with stops, joints
+        ("position", places),  # m, of the places: points, with stops joints, and sites
         ("velocity", places),  # m/s
         ("acceleration", places),  # m/s²
         ("at_end", INTEGER),  # 1: these are the points at the end of the step
@@ -204,7 +208,7 @@ def search_dtype(candidates: int) -> np.dtype:
     normal=("ode/collocation.py", "ode/extended.py"),
     weight="ode/collocation.py",
 )
-def implicit_dtype(links: int, candidates: int, elements: int) -> np.dtype:
+def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np.dtype:
     """The work space of an implicit step, and the data that it uses of the last one.
 
     z = (y, then the clearances of active contacts, their rates, impulses): kernel/ode/extended.py.
@@ -214,9 +218,9 @@ def implicit_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     # for each pair of complex shifts, and what ``work`` holds for a real one
     pairs = record(
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
-        ("impedance", impedance_dtype(links, COMPLEX)),
-        ("load", loads_dtype(links, COMPLEX)),
-        ("motion", vectors_dtype(2 * links + 1, COMPLEX)),
+        ("impedance", impedance_dtype(links, sites, COMPLEX)),
+        ("load", loads_dtype(links, sites, COMPLEX)),
+        ("motion", vectors_dtype(place_count(links, sites), COMPLEX)),
         ("change", COMPLEX, (coordinate_count(links),)),
         ("x", COMPLEX, (extended,)),  # a right-hand side, later the solution
     )

@@ -7,16 +7,18 @@ the joints' resistance K = s C + s² S for a time s, with dampers C and springs 
 
 where p are impulses along the normals and K r those in the joints. The impedances are added to the
 articulated inertia at their points, and a joint with the resistance κ_i, or with a stop that has an
-impedance, is one more term of the elimination (chain/tree.py). No matrix is formed.
+impedance, is one more term of the elimination (chain/response.py). No matrix is formed.
 """
 
 from chain_impact.kernel.chain.kinematics import move_points
+from chain_impact.kernel.chain.response import FREE, factorize, no_impedance, solve
+from chain_impact.kernel.chain.sites import carry_sites
 from chain_impact.kernel.chain.state import coordinate_count, omega_at, velocity_at
-from chain_impact.kernel.chain.tree import FREE, factorize, no_impedance, solve
 from chain_impact.kernel.rows.geometry import (
     add_along,
     add_impedance,
     along,
+    at_joint,
     clear_loads_of,
     constraint,
     constraint_rows,
@@ -85,6 +87,7 @@ def solve_space(d, links, space, row, change):
         change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s].
     """
     to_joints(d, space.load)
+    carry_sites(d, links, space.load)
     solve(d, links, space, row, change)
     move_points(d, links, change, space.motion)
 
@@ -114,8 +117,14 @@ def geared_accelerations(d, y, rate):
         ratio, omega = d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
         w2x, w2y = omega * omega * link.x[i], omega * omega * link.y[i]
         # a_C = a − ω² c
-        fx = d.model.mass[i] * (d.model.gravity[0] - (ax - ratio * w2x))
-        fy = d.model.mass[i] * (d.model.gravity[1] - (ay - ratio * w2y))
+        cx, cy = ax - ratio * w2x, ay - ratio * w2y
+        if d.skewed:
+            cx, cy = cx + d.model.offset_ratio[i] * w2y, cy - d.model.offset_ratio[i] * w2x
+        fx = d.model.mass[i] * (d.model.gravity[0] - cx)
+        fy = d.model.mass[i] * (d.model.gravity[1] - cy)
+        if d.skewed:
+            # (o/ℓ) L⊥ × F
+            load.link[i] -= d.model.offset_ratio[i] * (link.x[i] * fx + link.y[i] * fy)
         load.x[i] += (1.0 - ratio) * fx
         load.y[i] += (1.0 - ratio) * fy
         load.x[i + 1] += ratio * fx
@@ -124,6 +133,10 @@ def geared_accelerations(d, y, rate):
     for i in range(n - 1, -1, -1):
         moment += work.moment[i]
         load.joint[i] = moment
+    if d.slides:
+        own, gravity = d.slider, d.model.gravity
+        load.x[0] += work.thrust * own.ux + own.mass * gravity[0]
+        load.y[0] += work.thrust * own.uy + own.mass * gravity[1]
     no_impedance(d, work.impedance)
     join(d, work.impedance, 0.0)
     factorize(d, link, work, FREE, True)
@@ -139,7 +152,7 @@ def effective_mass(d, c):
     work, row = d.work, normal(d, c)
     no_impedance(d, work.impedance)
     join(d, work.impedance, 0.0)
-    factorize(d, work.link, work, FREE, d.model.geared != 0 or d.candidate.stop[c] != 0)
+    factorize(d, work.link, work, FREE, d.model.geared != 0 or at_joint(d, c))
     clear_loads_of(d, work.load)
     add_along(row, work.load, 1.0)
     solve_space(d, work.link, work, FREE, work.change)

@@ -28,7 +28,7 @@ residual decided on the number, forces would jump by a part of it within a step.
 
 import math
 
-from chain_impact.kernel.chain.tree import FREE, HELD
+from chain_impact.kernel.chain.response import FREE, HELD
 from chain_impact.kernel.rows.compliance import (
     SWEEPS,
     factorize_contacts,

@@ -22,6 +22,7 @@ and masses of stops have the units and the scales of those at walls, and a force
 from chain_impact.kernel.chain.joints import joint_armature, joint_resistance
 from chain_impact.kernel.chain.kinematics import clear_joints, largest, locate_points, polar, zero
 from chain_impact.kernel.chain.motion import fastest_wall
+from chain_impact.kernel.chain.slider import slide_along, slider_resistance
 from chain_impact.kernel.chain.state import ANGLES
 from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_candidate
 
@@ -37,9 +38,13 @@ NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 def place_walls(d):
     """Compute the place of each candidate, and the normal and the offset of its wall or stop."""
     for c in range(d.candidates):
-        wall, d.candidate.place[c] = d.candidate.wall[c], d.candidate.point[c]
-        if d.candidate.stop[c] != 0:
+        wall, point = d.candidate.wall[c], d.candidate.point[c]
+        d.candidate.place[c] = point if point <= d.links else d.links + point
+        d.candidate.radius[c] = d.contact.radius if point <= d.links else d.site.radius[point - d.links - 1]
+        if at_joint(d, c):
             place_stop(d, c)
+        elif d.candidate.stop[c] != 0:
+            place_end(d, c)
         elif wall < len(WALLS):
             place_side(d, c, wall)
         else:
@@ -71,7 +76,21 @@ def place_stop(d, c):
     own, joint = d.candidate, d.candidate.point[c]
     own.place[c], own.normal_x[c], own.normal_y[c] = d.links + joint, float(own.stop[c]), 0.0
     limit = d.model.joint_min[joint - 1] if own.stop[c] > 0 else d.model.joint_max[joint - 1]
-    own.offset[c] = own.normal_x[c] * d.model.size * limit - d.contact.radius
+    own.offset[c], own.radius[c] = own.normal_x[c] * d.model.size * limit, 0.0
+
+
+def place_end(d, c):
+    """Set the normal and the offset of candidate c, an end of the slider's line, at the place of the base."""
+    own, slider, origin = d.candidate, d.slider, d.initial.position
+    sign = 1.0 if own.stop[c] > 0 else -1.0
+    limit = slider.min if own.stop[c] > 0 else slider.max
+    own.normal_x[c], own.normal_y[c], own.radius[c] = sign * slider.ux, sign * slider.uy, 0.0
+    own.offset[c] = sign * (slide_along(d, origin[0], origin[1]) + limit)
+
+
+def at_joint(d, c):
+    """Whether candidate c is a stop in a joint."""
+    return abs(d.candidate.stop[c]) == 1
 
 
 def normal(d, c):
@@ -83,10 +102,13 @@ def tangent(d, e):
     """The row of element e along t, the direction in which dry friction acts.
 
     At a wall that is t = (n_y, −n_x). An element after the candidates is a joint: friction acts on its angle,
-    the x of its place, so that a force F is a moment of s F, with the lever arm s of a stop.
+    the x of its place, so that a force F is a moment of s F, with the lever arm s of a stop. The last element
+    of a chain with a slider is that, along its line.
     """
     if e < d.candidates:
         return d.candidate.place[e], d.candidate.normal_y[e], -d.candidate.normal_x[e]
+    if d.slides and e == d.candidates + d.links:
+        return 0, d.slider.ux, d.slider.uy
     return d.links + 1 + e - d.candidates, 1.0, 0.0
 
 
@@ -131,7 +153,7 @@ def add_impedance(row, impedance, amount):
 def clearance(d, c):
     """Clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
     row = normal(d, c)
-    gap = along(row, d.work.position) - d.candidate.offset[c] - d.contact.radius
+    gap = along(row, d.work.position) - d.candidate.offset[c] - d.candidate.radius[c]
     gap_rate = along(row, d.work.velocity)
     if d.channels > 0:
         gap_rate -= d.shift.rate[c]
@@ -186,6 +208,8 @@ def join(d, impedance, time):
             impedance.joint[i] = joint_armature(d, i) + joint_resistance(d, i, time)
             if d.model.jointed:
                 impedance.joint[i] += square * impedance.xx[d.links + 1 + i]
+    if d.slides:
+        add_impedance((0, d.slider.ux, d.slider.uy), impedance, slider_resistance(d, time))
 
 
 def clear_loads_of(d, load):
@@ -221,27 +245,36 @@ def speed_bound(d, vectors):
     if d.model.stopped:
         for k in range(d.links + 1, 2 * d.links + 1):
             most = max(most, abs(vectors.x[k]))
+    for k in range(2 * d.links + 1, 2 * d.links + 1 + d.sites):
+        most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
     return most
 
 
 def coordinates_size(d, c, y):
     """The sum of the sizes [m] of the coordinates whose round-off g of candidate c has, at located points."""
     point = d.candidate.point[c]
-    if d.candidate.stop[c] != 0:
+    if at_joint(d, c):
         before = abs(y[ANGLES + point - 2]) if point > 1 else 0.0
         return d.model.size * (abs(y[ANGLES + point - 1]) + before)
-    return abs(d.work.position.x[point]) + abs(d.work.position.y[point])
+    place = d.candidate.place[c]
+    return abs(d.work.position.x[place]) + abs(d.work.position.y[place])
+
+
+def link_of(d, c):
+    """The link on which the wall of candidate c acts: the one that ends at its point, or that of its site."""
+    point = d.candidate.point[c]
+    return max(point, 1) - 1 if point <= d.links else d.site.link[point - d.links - 1]
 
 
 def lever(d, c):
     """The length [m] by which speeds, forces and masses of candidate c are those of an angle; of a wall 1."""
-    return d.model.size if d.candidate.stop[c] != 0 else 1.0
+    return d.model.size if at_joint(d, c) else 1.0
 
 
 def check_base(d):
     """BASE_BEYOND_WALL if base or wall have moved so that a pinned base is beyond a wall, or OK."""
     locate_points(d, d.step.state_end)
-    for c in range(d.candidates if d.model.pinned else 0):
+    for c in range(d.candidates if d.model.pinned and not d.slides else 0):
         if d.candidate.stop[c] == 0 and (d.model.base_moves or d.shift.channel[c] >= 0):
             nx, ny = d.candidate.normal_x[c], d.candidate.normal_y[c]
             at = nx * d.work.position.x[0] + ny * d.work.position.y[0]

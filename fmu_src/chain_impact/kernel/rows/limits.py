@@ -25,7 +25,7 @@ The rows inside are found one by one, as in bounded least squares (Stark & Parke
 
 import math
 
-from chain_impact.kernel.chain.tree import FREE, HELD
+from chain_impact.kernel.chain.response import FREE, HELD
 from chain_impact.kernel.rows.compliance import SWEEPS, factorize_contacts, holding_impedance, solve_contacts
 from chain_impact.kernel.rows.constraints import ROUND_OFF, ROUNDS, SIGN_TOLERANCE, set_impedance
 from chain_impact.kernel.rows.geometry import along, constraint, constraint_rows

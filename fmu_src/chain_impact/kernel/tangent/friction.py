@@ -281,6 +281,8 @@ def check_coefficients(t):
     for i in range(0 if t.model.pinned else 1, t.links):
         if cannot_be_less(t.model.joint_friction[i]):
             end_at(t, NO_LESS, t.candidates + i)
+    if t.slides and cannot_be_less(t.slider.friction):
+        end_at(t, NO_LESS, t.candidates + t.links)
 
 
 def is_open(t, e):

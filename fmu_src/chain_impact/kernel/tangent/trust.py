@@ -57,9 +57,10 @@ def cannot_be_less(friction):
 def fastest_speed(t):
     """The speed of the fastest point [m/s]."""
     most, velocity = 0.0, t.work.velocity
-    for k in range(t.links + 1):
-        x, y = value(velocity.x[k]), value(velocity.y[k])
-        most = max(most, math.sqrt(x * x + y * y))
+    for k in range(len(velocity.x)):
+        if not t.links < k <= 2 * t.links:  # the places of joints
+            x, y = value(velocity.x[k]), value(velocity.y[k])
+            most = max(most, math.sqrt(x * x + y * y))
     return most
 
 
@@ -91,7 +92,7 @@ def mark_untrusted(t, reason, c, time):
     trust.reason, trust.time = reason, time
     trust.point, trust.wall = NO_IMPACT, 0
     if c >= t.candidates:
-        trust.point, trust.wall = joint_of(t, c) + 1, JOINT
+        trust.point, trust.wall = (joint_of(t, c) + 1) % (t.links + 1), JOINT  # a slider is point 0
     elif c != NO_IMPACT:
         trust.point, trust.wall = t.candidate.point[c], t.candidate.wall[c]
 

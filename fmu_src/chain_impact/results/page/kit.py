@@ -17,7 +17,7 @@ from typing import Any, get_args, get_origin
 
 import numpy as np
 
-from chain_impact.compilation.affine import SAMPLES, affine
+from chain_impact.compilation.affine import COUNTS, SAMPLES, affine
 from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
@@ -38,12 +38,12 @@ from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable
 
 WITH_STOPS = SimpleNamespace(stops=True, links=())
 """As much of a chain with stops as the defaults depend on that follow from no value."""
-IN_TEMPLATES = {"n": "{n}", "name": "{name}", "before": "{before}"}
+IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 """The words of an element in the texts of parameters and inputs, which the page fills in."""
 LONGEST = 1e9
 """s, of the times of a run."""
 PLACES: dict[str, Place] = {
-    **{name: (name,) for name in ("links", "candidates", "elements", "loads", "channels")},
+    **{name: (name,) for name in COUNTS},
     "regularized": ("step", "regularized"),
     **{key: ("model", key) for key in ("pinned", "driven", "followed", "base_moves")},
     **{f"candidate_{key}": ("candidate", AT, key) for key in ("point", "wall", "stop")},
@@ -218,5 +218,5 @@ def words(place: Place) -> list[int]:
 
 
 def _affine(number: Callable[[np.dtype], int]) -> list[int]:
-    """a, b, c, d, e and f of a number that the record of N, C, F, L and K has."""
+    """a, b, c, d, e, f and g of a number that the record of N, C, F, L, K and P has."""
     return [*affine([number(layout_of(*sizes)) for sizes in SAMPLES])]

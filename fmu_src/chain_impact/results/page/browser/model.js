@@ -9,7 +9,7 @@ const BYTES = 8; // of a word
 /** Numbers of some length, from 0. */
 const range = (length) => Array.from({ length }, (_, k) => k);
 
-/** The place of a word in a record of these sizes, a + bN + cC + dF + eL + fK + g·index. */
+/** The place of a word in a record of these sizes, a + bN + cC + dF + eL + fK + gP + h·index. */
 function placeOf([constant, ...slopes], sizes, index = 0) {
   return [...sizes, index].reduce((sum, size, k) => sum + slopes[k] * size, constant);
 }
@@ -56,6 +56,7 @@ function partsOf(file, { boxWalls }) {
     hasFriction ? count + candidates.length : 0,
     outputs.loads ? count + wallNames.length : 0,
     2 * inputs.base_motion + 2 * moving.length,
+    0,
   ];
   return { file, points, stops, there, wallNames, pairs, candidates, rubbing, hasFriction, moving, joints, facts, sizes };
 }
@@ -78,6 +79,8 @@ function elementsOf({ file, points, stops, there, wallNames, pairs, candidates, 
     point: range(links + 1).map((n) => ({ n, at: n })),
     joint: ofJoints(joints),
     "rubbing joint": ofJoints(rubbing),
+    site: [],
+    slider: [],
     line: file.walls.map(({ name }, at) => ({ name, at })),
     material: points.length ? there.map((name) => ({ name, at: wallNames.indexOf(name) })) : [],
     contact: pairs.map(([n, wall], at) => ({ n, name: wallNames[wall], at })),
@@ -136,7 +139,7 @@ function recordOf(kit, parts, rows, values) {
   };
   const put = (name, value, index = 0) => write(kit.places[name].word, value, kit.places[name].real, index);
   const each = (name, all) => all.forEach((value, index) => put(name, value, index));
-  ["links", "candidates", "elements", "loads", "channels"].forEach((name, k) => put(name, sizes[k]));
+  ["links", "candidates", "elements", "loads", "channels", "sites"].forEach((name, k) => put(name, sizes[k]));
   put("regularized", kit.constants.noContact);
   each("candidate_point", candidates.map(([point]) => point));
   each("candidate_wall", candidates.map(([, wall]) => wall));

@@ -1,0 +1,261 @@
+"""The response of the chain to impulses: M + Jᵀ D J + K, eliminated by the recursion of chain/tree.py.
+
+``factorize`` and ``solve`` find solutions with M + Jᵀ D J + K in O(N), for real, complex and dual numbers
+alike. D are impedances at the points. K = Σ κ_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}: each joint
+resists a change of its relative angular velocity by κ_i (Δ_i − Δ_{i−1}) − μ_i, with μ_i an impulse in the
+joint. The base has a damper only if it is pinned.
+
+A joint that resists transmits a moment. The response of the outer part of the chain therefore depends on the
+motion a of the joint and on β, that of the next link inward:
+
+    Z = ½ a·A a + β e·a + ½ p β² − b·a − t β,
+
+with A, e and p a symmetric 3×3 articulated inertia. To this, link i adds its own inertia and its damper,
+and is eliminated, Δ_i = α. With L, m c, x⊥ as there and primes for the part outside of link i,
+whose β is α:
+
+    h = m c⊥ + A' L⊥ + e',   H = I + m c² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t' + τ,
+    Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β)² − μ (α − β),
+    α = (s + μ − h·a + κ β)/(H + κ).
+
+The result has the coefficients, with σ = κ/(H + κ) between 0 and 1,
+
+    A = A' + m 1 − h hᵀ/(H + κ),   e = σ h,   p = σ H,
+    b = b' − h (s + μ)/(H + κ),    t = σ s − (1 − σ) μ,
+
+in which nothing cancels, however large κ is. As there two arms meet at the middle joint. Its damper
+belongs to the outward arm, whose β is the α of the last link of the inward one: e, p and t of the outward arm
+add to h, H and s of that link. A light link at an end is eliminated before heavier ones, which
+would swallow its digits.
+
+No pivots are needed for complex κ and D of implicit steps (ode/extended.py): with the largest
+argument of a shift below 61° all quadratic forms lie in a sector of less than 122°, and no pivot vanishes.
+"""
+
+from chain_impact.kernel.chain.sites import has_link_moments, site_arm, site_place
+from chain_impact.kernel.chain.state import ANGLES
+from chain_impact.kernel.chain.tree import arm, hinge, inertia_along
+from chain_impact.kernel.functions import inlined
+
+FREE, HELD, SHIFTED = 0, 1, 2
+"""Rows of the factors of M, of M with impedances at what is held, and of those of a real shift."""
+ROWS = 3
+
+
+def reciprocal(number):
+    """1/x of a number that is not zero and far from overflow."""
+    return 1.0 / number
+
+
+def complex_reciprocal(number):
+    """As ``reciprocal``, for a complex number: numba's own quotient may raise, and has branches."""
+    size = 1.0 / (number.real * number.real + number.imag * number.imag)
+    return complex(number.real * size, -number.imag * size)
+
+
+def cross(lx, ly, bx, by):
+    """L⊥·b."""
+    return lx * by - ly * bx
+
+
+def complex_cross(lx, ly, bx, by):
+    """As ``cross``, for a complex b: numba would make L complex."""
+    return complex(cross(lx, ly, bx.real, by.real), cross(lx, ly, bx.imag, by.imag))
+
+
+def complex_hinge(link, axx, axy, ayy):
+    """As ``hinge``, for a complex A', likewise."""
+    hx, hy, own = hinge(link, axx.real, axy.real, ayy.real)
+    gx, gy, part = hinge((link[0], link[1], 0.0, 0.0, 0.0), axx.imag, axy.imag, ayy.imag)
+    return complex(hx, gx), complex(hy, gy), complex(own, part)
+
+
+COMPLEX = {reciprocal: complex_reciprocal, cross: complex_cross, hinge: complex_hinge}
+"""Function of the kernel → what stands for it where an argument is complex."""
+
+
+def no_impedance(d, impedance):
+    """Set the impedances at all places to zero."""
+    for k in range(d.links + 1):
+        impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
+    if d.model.jointed:
+        for k in range(d.links + 1, 2 * d.links + 1):
+            impedance.xx[k] = 0.0
+    for s in range(d.sites):
+        k = site_place(d, s)
+        impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
+
+
+def factorize(d, links, space, row, coupled):
+    """Eliminate M + Jᵀ D J + K.
+
+    Args:
+        d: the instance.
+        links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
+        space: record with ``impedance``, which has ``xx, xy, yy`` of each point, D [kg], and ``joint``, shape
+            (N,), κ_i [kg·m²]; and with ``factors``, the result, used by ``solve``.
+        row: of the factors.
+        coupled: whether there may be moments in joints: else κ and μ are zero, and are not read.
+    """
+    n, middle, impedance = d.links, d.model.middle, space.impedance
+    space.factors.coupled[row] = 1 if coupled else 0
+    axx, axy, ayy, ex, ey, p = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    cxx, cxy, cyy, fx, fy, q = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(n - middle):
+        i, inner = n - 1 - k, k - (n - 2 * middle)
+        axx, axy, ayy, ex, ey, p = eliminate(
+            d, links, space, row, coupled, i, True, impedance.joint[i], axx, axy, ayy, ex, ey, p
+        )
+        if inner >= 0:
+            last = inner + 1 == middle
+            resistance = 0.0 if last else impedance.joint[inner + 1]
+            if last and coupled:
+                # e·a α = e·(a' − α L⊥) α, with L the link vector as seen from the middle joint
+                q += p + cross(2.0 * links.x[inner], 2.0 * links.y[inner], ex, ey)
+                fx, fy = fx + ex, fy + ey
+            cxx, cxy, cyy, fx, fy, q = eliminate(
+                d, links, space, row, coupled, inner, False, resistance, cxx, cxy, cyy, fx, fy, q
+            )
+    axx = axx + cxx + impedance.xx[middle]
+    axy = axy + cxy + impedance.xy[middle]
+    ayy = ayy + cyy + impedance.yy[middle]
+    set_middle(d, space.factors, row, axx, axy, ayy)
+
+
+def take_factors(d, coupled):
+    """Take the factors of M that ``accelerations`` has found; ``coupled`` as for ``factorize``.
+
+    With armatures, ``geared_accelerations`` in rows/compliance.py has left them in their place.
+    """
+    if d.model.geared:
+        return
+    found, factors = d.work.elimination, d.work.factors
+    set_middle(d, factors, FREE, found.middle_xx, found.middle_xy, found.middle_yy)
+    factors.coupled[FREE] = 1 if coupled else 0
+    for i in range(d.links):
+        factors.gain_x[FREE, i], factors.gain_y[FREE, i] = found.gain_x[i], found.gain_y[i]
+        factors.inverse[FREE, i], factors.share[FREE, i], factors.rest[FREE, i] = found.inverse[i], 0.0, 1.0
+
+
+def set_middle(d, factors, row, axx, axy, ayy):
+    """Set A⁻¹ of the middle joint; of a pinned base 0, of a slider u uᵀ/(u·A u + m)."""
+    mobility = factors.middle_mobility
+    if d.slides:
+        ux, uy, inverse = d.slider.ux, d.slider.uy, reciprocal(inertia_along(d, axx, axy, ayy))
+        mobility[row, 0], mobility[row, 1] = ux * ux * inverse, ux * uy * inverse
+        mobility[row, 2] = uy * uy * inverse
+        return
+    scale = 0.0 if d.model.pinned else reciprocal(axx * ayy - axy * axy)
+    mobility[row, 0], mobility[row, 1], mobility[row, 2] = ayy * scale, -axy * scale, axx * scale
+
+
+@inlined
+def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
+    """Eliminate link i, whose inner joint has the ``resistance`` κ: return A, e and p for A', e' and p'."""
+    point, factors = i + 1 if outward else i, space.factors
+    axx += space.impedance.xx[point]
+    axy += space.impedance.xy[point]
+    ayy += space.impedance.yy[point]
+    link = lx, ly, _, _, _ = arm(d, links, i, outward)
+    hx, hy, own = hinge(link, axx, axy, ayy)
+    for s in range(
+        d.model.first_site[i] if d.sites > 0 else 0, d.model.first_site[i + 1] if d.sites > 0 else 0
+    ):
+        rx, ry = site_arm(d, links, s)
+        if not outward:
+            rx, ry = rx - links.x[i], ry - links.y[i]
+        k = site_place(d, s)
+        xx, xy, yy = space.impedance.xx[k], space.impedance.xy[k], space.impedance.yy[k]
+        # D r⊥
+        sx, sy = xy * rx - xx * ry, yy * rx - xy * ry
+        hx, hy, own = hx + sx, hy + sy, own + cross(rx, ry, sx, sy)
+        axx, axy, ayy = axx + xx, axy + xy, ayy + yy
+    if coupled:
+        hx, hy, own = hx + ex, hy + ey, own + (cross(2.0 * lx, 2.0 * ly, ex, ey) + p)
+        inverse = reciprocal(own + resistance)
+        share = resistance * inverse
+        factors.share[row, i], factors.rest[row, i] = share, own * inverse
+        # e = σ h,  p = σ H
+        ex, ey, p = share * hx, share * hy, share * own
+    else:
+        inverse = reciprocal(own)
+    kx, ky, m = hx * inverse, hy * inverse, d.model.mass[i]
+    factors.gain_x[row, i], factors.gain_y[row, i], factors.inverse[row, i] = kx, ky, inverse
+    # A = A' + m 1 − h hᵀ/(H + κ)
+    return axx + m - hx * hx * inverse, axy - hx * hy * inverse, ayy + m - hy * hy * inverse, ex, ey, p
+
+
+def solve(d, links, space, row, change):
+    """Solve (M + Jᵀ D J + K) Δ = Jᵀ load + Σ μ_i g_i: the response to impulses on points and in joints.
+
+    Args:
+        d: the instance.
+        links: as for ``factorize``.
+        space: record with its result, and with ``load``, which has ``x, y`` of each point [N·s], and
+            ``joint``, shape (N,), μ_i [N·m·s], and ``link``, τ_i of each link, which is read in a
+            scene with sites or centres of mass beside the lines; or forces.
+        row: of the factors.
+        change: result Δ, shape (N+2,): the change of the base's velocity [m/s] and of the angular velocities
+            [rad/s]; or accelerations. Entries after these are not changed.
+    """
+    n, middle, load, coupled = d.links, d.model.middle, space.load, space.factors.coupled[row] != 0
+    bx, by, t = 0.0, 0.0, 0.0
+    cx, cy, u = 0.0, 0.0, 0.0
+    for k in range(n - middle):
+        i, inner = n - 1 - k, k - (n - 2 * middle)
+        bx, by, t = gather(d, links, space, row, coupled, i, True, load.joint[i], bx, by, t, change)
+        if inner >= 0:
+            last = inner + 1 == middle
+            moment = 0.0 if last else -load.joint[inner + 1]
+            u = u + t if last else u
+            cx, cy, u = gather(d, links, space, row, coupled, inner, False, moment, cx, cy, u, change)
+    bx, by = bx + cx + load.x[middle], by + cy + load.y[middle]
+    mobility = space.factors.middle_mobility
+    x = mobility[row, 0] * bx + mobility[row, 1] * by
+    y = mobility[row, 1] * bx + mobility[row, 2] * by
+    cx, cy, turned, before = x, y, 0.0, 0.0
+    for k in range(n - middle):
+        if k < middle:
+            i = middle - 1 - k
+            cx, cy, turned = spread(links, space, row, coupled, i, False, cx, cy, turned, change)
+            before = turned if k == 0 else before
+        x, y, before = spread(links, space, row, coupled, middle + k, True, x, y, before, change)
+    change[0], change[1] = cx, cy
+
+
+@inlined
+def gather(d, links, space, row, coupled, i, outward, moment, bx, by, t, change):
+    """Set the change of ω_i for an inner joint and a next link at rest; return b and t for b' and t'.
+
+    The ``moment`` is μ of the inner joint, as it acts on link i.
+    """
+    factors, point, sign = space.factors, i + 1 if outward else i, 1.0 if outward else -1.0
+    bx += space.load.x[point]
+    by += space.load.y[point]
+    s = cross(sign * links.x[i], sign * links.y[i], bx, by)
+    if has_link_moments(d):
+        s += space.load.link[i]
+    if coupled:
+        s += t
+        # t = σ s − (1 − σ) μ
+        t = factors.share[row, i] * s - factors.rest[row, i] * moment
+        s += moment
+    change[ANGLES + i] = s * factors.inverse[row, i]
+    # b = b' − h (s + μ)/(H + κ)
+    return bx - factors.gain_x[row, i] * s, by - factors.gain_y[row, i] * s, t
+
+
+@inlined
+def spread(links, space, row, coupled, i, outward, x, y, before, change):
+    """Correct the change of ω_i for those of its inner joint's velocity and the next link's ω.
+
+    Returns:
+        The changes of the outer joint's velocity and of ω_i.
+    """
+    factors, sign = space.factors, 1.0 if outward else -1.0
+    # α = (s + μ − h·a + κ β)/(H + κ)
+    a = change[ANGLES + i] - factors.gain_x[row, i] * x - factors.gain_y[row, i] * y
+    if coupled:
+        a += factors.share[row, i] * before
+    change[ANGLES + i] = a
+    return x - a * (sign * links.y[i]), y + a * (sign * links.x[i]), a

@@ -1,0 +1,85 @@
+"""Sites: points fixed to links beside the joints, such as the heel of a foot or the corner of a brick.
+
+A site lies at x along the line of its link, from the proximal joint, and at y to the left of it. With the
+vector L along the link and L⊥ = ẑ × L, the arm from the proximal joint to the site is
+
+    r = (x/ℓ) L + (y/ℓ) L⊥,   ℓ the length of the link,
+
+and p = p_i + r, v = v_i + ω r⊥, a = a_i + α r⊥ − ω² r. A force F at the site acts on the chain as F at the
+proximal joint and the moment r⊥·F on the link. The sites are numbered in the order of their links. Their
+places stand behind those of the points and of the joints. A scene without sites has none of these terms.
+"""
+
+from chain_impact.kernel.functions import inlined
+
+
+@inlined
+def site_place(d, s):
+    """The place of site s: behind the N + 1 points and the N joints."""
+    return 2 * d.links + 1 + s
+
+
+@inlined
+def site_arm(d, links, s):
+    """The arm r [m] of site s from the proximal joint of its link, for the link vectors in ``links``."""
+    i, along, beside = d.site.link[s], d.site.along[s], d.site.beside[s]
+    lx, ly = links.x[i], links.y[i]
+    return along * lx - beside * ly, along * ly + beside * lx
+
+
+def place_sites(d, y, first, position, velocity):
+    """Set positions and velocities of the sites, for ω that begin at index ``first`` of the state y."""
+    for s in range(d.sites):
+        i, k = d.site.link[s], site_place(d, s)
+        rx, ry = site_arm(d, d.work.link, s)
+        position.x[k], position.y[k] = position.x[i] + rx, position.y[i] + ry
+    turn_sites(d, d.work.link, y, first, velocity)
+
+
+def turn_sites(d, links, turns, first, vectors):
+    """Set the motion of the sites by that of the joints, and turns of the links from index ``first`` on."""
+    for s in range(d.sites):
+        i, k = d.site.link[s], site_place(d, s)
+        rx, ry = site_arm(d, links, s)
+        vectors.x[k] = vectors.x[i] - turns[first + i] * ry
+        vectors.y[k] = vectors.y[i] + turns[first + i] * rx
+
+
+def accelerate_sites(d, y, rate, first, acceleration):
+    """Set the accelerations of the sites, for ω and α from index ``first`` on of y and its rate."""
+    turn_sites(d, d.work.link, rate, first, acceleration)
+    for s in range(d.sites):
+        k, omega = site_place(d, s), y[first + d.site.link[s]]
+        rx, ry = site_arm(d, d.work.link, s)
+        acceleration.x[k] -= omega * omega * rx
+        acceleration.y[k] -= omega * omega * ry
+
+
+def clear_sites(d, vectors):
+    """Set the vectors of all sites to zero."""
+    for k in range(2 * d.links + 1, 2 * d.links + 1 + d.sites):
+        vectors.x[k], vectors.y[k] = 0.0, 0.0
+
+
+def has_link_moments(d):
+    """Whether loads may have moments on links, from sites or from centres of mass beside the lines."""
+    return d.sites > 0 or d.skewed != 0
+
+
+def clear_link_moments(d, load):
+    """Set the moments on all links to zero, where there may be any."""
+    for i in range(d.links if has_link_moments(d) else 0):
+        load.link[i] = 0.0
+
+
+def carry_sites(d, links, load):
+    """Carry the forces at the sites to the proximal joints of their links, with moments on the links."""
+    clear_link_moments(d, load)
+    for s in range(d.sites):
+        i, k = d.site.link[s], site_place(d, s)
+        rx, ry = site_arm(d, links, s)
+        load.x[i] += load.x[k]
+        load.y[i] += load.y[k]
+        # r⊥·F
+        load.link[i] += rx * load.y[k] - ry * load.x[k]
+        load.x[k], load.y[k] = 0.0, 0.0

@@ -1,0 +1,88 @@
+"""The slider: a base on a carriage that slides along a straight line, in the direction u.
+
+Its coordinate is s = u·(p₀ − o), from the initial position o of the base. The recursion needs the force
+A a + b for an acceleration a of the base; along the line
+
+    a = s̈ u,   (u·A u + m) s̈ = F + u·(m g − b),
+
+with m the mass of the carriage and F the force of motor, spring and damper. Across the line the guide takes
+every force. The spring and the damper are a servo if there are targets, and the force of motor, spring and
+damper together may have a limit, as in the joints (chain/joints.py). Dry friction is an element
+(forces/friction.py), and ends of the line are stops (rows/geometry.py), at the place of the base.
+"""
+
+from chain_impact.kernel.chain.state import velocity_at
+
+
+def slide_along(d, vector_x, vector_y):
+    """The part of a vector along the line."""
+    return d.slider.ux * vector_x + d.slider.uy * vector_y
+
+
+def slider_position(d, y):
+    """S [m] for the state y."""
+    return slide_along(d, y[0] - d.initial.position[0], y[1] - d.initial.position[1])
+
+
+def slider_velocity(d, y):
+    """ṡ [m/s] for the state y, or s̈ for its rate."""
+    n = d.links
+    return slide_along(d, y[velocity_at(n)], y[velocity_at(n) + 1])
+
+
+def is_slider_drive(d):
+    """Whether the work of spring, damper and motor is that of a drive: supplied energy."""
+    return d.model.followed != 0 or d.slider.force_limit < float("inf")
+
+
+def slider_damping(d):
+    """C [N·s/m], 0 without a slider and while the force is at its limit."""
+    return d.slider.damping if d.slides and d.slider.mode == 0 else 0.0
+
+
+def slider_stiffness(d):
+    """K [N/m], likewise."""
+    return d.slider.stiffness if d.slides and d.slider.mode == 0 else 0.0
+
+
+def slider_resistance(d, time):
+    """κ = t c + t² k [kg] of damper and spring, for a ``time`` t [s]."""
+    return time * (slider_damping(d) + time * slider_stiffness(d))
+
+
+def slider_stretch(d, y):
+    """S − s₀ [m], from the rest or target position of the spring."""
+    return slider_position(d, y) - d.inputs.slider_target_position
+
+
+def wanted_force(d, y):
+    """F − c (ṡ − v_t) − k (s − s₀) [N] of motor, damper and spring, before a limit."""
+    own = d.inputs
+    force = own.slider_force - d.slider.damping * (slider_velocity(d, y) - own.slider_target_velocity)
+    return force - d.slider.stiffness * slider_stretch(d, y)
+
+
+def slider_force(d, y):
+    """The force F [N] of motor, damper and spring, at its limit while its mode says so."""
+    mode = d.slider.mode
+    return wanted_force(d, y) if mode == 0 else float(mode) * d.slider.force_limit
+
+
+def slider_power(d, y):
+    """The power [W] that the damper dissipates, and that motor or servo supply."""
+    rate = slider_velocity(d, y)
+    if is_slider_drive(d):
+        return 0.0, slider_force(d, y) * rate
+    return d.slider.damping * rate * rate, d.inputs.slider_force * rate
+
+
+def slider_spring_energy(d, y):
+    """The energy [J] of a spring that is no servo."""
+    stretch = slider_stretch(d, y)
+    return 0.0 if is_slider_drive(d) else 0.5 * d.slider.stiffness * stretch * stretch
+
+
+def carriage_energy(d, y):
+    """Kinetic and potential energy [J] of the carriage."""
+    rate, gravity = slider_velocity(d, y), d.model.gravity
+    return 0.5 * d.slider.mass * rate * rate, -d.slider.mass * (gravity[0] * y[0] + gravity[1] * y[1])

@@ -1,0 +1,110 @@
+"""Completion of a scene that was read: shapes, radii, angles and materials that follow from other keys."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from chain_impact.compilation.law_file import LawError, read_law
+from chain_impact.scene.contents import AnyScene
+from chain_impact.scene.half_planes import direction
+from chain_impact.scene.reading import SceneError, shown
+from chain_impact.scene.tables import Material, Site
+
+ANGLES = ("initial", "angles")
+
+
+def completed(scene: AnyScene, folder: Path) -> AnyScene:
+    """Return the scene with what its file leaves to other keys; files in it are sought from ``folder``."""
+    scene = with_radii(with_shapes(with_angles(with_law_path(scene, folder))))
+    return with_materials(with_absolute_angles(scene))
+
+
+def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
+    """Return the scene with the whole path of its law's file, after a check of that."""
+    file = scene.contact.law_file
+    if not file:
+        return scene
+    path = (folder / file).absolute()
+    try:
+        read_law(path)
+    except LawError as error:
+        raise SceneError(f"contact.law_file = {file!r} {error}") from None
+    return replace(scene, contact=replace(scene.contact, law_file=str(path)))
+
+
+def with_angles(scene: AnyScene) -> AnyScene:
+    """Return the scene with the angles of the walls that were given by a normal, which have none then."""
+    walls = []
+    for wall in scene.walls:
+        if (wall.angle is None) == (wall.normal is None):
+            has = "neither angle nor" if wall.angle is None else "both angle and"
+            raise SceneError(f"wall.{wall.name} has {has} normal; must have one of them")
+        if wall.normal and not any(wall.normal):
+            raise SceneError(f"wall.{wall.name}.normal = {list(wall.normal)} must not be zero")
+        walls.append(replace(wall, angle=direction(wall.normal), normal=None) if wall.normal else wall)
+    return replace(scene, walls=tuple(walls))
+
+
+def with_shapes(scene: AnyScene) -> AnyScene:
+    """Return the scene with the points and the inertia of each link that was given as a box."""
+    links, given = [], set()
+    for i, link in enumerate(scene.chain.links):
+        if (link.shape is None) != (link.height is None):
+            has, lacks = ("height", "shape") if link.shape is None else ("shape", "height")
+            raise SceneError(f"link[{i + 1}] has {has} but no {lacks}; must have both or neither")
+        if link.height is None:
+            links.append(link)
+            continue
+        half, length = link.height / 2, link.length
+        corners = tuple(Site(x=x, y=y, radius=None) for y in (-half, half) for x in (0.0, length))
+        inertia, place = link.inertia, ("chain", "links", i, "inertia")
+        if place in scene.derived_places:
+            given.add(place)
+            inertia = link.mass * (length * length + link.height * link.height) / 12  # of a rectangle
+        points = (*corners, *link.points)
+        links.append(replace(link, shape=None, height=None, points=points, inertia=inertia))
+    places = tuple(place for place in scene.derived_places if place not in given)
+    return replace(scene, chain=replace(scene.chain, links=tuple(links)), derived_places=places)
+
+
+def with_radii(scene: AnyScene) -> AnyScene:
+    """Return the scene with the radius of each point of a link that has none of its own: contact.radius."""
+    links, places = [], [*scene.derived_places]
+    for i, link in enumerate(scene.chain.links):
+        points = []
+        for j, site in enumerate(link.points):
+            if site.radius is None:
+                places.append(("chain", "links", i, "points", j, "radius"))
+                points.append(replace(site, radius=scene.contact.radius))
+            else:
+                points.append(site)
+        links.append(replace(link, points=tuple(points)) if points else link)
+    if not scene.chain.sites:
+        return scene
+    chain = replace(scene.chain, links=tuple(links))
+    return replace(scene, chain=chain, derived_places=tuple(sorted(places, key=str)))
+
+
+def with_absolute_angles(scene: AnyScene) -> AnyScene:
+    """Return the scene with the initial angles given, also where its file gives those of the joints."""
+    initial, places = scene.initial, scene.derived_places
+    if initial.joint_angles is None:
+        return scene
+    if ANGLES not in places:
+        raise SceneError("initial has both angles and joint_angles; must have one of them", ANGLES)
+    places = tuple(place for place in places if place != ANGLES)
+    absolute = replace(initial, joint_angles=None)
+    return replace(scene, initial=absolute, derived_places=places, has_joint_angles=True)
+
+
+def with_materials(scene: AnyScene) -> AnyScene:
+    """Return the scene with a material of each wall that is there; what is not given of it is None."""
+    given = dict(scene.contact.wall)
+    materials = {name: given.pop(name, Material()) for name in scene.half_planes}
+    if given:
+        needed = f"one of {', '.join(materials)}" if materials else "empty: the scene has no walls"
+        raise SceneError(
+            f"contact.wall = {shown(next(iter(given)))} is no wall of the scene; must be {needed}"
+        )
+    return replace(scene, contact=replace(scene.contact, wall=materials))

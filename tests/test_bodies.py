@@ -1,0 +1,248 @@
+"""Bodies, points of links and sliders against conserved quantities, closed forms and twins."""
+
+from copy import deepcopy
+
+import numpy as np
+import pytest
+
+from chain_impact import simulate
+from chain_impact.scene.scene import SceneError, scene_from_dict
+
+ROD = {
+    "name": "Rod",
+    "chain": {"links": [{"length": 0.5, "mass": 1.0}]},
+    "box": {"y_min": 0.0},
+    "contact": {"stiffness": 1e6, "friction": 0.3},
+    "initial": {"position": [0.0, 0.5], "angles": [0.3], "angular_velocities": [2.0]},
+}
+
+
+def changed(data, **tables):
+    """A scene with some tables added to those of other data."""
+    data = deepcopy(data)
+    for name, table in tables.items():
+        data[name] = {**data.get(name, {}), **table} if isinstance(table, dict) else table
+    return data
+
+
+def scene(data):
+    return scene_from_dict(data, data["name"])
+
+
+def on_slider(link, slider, **tables):
+    """A scene of one link on a slider, without walls."""
+    chain = {"base": "slider", "slider": slider, "links": [{"length": 0.5, "mass": 1.0, **link}]}
+    return scene(changed({"name": "Cart", "box": {}, "contact": {"points": []}}, chain=chain, **tables))
+
+
+@pytest.mark.parametrize("method", ["auto", "explicit", "implicit"])
+def test_points_at_the_ends_of_a_link_touch_as_the_ends_do(method):
+    twin = changed(ROD, contact={"points": []})
+    twin["chain"]["links"][0]["points"] = [{"x": 0.0, "y": 0.0}, {"x": 0.5, "y": 0.0}]
+    ends, points = (simulate(scene(data), stop_time=1.5, method=method) for data in (ROD, twin))
+    assert len(ends.impacts) == len(points.impacts) > 10
+    np.testing.assert_allclose(points.angles, ends.angles, rtol=0.0, atol=1e-10)
+    for name in ("onset", "end", "peak_force", "impulse"):
+        np.testing.assert_allclose(points.impacts[name], ends.impacts[name], rtol=1e-8, atol=1e-10)
+    assert set(points.impacts["point"]) == {2, 3}
+    np.testing.assert_allclose(points["point[3].x"], ends["point[1].x"], rtol=0.0, atol=1e-10)
+    assert points.points.shape[1:] == (2, 2)
+    assert points.sites.shape[1:] == (2, 2)
+
+
+def test_a_box_comes_to_rest_on_two_of_its_corners():
+    data = changed(ROD, contact={"points": [], "friction": 0.4, "restitution": 0.5})
+    data["chain"]["links"][0] |= {"shape": "box", "height": 0.2}
+    box = scene(data)
+    assert box.chain.links[0].inertia == pytest.approx((0.5**2 + 0.2**2) / 12, rel=1e-15)
+    run = simulate(box, stop_time=4.0)
+    depth = (1.0 * 9.81 / 2 / 1e6) ** (1 / 1.5)  # half of the weight on each corner
+    np.testing.assert_allclose(run.sites[-1, :2, 1], -depth, rtol=1e-6)
+    assert run.angles[-1, 0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_an_offset_of_the_centre_of_mass_is_that_of_a_link_turned_by_it():
+    """The pendulum with the centre of mass at (0.2, 0.1) of its link is one with a straight link to that."""
+    reach, turned = np.hypot(0.2, 0.1), np.arctan2(0.1, 0.2)
+
+    def swing(link, angle):
+        chain = {"base": "pinned", "links": [{"length": 0.5, "mass": 1.0, "inertia": 0.02, **link}]}
+        return simulate(
+            scene(
+                {
+                    "name": "P",
+                    "chain": chain,
+                    "box": {},
+                    "contact": {"points": []},
+                    "initial": {"angles": [angle]},
+                }
+            ),
+            stop_time=2.0,
+            tolerance=1e-11,
+        )
+
+    beside = swing({"center_of_mass": 0.2, "center_of_mass_offset": 0.1}, 0.3)
+    along = swing({"center_of_mass": float(reach)}, 0.3 + turned)
+    np.testing.assert_allclose(beside.angles + turned, along.angles, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(beside["energy.total"], along["energy.total"], rtol=0.0, atol=1e-9)
+
+
+def test_a_free_cart_keeps_momentum_and_energy_and_its_line_bears_the_weight():
+    run = simulate(
+        on_slider(
+            {"center_of_mass_offset": 0.1},
+            {"mass": 2.0},
+            initial={"angles": [0.5], "slider_velocity": 0.3},
+            outputs={"loads": True},
+        ),
+        stop_time=2.0,
+        tolerance=1e-11,
+    )
+    angle, rate, acceleration = (
+        run.angles[:, 0],
+        run["link[1].angular_velocity"],
+        run["link[1].angular_acceleration"],
+    )
+    x, y = 0.25 * np.cos(angle) - 0.1 * np.sin(angle), 0.25 * np.sin(angle) + 0.1 * np.cos(angle)
+    momentum = 3.0 * run["slider.velocity"] - rate * y
+    np.testing.assert_allclose(momentum, momentum[0], rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(run["energy.total"], run["energy.total"][0], rtol=0.0, atol=1e-8)
+    reaction = 3.0 * 9.81 + acceleration * x - rate**2 * y
+    np.testing.assert_allclose(run["slider.reaction"], reaction, rtol=1e-9)
+    np.testing.assert_allclose(run["slider.moment"], 0.0, atol=1e-9)
+
+
+def test_ends_of_the_line_return_the_prescribed_restitution():
+    run = simulate(
+        on_slider(
+            {"inertia": 0.02},
+            {"angle": 0.4, "mass": 2.0, "min": -0.1, "max": 0.3},
+            gravity=[0.0, 0.0],
+            contact={"points": [], "restitution": 0.6, "stiffness": 1e7},
+            initial={"angles": [0.4], "slider_velocity": 0.5},
+        ),
+        stop_time=3.0,
+        tolerance=1e-10,
+    )
+    first, second = run.impacts[:2]
+    assert [run.wall_names[wall] for wall in run.impacts["wall"][:2]] == ["slider_max", "slider_min"]
+    assert first["onset"] == pytest.approx(0.3 / 0.5, abs=1e-9)
+    assert first["separation_speed"] == pytest.approx(0.6 * 0.5, rel=1e-6)
+    assert second["separation_speed"] == pytest.approx(0.6**2 * 0.5, rel=1e-6)
+    assert set(run.impacts["point"]) == {0}
+
+
+def test_a_slider_on_a_slope_sticks_by_the_friction_that_bears_its_weight():
+    run = simulate(
+        on_slider(
+            {"joint_damping": 0.5},
+            {"angle": 0.2, "mass": 2.0, "friction": 8.0},
+            initial={"angles": [-1.2], "slider_velocity": 1.0},
+        ),
+        stop_time=10.0,
+        tolerance=1e-9,
+    )
+    assert run["slider.sticking"][-1] == 1.0
+    assert run["slider.velocity"][-1] == pytest.approx(0.0, abs=1e-12)
+    assert run["slider.friction_force"][-1] == pytest.approx(3.0 * 9.81 * np.sin(0.2), rel=1e-8)
+
+
+def test_a_spring_and_a_damper_along_the_line_are_those_of_an_oscillator():
+    mass, damping, stiffness, rest = 3.0, 0.6, 30.0, 0.1
+    run = simulate(
+        on_slider(
+            {},
+            {"mass": 2.0, "damping": damping, "stiffness": stiffness, "rest_position": rest},
+            gravity=[0.0, 0.0],
+            initial={"angles": [0.0], "slider_velocity": 0.5},
+        ),
+        stop_time=2.0,
+        tolerance=1e-11,
+    )
+    decay = damping / (2.0 * mass)
+    omega = np.sqrt(stiffness / mass - decay**2)
+    swing = -rest * np.cos(omega * run.time) + (0.5 - decay * rest) / omega * np.sin(omega * run.time)
+    np.testing.assert_allclose(run["slider.position"], rest + np.exp(-decay * run.time) * swing, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "name", ["link[1].center_of_mass_offset", "link[1].point[1].x", "link[1].point[1].y", "contact.radius"]
+)
+def test_derivatives_by_what_a_body_is_are_those_of_differences(name):
+    data = changed(
+        ROD, contact={"points": [], "friction": 0.0, "radius": 0.01}, initial={"angular_velocities": [0.5]}
+    )
+    link = data["chain"]["links"][0]
+    link |= {"center_of_mass_offset": 0.02, "points": [{"x": 0.45, "y": -0.1}]}
+    body = scene(data)
+    run = simulate(body, stop_time=0.6, tolerance=1e-11, sensitivities=[name])
+    assert len(run.impacts) == 1
+    assert run.impacts["end"][0] < 0.5
+    step, value = 1e-6, body.values[name]
+    low, high = (
+        simulate(body.with_values({name: value + sign * step}), stop_time=0.6, tolerance=1e-12)
+        for sign in (-1, 1)
+    )
+    for output in ("point[1].y", "point[2].x", "link[1].angular_velocity"):
+        differences = (high[output][-1] - low[output][-1]) / (2.0 * step)
+        assert run.sensitivity(output, name)[-1] == pytest.approx(differences, rel=1e-5, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "name", ["slider.mass", "slider.angle", "slider.stiffness", "slider.rest_position", "slider.min"]
+)
+def test_derivatives_by_what_a_slider_is_are_those_of_differences(name):
+    cart = on_slider(
+        {"center_of_mass_offset": 0.05},
+        {"angle": 0.1, "mass": 2.0, "damping": 0.3, "stiffness": 20.0, "rest_position": 0.05, "min": -0.05},
+        initial={"angles": [-0.5], "slider_velocity": -0.4},
+    )
+    run = simulate(cart, stop_time=0.6, tolerance=1e-11, sensitivities=[name])
+    assert len(run.impacts) == 1
+    step, value = 1e-6, cart.values[name]
+    low, high = (
+        simulate(cart.with_values({name: value + sign * step}), stop_time=0.6, tolerance=1e-12)
+        for sign in (-1, 1)
+    )
+    for output in ("slider.position", "slider.velocity", "link[1].angle"):
+        differences = (high[output][-1] - low[output][-1]) / (2.0 * step)
+        assert run.sensitivity(output, name)[-1] == pytest.approx(differences, rel=1e-5, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("tables", "told"),
+    [
+        (
+            {
+                "chain": {
+                    "links": [{"length": 1.0, "mass": 1.0, "points": [{"x": 0.5, "y": -0.6, "name": "heel"}]}]
+                }
+            },
+            "heel",
+        ),
+        (
+            {"chain": {"links": [{"length": 1.0, "mass": 1.0, "points": [{"x": 0.5, "radius": -1.0}]}]}},
+            "radius",
+        ),
+        ({"chain": {"links": [{"length": 1.0, "mass": 1.0, "shape": "box"}]}}, "height"),
+        ({"chain": {"base": "slider", "slider": {"min": 0.1, "max": 0.0}}}, "slider.max"),
+        ({"chain": {"base": "slider", "slider": {"min": 0.1}}}, "slider.min"),
+        ({"chain": {"base": "slider"}, "inputs": {"base_motion": True}}, "inputs.base_motion"),
+        ({"chain": {"base": "slider"}, "initial": {"velocity": [1.0, 0.0]}}, "initial.slider_velocity"),
+        ({"chain": {"slider": {"mass": 1.0}}}, "chain.slider"),
+        ({"inputs": {"slider_force": True}}, "inputs.slider_force"),
+        (
+            {
+                "chain": {
+                    "base": "slider",
+                    "slider": {"mass": 0.0},
+                    "links": [{"length": 1.0, "mass": 1.0, "inertia": 0.0}],
+                }
+            },
+            "inertia",
+        ),
+    ],
+)
+def test_what_no_body_can_be_is_refused_by_its_key(tables, told):
+    with pytest.raises(SceneError, match=told.replace(".", r"\.")):
+        scene(changed(ROD, **tables))
