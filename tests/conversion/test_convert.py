@@ -108,6 +108,7 @@ DRIVEN = {"box.x_max": None, "link[2].joint_armature": 0.05, "link[2].joint_stif
         ("four_link_box", FREE),
         ("triple_pendulum", {}),
         ("pinned_arm", DRIVEN | {"link[2].joint_rest_angle": 0.4}),
+        ("triple_pendulum", {"link[1].center_of_mass_offset": 0.1, "link[3].center_of_mass_offset": -0.2}),
     ],
 )
 def test_in_flight_mujoco_moves_as_the_scene(model, changes):

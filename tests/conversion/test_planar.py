@@ -17,6 +17,7 @@ from chain_impact.extras import MissingExtraError
 from chain_impact.scene.scene import scene_from_dict
 
 DOWN = np.array([0.0, 0.0, -9.81])
+CENTER = np.array([0.1, 0.0, 0.0])
 
 
 def hinge(name, axis=(0.0, 1.0, 0.0), **more):
@@ -29,9 +30,8 @@ def body(name, parent, position, joints=(), **more):
         parent=parent,
         rotation=np.eye(3),
         position=np.array(position),
-        center=np.array([0.1, 0.0, 0.0]),
         joints=joints,
-        **{"mass": 1.0, "inertia": np.diag([0.01, 0.02, 0.03]), **more},
+        **{"mass": 1.0, "center": CENTER, "inertia": np.diag([0.01, 0.02, 0.03]), **more},
     )
 
 
@@ -108,11 +108,23 @@ def test_an_offset_along_the_axes_has_no_effect_and_a_held_joint_merges_two_bodi
     assert link.mass == 2.0
     assert link.length == pytest.approx(math.hypot(0.3, 0.2))
     assert "joint b: held at the start" in done.notes
-    # of masses at 0.1 m ahead and at (0.3, 0.1) m, in part beside the line of the link
+    # of masses at (0.1, 0) m and at (0.3, -0.1) m; the line of the link ends at (0.3, -0.2) m
     about = 2 * 0.02 + 0.1**2 + 0.3**2 + 0.1**2
-    assert link.inertia + link.mass * link.center_of_mass**2 == pytest.approx(about, abs=1e-10)
-    assert "beside the line of the link" in done.warnings[0]
-    assert "19.2 % of the length" in done.warnings[0]
+    center = link.center_of_mass, link.center_of_mass_offset
+    assert center == pytest.approx(np.array([0.2 * 0.3 + 0.05 * 0.2, 0.2 * 0.2 - 0.05 * 0.3]) / link.length)
+    assert link.inertia + link.mass * np.dot(center, center) == pytest.approx(about, abs=1e-10)
+    assert done.warnings == []
+
+
+@pytest.mark.parametrize("plane", ["x,z", "-x,z"])
+def test_a_centre_of_mass_beside_the_line_stays_there_whichever_way_the_plane_is_seen(plane):
+    bodies = list(arm(hinge("a")).bodies)
+    bodies[0] = body("b0", -1, (0.0, 0.0, 0.5), [hinge("a")], center=np.array([0.1, 0.0, 0.03]))
+    found, done = scene(Robot(name="arm", bodies=bodies, gravity=DOWN), plane=plane)
+    (link,) = found.chain.links
+    left = 0.03 if plane == "x,z" else -0.03
+    assert (link.center_of_mass, link.center_of_mass_offset, link.inertia) == (0.1, left, 0.02)
+    assert done.warnings == []
 
 
 def test_of_upright_axes_gravity_is_borne_by_the_joints():

@@ -224,7 +224,7 @@ class _Conversion:
         return mass, center, about
 
     def _mass(self, part: list[int], hinge: Moving, along: np.ndarray, length: float) -> dict[str, float]:
-        """Mass, centre of mass and inertia of a link; the centre is put onto the line of the link.
+        """Mass, centre of mass and inertia of a link; a centre behind the joint is put abreast of it.
 
         The inertia about the joint stays as it is.
         """
@@ -234,18 +234,15 @@ class _Conversion:
             raise NoChainError(f"{self.source}: what joint {name} moves has no mass", [name])
         ahead = float(np.dot(center, along))
         beside = float(along[0] * center[1] - along[1] * center[0])
-        shift = math.hypot(beside, min(ahead, 0.0))
+        shift = max(-ahead, 0.0)
         if shift > TINY:
-            where = f"{abs(beside):.6g} m beside the line of the link" if abs(beside) > TINY else ""
-            behind = f"{-ahead:.6g} m behind the joint" if ahead < -TINY else ""
-            turn = math.atan2(abs(beside), ahead)
             text = (
-                f"its centre of mass is {' and '.join(filter(None, (where, behind)))}, "
-                f"{100 * shift / length:.3g} % of the length and {turn:.2g} rad seen from the joint; it is "
-                "put onto the line, and the inertia about the joint stays"
+                f"its centre of mass is {shift:.6g} m behind the joint, {100 * shift / length:.3g} % of the "
+                "length; it is put abreast of the joint, and the inertia about the joint stays"
             )
-            self._tell("link of joint", name, text, Effect.MASS, max(shift / length, turn))
-        return {"mass": mass, "center_of_mass": max(ahead, 0.0), "inertia": inertia + mass * shift * shift}
+            self._tell("link of joint", name, text, Effect.MASS, shift / length)
+        found = {"mass": mass, "center_of_mass": max(ahead, 0.0), "inertia": inertia + mass * shift * shift}
+        return found | ({"center_of_mass_offset": beside} if abs(beside) > TINY else {})
 
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
         """Fill in what the joints have; the angles and angular velocities of the links at the start."""

@@ -94,7 +94,7 @@ def _add_chain(world: Element, scene: Scene) -> None:
         SubElement(
             body,
             "inertial",
-            pos=_numbers(link.center_of_mass, 0.0, 0.0),
+            pos=_numbers(link.center_of_mass, 0.0, link.center_of_mass_offset),
             mass=repr(link.mass),
             diaginertia=_numbers(inertia, inertia, inertia),
         )
