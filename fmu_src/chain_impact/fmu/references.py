@@ -100,8 +100,8 @@ def reference(model: Model) -> Reference:
 
 def _compared(model: Model, times: np.ndarray) -> Reference:
     """The reference with some communication points [s], equally spaced from 0."""
-    ends = {f"point[{k}].{axis}" for k in (0, model.sizes[0]) for axis in "xy"}
-    ends |= {f"link[{i}].angle" for i in (1, model.sizes[0])}
+    ends = {f"point[{k}].{axis}" for k in (0, model.sizes.links) for axis in "xy"}
+    ends |= {f"link[{i}].angle" for i in (1, model.sizes.links)}
     # a few outputs that together depend on all that happens
     chosen = [v for v in model.outputs if v.name in ends or v.name.startswith(("energy.", "impact."))]
     names, whole = [v.name for v in chosen], np.array([v.type != "real" for v in chosen])
@@ -170,7 +170,7 @@ def _inputs(model: Model, times: np.ndarray) -> dict[str, np.ndarray]:
     nominal, count = nominal_values(model.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count
     rate = turn[1] / times[1]
-    torque = SWING * nominal["energy"] / model.sizes[0]  # of M L²/s², shared by the links
+    torque = SWING * nominal["energy"] / model.sizes.links  # of M L²/s², shared by the links
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
     for i, one in enumerate(model.inputs):

@@ -100,7 +100,7 @@ def _words(model: Model) -> list[int]:
         ("solver", "tolerance"),
         ("fault", "place"),
     ]
-    if model.sizes[-1]:
+    if model.sizes.channels:
         places += [("moved", "contradiction"), (MOTION, "position", 0)]
     words = [word_index(model.start.dtype, place) for place in places]
-    return words if model.sizes[-1] else [*words, 0, 0]
+    return words if model.sizes.channels else [*words, 0, 0]

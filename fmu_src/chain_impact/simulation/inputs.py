@@ -193,7 +193,7 @@ def drive(model: Model, inputs: Mapping[str, Signal], interpolation: str, times:
 def channels_of(model: Model) -> list[Channel]:
     """The channels of what moves, in their order, with the inputs that give them."""
     scene, names, found = model.scene, {variable.place: variable.name for variable in model.inputs}, []
-    for j in range(model.sizes[-1]):
+    for j in range(model.sizes.channels):
         position, velocity, acceleration = (names.get((MOTION, field, j), "") for field in MOTIONS)
         base = scene.inputs.base_motion and j < len(AXES)
         start = scene.initial.position[j] if base else 0.0

@@ -26,9 +26,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.variables.kind import Kind, filled
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.parameters import METHODS, PARAMETERS
-from chain_impact.variables.places import WORD, layout_of, word_index
-
-Sizes = tuple[int, int, int, int, int, int]
+from chain_impact.variables.places import WORD, Sizes, layout_of, word_index
 
 
 @dataclass(frozen=True)
@@ -61,7 +59,7 @@ def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> 
     Args:
         scene: what it is of.
         pairs: the candidates.
-        sizes: of the record: links, candidates, elements, loads, channels, sites.
+        sizes: of the record.
     """
     layout, before = layout_of(*sizes), _kept.get(sizes)
     changes = None if before is None else changed_numbers(before.scene, scene)
@@ -216,8 +214,8 @@ def _write(table: str, words: np.ndarray, scene: Scene, sizes: Sizes) -> None:
     """Write the numbers of a table of the scene to the words of its record."""
     lines = len(scene.walls) if scene.may_touch else 0  # there is room where points may touch them
     counts = (
-        *(("one", 1), ("link", sizes[0]), ("line", lines)),
-        *(("site", sizes[5]), ("slider", int(scene.chain.slider is not None))),
+        *(("one", 1), ("link", sizes.links), ("line", lines)),
+        *(("site", sizes.sites), ("slider", int(scene.chain.slider is not None))),
     )
     met = tuple(name for name in _GIVEN_IF if attrgetter(name)(scene))
     there = {of for of, count in counts if count}

@@ -22,6 +22,7 @@ from chain_impact.variables.listing import absent_hint, all_outputs, derivatives
 from chain_impact.variables.places import (
     WORD,
     OutputPlaces,
+    Sizes,
     first_word,
     layout_of,
     output_places,
@@ -44,7 +45,7 @@ class Model:
     Attributes:
         scene: what the model is of.
         candidates: the C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch.
-        sizes: of a record: links, candidates, elements, loads, channels, sites.
+        sizes: of a record.
         layout: the record of an instance without derivatives.
         row: the record of the outputs, a row of ``Result.outputs``.
     """
@@ -64,7 +65,7 @@ class Model:
             channels = 2 * scene.inputs.base_motion + 2 * len(scene.moving_walls)
             sites, slides = len(scene.chain.sites), scene.chain.slider is not None
             elements = links + pairs + slides if scene.has_friction else 0
-            self.sizes = links, pairs, elements, loads, channels, sites
+            self.sizes = Sizes(links, pairs, elements, loads, channels, sites)
             self.layout = layout_of(*self.sizes)
             self.row: np.dtype = self.layout["output"]
         Model._last = self  # complete: another thread may take over what it has

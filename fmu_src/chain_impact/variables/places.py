@@ -16,6 +16,17 @@ WORD = 8  # bytes of every scalar in the record
 layout_of = cache(instance_dtype)  # which takes as long as all else of a new instance
 
 
+class Sizes(NamedTuple):
+    """The numbers on which the layout of a record depends, in the order of the arguments of ``layout_of``."""
+
+    links: int
+    candidates: int
+    elements: int
+    loads: int
+    channels: int
+    sites: int
+
+
 def word_index(dtype: np.dtype, place: Place) -> int:
     """The index of a scalar of a record, counted in 8-byte words from the record's start."""
     offset = 0
@@ -60,7 +71,7 @@ def places_of(motion: dict[str, int], stepwise: dict[str, tuple[int, bool]]) -> 
 
 
 @lru_cache(SHAPES)
-def output_places(shape: Shape, sizes: tuple[int, int, int, int, int, int]) -> OutputPlaces:
+def output_places(shape: Shape, sizes: Sizes) -> OutputPlaces:
     """Of all scenes of a shape, worked out once: that takes as long as a short simulation."""
     layout = layout_of(*sizes)
     motion: dict[str, int] = {}
