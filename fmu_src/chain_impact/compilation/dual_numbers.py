@@ -313,7 +313,10 @@ def _hypot(context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.
     length = _of_numbers(context, builder, math.hypot, a, b)
     # (a a′ + b b′)/√(a² + b²)
     slopes = builder.fadd(_times(builder, a, da), _times(builder, b, db))
-    inverse = builder.fdiv(ir.Constant(length.type, 1.0), length)
+    zero = ir.Constant(length.type, 0.0)
+    inverse = builder.fdiv(_ONE, length)
+    # as the root of 0
+    inverse = builder.select(builder.fcmp_ordered(">", length, zero), inverse, zero)
     return _made(builder, length, _times(builder, inverse, slopes))
 
 

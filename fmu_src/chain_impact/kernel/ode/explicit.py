@@ -98,7 +98,9 @@ BEYOND, STRETCH = 1.04, 1.2
 # round-off. The search for events finds its end, and a step up to there could be lost in the time.
 LEFT = 1e-6
 HALVE = 50.0  # an error that makes the next try of a method of order 8 half as long
-HUGE = 1e100  # an error whose square could overflow
+# An error whose square could underflow: at rest, where what is held has practically no speed. And one whose
+# square could overflow.
+NO_ERROR, HUGE = 1e-100, 1e100
 STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step, without the one at its end
 DENSE_EVALUATIONS = STAGES - LAST  # those of the dense output
 
@@ -221,8 +223,8 @@ def estimate(d, h):
     set_gap_errors(d, 0)
     set_gap_errors(d, 1)
     error_5, error_3 = scaled_errors(d)
-    if error_5 == 0.0:
-        return 0.0
+    if error_5 < NO_ERROR:
+        return error_5
     if max(error_5, error_3) > HUGE:
         return math.inf
     # e₅²/√(e₅² + e₃²/100): of order 8, as e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)

@@ -34,6 +34,9 @@ from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.status import count_evaluations, counted_work, uncount_work
 
 NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: what has requested the dense output
+# m, rad, m/s, or rad/s. A coordinate or rate below it is that of a chain at rest. It would go on to decay
+# until its square underflows, and then, where numbers are denormal, slow the processor.
+FADED = 1e-100
 
 
 def reset_step(d, time, y):
@@ -66,6 +69,7 @@ def accept(d):
     if any_constraint(d):
         project_state(d, d.trial.state)
         keep_anchors(d)
+    clear_faded(d, d.trial.state)
     step, y = d.step, d.trial.state
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]
@@ -83,6 +87,14 @@ def accept(d):
     else:
         # the error control of this method has located the points if contacts are active
         find_rate(d, d.touch.active_count > 0)
+
+
+def clear_faded(d, y):
+    """Set coordinates and rates that have faded to 0."""
+    for j in range(dissipated_at(d.links)):
+        # a value of 0 may have derivatives, which stay
+        if 0.0 < abs(y[j]) < FADED:
+            y[j] = 0.0
 
 
 def dissipate(d, energy):

@@ -56,6 +56,7 @@ STIFFEST, STIFFER, SLOW = 1e12, 1e3, 0.1
 # digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
 ROUND_OFF = 1e-15  # of the largest motion: a residual that is accepted
+FADED = 1e-100  # m, m/s or m/s²: a residual whose square may underflow, as of a chain that has come to rest
 # Of the squared tolerance and the largest motion: what sticks may keep a motion of this size. The impulses
 # against one that can hardly be held would end the sticking, again and again.
 NEGLIGIBLE = 0.1
@@ -115,7 +116,7 @@ def solve_equality(d, scale):
     worst = iterate(d, scale, impedance)
     if any_point_held(d):
         return worst
-    if worst > ROUND_OFF * scale:
+    if worst > max(ROUND_OFF * scale, FADED):
         least = NEGLIGIBLE * d.solver.tolerance * d.solver.tolerance * scale
         leave_free(d, least * least / (least * least + worst * worst))
     return 0.0

@@ -12,6 +12,7 @@ import numpy as np
 
 from chain_impact.kernel.record.fields import GIVEN
 
+LEAST_RATE = 1e-300  # of a value in a second: 1 over a smaller one may overflow
 DIRECTIONS = 4  # carried by one instance of dual numbers; more directions need several instances
 
 
@@ -53,6 +54,14 @@ def value(number):
 def carried(number, slope, argument):
     """A dual number with the value ``number`` and the derivatives of ``argument`` times a slope."""
     return argument.carried(number, slope)
+
+
+def reciprocal(rate):
+    """1/rate of a rate without derivatives, and 0 where that overflows.
+
+    Where a rate is 0, the time at which a value passes zero has no derivatives.
+    """
+    return 1.0 / rate if abs(rate) > LEAST_RATE else 0.0
 
 
 def slope(number, direction):

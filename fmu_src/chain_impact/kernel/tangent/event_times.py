@@ -14,7 +14,7 @@ from chain_impact.kernel.events.marks import KINK, RELATCH
 from chain_impact.kernel.forces.contact import kink_height
 from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
-from chain_impact.kernel.tangent.duals import carried, value
+from chain_impact.kernel.tangent.duals import carried, reciprocal, value
 
 # Of the last step: the time over which a rate is found by differences.
 DIFFERENCE = 1e-3
@@ -59,7 +59,7 @@ def delay_along_motion(after):
     def delay(t, c, rate):
         time = carried(0.0, 0.0, t.step.end)
         for _ in range(NEWTON_ITERATIONS):
-            time += carried(0.0, -1.0 / rate, after(t, c, time))
+            time += carried(0.0, -reciprocal(rate), after(t, c, time))
         set_end(t)
         return time
 
@@ -89,7 +89,7 @@ def delay_of_crossing(t, c, kind):
         change, rate = -gap_rate - RELATCH_RATIO * t.touch.impact_speed[c], -gap_acceleration(t, c)
     else:
         change, rate = gap, gap_rate
-    return carried(0.0, -1.0 / value(rate), change)
+    return carried(0.0, -reciprocal(value(rate)), change)
 
 
 def delay_of_bend(t, c, kind):

@@ -24,7 +24,7 @@ from chain_impact.kernel.forces.holding import RESISTANCE, solve_stopping_impuls
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.constraints import activate_all
 from chain_impact.kernel.rows.geometry import tangential_acceleration, tangential_rate
-from chain_impact.kernel.tangent.duals import DIRECTIONS, carried, slope, value
+from chain_impact.kernel.tangent.duals import DIRECTIONS, carried, reciprocal, slope, value
 from chain_impact.kernel.tangent.event_times import along_motion, delay_along_motion, lasted, set_end
 from chain_impact.kernel.tangent.trust import (
     AT_LIMIT,
@@ -69,7 +69,7 @@ def delay_of_change(t):
 def delay_of_rest(t, e):
     """−φ′/φ̇ for φ = t·v, which is zero where the sliding of element e ends; none if it ends slowly."""
     rate = value(tangential_acceleration(t, e))
-    return carried(0.0, 0.0 if stops_slowly(t, e) else -1.0 / rate, tangential_rate(t, e))
+    return carried(0.0, 0.0 if stops_slowly(t, e) else -reciprocal(rate), tangential_rate(t, e))
 
 
 def stops_slowly(t, e):

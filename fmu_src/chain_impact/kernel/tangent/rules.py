@@ -12,7 +12,7 @@ from chain_impact.kernel.events import friction_modes, saturation
 from chain_impact.kernel.forces import contact_force, holding, user_law
 from chain_impact.kernel.ode import dense
 from chain_impact.kernel.rows import constraints
-from chain_impact.kernel.tangent.duals import carried, value, varies
+from chain_impact.kernel.tangent.duals import carried, reciprocal, value, varies
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 
 DIFFERENCE = 1e-3  # relative step in an argument of a user's law, for its slopes by differences
@@ -70,7 +70,7 @@ def fraction(t, time):
     )
     error = dense.interpolate_component(step, theta, clock) - elapsed
     # θ = θ₀ − (t(θ₀) − t)/ṫ; where a contact begins or ends ṫ = 0, and θ has no derivatives
-    return carried(theta, -1.0 / rate if rate > 0.0 else 0.0, error)
+    return carried(theta, -reciprocal(max(0.0, rate)), error)
 
 
 def iterated_enough(_t, iterations):

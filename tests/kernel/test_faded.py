@@ -1,0 +1,246 @@
+"""What rests: quotients, powers and roots of numbers that have faded, down to denormal ones, are finite."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import dissipated_at, time_at, velocity_at
+from chain_impact.kernel.events import crossing, marks, search
+from chain_impact.kernel.forces import contact_force, holding
+from chain_impact.kernel.forces.friction import STICKS, list_sticking, set_anchor
+from chain_impact.kernel.ode import collocation, control, dense, explicit, last_step, sundman
+from chain_impact.kernel.rows import constraints
+from chain_impact.kernel.tangent import duals, event_times, rules
+from chain_impact.scene.scene import scene_from_dict
+from chain_impact.simulation.simulate import simulate
+from tests.kernel.chains import chain, random_state, struck
+from tests.kernel.rubbing import rubbing_chain
+from tests.kernel.tangent.dual import Dual
+
+SMALL = [0.0, 5e-324, 1e-320, 1e-308, 1e-170, 1e-162, 1e-120]
+small = pytest.mark.parametrize("size", SMALL)
+
+
+def finite(*numbers):
+    return bool(np.isfinite(numbers).all())
+
+
+# ---- steps ----------------------------------------------------------------------------------------------
+
+
+@small
+@pytest.mark.parametrize("other", [0.0, 1.0, -3.0])
+def test_an_explicit_step_with_a_faded_error_is_accepted(size, other):
+    _, d = chain(np.random.default_rng(0), 3)
+    d.work.stage[:] = 0.0
+    d.work.stage[6], d.work.stage[7] = size, other * size
+    error = explicit.estimate(d, 0.1)
+    assert 0.0 <= error < 1e-80
+    control.conclude(d, error, 1.0)
+    assert control.accepted(d)
+    assert finite(control.factor(d))
+
+
+@small
+@pytest.mark.parametrize("other", [0.0, 5e-324, 1e-170, 1.0])
+def test_an_implicit_step_with_a_faded_error_is_accepted(monkeypatch, size, other):
+    d = resting()
+    monkeypatch.setattr(collocation, "largest_errors", lambda *_: (size, other))
+    monkeypatch.setattr(collocation, "solve_real", lambda *_: None)
+    assert 0.0 <= collocation.estimate(d, 0.1, 1) <= size
+
+
+def resting():
+    """A pinned rod and its contact, as a record."""
+    rng = np.random.default_rng(1)
+    _, d = chain(rng, 2, "pinned")
+    y = random_state(rng, d)
+    struck(rng, d, [0])
+    d.step.state_end[:] = y
+    locate_points(d, y)
+    return d
+
+
+@small
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_what_has_faded_is_cleared_and_the_rest_is_kept(size, sign):
+    _, d = chain(np.random.default_rng(0), 3, "pinned")
+    last_step.reset_step(d, 0.0, d.step.state_end)
+    d.trial.state[:] = sign * size
+    d.trial.state[0], d.trial.state[velocity_at(3) + 2] = 0.25, -1e-99
+    d.trial.state[time_at(3)], d.trial.size = 0.1, 0.1
+    last_step.accept(d)
+    found = d.step.state_end
+    assert (found[0], found[velocity_at(3) + 2]) == (0.25, -1e-99)
+    assert np.count_nonzero(found[: dissipated_at(3)]) == 2
+    assert found[dissipated_at(3)] == sign * size
+
+
+def test_a_value_of_zero_keeps_its_derivatives():
+    d = SimpleNamespace(links=1)
+    y = [Dual(number, [1.0, 2.0]) for number in (0.0, 1e-170, 1.0, *[1e-200] * 3)]
+    last_step.clear_faded(d, y)
+    assert [getattr(one, "value", one) for one in y] == [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+    assert y[0].slope.tolist() == y[2].slope.tolist() == [1.0, 2.0]
+
+
+# ---- events ---------------------------------------------------------------------------------------------
+
+
+@small
+@pytest.mark.parametrize("slope", SMALL)
+def test_an_onset_of_a_faded_rate_is_late_by_a_number(size, slope):
+    d = resting()
+    c = 0
+    d.touch.event[:] = marks.NONE
+    marks.mark(d, c, marks.ONSET)
+    d.step.size = 1e-3
+    with np.errstate(all="ignore"):
+        gap, rate = np.float64(size), -np.float64(slope)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(search, "clearance", lambda *_: (gap, rate))
+            late, deepest = search.onset_lateness(d, d.step.state_end)
+    assert not np.isnan(late)
+    assert not np.isnan(deepest)
+
+
+@small
+def test_a_passage_of_faded_values_is_located(size):
+    """Values that halve until they vanish: the bracket is halved then."""
+    find = crossing.first_passage(lambda _d, _c, theta: np.float64(size) * (0.3 - theta), 4, 1e-12)
+    d = SimpleNamespace(step=SimpleNamespace(size=1.0))
+    with np.errstate(all="ignore"):
+        theta = find(d, 0, 1.0)
+    if size < 1e-300:
+        assert theta == -1.0 or 0.0 <= theta <= 1.0
+    else:
+        assert theta == pytest.approx(0.3, abs=1e-11)
+
+
+@small
+def test_a_top_of_faded_values_is_found(size):
+    found = dense.maximum_of(lambda _d, _i, theta: np.float64(size) * (1.0 - (theta - 0.4) ** 2))
+    with np.errstate(all="ignore"):
+        top = found(None, 0, 0.5, 0.25, 1.0)
+    assert finite(top)
+    assert 0.9 * size <= top <= size or size < 1e-300
+
+
+# ---- contacts -------------------------------------------------------------------------------------------
+
+
+@small
+@pytest.mark.parametrize("exponent", [0.0, 0.25, 0.5, 1.0, 1.5, 1.7])
+def test_powers_and_their_derivatives_are_finite(size, exponent):
+    found = rules.power(Dual(size, [1.0, -2.0]), Dual(exponent, [0.0, 0.0]))
+    assert found.value == contact_force.power(size, exponent)
+    assert finite(found.value, *found.slope)
+
+
+@small
+@pytest.mark.parametrize("speed", SMALL)
+def test_forces_slopes_and_sizes_of_a_contact_are_finite(size, speed):
+    d = resting()
+    for rate in (speed, -speed):
+        assert finite(*contact_force.law_force(d, 0, size, rate), *contact_force.law_slopes(d, 0, size, rate))
+    assert finite(dense.time_rate(size), sundman.time_rate_change(size, speed))
+
+
+# ---- what is held ---------------------------------------------------------------------------------------
+
+
+@small
+@pytest.mark.parametrize("contacts", [1, 2])
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_what_sticks_with_a_faded_speed_is_stopped(size, contacts, base):
+    _, d, y = rubbing_chain(np.random.default_rng(4), base, contacts, True)
+    for e in d.element.index[: d.friction.count]:
+        d.element.mode[e] = STICKS
+        d.element.limit[e] = 1.0
+        set_anchor(d, e)
+    list_sticking(d)
+    first = velocity_at(d.links)
+    y[first : dissipated_at(d.links)] = size
+    locate_points(d, y)
+    holding.project_state(d, y)
+    assert finite(*y)
+    assert np.abs(y[first : dissipated_at(d.links)]).max() <= 10.0 * size + 1e-300
+
+
+@small
+@pytest.mark.parametrize("scale", [0.0, 5e-324, 1e-170, 1e-100])
+def test_contradictions_that_have_faded_leave_no_force(size, scale):
+    """Two constraints on one motion, of which no rigid wall is one."""
+    _, d, _ = rubbing_chain(np.random.default_rng(4), "free", 0, True)
+    for e in d.element.index[: d.friction.count]:
+        d.element.mode[e] = STICKS
+        d.element.limit[e] = 1.0
+    list_sticking(d)
+    d.element.stuck[1] = d.element.stuck[0]
+    constraints.activate_all(d)
+    own, count = d.rigid, d.friction.stuck_count
+    own.start[:count], own.target[:count] = 0.0, 0.0
+    own.target[:2] = size, -size
+    constraints.factorize_free(d)
+    constraints.solve_equality(d, scale)
+    assert finite(*own.impulse[:count], *own.change)
+
+
+# ---- derivatives ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rate", [*SMALL, -5e-324, -1e-170, -2.0, 0.5, -np.inf])
+def test_the_time_of_an_event_has_finite_derivatives(monkeypatch, rate):
+    """−φ′/φ̇; where φ̇ is 0 there are none."""
+    found = duals.reciprocal(rate)
+    assert finite(found)
+    assert found * rate == pytest.approx(1.0) if 1e-300 < abs(rate) < np.inf else found == 0.0
+    gap = Dual(0.0, [3.0, 0.0])
+    monkeypatch.setattr(event_times, "clearance", lambda *_: (gap, Dual(rate, [0.0, 0.0])))
+    delay = event_times.delay_of_crossing(None, 0, marks.ONSET)
+    assert delay.slope.tolist() == [-3.0 * found, 0.0]
+
+
+# ---- runs -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["auto", "explicit", "implicit"])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-12])
+def test_a_held_joint_rests_to_the_end(method, tolerance):
+    """Its friction exceeds the moment of its weight, 1.96 N·m."""
+    scene = scene_from_dict(
+        {
+            "name": "Held",
+            "chain": {"base": "pinned", "links": [{"length": 0.4, "mass": 1.0, "joint_friction": 7.0}]},
+            "initial": {"angles": [-0.2], "angular_velocities": [-3.5]},
+            "solver": {"method": method, "tolerance": tolerance},
+            "simulation": {"stop_time": 3600.0, "step_size": 36.0},
+        },
+        "held",
+    )
+    result = simulate(scene)
+    assert result.time[-1] == 3600.0
+    assert np.ptp(result.angles[1:]) < 1e-14
+    assert np.abs(result.angular_velocities[1:]).max() < 1e-13
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+def test_what_fades_is_at_rest_before_its_numbers_are_denormal(method):
+    """A damped rod without gravity stops as e^(−c t/I), which is 1e-1737 at the end."""
+    scene = scene_from_dict(
+        {
+            "name": "Damped",
+            "gravity": [0.0, 0.0],
+            "chain": {"base": "pinned", "links": [{"length": 1.0, "mass": 3.0, "joint_damping": 4.0}]},
+            "initial": {"angles": [0.0], "angular_velocities": [1.0]},
+            "solver": {"method": method},
+            "simulation": {"stop_time": 1000.0, "step_size": 10.0},
+        },
+        "damped",
+    )
+    result = simulate(scene)
+    speeds = np.abs(result.angular_velocities[:, 0])
+    assert speeds[result.time >= 500.0].max() == 0.0
+    assert result.angles[-1, 0] == pytest.approx(0.25, rel=1e-6)
