@@ -416,3 +416,46 @@ def test_a_change_that_is_refused_leaves_the_contacts_rigid(look):
     assert instance.record["finished"]["count"] == 1
     _, status = after([("kelvin_voigt", 0.7), (RIGID, 0.7)])
     assert status == 0
+
+
+# ---- rigid walls and dry joints ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+@pytest.mark.parametrize(
+    ("friction", "angles", "speeds"),
+    [
+        (2.582, [-0.547, 0.056], [1.761, 3.063]),
+        (1.7, [0.4, -0.3], [0.5, 1.0]),
+        (5.0, [2.2, 0.6], [-1.0, 2.0]),
+    ],
+)
+def test_a_chain_with_a_dry_joint_comes_to_rest_on_a_rigid_floor(friction, angles, speeds, restitution):
+    """A joint does not slide with the speeds of rest that an impact leaves: its friction would throw up points."""
+    links = [{"length": 0.4, "mass": 1.0}, {"length": 0.4, "mass": 1.0, "joint_friction": friction}]
+    start = {"position": [0.0, 0.9], "angles": angles, "angular_velocities": speeds}
+    contact = {"model": RIGID, "restitution": restitution}
+    scene = build("Dry", links, start, {"y_min": 0.0}, contact, gravity=GRAVITY, stop_time=10.0)
+    result = simulate(scene)
+    assert len(result.impacts) < 150
+    assert result.statistics["steps"] < 2000
+    late = result.outputs[result.time >= 5.0]
+    # a chain at rest on a smooth floor may glide
+    assert np.abs(late["angular_velocity"]).max() < 1e-12
+    np.testing.assert_allclose(late["force"].sum(axis=1), 2.0 * GRAVITY, rtol=1e-9)
+    assert np.abs(result.impacts["onset"]).max() < 5.0
+
+
+def test_a_joint_that_sticks_beside_its_stop_does_not_hit_it_again_and_again():
+    """The drive of joint 1 shakes joint 2, whose dry friction holds it where its stop has stopped it."""
+    links = [
+        {"length": 0.4, "mass": 1.0, "joint_stiffness": 100.0},
+        {"length": 0.4, "mass": 1.0, "joint_friction": 20.0, "joint_min": -0.3, "joint_max": 0.3},
+    ]
+    start = {"angles": [0.3, 0.5], "angular_velocities": [3.0, 12.0]}
+    contact = {"model": RIGID, "restitution": 0.0}
+    scene = build("Stop", links, start, {}, contact, base="pinned", gravity=GRAVITY, stop_time=10.0)
+    result = simulate(scene)
+    assert len(result.impacts) < 10
+    bend = result.angles[-1, 1] - result.angles[-1, 0]
+    assert 0.0 < bend <= 0.3 + 1e-12

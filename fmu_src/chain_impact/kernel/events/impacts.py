@@ -38,7 +38,7 @@ from chain_impact.kernel.forces.contact import (
     set_rates,
     start_contact,
 )
-from chain_impact.kernel.forces.friction import suspend_sticking
+from chain_impact.kernel.forces.friction import list_sticking, set_anchor, suspend_sticking
 from chain_impact.kernel.forces.holding import (
     RISE,
     add_change,
@@ -50,7 +50,7 @@ from chain_impact.kernel.forces.holding import (
 )
 from chain_impact.kernel.ode.dense import give_impulses
 from chain_impact.kernel.ode.last_step import dissipate, supply
-from chain_impact.kernel.rows.compliance import joints_loaded
+from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass
 from chain_impact.kernel.rows.constraints import (
     SIGN_TOLERANCE,
     activate_all,
@@ -70,6 +70,7 @@ GAIN = 1e-9  # relative to all that an impact moves: a larger error of energy or
 # Of a link length: the clearance given to a point that is released, so that round-off does not make it touch
 # again. It is a hundred times round-off.
 RELEASE_GAP = 1e-13
+FALL = 10.0 * RELEASE_GAP  # of a link length: what weight and dry friction move no further is coming to rest
 
 
 def handle_impact(d):
@@ -92,9 +93,13 @@ def handle_impact(d):
         include_near_contacts(d)
     list_touching(d)
     if hit:
-        suspend_sticking(d)
+        gentle = d.friction.stuck_count > 0 and is_gentle(d)
+        if not gentle:
+            suspend_sticking(d)
         apply_impulses(d)
         end_rebounding_contacts(d)
+        if d.friction.used:
+            bring_to_rest(d, gentle)
         follow_jump(d)
         onset = begin_late_contacts(d)
         if d.friction.used:
@@ -218,6 +223,31 @@ def end_rebounding_contacts(d):
     list_touching(d)
 
 
+def is_gentle(d):
+    """Whether all points that arrive are as slow, or have as little energy, as those that come to rest.
+
+    What sticks goes on to stick in such an impact. Else a joint would slide with what the impulses leave, and
+    its friction would throw up points for the next such impact, without end.
+    """
+    slow, energy, force = True, 0.0, mean_mass(d) * d.links * (d.model.gravity_size + d.model.size)
+    for c in range(d.candidates):
+        if d.touch.event[c] == ONSET and d.law.impulsive[c]:
+            speed = d.touch.onset_speed[c]
+            slow = slow and speed <= STICK * d.law.minimum_impact_speed[c]
+            energy += 0.5 * d.touch.effective_mass[c] * speed * speed
+    for i in range(d.friction.stuck_count):
+        force += d.element.limit[d.element.stuck[i]]
+    return slow or energy <= force * FALL * d.model.size
+
+
+def bring_to_rest(d, gentle):
+    """Stop the points that do not separate, and joints with them, before the modes of friction are chosen."""
+    if not gentle:
+        suspend_sticking(d)
+    locate_points(d, d.step.state_end)
+    project_state(d, d.step.state_end)
+
+
 def end_changed_contacts(d):
     """End the held contacts whose law has changed to one with a force, from which it continues."""
     locate_points(d, d.step.state_end)
@@ -270,5 +300,12 @@ def release_contacts(d):
             end_contact(d, d.touch.active_index[k], True)
             parting = True
     if parting:
+        # a joint may stick at a stop that it leaves: what sticks moves along, and sticks there
+        suspend_sticking(d)
         solve_positions(d)
         add_change(d, d.step.state_end, 0)
+        if d.friction.used:
+            locate_points(d, d.step.state_end)
+            list_sticking(d)
+            for i in range(d.friction.stuck_count):
+                set_anchor(d, d.element.stuck[i])
