@@ -8,6 +8,7 @@ the communication point has passed it. ``d`` is the record of the instance (reco
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.equations import clear_stage_notes
+from chain_impact.kernel.events.base import check_base, end_at_base
 from chain_impact.kernel.events.contact_log import update_peaks, update_to_output_time
 from chain_impact.kernel.events.friction_modes import reinit_modes
 from chain_impact.kernel.events.handlers import apply_events, bends_force
@@ -63,7 +64,6 @@ from chain_impact.kernel.ode.last_step import (
 from chain_impact.kernel.ode.methods import attempt, choose_method, prepare
 from chain_impact.kernel.ode.sundman import regularize, time_rate_now
 from chain_impact.kernel.rows.constraints import SOLVED, UNSOLVED, any_point_held, clear_unsolved
-from chain_impact.kernel.rows.geometry import check_base
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
     LOG_FULL,
@@ -252,14 +252,16 @@ def recompute_active_set(d):
 def take_step(d):
     """Take one accepted step, up to the first event in it; returns a status."""
     clear_unsolved(d)
-    status = check_solved(d, check_events(d, begin_step(d)))
+    status = check_base(d) if d.channels > 0 else OK
+    if status == OK:
+        status = check_solved(d, check_events(d, begin_step(d)))
     if status == OK:
         status = find_step(d)
     if status == OK:
         count_step(d, d.step.last_method == IMPLICIT)
         status = check_balance(d)
     if status == OK and d.channels > 0:
-        status = check_base(d)
+        end_at_base(d)
     return status if status != OK else check_work(d)
 
 

@@ -15,6 +15,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.slider import slider_damping, slider_stiffness
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, velocity_at
 from chain_impact.kernel.equations import mechanical_energy, state_rate, stored_energy
+from chain_impact.kernel.events.base import check_base
 from chain_impact.kernel.events.contact_log import clear_log
 from chain_impact.kernel.events.friction_modes import clear_changes, reinit_modes
 from chain_impact.kernel.events.saturation import choose_saturation, clear_saturation
@@ -37,7 +38,7 @@ from chain_impact.kernel.ode.dense import clear_quadratures
 from chain_impact.kernel.ode.last_step import reset_step, reset_times
 from chain_impact.kernel.ode.methods import begin_explicit, stable
 from chain_impact.kernel.rows.constraints import UNSOLVED, clear_unsolved
-from chain_impact.kernel.rows.geometry import at_joint, check_base, clearance, place_walls
+from chain_impact.kernel.rows.geometry import at_joint, clearance, place_walls
 from chain_impact.kernel.status import (
     BASE_BEYOND_WALL,
     FORCES_NOT_FOUND,

@@ -20,11 +20,10 @@ and masses of stops have the units and the scales of those at walls, and a force
 """
 
 from chain_impact.kernel.chain.joints import joint_armature, joint_resistance
-from chain_impact.kernel.chain.kinematics import clear_joints, largest, locate_points, polar, zero
+from chain_impact.kernel.chain.kinematics import clear_joints, largest, polar, zero
 from chain_impact.kernel.chain.motion import fastest_wall
 from chain_impact.kernel.chain.slider import slide_along, slider_resistance
 from chain_impact.kernel.chain.state import ANGLES
-from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_candidate
 
 WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. After them come those at any angle."""
@@ -271,13 +270,15 @@ def lever(d, c):
     return d.model.size if at_joint(d, c) else 1.0
 
 
-def check_base(d):
-    """BASE_BEYOND_WALL if base or wall have moved so that a pinned base is beyond a wall, or OK."""
-    locate_points(d, d.step.state_end)
-    for c in range(d.candidates if d.model.pinned and not d.slides else 0):
-        if d.candidate.stop[c] == 0 and (d.model.base_moves or d.shift.channel[c] >= 0):
-            nx, ny = d.candidate.normal_x[c], d.candidate.normal_y[c]
-            at = nx * d.work.position.x[0] + ny * d.work.position.y[0]
-            if at - d.candidate.offset[c] < -BEYOND:
-                return refuse_candidate(d, c, BASE_BEYOND_WALL)
-    return OK
+def faces_base(d, c):
+    """Whether candidate c is the first one of a wall that can reach a pinned base, as either moves."""
+    first = d.candidate.stop[c] == 0 and d.candidate.point[c] == d.candidate.point[0]
+    return first and (d.model.base_moves or d.shift.channel[c] >= 0)
+
+
+def base_clearance(d, c):
+    """The distance [m] of a pinned base from the wall of candidate c, where both have been moved to."""
+    x, y = d.step.state_end[0], d.step.state_end[1]
+    if d.model.base_moves:
+        x, y = d.moved.position[0], d.moved.position[1]
+    return d.candidate.normal_x[c] * x + d.candidate.normal_y[c] * y - d.candidate.offset[c]

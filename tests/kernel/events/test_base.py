@@ -1,0 +1,62 @@
+"""A wall that reaches a pinned base ends the run there, however short it would stay beyond it."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.status import BASE_BEYOND_WALL
+from chain_impact.scene.scene import scene_from_dict
+from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.simulate import simulate
+
+MIDDLE, WIDTH = 1.003, 0.1  # s
+
+
+def scene(method="auto"):
+    return scene_from_dict(
+        {
+            "name": "Pass",
+            "gravity": [0.0, -9.81],
+            "chain": {"base": "pinned", "links": [{"length": 0.3, "mass": 1.0}]},
+            "walls": [{"name": "w", "point": [0.0, 1.0], "normal": [0.0, -1.0]}],
+            "contact": {"model": "newton_impact"},
+            "inputs": {"wall_motion": ["w"]},
+            "initial": {"angles": ["-80 deg"]},
+            "solver": {"method": method},
+            "simulation": {"stop_time": 2.0, "step_size": 0.01},
+        },
+        "pass",
+    )
+
+
+def moved(height):
+    """The wall comes down by a height [m], and goes up again: functions of time."""
+
+    def displacement(t):
+        return height * math.exp(-(((t - MIDDLE) / WIDTH) ** 2))
+
+    return {
+        "wall.w.displacement": displacement,
+        "wall.w.velocity": lambda t: -2.0 * (t - MIDDLE) / WIDTH**2 * displacement(t),
+    }
+
+
+@pytest.mark.parametrize("method", ["auto", "implicit"])
+@pytest.mark.parametrize("above", [0.05, 1e-3, 1e-5])
+def test_a_wall_meets_the_base_when_it_gets_there(above, method):
+    """At 1.003 − .1 √ln(1 + a) s; between the rows of the motion it is a cubic, which errs by some 1e-8 m."""
+    with pytest.raises(SimulationError) as caught:
+        simulate(scene(method), inputs=moved(1.0 + above))
+    assert caught.value.status == BASE_BEYOND_WALL
+    right = MIDDLE - WIDTH * math.sqrt(math.log1p(above))
+    speed = 2.0 * (MIDDLE - right) / WIDTH**2
+    assert caught.value.time == pytest.approx(right, abs=1e-6 / speed)
+    result = caught.value.result
+    assert result.time[-1] <= caught.value.time < result.time[-1] + 0.0101
+
+
+def test_a_wall_that_does_not_get_there_ends_nothing():
+    result = simulate(scene(), inputs=moved(1.0 - 1e-5))
+    assert result.time[-1] == 2.0
+    assert np.isfinite(result.angles).all()
