@@ -431,7 +431,7 @@ def test_a_change_that_is_refused_leaves_the_contacts_rigid(look):
     ],
 )
 def test_a_chain_with_a_dry_joint_comes_to_rest_on_a_rigid_floor(friction, angles, speeds, restitution):
-    """A joint does not slide with the speeds of rest that an impact leaves: its friction would throw up points."""
+    """A joint does not slide with what impacts of rest leave: its friction would throw up points."""
     links = [{"length": 0.4, "mass": 1.0}, {"length": 0.4, "mass": 1.0, "joint_friction": friction}]
     start = {"position": [0.0, 0.9], "angles": angles, "angular_velocities": speeds}
     contact = {"model": RIGID, "restitution": restitution}
@@ -459,3 +459,30 @@ def test_a_joint_that_sticks_beside_its_stop_does_not_hit_it_again_and_again():
     assert len(result.impacts) < 10
     bend = result.angles[-1, 1] - result.angles[-1, 0]
     assert 0.0 < bend <= 0.3 + 1e-12
+
+
+# ---- one force ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", [name for name in CONTACT_LAWS if name != RIGID])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_the_force_in_rows_is_that_of_the_accelerations(law, tolerance):
+    """Also where a point rests, and the sign of δ̇ is an error: F + m g = m a of the centre of mass."""
+    links = [{"length": 0.5, "mass": 1.5}]
+    start = {"position": [0.0, 0.4], "angles": [0.3], "angular_velocities": [1.0]}
+    contact = {"stiffness": 1e6, **of_law(law)}
+    contact["restitution"] = max(contact.get("restitution", 0.0), 0.3)
+    scene = build(
+        "Rod",
+        links,
+        start,
+        {"y_min": 0.0},
+        contact,
+        gravity=GRAVITY,
+        stop_time=2.0,
+        tolerance=tolerance,
+    )
+    result = simulate(scene, output_step=0.01)
+    mean = result.outputs["point_acceleration"][:, :, 1].mean(axis=1)
+    force = result.outputs["force"].sum(axis=1)
+    np.testing.assert_allclose(1.5 * (mean + GRAVITY), force, rtol=1e-9, atol=1e-9)

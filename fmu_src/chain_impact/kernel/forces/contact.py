@@ -7,8 +7,8 @@ penetration is δ = −g and its rate δ̇ > 0 while compressing.
 from chain_impact.kernel.forces.contact_force import (
     continued_force,
     cut_off,
+    force_on_side,
     height_over_kink,
-    law_force,
     law_slopes,
     set_damping,
     set_expected_depth,
@@ -28,8 +28,7 @@ def clear_impacts(d, time):
 def contact_force(d, c, gap, gap_rate):
     """Force [N] of an active candidate at a clearance [m] and its rate [m/s]."""
     # at the onset the clearance is 0 up to round-off; a force that jumps there has already jumped
-    force, _ = law_force(d, c, max(0.0, -gap), -gap_rate)
-    return force
+    return force_on_side(d, c, max(0.0, -gap), -gap_rate)
 
 
 def apply_contact(d, c, gap, gap_rate):

@@ -118,6 +118,17 @@ def continued_force(d, c, depth, rate):
     return 0.0 if beyond and not approach_only else force, elastic
 
 
+def force_on_side(d, c, depth, rate):
+    """The force of candidate c as motion and loads have it, from its side of the kink, but none that pulls.
+
+    Where a point rests, δ̇ is 0 up to errors, and its sign does not tell the side of a law that damps on
+    approach only.
+    """
+    leaves = d.touch.beyond_kink[c] != 0 if d.law.approach_only[c] else rate < 0.0
+    force, _ = uncut_force(d, c, depth, rate, leaves)
+    return 0.0 if force < 0.0 else force
+
+
 def note_crossing(d, c, height):
     """Record that candidate c has crossed its kink, if ``height`` shows it by more than the margin."""
     margin = d.touch.kink_margin[c]
