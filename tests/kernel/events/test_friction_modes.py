@@ -10,7 +10,6 @@ from chain_impact.kernel.chain.kinematics import largest, locate_points
 from chain_impact.kernel.events import friction_modes
 from chain_impact.kernel.events.friction_modes import (
     AGAINST,
-    against,
     choose_modes,
     count_inconsistent,
     first_guess,
@@ -22,7 +21,7 @@ from chain_impact.kernel.events.friction_modes import (
 from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS, pending_changes
 from chain_impact.kernel.events.sampled import excess, rest_speed
 from chain_impact.kernel.forces.contact import list_touching
-from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
+from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, against, list_sticking
 from chain_impact.kernel.rows.constraints import SOLVED
 from chain_impact.kernel.rows.geometry import tangential_position, tangential_rate
 from tests.kernel.rubbing import AtRest, Doubled, rubbing_chain

@@ -14,10 +14,12 @@ those of forces within the limits of friction (rows/limits.py), which always exi
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
 from chain_impact.kernel.equations import located_rate
 from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, drop_changes
+from chain_impact.kernel.events.onset_modes import begins, decide_onsets
 from chain_impact.kernel.events.sampled import excess, rest_speed
 from chain_impact.kernel.forces.friction import (
     NO_FRICTION,
     STICKS,
+    against,
     joint_of,
     list_friction,
     list_sticking,
@@ -56,6 +58,7 @@ def update_modes(d, jumped):
     for i in range(own.count):
         set_mode(d, d.element.index[i], first_guess(d, d.element.index[i], jumped))
     drop_changes(d)
+    decide_onsets(d)
     choose_modes(d)
     for i in range(own.stuck_count):
         e = d.element.stuck[i]
@@ -81,11 +84,6 @@ def reinit_modes(d, jumped):
         locate_points(d, d.step.state_end)
         update_modes(d, jumped)
         reset_step(d, d.step.end, d.step.state_end)
-
-
-def begins(d, e):
-    """Whether element e is a contact that begins now."""
-    return e < d.candidates and d.touch.active[e] != 0 and d.touch.onset[e] == d.step.end
 
 
 def set_slack(d, e):
@@ -117,11 +115,6 @@ def first_guess(d, e, jumped):
         d.element.undecided[e] = 0
         return against(-speed)
     return STICKS if before == NO_FRICTION else before
-
-
-def against(force):
-    """The sign of the sliding that a friction force opposes."""
-    return 1 if force < 0.0 else -1
 
 
 def choose_modes(d):

@@ -53,6 +53,11 @@ def clear_friction(d):
         set_mode(d, e, NO_FRICTION)
 
 
+def against(force):
+    """The sign of the sliding that a friction force opposes."""
+    return 1 if force < 0.0 else -1
+
+
 def set_mode(d, e, mode):
     """Set the mode of element e."""
     d.element.mode[e] = mode
@@ -160,17 +165,13 @@ def slide(d, e, size):
 def keep_static_forces(d):
     """Store the forces of what sticks, found just now as those of constraints, and its margins.
 
-    Returns:
-        The power [W] that they dissipate, as what sticks has a speed of the size of errors.
+    They do no work. What sticks moves by errors alone, and after the step it is moved back.
     """
-    own, first, dissipated = d.friction, d.touch.active_count, 0.0
-    for i in range(own.stuck_count):
+    first = d.touch.active_count
+    for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
         d.element.force[e] = d.rigid.impulse[first + i]
         d.element.margin[e] = min(d.element.margin[e], d.element.limit[e] - abs(d.element.force[e]))
-        dissipated -= d.element.force[e] * tangential_rate(d, e)
-    own.power += dissipated
-    return dissipated
 
 
 def keep_anchors(d):

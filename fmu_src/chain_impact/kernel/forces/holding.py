@@ -6,12 +6,18 @@ right-hand side, an accepted step and an event state: what moves freely, and wha
 
 import math
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, at_center, locate_points, move_points
-from chain_impact.kernel.chain.response import take_factors
+from chain_impact.kernel.chain.kinematics import (
+    accelerate_points,
+    at_center,
+    largest,
+    locate_points,
+    move_points,
+)
+from chain_impact.kernel.chain.response import FREE, take_factors
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, supplied_at, velocity_at
 from chain_impact.kernel.forces.contact import keep_force
 from chain_impact.kernel.forces.friction import keep_static_forces
-from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass
+from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass, solve_space
 from chain_impact.kernel.rows.constraints import (
     activate_all,
     any_point_held,
@@ -23,6 +29,7 @@ from chain_impact.kernel.rows.constraints import (
     solve_lcp,
 )
 from chain_impact.kernel.rows.geometry import (
+    along,
     any_sticking,
     clearance,
     constraint,
@@ -64,6 +71,15 @@ def start_from_state(d, derivative):
             own.start[first + i] = tangential_position(d, e) - d.element.anchor[e]
 
 
+def start_from_loads(d):
+    """Set ``start`` to the motion of all constraints by the loads at places; return the largest motion."""
+    factorize_free(d)
+    solve_space(d, d.work.link, d.work, FREE, d.work.change)
+    for k in range(constraint_rows(d)):
+        d.rigid.start[k] = along(constraint(d, k), d.work.motion)
+    return largest(d, d.work.motion)
+
+
 def clear_least_forces(d):
     """Begin to record the least forces of the contacts without a force law."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -101,7 +117,7 @@ def add_constraint_forces(d, y, rate):
         own.least_force[c] = min(own.least_force[c], own.impulse[k])
         keep_force(d, c, own.impulse[k])
     if any_sticking(d):
-        rate[dissipated_at(d.links)] += keep_static_forces(d)
+        keep_static_forces(d)
 
 
 def project_state(d, y):

@@ -16,8 +16,8 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
 from chain_impact.kernel.chain.state import coordinate_count, velocity_at
 from chain_impact.kernel.equations import located_rate
-from chain_impact.kernel.events.friction_modes import begins
 from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, pending_changes
+from chain_impact.kernel.events.onset_modes import begins
 from chain_impact.kernel.events.sampled import excess, rest_speed
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
 from chain_impact.kernel.forces.holding import RESISTANCE, solve_stopping_impulses, start_from_state

@@ -1,0 +1,57 @@
+"""The mode of dry friction of a contact that begins without any tangential speed.
+
+Where it begins, its normal force F is zero, and so is the limit of its friction. What follows is decided by
+the limit from the right: F grows, and the tangential force that keeps the point from sliding grows in
+proportion to it, with the chain's couplings as their ratio. The point sticks if that force is at most µ_s F,
+and else it slides the other way.
+"""
+
+from chain_impact.kernel.forces.contact_force import law_force
+from chain_impact.kernel.forces.friction import STICKS, against, list_sticking, set_mode
+from chain_impact.kernel.forces.holding import start_from_loads
+from chain_impact.kernel.rows.constraints import activate_all, solve_equality
+from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal
+from chain_impact.kernel.status import count_other_work
+
+SOON = 1e-6  # s after an onset: the forces then show in which ratio those of several contacts grow
+
+
+def begins(d, e):
+    """Whether element e is a contact that begins now."""
+    return e < d.candidates and d.touch.active[e] != 0 and d.touch.onset[e] == d.step.end
+
+
+def decide_onsets(d):
+    """Choose the modes of contacts that begin now and have been guessed to stick, for the located points."""
+    own, open_ones = d.friction, 0
+    for i in range(own.contact_count):
+        open_ones += is_open(d, d.element.index[i])
+    if open_ones == 0:
+        return
+    list_sticking(d)
+    clear_loads_of(d, d.work.load)
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        if begins(d, c):
+            add_along(normal(d, c), d.work.load, force_soon(d, c))
+    scale = start_from_loads(d)
+    activate_all(d)
+    solve_equality(d, scale)
+    count_other_work(d, 1)
+    for i in range(own.stuck_count):
+        e = d.element.stuck[i]
+        force = d.rigid.impulse[d.touch.active_count + i]
+        if is_open(d, e) and abs(force) > d.law.static_friction[e] * force_soon(d, e):
+            set_mode(d, e, against(force))
+
+
+def is_open(d, e):
+    """Whether element e begins now, at rest along its wall."""
+    return begins(d, e) and d.element.undecided[e] != 0 and d.element.mode[e] == STICKS
+
+
+def force_soon(d, c):
+    """The normal force [N] of a contact that begins now, shortly after."""
+    speed = d.touch.onset_speed[c]
+    force, _ = law_force(d, c, SOON * speed, speed)
+    return force
