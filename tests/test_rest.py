@@ -461,7 +461,7 @@ def test_a_joint_that_sticks_beside_its_stop_does_not_hit_it_again_and_again():
     assert 0.0 < bend <= 0.3 + 1e-12
 
 
-# ---- one force ----------------------------------------------------------------------------------------------
+# ---- one force ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("law", [name for name in CONTACT_LAWS if name != RIGID])

@@ -1,0 +1,30 @@
+"""Random scenes that come to rest go on to their ends, and at rest nothing changes (tests/resting.py)."""
+
+import pytest
+
+from chain_impact.kernel.status import OK
+from tests.resting import KINDS, LONG, SHORT, run
+
+RESTS = 1e-10  # of the energies: a change of the energy balance in the last half of a run that is at rest
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_chains_that_rest_go_on_to_rest(kind):
+    found = [run(kind, seed, SHORT) for seed in range(8)]
+    assert [one for one in found if one.status != OK] == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "seed"), [("rigid_drop", 2), ("rigid_drop", 113), ("sprung_stops", 22), ("sprung_stops", 77)]
+)
+def test_chains_that_chattered_come_to_rest(kind, seed):
+    """By impacts of rest in turn, and by a joint that sticks at its stop."""
+    assert run(kind, seed, SHORT).status == OK
+
+
+@pytest.mark.parametrize("kind", ["pendulum", "double_pendulum", "rigid_pendulum"])
+def test_an_hour_of_rest_is_held(kind):
+    found = [run(kind, seed, LONG) for seed in range(20)]
+    assert [one for one in found if one.status != OK] == []
+    assert sum(one.rests for one in found) > 8
+    assert max(one.drift for one in found if one.rests) < RESTS
