@@ -36,6 +36,10 @@ TRUST = np.dtype(
         ("point", np.int64),  # of the impact or the dry friction, or the joint; −1 without one
         ("wall", np.int64),  # −1: a joint
         ("share", np.float64),  # of the largest: what friction has left open may change, see friction.py
+        (
+            "split",
+            np.int64,
+        ),  # 1: since then several elements have stuck: how they share friction is unknown
     ]
 )
 

@@ -40,6 +40,9 @@ def observe_tangent(d, t):
     fill_outputs(t)
     if not trusted(t) or d.statistics.status != OK:
         forget_slopes(words(t.output))
+    elif t.trust.split:
+        forget_slopes(words(t.output.friction))
+        forget_slopes(words(t.output.load))
 
 
 def observe_trial_of_tangent(_d, t):

@@ -104,8 +104,18 @@ def trust(t):
 
 def begin_trust(t):
     """Trust the derivatives from the start of a run on, before anything has been left open."""
-    t.trust.share = 0.0
+    t.trust.share, t.trust.split = 0.0, 0
     trust(t)
+
+
+def note_split(t):
+    """Note whether several elements stick after friction has left something open.
+
+    A speed that is stopped changes how they share friction, by impulses that are not known. Their sum, and so
+    the motion, does not depend on that.
+    """
+    if t.trust.share > 0.0 and t.friction.stuck_count > 1:
+        t.trust.split = 1
 
 
 def share_reason(t, other):
