@@ -59,9 +59,9 @@ def _sentence(text: str) -> str:
 
 
 def _key(entry: Any) -> dict[str, Any]:
-    if dataclasses.is_dataclass(entry.type):
-        return _table(entry.type)
-    if get_origin(entry.type) is Mapping:
+    if dataclasses.is_dataclass(kind := without_none(entry.type)):
+        return _table(kind)
+    if get_origin(kind) is Mapping:
         inner = _table(entry_type(entry.type))
         return {"type": "object", "description": inner["description"], "additionalProperties": inner}
     rule = entry.metadata
@@ -69,7 +69,7 @@ def _key(entry: Any) -> dict[str, Any]:
     default = rule["default"]
     if isinstance(default, Derived):
         text += f"; default: {default.text}"
-    rules = {"description": text} | _value(without_none(entry.type), rule)
+    rules = {"description": text} | _value(kind, rule)
     if not isinstance(default, Derived) and default is not None and default is not dataclasses.MISSING:
         rules["default"] = list(default) if isinstance(default, tuple) else default
     return rules

@@ -16,6 +16,7 @@ from lark import Lark
 
 from chain_impact import Scene, load_scene
 from chain_impact.fmu.build import build_fmu
+from tests.bodies import body, cart
 from tests.derived_scenes import finger
 from tests.friction import thrown
 from tests.friction_derivative_scenes import dry_joints
@@ -42,6 +43,8 @@ SERVO = {
 }
 SERVO |= {"link[1].joint_armature": 0.1, "link[2].joint_torque_limit": 2.0, "inputs.joint_targets": True}
 SCENES = {
+    "body": body,
+    "cart": cart,
     "derivatives": lambda: load_scene("four_link_box").with_values(
         {"outputs.sensitivities": ASKED, "outputs.contacts": False}
     ),

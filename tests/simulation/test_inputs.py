@@ -214,8 +214,8 @@ def scolding(_time):
         (
             {"joint[3].torque": 1.0},
             r"^PinnedArm: 'joint\[3\].torque' is no input of this scene; it has joint\[1\].torque, "
-            r"joint\[2\].torque, and \[inputs\] joint_torques, joint_targets, tip_force, base_motion and "
-            r"wall_motion in the scene make",
+            r"joint\[2\].torque, and \[inputs\] joint_torques, joint_targets, slider_force, tip_force, "
+            r"base_motion and wall_motion in the scene make",
         ),
         ({"tip.force.x": 1.0}, "'tip.force.x' is no input of this scene"),
         ({7: 1.0}, "7 is no input of this scene"),

@@ -262,11 +262,13 @@ def test_columns_are_those_of_the_recorded_outputs():
     for scene in SCENES.values():
         outputs = np.zeros(3, Model(scene).row)
         links, pairs = len(scene.chain.links), len(candidates(scene))
+        rubbing = pairs + links + (scene.chain.slider is not None)
         rows = (
-            pairs + links if scene.has_friction else 0,
+            rubbing if scene.has_friction else 0,
             links + len(scene.wall_names) if scene.outputs.loads else 0,
         )
-        assert outputs.dtype == output_dtype(links, pairs, *rows, Model(scene).sizes[-1])
+        given = Model(scene).sizes.channels, len(scene.chain.sites)
+        assert outputs.dtype == output_dtype(links, pairs, *rows, *given)
         width = outputs.dtype.itemsize // 8
         outputs.view(np.float64)[:] = np.arange(3 * width)
         columns, layout = Model(scene).series(outputs), Model(scene).new_instance().dtype

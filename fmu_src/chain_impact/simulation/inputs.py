@@ -83,14 +83,16 @@ class Drive:
         powers, given, changed = self.pieces.powers[at], record["given"], False
         course, motion = given["course"], record["motion"]
         motion["follows"], motion["jumps"] = 1, self.slips[at]
-        for m, (part, name, index) in enumerate(self.places):
+        for m, (part, name, *rest) in enumerate(self.places):
+            index = rest[0] if rest else 0  # there is one slider
             if name == COURSE:
                 motion["follows"] = 0
                 changed |= (motion[name][: len(powers), index] != powers[:, m]).any()
                 motion[name][: len(powers), index] = powers[:, m]
                 continue
-            changed |= record[part][name][index] != powers[0, m]
-            record[part][name][index] = powers[0, m]
+            held, key = (record[part][name], index) if rest else (record[part], name)
+            changed |= held[key] != powers[0, m]
+            held[key] = powers[0, m]
             if part != MOTION:
                 course[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)
@@ -250,7 +252,8 @@ def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.nda
 def inputs_text(inputs: Iterable[str]) -> str:
     """What inputs there are, by name, or how there would be some."""
     names = list(inputs)
-    how = "[inputs] joint_torques, joint_targets, tip_force, base_motion and wall_motion in the scene"
+    how = "[inputs] joint_torques, joint_targets, slider_force, tip_force, base_motion and wall_motion"
+    how += " in the scene"
     if not names:
         return f"it has none, {how} make them"
     shown = names if len(names) <= LISTED else [*names[: LISTED - 2], "…", names[-1]]

@@ -133,6 +133,7 @@ PARAMETERS = (
                 "when": ("rests",),
                 "hint": HAS_TARGET.replace("angle", "position"),
             },
+            friction={"when": ("rubs",), "hint": HAS_FRICTION},
             min={"if_missing": -math.inf},
             max={"if_missing": math.inf},
             force_limit={"if_missing": math.inf, "hint": HAS_ONE},

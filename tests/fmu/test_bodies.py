@@ -1,0 +1,65 @@
+"""FMUs of scenes with points of links, an offset of a centre of mass and a slider."""
+
+import numpy as np
+import pytest
+
+from chain_impact import simulate
+from tests.fmu.clean import importing
+from tests.fmu.conftest import scene_of
+from tests.fmu.importer import Instance
+
+STEP = 2.0**-7  # s; sums of such a step are exact
+STOP = 0.75  # s
+CHANGES = {
+    "body": (
+        {
+            "link[1].center_of_mass_offset": -0.03,
+            "link[1].point[1].y": -0.125,
+            "link[1].point[2].radius": 0.02,
+        },
+        {},
+    ),
+    "cart": ({"slider.angle": 0.125, "slider.mass": 2.5, "slider.max": 0.25}, {"slider.force": 1.5}),
+}
+"""Scene → parameters, and inputs that are held."""
+
+
+def trajectory(fmu, values, inputs, stop, step):
+    instance = Instance(fmu).start(**values | inputs)
+    times = [i * step for i in range(round(stop / step) + 1)]
+    return [instance.outputs, instance.run(times)]
+
+
+@pytest.mark.parametrize("model", CHANGES)
+def test_every_output_is_that_of_a_simulation(fmus, clean, model):
+    values, inputs = CHANGES[model]
+    result = simulate(scene_of(model).with_values(values), STOP, STEP, inputs=inputs)
+    names, rows = clean(trajectory, fmus[model], values, inputs, STOP, STEP)
+    found = dict(zip(names, np.transpose(rows), strict=True))
+    for name, column in result.model.series(result.outputs).items():
+        np.testing.assert_array_equal(found[name], column, err_msg=name)
+    assert found["impact.count"][-1] == len(result.impacts) > 0
+
+
+@pytest.mark.parametrize(
+    ("model", "save_at"),
+    [
+        ("body", "contact[3].y_min.force"),
+        ("body", 0.5),
+        ("cart", "contact[0].slider_max.force"),
+        ("cart", 0.25),
+    ],
+)
+@importing()
+def test_a_saved_state_goes_on_to_the_last_bit(fmu, save_at):
+    one, two = Instance(fmu).start(), Instance(fmu)
+    if isinstance(save_at, str):
+        while not one[save_at]:
+            one.step(one.time + 2e-4)
+    else:
+        one.step(save_at)
+    data = one.fmu.serializeFMUstate(one.fmu.getFMUstate())
+    times = [one.time + 1e-3 * i for i in range(1, 51)]
+    two.fmu.setFMUstate(two.fmu.deSerializeFMUstate(data))
+    two.time = one.time
+    assert one.run(times) == two.run(times)
