@@ -37,8 +37,8 @@ DURATION = 0.5  # s
 SPEED = 0.3  # rad/s or m/s, of the joints at the start, with changing sign
 TOLERANCE = 1e-11
 ALIKE = 1e-6  # rad, up to which two angles are the same
-TOUCHING = ("joint_min", "joint_max", "joint_friction")
-"""What a link has that MuJoCo does otherwise, by soft constraints."""
+TOUCHING = ("joint_min", "joint_max", "joint_friction", "slider_min", "slider_max", "slider_friction")
+"""What a link or a slider has that MuJoCo does otherwise, by soft constraints."""
 CONSTRAINTS = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
 
 
@@ -98,7 +98,12 @@ def turned_in_scene(done: Converted, robot: Robot, names: Sequence[str]) -> np.n
     links = [
         {key: value for key, value in link.items() if key not in TOUCHING} for link in data["chain"]["links"]
     ]
-    data |= {"chain": {**data["chain"], "links": links}, "simulation": {"stop_time": DURATION}}
+    chain = {**data["chain"], "links": links}
+    if "slider" in chain:
+        chain["slider"] = {
+            key: value for key, value in chain["slider"].items() if f"slider_{key}" not in TOUCHING
+        }
+    data |= {"chain": chain, "simulation": {"stop_time": DURATION}}
     data["solver"] = {"tolerance": TOLERANCE}
     data["name"] = "compared"
     with warnings.catch_warnings():

@@ -5,6 +5,11 @@ With u_i the unit vector along link i, s_ji = ℓ_i for i < j and the centre-of-
 centre of link j is at p₀ + Σ_i s_ji u_i. Hence, with B = Sᵀ diag(m) S and β = Sᵀ m, M q̈ = Q − h has
     M = [m_total 1, β_i u⊥_i; ·, B_ij cos(θ_i − θ_j) + I_i δ_ij],
     h = [−Σ β_i ω_i² u_i; Σ_j B_ij ω_j² sin(θ_i − θ_j)].
+
+A centre of mass e_j to the left of the line adds e_j u⊥_j to its place. With E = diag(e), ε = m e and
+K = Sᵀ diag(m) E − E diag(m) S this adds
+    m_j e_j² δ_ij + K_ij sin(θ_i − θ_j) to M_ij, −ε_i u_i beside β_i u⊥_i,
+    [−Σ ε_i ω_i² u⊥_i; −Σ_j K_ij ω_j² cos(θ_i − θ_j)] to h.
 """
 
 from __future__ import annotations
@@ -35,7 +40,10 @@ class Textbook:
         arms += np.diag(np.array([link.center_of_mass for link in links], real))
         self.coupling = arms.T @ (mass[:, None] * arms)
         self.first_moment = arms.T @ mass
-        self.inertia = np.diag(np.array([link.inertia for link in links], real))
+        beside = np.array([link.center_of_mass_offset for link in links], real)
+        self.inertia = np.diag(np.array([link.inertia for link in links], real) + mass * beside**2)
+        self.moment_beside = mass * beside
+        self.coupling_beside = arms.T * self.moment_beside - self.moment_beside[:, None] * arms
         self.total_mass = mass.sum()
         self.gravity = np.array(scene.gravity, real)
         self.matrix = np.zeros((n + 2, n + 2), real)
@@ -63,6 +71,14 @@ class Textbook:
         right[1] += (self.first_moment * w2) @ sin
         right[2:] = self.first_moment * (self.gravity @ normals)
         right[2:] -= (self.coupling * (np.outer(sin, cos) - np.outer(cos, sin))) @ w2
+        if self.moment_beside.any():
+            along = np.stack([cos, sin])
+            matrix[2:, 2:] += self.coupling_beside * (np.outer(sin, cos) - np.outer(cos, sin))
+            matrix[:2, 2:] -= self.moment_beside * along
+            matrix[2:, :2] = matrix[:2, 2:].T
+            right[:2] += normals @ (self.moment_beside * w2)
+            right[2:] -= self.moment_beside * (self.gravity @ along)
+            right[2:] += (self.coupling_beside * (np.outer(cos, cos) + np.outer(sin, sin))) @ w2
         return matrix, right
 
     def jacobian(self, angle: np.ndarray, point: int) -> np.ndarray:

@@ -39,6 +39,26 @@ FREE = """
   {rest}
 </mujoco>
 """
+CART = """
+<mujoco model="cart">
+  <worldbody>
+    <body name="box" pos=".1 0 1.5" euler="0 15 0" {box}>
+      <joint name="x" type="slide" axis="1 0 0" {x}/>
+      <geom type="box" size=".1 .1 .05" mass="3"/>
+      <body {box}><geom type="sphere" size=".05" pos="0 0 .1" mass=".5"/></body>
+      <body name="upper" pos=".05 0 0" {upper}>
+        <joint name="a" axis="0 1 0"/>
+        <geom type="capsule" fromto="0 0 0 .4 0 .1" size=".03" mass="2"/>
+        <body name="lower" pos=".4 0 0" {lower}>
+          <joint name="b" axis="0 -1 0" stiffness="3"/>
+          <geom type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1"/>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+  {rest}
+</mujoco>
+"""
 PARTS = (
     "option",
     "flags",
@@ -51,6 +71,7 @@ PARTS = (
     "shape",
     "more",
     "rest",
+    "box",
     "x",
     "z",
     "turn",
@@ -65,6 +86,12 @@ def arm(**parts):
 def free(**parts):
     """The MJCF of two links that fall freely."""
     return FREE.format(**{**dict.fromkeys(PARTS, ""), **parts})
+
+
+def cart(**parts):
+    """The MJCF of an arm on a cart, which slides along a line that is not level."""
+    text = CART.replace('axis="1 0 0" ', "") if "axis=" in parts.get("x", "") else CART
+    return text.format(**{**dict.fromkeys(PARTS, ""), **parts})
 
 
 def drives(*actuators):

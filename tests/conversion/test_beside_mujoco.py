@@ -4,7 +4,7 @@ import pytest
 
 from benchmarks.robots import ALIKE, compared
 from chain_impact.conversion.planar import Choices
-from tests.conversion.robot_files import TWO, arm, drives, free, joint, key, link, urdf
+from tests.conversion.robot_files import TWO, arm, cart, drives, free, joint, key, link, urdf
 from tests.tiers import needs_interop
 
 pytestmark = needs_interop
@@ -67,6 +67,23 @@ SAME = {
     ).replace('name="b" axis="0 1 0"', 'name="b" axis="0 -1 0"'),
     "centre aside of a free base": free(rest=key(qpos=".1 .2 .3 -.5", qvel="1 2 3 -4")).replace(
         '<body name="leg"', '<geom type="sphere" size=".05" pos=".2 0 -.1" mass="1"/><body name="leg"'
+    ),
+    "cart": cart(),
+    "cart with all that a slide has": cart(
+        x='ref=".2" damping=".5" stiffness="30" springref=".7" axis="-2 0 0"',
+        rest=drives('<position joint="x" kp="20" kv="1"/>', '<motor joint="a"/>') + key(ctrl=".3 0"),
+    ),
+    "cart on a slope": cart(x='axis="1 0 -.5" damping=".2"', rest=key(qpos=".4 .3 -1", qvel="1 2 3")),
+    "cart that gravity does not move": cart(box='gravcomp="1"', upper='gravcomp="1"', lower='gravcomp="1"'),
+    "slide and hinge of one body": arm().replace(
+        '<joint name="a"', '<joint name="rail" type="slide" axis="1 0 0" armature=".5"/><joint name="a"'
+    ),
+    "urdf of a cart": urdf(
+        link("cart", mass=2),
+        *TWO[:3],
+        joint("rail", "base", "cart", kind="prismatic", axis="0 0 -1"),
+        joint("a", "cart", "upper"),
+        *TWO[4:],
     ),
     "urdf": urdf(*TWO),
     "urdf with the centre aside": urdf(
@@ -135,6 +152,7 @@ OTHERWISE = {
         ),
         "joint x: damping 5, stiffness 10, armature 0.5: the base of the scene is free",
     ),
+    "rotor of a cart on a slope": (cart(x='armature=".4"'), "joint x: its armature, 0.4 kg, is part of"),
     "held trunk": (free(turn='stiffness="3"'), "joint turn: stiffness 3: the base of the scene is free"),
     "urdf with mimic": (
         urdf(*TWO[:-1], joint("end", "lower", "tool", kind="fixed")).replace(

@@ -9,6 +9,7 @@ from chain_impact.conversion.convert import convert, of_robot
 from chain_impact.conversion.planar import Choices
 from chain_impact.conversion.to_mjcf import mjcf_of
 from chain_impact.scene.models import models_folder
+from chain_impact.scene.scene import scene_from_dict, scene_of
 from tests.tiers import needs_interop
 
 pytestmark = needs_interop
@@ -73,11 +74,28 @@ def written(tmp_path, name, text):
     return tmp_path / name
 
 
-@pytest.mark.parametrize("model", model_names())
+def carts():
+    """An arm on a slider with all that a slider has, and one whose carriage has no mass."""
+    links = [{"length": 0.5, "mass": 1.0, "center_of_mass_offset": 0.05}, {"length": 0.4, "mass": 0.7}]
+    slider = {"angle": 0.4, "mass": 2.0, "damping": 0.3, "stiffness": 20.0, "rest_position": -0.1}
+    slider |= {"friction": 0.2, "min": -0.3, "max": 0.9, "force_limit": 8.0}
+    for name, table in (("cart", slider), ("rail", {"angle": -2.0, "mass": 0.0, "max": 1.5})):
+        yield scene_from_dict(
+            {
+                "name": name,
+                "chain": {"base": "slider", "slider": table, "links": links},
+                "contact": {"points": []},
+                "inputs": {"slider_force": True, "joint_torques": True},
+                "initial": {"position": [0.1, 0.2], "angles": [0.3, -1.0], "slider_velocity": 0.6},
+            },
+            name,
+        )
+
+
+@pytest.mark.parametrize("model", [*model_names(), *carts()], ids=lambda one: getattr(one, "name", one))
 def test_a_scene_is_the_same_again_after_mjcf(model, tmp_path):
-    scene = load_scene(model)
-    convert(model, tmp_path / "model.xml")
-    again, done = of_robot(tmp_path / "model.xml")
+    scene = scene_of(model)
+    again, done = of_robot(written(tmp_path, "model.xml", mjcf_of(scene)[0]))
     assert (done.warnings, done.left_out) == ([], [])
     assert list(again.values) == list(scene.values)
     for name, value in scene.values.items():
@@ -92,13 +110,15 @@ def test_the_model_of_a_real_arm_is_what_convert_makes_of_its_file():
     model = load_scene("ur5e")
     assert made.initial.position == model.initial.position
     assert made.inputs == model.inputs
-    kept = ("length", "mass", "center_of_mass", "inertia", "joint_damping", "joint_stiffness")
+    kept = ("length", "mass", "center_of_mass", "center_of_mass_offset", "inertia")
+    kept += ("joint_damping", "joint_stiffness")
     kept += ("joint_friction", "joint_armature", "joint_torque_limit")
     for one, other in zip(made.chain.links, model.chain.links, strict=True):
         assert [getattr(one, key) for key in kept] == [getattr(other, key) for key in kept]
 
 
 FREE = {"box.x_min": None, "box.x_max": None, "box.y_min": None, "box.y_max": None}
+FAR = {"slider.max": 9.0, "slider.friction": 0.0, "slider.force_limit": 1e3}
 DRIVEN = {"box.x_max": None, "link[2].joint_armature": 0.05, "link[2].joint_stiffness": 3.0}
 
 
@@ -108,6 +128,7 @@ DRIVEN = {"box.x_max": None, "link[2].joint_armature": 0.05, "link[2].joint_stif
         ("four_link_box", FREE),
         ("triple_pendulum", {}),
         ("pinned_arm", DRIVEN | {"link[2].joint_rest_angle": 0.4}),
+        *zip(carts(), (FAR | {"slider.min": -9.0}, {"slider.max": 9.0}), strict=True),
         ("triple_pendulum", {"link[1].center_of_mass_offset": 0.1, "link[3].center_of_mass_offset": -0.2}),
     ],
 )
@@ -115,7 +136,7 @@ def test_in_flight_mujoco_moves_as_the_scene(model, changes):
     import mujoco
 
     run = {"simulation.stop_time": 1.0, "solver.tolerance": 1e-12}
-    scene = load_scene(model).with_values({**changes, **run})
+    scene = scene_of(model).with_values({**changes, **run})
     scene = scene.with_values({"contact.points": []})
     known = mujoco.MjModel.from_xml_string(mjcf_of(scene)[0])
     data = mujoco.MjData(known)

@@ -46,7 +46,7 @@ class Chosen(NamedTuple):
         poses: rotation and position of each body in space, with held joints at their start and all others
             at zero.
         hinges: from the base to the tip.
-        slides: the two of a free base, or none.
+        slides: the two of a free base, the one of a base on a slider, or none.
         held: names of the joints that do not move.
     """
 
@@ -54,6 +54,11 @@ class Chosen(NamedTuple):
     hinges: list[Moving]
     slides: list[Moving]
     held: set[str]
+
+    @property
+    def base(self) -> str:
+        """What the base of the scene is."""
+        return ("pinned", "slider", "free")[len(self.slides)]
 
 
 def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
@@ -72,9 +77,9 @@ def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
         raise NoChainError(f"{source}: it has no hinge that moves: the joints of a scene are hinges")
     _check_limits(hinges, source)
     _check_parallel(hinges, source)
-    free = _check_slides(slides, hinges[0], moving, source)
+    _check_slides(robot, slides, moving, source)
     _check_serial(robot, hinges, source)
-    return Chosen(poses, hinges, slides if free else [], held)
+    return Chosen(poses, hinges, slides, held)
 
 
 def moving_joints(robot: Robot, held: set[str]) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[Moving]]:
@@ -135,13 +140,14 @@ def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
     return np.asarray(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross)
 
 
-def _check_limits(hinges: list[Moving], source: str) -> None:
-    for joint in (hinge.joint for hinge in hinges):
+def _check_limits(moving: list[Moving], source: str) -> None:
+    for joint in (one.joint for one in moving):
         if joint.low >= joint.high:
+            unit, other = ("m", "") if joint.kind == "slide" else ("rad", " (a `continuous` one can)")
             what = (
-                f"limits are equal, {joint.low:.6g} rad, so it cannot move (a `continuous` one can)"
+                f"limits are equal, {joint.low:.6g} {unit}, so it cannot move{other}"
                 if joint.low == joint.high
-                else f"lower limit, {joint.low:.6g} rad, is above its upper limit, {joint.high:.6g} rad"
+                else f"lower limit, {joint.low:.6g} {unit}, is above its upper limit, {joint.high:.6g} {unit}"
             )
             raise NoChainError(f"{source}: joint {joint.name}: its {what}", [joint.name])
 
@@ -168,24 +174,25 @@ def _parallel(one: np.ndarray, other: np.ndarray) -> bool:
     return bool(np.linalg.norm(np.cross(one, other)) < PARALLEL)
 
 
-def _check_slides(slides: list[Moving], first: Moving, order: list[Moving], source: str) -> bool:
-    """Whether the base is free: two slides in the plane carry it."""
-    if not slides:
-        return False
+def _check_slides(robot: Robot, slides: list[Moving], order: list[Moving], source: str) -> None:
+    """Refuse slides that are neither one nor two at right angles, in the plane and before the first hinge."""
+    first = next(one for one in order if one.joint.kind == "hinge")
+    before = [one for one in order[: order.index(first)] if one.body in above(robot, first.body)]
     along = [abs(float(np.dot(slide.axis, first.axis))) for slide in slides]
     square = len(slides) == 2 and abs(float(np.dot(slides[0].axis, slides[1].axis))) < PARALLEL  # noqa: PLR2004
-    if (
-        not square
+    if slides and (
+        not (square or len(slides) == 1)
         or max(along) > PARALLEL
-        or any(slide not in order[: order.index(first)] for slide in slides)
+        or any(slide not in before for slide in slides)
     ):
         names = [slide.joint.name for slide in slides]
         raise NoChainError(
-            f"{source}: joint {names[0]} slides: only two slides at right angles before the first hinge, as "
-            "of a free base, can be in a scene",
+            f"{source}: joint {names[0]} slides: only one slide in the plane of the motion before the first "
+            "hinge, or two at right angles, as of a free base, can be in a scene",
             names,
         )
-    return True
+    if len(slides) == 1:
+        _check_limits(slides, source)
 
 
 def _check_serial(robot: Robot, hinges: list[Moving], source: str) -> None:

@@ -78,7 +78,8 @@ class _Reader:
         self.mujoco, self.spec, self.model, self.start = mujoco, file.spec, file.model, start
         texts = (text.data for text in self.spec.texts if text.name == CARRIED)
         self.carried: dict[str, Any] | None = next(map(json.loads, texts), None)
-        self.drives = Drives(mujoco, self.model, start.control, start.activation)
+        own = self.carried is not None
+        self.drives = Drives(mujoco, self.model, start.control, start.activation, own)
         self.contacts = Contacts(mujoco, self.model, file.stand_ins)
         self.differences = list(file.differences)
 
@@ -154,10 +155,11 @@ class _Reader:
         low, high = -math.inf, math.inf
         if model.jnt_limited[j] and constrained and not self._off("LIMIT"):
             low, high = (float(limit) for limit in model.jnt_range[j])
-            self._tell_soft(name, "limits are", "[stops]")
+            self._tell_soft(name, "limits are", "[contact]" if kind == "slide" else "[stops]")
         friction = float(model.dof_frictionloss[dof]) * (constrained and not self._off("FRICTIONLOSS"))
         if friction:
-            self._tell_soft(name, "dry friction is", "[[chain.links]]")
+            where = "[chain.slider]" if kind == "slide" else "[[chain.links]]"
+            self._tell_soft(name, "dry friction is", where)
         force = float(np.abs(model.jnt_actfrcrange[j]).max()) if model.jnt_actfrclimited[j] else None
         one = Joint(
             name=name,

@@ -47,9 +47,12 @@ class Drive:
 class Drives:
     """The actuators of a model; collects what no scene can hold."""
 
-    def __init__(self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray) -> None:
-        """Of a model, with the controls and activations at the start."""
+    def __init__(
+        self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray, own: bool
+    ) -> None:
+        """Of a model, with the controls and activations at the start, and whether the file is of a scene."""
         self.mujoco, self.model, self.control, self.activation = mujoco, model, control, activation
+        self.own = own
         self.differences: list[Difference] = []
         self.at: dict[int, list[int]] = {}
         self.works = not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_ACTUATION
@@ -199,7 +202,7 @@ class Drives:
         inputs = {"joint_targets" if one.is_servo else "joint_torques" for one in drives}
         self.differences += self._told(joint, j, drives, stiffness, torque)
         limit = self._limit(joint, j, drives)
-        if limit is not None:
+        if limit is not None and not self.own:
             self._tell_limit(joint, limit)
         if servo and joint.stiffness > 0.0:
             self._tell_joint(joint, "its spring and its servo are one, whose target moves both", Effect.NONE)
@@ -238,13 +241,14 @@ class Drives:
 
     def _tell_limit(self, joint: Joint, limit: float) -> None:
         """Say that the limit of the drives also limits the spring and the damper of a joint."""
+        unit = "m" if joint.kind == "slide" else "rad"
         if joint.stiffness > 0.0:
-            angle = limit / joint.stiffness
-            text = f"the limit of its drives also limits its spring and damper, from {angle:.3g} rad on"
+            way = f"{limit / joint.stiffness:.3g} {unit}"
+            text = f"the limit of its drives also limits its spring and damper, from {way} on"
             self._tell_joint(joint, text, Effect.MOTION)
         elif joint.damping > 0.0:
             speed = limit / joint.damping
-            text = f"the limit of its drives also limits its damper, from {speed:.3g} rad/s on"
+            text = f"the limit of its drives also limits its damper, from {speed:.3g} {unit}/s on"
             self._tell_joint(joint, text, Effect.MOTION if speed < FAST else Effect.NONE)
 
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from chain_impact.conversion.differences import Difference, Effect, few, line, lines
 from chain_impact.conversion.flat import TINY, Plan, near, plan_of
-from chain_impact.conversion.joints import Chosen, Moving, NoChainError, chosen_joints
+from chain_impact.conversion.joints import Chosen, Moving, NoChainError, above, chosen_joints
 from chain_impact.conversion.robot import Body, Joint, Robot
 from chain_impact.conversion.walls import walls_of
 from chain_impact.scene.reading import UnknownNameError
@@ -70,6 +71,7 @@ class _Conversion:
         self.poses, self.hinges, self.slides, self.held = self.chosen
         self.plan: Plan = plan_of(self.hinges[0].axis, choices.plane, source)
         self.owner, self.parts = self._parts()
+        self.carriage = self._carriage()
         self.differences: list[Difference] = []
         self.notes = [self.plan.told, *robot.notes]
 
@@ -87,17 +89,17 @@ class _Conversion:
             directions.append(math.atan2(arm[1], arm[0]))
             links.append({"length": length, **self._mass(self.parts[i], hinge, arm / length, length)})
         angles, speeds = self._state(links, directions)
-        links[0] |= self.robot.first_link if self.slides else {}
+        base, start = self._base(places[0], gravity)
+        links[0] |= self.robot.first_link if self.chosen.base == "free" else {}
         walls, differences = walls_of(self.robot, self.chosen, self.plan, self.parts, places)
-        inputs = dict.fromkeys(sorted({name for one in self._driven() for name in one.joint.inputs}), True)
         data = {
             "name": self.robot.name,
             **{key: value for key, value in self.robot.tables.items() if not isinstance(value, dict)},
             "gravity": gravity,
-            "chain": {"base": "free" if self.slides else "pinned", "links": links},
+            "chain": {"base": self.chosen.base, **base, "links": links},
             **walls,
-            **({"inputs": inputs} if inputs else {}),
-            "initial": {"angles": angles, "angular_velocities": speeds, **self._base(places[0])},
+            **self._inputs(),
+            "initial": {"angles": angles, "angular_velocities": speeds, **start},
         }
         if not self.robot.tables:
             data = _rounded(data)
@@ -110,9 +112,19 @@ class _Conversion:
         told += [*self.differences, *differences]
         return Converted(data, lines(told, warning=True), lines(told, warning=False), self.notes)
 
-    def _driven(self) -> list[Moving]:
-        """The joints that a scene can drive: a free base has no joint 1."""
-        return self.hinges[1:] if self.slides else self.hinges
+    def _inputs(self) -> dict[str, dict[str, bool]]:
+        """The table of the inputs that the drives ask for; a free base has no joint 1."""
+        free, slides = self.chosen.base == "free", self.chosen.base == "slider"
+        found = {name for one in self.hinges[free:] for name in one.joint.inputs}
+        for name in self.slides[0].joint.inputs if slides else ():
+            found.add("slider_force" if name == "joint_torques" else name)
+        return {"inputs": dict.fromkeys(sorted(found), True)} if found else {}
+
+    def _carriage(self) -> list[int]:
+        """The bodies that slide, but are in no link."""
+        before = {slide.body for slide in self.slides}
+        bodies = range(len(self.robot.bodies))
+        return [b for b in bodies if self.owner[b] < 0 and before & {*above(self.robot, b)}]
 
     def _parts(self) -> tuple[dict[int, int], list[list[int]]]:
         """Body → the link that it is part of, −1 for none; and the bodies of each link.
@@ -134,7 +146,9 @@ class _Conversion:
         for b, body in enumerate(self.robot.bodies):
             if self.owner[b] >= 0 or body.mass == 0.0:
                 continue
-            if self.slides and self.slides[0].body <= b:
+            if b in self.carriage:
+                if self.chosen.base == "slider":
+                    continue
                 text = f"its mass of {body.mass:.6g} kg is before the first hinge, which no link has"
                 self._tell("body", body.name, text, Effect.MOTION)
             else:
@@ -147,9 +161,8 @@ class _Conversion:
             self.notes.append(
                 f"gravity: its part along the axes, {abs(along):.6g} m/s2, is borne by the joints"
             )
-        bodies = [
-            self.robot.bodies[b] for part in self.parts for b in part if self.robot.bodies[b].mass > 0.0
-        ]
+        moving = [*(self.carriage if self.chosen.base == "slider" else ()), *chain(*self.parts)]
+        bodies = [self.robot.bodies[b] for b in moving if self.robot.bodies[b].mass > 0.0]
         borne = {body.borne for body in bodies} if np.any(gravity) else {0.0}
         if len(borne) == 1:
             (share,) = borne
@@ -253,7 +266,7 @@ class _Conversion:
             if sign < 0.0:
                 turned.append(hinge.joint.name)
             offset = near(math.remainder(direction - before, 2.0 * math.pi))
-            start = self._joint(link, hinge.joint, offset, sign, grounded=i > 0 or not self.slides)
+            start = self._joint(link, hinge.joint, offset, sign, grounded=i > 0 or self.chosen.base != "free")
             angle, speed, before = angle + start, speed + sign * hinge.joint.speed, direction
             angles.append(angle)
             speeds.append(speed)
@@ -280,14 +293,16 @@ class _Conversion:
             "joint_max": high if math.isfinite(high) else None,
         }
         link |= {key: value for key, value in keys.items() if value is not None}
-        if not low <= start <= high:
-            stop = min(max(start, low), high)
-            text = (
-                f"starts at its stop, {abs(start - stop):.6g} rad from the start of the file, which is beyond"
-            )
+        return self._within(joint, low, start, high, "rad")
+
+    def _within(self, joint: Joint, low: float, start: float, high: float, unit: str) -> float:
+        """The start of a joint, which is at a stop if the file has it beyond."""
+        stop = min(max(start, low), high)
+        if stop != start:
+            away = f"{abs(start - stop):.6g} {unit}"
+            text = f"starts at its stop, {away} from the start of the file, which is beyond"
             self._tell("joint", joint.name, text, Effect.MOTION)
-            start = stop
-        return start
+        return stop
 
     def _tell_unheld(self, joint: Joint) -> None:
         """Say what a joint has that is none in the scene: those of a free base."""
@@ -302,15 +317,45 @@ class _Conversion:
                 "joint", joint.name, f"actuator {name} drives it: nothing drives a free base", Effect.MOTION
             )
 
-    def _base(self, anchor: np.ndarray) -> dict[str, list[float]]:
-        """Position and velocity of the base at the start."""
+    def _base(self, anchor: np.ndarray, gravity: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The table of a slider, if the base is on one, and the start of the base."""
+        ways = [self.plan.flat(slide.axis) for slide in self.slides]
+        if self.chosen.base == "slider":
+            (way,), joint = ways, self.slides[0].joint
+            at = self._within(joint, joint.low, joint.start, joint.high, "m")
+            start = {"position": (anchor + way * at).tolist(), "slider_velocity": joint.speed}
+            return {"slider": self._slider(joint, way, at, gravity)}, start
         position, velocity = anchor.copy(), np.zeros(2)
-        for slide in self.slides:
+        for slide, way in zip(self.slides, ways, strict=True):
             self._tell_unheld(slide.joint)
-            way = self.plan.flat(slide.axis)
             position = position + way * slide.joint.start
             velocity = velocity + way * slide.joint.speed
-        return {"position": position.tolist(), **({"velocity": velocity.tolist()} if self.slides else {})}
+        return {}, {
+            "position": position.tolist(),
+            **({"velocity": velocity.tolist()} if self.slides else {}),
+        }
+
+    def _slider(self, joint: Joint, way: np.ndarray, start: float, gravity: list[float]) -> dict[str, Any]:
+        """The table of a slider: its position is 0 at the start."""
+        if joint.armature:
+            amount = f"{joint.armature:.6g} kg"
+            text = f"its armature, {amount}, is part of the mass of the carriage, which has weight"
+            weighs = abs(float(np.dot(gravity, way))) > TINY
+            self._tell("joint", joint.name, text, Effect.MOTION if weighs else Effect.NONE)
+        keys: dict[str, float | None] = {
+            "damping": joint.damping or None,
+            "stiffness": joint.stiffness or None,
+            "rest_position": joint.rest - start if joint.stiffness else None,
+            "friction": joint.friction or None,
+            "min": joint.low - start if math.isfinite(joint.low) else None,
+            "max": joint.high - start if math.isfinite(joint.high) else None,
+            "force_limit": joint.torque_limit,
+        }
+        return {
+            "angle": math.atan2(way[1], way[0]) + 0.0,  # not −0
+            "mass": joint.armature + sum(self.robot.bodies[b].mass for b in self.carriage),
+            **{key: value for key, value in keys.items() if value is not None},
+        }
 
 
 def _rounded(data: Any) -> Any:

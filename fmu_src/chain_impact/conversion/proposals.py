@@ -66,7 +66,7 @@ def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
     for path in sorted(paths, key=len, reverse=True):
         before = set(above(robot, path[0].body))
         slides = [one for one in pool if one.joint.kind == "slide" and one.body in before]
-        if len(slides) == 2:  # noqa: PLR2004
+        if slides:
             yield [one.joint.name for one in (*slides, *path)]
         yield [hinge.joint.name for hinge in path]
 

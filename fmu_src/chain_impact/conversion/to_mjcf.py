@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
@@ -11,7 +12,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.conversion.mjcf import CARRIED, UNLIMITED
 from chain_impact.scene.scene import Scene, scene_to_dict
-from chain_impact.scene.tables import Link
+from chain_impact.scene.tables import Link, Slider
 
 WRITTEN = ("name", "gravity", "chain", "box", "walls", "initial")
 """What of a scene the elements of MJCF hold."""
@@ -27,6 +28,13 @@ JOINT_KEYS = {
     "joint_armature": "armature",
 }
 """Key of a link → attribute of a joint."""
+SLIDER_KEYS = {
+    "damping": "damping",
+    "stiffness": "stiffness",
+    "rest_position": "springref",
+    "friction": "frictionloss",
+}
+"""Key of a slider → attribute of a joint."""
 
 
 def mjcf_of(scene: Scene) -> tuple[str, list[str]]:
@@ -47,10 +55,12 @@ def mjcf_of(scene: Scene) -> tuple[str, list[str]]:
     world = SubElement(root, "worldbody")
     _add_walls(world, scene)
     _add_chain(world, scene)
-    if scene.inputs.joint_torques:
-        actuators = SubElement(root, "actuator")
-        for i in range(2 if free else 1, len(scene.chain.links) + 1):
-            SubElement(actuators, "motor", name=f"joint[{i}].torque", joint=f"joint[{i}]")
+    joints = range(2 if free else 1, len(scene.chain.links) + 1) if scene.inputs.joint_torques else ()
+    motors = {f"joint[{i}].torque": f"joint[{i}]" for i in joints}
+    motors |= {"slider.force": "slider"} if scene.inputs.slider_force else {}
+    actuators = SubElement(root, "actuator") if motors else root
+    for name, joint in motors.items():
+        SubElement(actuators, "motor", name=name, joint=joint)
     _add_start(root, scene)
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode") + "\n", list(_differences(scene))
@@ -88,20 +98,20 @@ def _add_chain(world: Element, scene: Scene) -> None:
     base, radius = scene.initial.position, LEAST_RADIUS * max(link.length for link in links)
     width = repr(0.02 * sum(link.length for link in links) / len(links) ** 0.5)
     parent, place = world, _numbers(0.0, 0.0, 0.0) if free else _numbers(base[0], 0.0, base[1])
+    slider = scene.chain.slider
+    if slider is not None and slider.mass > 0.0:
+        parent, place = SubElement(parent, "body", name="slider", pos=place), _numbers(0.0, 0.0, 0.0)
+        _add_inertial(parent, slider.mass, (0.0, 0.0), 0.0)
+        _add_slide(parent, slider)
     for i, link in enumerate(links, 1):
         body = SubElement(parent, "body", name=f"link[{i}]", pos=place)
-        inertia = max(link.inertia, LEAST_INERTIA)
-        SubElement(
-            body,
-            "inertial",
-            pos=_numbers(link.center_of_mass, 0.0, link.center_of_mass_offset),
-            mass=repr(link.mass),
-            diaginertia=_numbers(inertia, inertia, inertia),
-        )
+        _add_inertial(body, link.mass, (link.center_of_mass, link.center_of_mass_offset), link.inertia)
+        if slider is not None and slider.mass == 0.0 and i == 1:  # MuJoCo knows no body without mass
+            _add_slide(body, slider)
         if free and i == 1:
             SubElement(body, "joint", name="base.x", type="slide", axis="1 0 0")
             SubElement(body, "joint", name="base.y", type="slide", axis="0 0 1")
-        keys = {} if free and i == 1 else _attributes(link)
+        keys = {} if free and i == 1 else _joint(link)
         SubElement(body, "joint", {"name": f"joint[{i}]", "type": "hinge", "axis": HINGE, **keys})
         line = {"type": "capsule", "size": width, "fromto": _numbers(0.0, 0.0, 0.0, link.length, 0.0, 0.0)}
         SubElement(body, "geom", line, name=f"link[{i}]", mass="0", contype="0", conaffinity="0")
@@ -114,10 +124,34 @@ def _add_chain(world: Element, scene: Scene) -> None:
         parent, place = body, _numbers(link.length, 0.0, 0.0)
 
 
-def _attributes(link: Link) -> dict[str, str]:
+def _add_inertial(body: Element, mass: float, center: tuple[float, float], inertia: float) -> None:
+    """Mass, centre of mass and inertia of a body."""
+    x, y = center
+    about = _numbers(*[max(inertia, LEAST_INERTIA)] * 3)
+    SubElement(body, "inertial", pos=_numbers(x, 0.0, y), mass=repr(mass), diaginertia=about)
+
+
+def _add_slide(body: Element, slider: Slider) -> None:
+    """The joint of a base on a slider."""
+    axis = _numbers(math.cos(slider.angle), 0.0, math.sin(slider.angle))
+    keys = _attributes(slider, SLIDER_KEYS, slider.min, slider.max, slider.force_limit)
+    SubElement(body, "joint", {"name": "slider", "type": "slide", "axis": axis, **keys})
+
+
+def _joint(link: Link) -> dict[str, str]:
+    """What the joint of a link has, as attributes of its element."""
+    return _attributes(link, JOINT_KEYS, link.joint_min, link.joint_max, link.joint_torque_limit)
+
+
+def _attributes(
+    table: Link | Slider,
+    names: dict[str, str],
+    low: float | None,
+    high: float | None,
+    limit: float | None,
+) -> dict[str, str]:
     """What a joint has, as attributes of its element."""
-    found = {name: repr(value) for key, name in JOINT_KEYS.items() if (value := getattr(link, key))}
-    low, high, limit = link.joint_min, link.joint_max, link.joint_torque_limit
+    found = {name: repr(value) for key, name in names.items() if (value := getattr(table, key))}
     if low is not None or high is not None:
         found["range"] = _numbers(-UNLIMITED if low is None else low, UNLIMITED if high is None else high)
     return found | ({"actuatorfrcrange": _numbers(-limit, limit)} if limit else {})
@@ -131,14 +165,19 @@ def _of_the_joint(link: Link) -> dict[str, Any]:
 
 def _add_start(root: Element, scene: Scene) -> None:
     """The start, as a keyframe."""
-    start, free = scene.initial, scene.chain.base == "free"
+    start = scene.initial
+    places, rates = {
+        "pinned": ((), ()),
+        "slider": ((0.0,), (start.slider_velocity,)),
+        "free": (start.position, start.velocity),
+    }[scene.chain.base]
     angles, speeds = ((values[0], *_steps(values)) for values in (start.angles, start.angular_velocities))
     SubElement(
         SubElement(root, "keyframe"),
         "key",
         name="start",
-        qpos=_numbers(*(start.position if free else ()), *angles),
-        qvel=_numbers(*(start.velocity if free else ()), *speeds),
+        qpos=_numbers(*places, *angles),
+        qvel=_numbers(*rates, *speeds),
     )
 
 
@@ -157,13 +196,16 @@ def _differences(scene: Scene) -> Iterator[str]:
             yield f"contact.radius = 0: points have a radius of {radius:.3g} m"
         if scene.has_contact_friction:
             yield "static_friction: MuJoCo has one coefficient"
-    if scene.chain.stops:
+    if scene.chain.stops or (scene.chain.slider and scene.chain.slider.stops):
         yield "stops: MuJoCo has soft limits of its own, solreflimit and solimplimit"
+    limits = {f"link[{i}].joint_torque_limit": link.joint_torque_limit for i, link in enumerate(links, 1)}
+    limits |= {"slider.force_limit": scene.chain.slider.force_limit} if scene.chain.slider else {}
+    for name, limit in limits.items():
+        if limit is not None:
+            yield f"{name}: in MuJoCo it does not limit spring and damper"
+        if limit == 0.0:
+            yield f"{name} = 0: MuJoCo knows no such limit"
     for i, link in enumerate(links, 1):
-        if link.joint_torque_limit is not None:
-            yield f"link[{i}].joint_torque_limit: in MuJoCo it does not limit spring and damper"
-        if link.joint_torque_limit == 0.0:
-            yield f"link[{i}].joint_torque_limit = 0: MuJoCo knows no such limit"
         if link.inertia < LEAST_INERTIA:
             yield f"link[{i}].inertia = {link.inertia:g}: is {LEAST_INERTIA:g} kg.m2, the least"
     for key in ("joint_targets", "tip_force", "base_motion", "wall_motion"):
