@@ -20,7 +20,7 @@ from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import phases_from
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.scene.names import STOPS, fmu_name, input_key
+from chain_impact.scene.names import SLIDER_STOPS, STOPS, fmu_name, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
@@ -78,7 +78,8 @@ def record_fmu(
     check_size(str(path), stop_time, step_size, len(outputs))
     values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
     walls, stops = _walls(values), ranges_from(values)
-    names = [*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ())]
+    ends = [stop for stop in SLIDER_STOPS if stop.replace("_", ".") in values]
+    names = [*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ()), *ends]
     named = {name: _named(parameters[name], value) for name, value in values.items()}
     derived = [name for name, one in parameters.items() if UNLESS_SET in (one.description or "")]
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from chain_impact.results.bodies import is_of_body
 from chain_impact.results.impacts import NO_IMPACTS, impacts_shown
 from chain_impact.results.joint_stops import ranges_of
 from chain_impact.results.recording import Recording
@@ -46,7 +47,7 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
         )
     walls, names = (scene.half_planes, scene.wall_names) if scene else ({}, ())
     stops = ranges_of(scene) if scene else {}
-    known = {"contact.radius": scene.contact.radius} if scene else {}
+    known = {name: value for name, value in scene.values.items() if is_of_body(name)} if scene else {}
     bare = Recording(path.stem, time, columns, walls=walls, wall_names=names, parameters=known, stops=stops)
     for one in bare.touches:
         if one.at_wall and scene is None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.rows.geometry import WALLS
-from chain_impact.scene.names import STOPS, is_like
+from chain_impact.scene.names import SLIDER_STOPS, STOPS, is_like
 
 LOG_DTYPE = np.dtype(
     [
@@ -131,8 +131,10 @@ def wall_names_of(record: Any) -> list[str]:
     """The names of the walls by their numbers, as far as the names of the columns tell."""
     names = [str(name) for name in names_of(record)]
     touched = [name.split(".")[1] for name in names if is_like(name, "contact[{n}].{name}.force")]
+    ends = [stop for stop in SLIDER_STOPS if stop in touched]
+    touched = [name for name in touched if name not in ends]
     stops = STOPS if touched and any(name.endswith(".stop_moment") for name in names) else ()
-    return [*dict.fromkeys((*WALLS, *touched)), *stops]
+    return [*dict.fromkeys((*WALLS, *touched)), *stops, *ends]
 
 
 def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:

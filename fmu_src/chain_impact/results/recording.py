@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.results.bodies import outlines_from, rail_from, site_radii
 from chain_impact.results.equality import same
 from chain_impact.results.impacts import NO_IMPACTS
 from chain_impact.results.joint_stops import JointRange, touching_place
@@ -20,13 +21,14 @@ from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.stick_slip import NO_PHASES, Touch
 from chain_impact.results.tables import save_impacts
 from chain_impact.results.text import plural
+from chain_impact.scene.bodies import Rail
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.reading import matching
 from chain_impact.system import written_whole
 
 ROWS_AT_ONCE = 10_000  # that are written
-_NAME = re.compile(r"(point|link|contact|joint|energy)(?:\[(\d+)\])?(?:\.(\w+))?\.(\w+)")
+_NAME = re.compile(r"(point|link|contact|joint|slider|energy)(?:\[(\d+)\])?(?:\.(\w+))?\.(\w+)")
 """An output of the FMU: owner, its number, its wall, and the quantity."""
 
 
@@ -111,6 +113,10 @@ class Recording:
             found[name] = replace(wall, offset=wall.offset + float(np.interp(time, self.time, moved)))
         return found
 
+    def sides_at(self, time: float) -> dict[str, HalfPlane]:
+        """The walls where they are at a time [s], and the stops of a slider."""
+        return self.walls_at(time) | (self.rail.stops if self.rail else {})
+
     @cached_property
     def moved_walls(self) -> dict[str, np.ndarray]:
         """How far the walls that move have moved along their normals: name → shape (T,) [m]."""
@@ -124,7 +130,30 @@ class Recording:
         Where no joint is known, it is one that stays where it is.
         """
         joints, bases = self._of("joint"), self.points[:, :1]
+        if self.rail is not None:
+            return False
         return (1, "") in joints if joints else len(bases) > 1 and bool((bases == bases[0]).all())
+
+    @cached_property
+    def rail(self) -> Rail | None:
+        """The line of a base on a slider."""
+        return rail_from(self.all_points[:, 0], self.columns.get("slider.position"), self.parameters)
+
+    @cached_property
+    def outlines(self) -> dict[int, np.ndarray]:
+        """The outlines of the links with points, each along its link and to the left of it, shape (C, 2) [m].
+
+        Where the places on the links are not known there are none.
+        """
+        return outlines_from(self.parameters, self.touching)
+
+    @cached_property
+    def touching(self) -> dict[int, float]:
+        """The points that can touch a wall, and their radii [m], 0 where they are not known."""
+        radius, radii = float(self.parameters.get("contact.radius", 0.0)), site_radii(self.parameters)
+        points = sorted({one.point for one in self.touches if one.at_wall})
+        known = dict(enumerate(radii, self.link_count + 1))
+        return {point: known.get(point, radius) for point in points}
 
     @property
     def energies(self) -> Mapping[str, np.ndarray]:
@@ -163,6 +192,10 @@ class Recording:
             if "sticking" in values:
                 moment = values.get("friction_moment")
                 found.append(Touch(joint, "", None, friction=moment, sticking=values["sticking"]))
+        slider = self._of("slider").get((0, ""), {})
+        if "sticking" in slider:
+            force = slider.get("friction_force")
+            found.append(Touch(0, "", None, friction=force, sticking=slider["sticking"]))
         return found
 
     def __repr__(self) -> str:
@@ -214,8 +247,12 @@ class Recording:
 
         Between rows a link is not straight: interpolated, it would be too short.
         """
-        pose: np.ndarray = self.points[int(np.abs(self.time - time).argmin())]
+        pose: np.ndarray = self.points[self.row_at(time)]
         return pose
+
+    def row_at(self, time: float) -> int:
+        """The row that is nearest to a time [s]."""
+        return int(np.abs(self.time - time).argmin())
 
     def spot(self, impact: np.void) -> np.ndarray:
         """Where [m] an impact hit its wall, a radius away from the point; of a stop, its mark."""
@@ -225,9 +262,9 @@ class Recording:
         return np.asarray(place - wall.clearance(*place) * np.array(wall.normal))
 
     def wall_of(self, row: np.void) -> HalfPlane:
-        """The free side of the wall of an impact, or of a phase of dry friction."""
+        """The free side of the wall of an impact, or of a phase of dry friction; of a slider's stop, too."""
         time = row["onset" if "onset" in (row.dtype.names or ()) else "start"]
-        return self.walls_at(float(time))[self.wall_names[row["wall"]]]
+        return self.sides_at(float(time))[self.wall_names[row["wall"]]]
 
     def save_impacts(self, path: Path | str) -> None:
         """Write the list of impacts, with the names of walls, as CSV, JSON or Parquet, as the suffix says.

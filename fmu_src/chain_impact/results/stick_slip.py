@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS
-from chain_impact.scene.names import STOPS
+from chain_impact.scene.names import SLIDER_STOPS, STOPS
 
 CHANGE_DTYPE = np.dtype([("time", np.float64), ("point", np.int64), ("wall", np.int64), ("mode", np.int64)])
 """One change of mode, as the kernel logs it: from this time [s] on the mode is 0, sticks; ±1, slides along
@@ -74,8 +74,9 @@ class Touch:
     """What a point and a wall, or a joint and one of its stops, do to each other; or a joint's dry friction.
 
     Attributes:
-        point: 0…N; of a joint its number, 1…N.
-        wall: its name, of a stop joint_min or joint_max; "" of dry friction in a joint.
+        point: its number; of a joint its number, 1…N; of a slider 0.
+        wall: its name, of a stop joint_min, joint_max, slider_min or slider_max; "" of dry friction in a
+            joint or on a slider.
         force: of the wall on the point, shape (T,) [N], of a stop the size of its moment [N·m]; None
             in a joint.
         penetration: shape (T,) [m]; None where it is not known.
@@ -101,8 +102,8 @@ class Touch:
 
     @property
     def at_wall(self) -> bool:
-        """Whether it is at a wall, not in a joint."""
-        return self.wall not in ("", *STOPS)
+        """Whether it is at a wall, not in a joint or on a slider."""
+        return self.wall not in ("", *STOPS, *SLIDER_STOPS)
 
 
 def phases_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]) -> np.ndarray:

@@ -102,10 +102,23 @@ def framed(
     return view + margin * np.array([[-1.0], [1.0]]), 0.5 + 0.5 * (open_sides[0] - open_sides[1])
 
 
+def size_of(recording: Recording) -> float:
+    """The size of a motion [m]."""
+    return float(np.ptp(recording.all_points, axis=(0, 1)).max())
+
+
+def places_of(recording: Recording) -> np.ndarray:
+    """The positions of all points, and of the corners of a carriage, shape (T, M, 2) [m]."""
+    if recording.rail is None:
+        return recording.all_points
+    corners = recording.rail.carriage(np.zeros(2), size_of(recording))
+    return np.concatenate([recording.all_points, recording.points[:, :1] + corners], axis=1)
+
+
 def radius_of(recording: Recording) -> float:
-    """The radius of the points that can touch [m]; 0 if it is too small to be seen, or not known."""
-    radius = float(recording.parameters.get("contact.radius", 0.0))
-    return radius if radius > ALONE * np.ptp(recording.points, axis=(0, 1)).max() else 0.0
+    """The largest radius of the points that can touch [m]; 0 if it is too small to be seen, or not known."""
+    radius = max(recording.touching.values(), default=0.0)
+    return radius if radius > ALONE * size_of(recording) else 0.0
 
 
 def closed_room(walls: Mapping[Place, HalfPlane], around: np.ndarray) -> list[np.ndarray]:

@@ -4,27 +4,29 @@ from __future__ import annotations
 
 import numpy as np
 
+from chain_impact.scene.bodies import outlines_of, placed, rail_of
 from chain_impact.scene.contents import Contents
 
 LONGER_SIDE = 240  # pixels
 MARGIN, NEAR = 0.15, 1.0  # of the chain's size: around what is shown; a wall farther away is left out
-LINE, POINT = 0.012, 0.02  # of what is shown: the width of a line, the radius of a point
+LINE, THIN, POINT = 0.012, 0.004, 0.02  # of what is shown: the widths of lines, the radius of a point
 
 
 def svg(scene: Contents) -> str:
     """The drawing, in the colours of the page that shows it."""
-    steps = [
-        (link.length * np.cos(angle), link.length * np.sin(angle))
-        for link, angle in zip(scene.chain.links, scene.initial.angles, strict=True)
-    ]
-    points = np.cumsum([scene.initial.position, *steps], axis=0)
-    size = max(np.ptp(points, axis=0).max(), scene.contact.radius, 1e-6)
+    places = np.array([place[:2] for place in scene.start.values()])
+    points = places[: len(scene.chain.links) + 1]
+    size = max(np.ptp(places, axis=0).max(), scene.contact.radius, 1e-6)
+    rail = rail_of(scene)
+    lines = rail.lines(points[:1], size) if rail else []
+    bodies = [placed(corners, points[n - 1], points[n]) for n, corners in outlines_of(scene).items()]
+    bodies += [rail.carriage(points[0], size)] if rail else []
     nearest = [
-        (wall, points - np.outer(points @ wall.normal - wall.offset, wall.normal))
+        (wall, places - np.outer(places @ wall.normal - wall.offset, wall.normal))
         for wall in scene.half_planes.values()
     ]
-    near = [(wall, feet) for wall, feet in nearest if np.hypot(*(points - feet).T).min() <= NEAR * size]
-    shown = np.concatenate([points, *(feet for _, feet in near)])
+    near = [(wall, feet) for wall, feet in nearest if np.hypot(*(places - feet).T).min() <= NEAR * size]
+    shown = np.concatenate([places, *bodies, *(feet for _, feet in near)])
     low, high = shown.min(axis=0) - MARGIN * size, shown.max(axis=0) + MARGIN * size
     width, height = high - low
     reach, scale = width + height, LONGER_SIDE / max(width, height)
@@ -36,8 +38,11 @@ def svg(scene: Contents) -> str:
         corners = [at - along, at + along, at + along - reach * normal, at - along - reach * normal]
         parts.append(f'<polygon points="{_listed(corners)}" fill="currentColor" fill-opacity="0.2"/>')
     look = f'fill="none" stroke="currentColor" stroke-width="{line}"'
+    thin = f'stroke="currentColor" stroke-width="{THIN * max(width, height):.6g}"'
+    parts += [f'<polyline points="{_listed(one)}" fill="none" {thin}/>' for one in lines]
+    parts += [f'<polygon points="{_listed(one)}" fill-opacity="0.2" {thin}/>' for one in bodies]
     parts.append(f'<polyline points="{_listed(points)}" {look}/>')
-    parts += [f'<circle cx="{x:.6g}" cy="{-y:.6g}" r="{dot}"/>' for x, y in points]
+    parts += [f'<circle cx="{x:.6g}" cy="{-y:.6g}" r="{dot}"/>' for x, y in places]
     view = f"{low[0]:.6g} {-high[1]:.6g} {width:.6g} {height:.6g}"
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{view}" width="{scale * width:.0f}" '

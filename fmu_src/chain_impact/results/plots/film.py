@@ -14,19 +14,22 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, FancyArrowPatch
+from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from matplotlib.patheffects import withStroke
 
 from chain_impact.extras import require
 from chain_impact.progress import Progress
 from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.pacing import frame_times, slow_spans
+from chain_impact.results.plots.body import body_look, draw_rail
 from chain_impact.results.plots.over_time import ENERGY_COLOURS, mark_impacts
 from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_pin, draw_room, moves
 from chain_impact.results.plots.style import BLUE, BROWN, INK, PALE, STYLE as PICTURES, force_text
 from chain_impact.results.plots.trace import trace_of
 from chain_impact.results.recording import Recording
-from chain_impact.results.view import framed, pin_mark, radius_of
+from chain_impact.results.view import framed, pin_mark, places_of, radius_of, size_of
+from chain_impact.scene.bodies import placed
+from chain_impact.scene.names import STOPS
 
 MUTED, CHAIN, TIP, FORCE, LOAD = "#566076", "#2b4a9f", "#c2255c", "#d9480f", "#0b7285"
 ENERGIES = {**ENERGY_COLOURS, "elastic": BLUE, "friction": BROWN}
@@ -147,7 +150,7 @@ class Film:
         """Draw what does not move."""
         self.recording, self.times = recording, times
         self.points = np.stack(
-            [self._over_frames(point) for point in recording.points.transpose(1, 0, 2)], axis=1
+            [self._over_frames(point) for point in recording.all_points.transpose(1, 0, 2)], axis=1
         )
         self.loads = {joint: self._over_frames(force) for joint, force in recording.loads.items()}
         self.rows = np.searchsorted(recording.time, times, side="right") - 1
@@ -174,16 +177,26 @@ class Film:
         for lines in (self.tail, self.ranges):
             self.scene.add_collection(lines, autolim=False)
         disc: dict[str, Any] = {"facecolor": (*to_rgb(CHAIN), 0.14), "edgecolor": CHAIN, "animated": True}
-        touching = {one.point for one in self.touches if one.at_wall} if radius > 0.0 else set()
-        self.discs = {point: Circle((0, 0), radius, **disc) for point in touching}
-        for patch in self.discs.values():
+        touching = recording.touching if radius > 0.0 else {}
+        self.discs = {point: Circle((0, 0), own, **disc) for point, own in touching.items()}
+        body: dict[str, Any] = {**body_look(CHAIN), "animated": True}
+        self.bodies = {link: Polygon(corners, **body) for link, corners in recording.outlines.items()}
+        base = {**body, "facecolor": to_rgb(PALE)}
+        self.carriage = [(Polygon(np.zeros((4, 2)), **base), recording.rail)] if recording.rail else []
+        self.patches = [*self.discs.values(), *self.bodies.values(), *(patch for patch, _ in self.carriage)]
+        for patch in self.patches:
             self.scene.add_patch(patch)
         (self.chain,) = self.scene.plot([], [], color=CHAIN, linewidth=4.0, **still)
         look: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
+        (self.sites,) = self.scene.plot([], [], color=CHAIN, markersize=4, **look)
         (self.joints,) = self.scene.plot([], [], color="white", markeredgecolor=CHAIN, markersize=5, **look)
         (self.tip,) = self.scene.plot([], [], color=TIP, markeredgecolor="white", markersize=7, **look)
         peaks = recording.impacts["peak_force"][~recording.at_stops]
-        seen = [one.force.max(initial=0.0) for one in self.touches if one.at_wall and one.force is not None]
+        seen = [
+            one.force.max(initial=0.0)
+            for one in self.touches
+            if one.wall not in STOPS and one.force is not None
+        ]
         seen += [np.hypot(*force.T).max() for force in recording.loads.values()]
         self.peak = max([np.nanmax(peaks, initial=0.0), *seen])
         if self.loads:
@@ -203,7 +216,7 @@ class Film:
 
     def _draw_ground(self, radius: float) -> None:
         pinned = self.recording.pinned
-        view, anchor = framed(self.points, self.recording.walls, radius, pinned=pinned)
+        view, anchor = framed(places_of(self.recording), self.recording.walls, radius, pinned=pinned)
         self.side = float(min(np.ptp(view, axis=0)))
         # the same scale along x and y: the view, and beside or above it as much as the page has room for
         room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
@@ -212,8 +225,9 @@ class Film:
         self.scene.set(xticks=[], yticks=[])
         self.scene.spines[:].set_visible(False)
         self.view = low + np.array([np.zeros(2), seen])
-        self.pin = pin_mark(self.recording.points) if pinned else []
+        self.pin = pin_mark(self.recording.all_points) if pinned else []
         self.room_moves = bool(self.recording.moved_walls) or (pinned and moves(self.recording.points[:, 0]))
+        draw_rail(self.scene, self.recording)
         self.room = self._draw_room(0)
         for artist in self.room if self.room_moves else ():
             artist.set_animated(True)
@@ -253,12 +267,18 @@ class Film:
             frame: its number.
             rate: simulated seconds in a second on the screen.
         """
-        time, points = self.times[frame], self.points[frame]
+        time, places = self.times[frame], self.points[frame]
+        points = places[: self.recording.link_count + 1]
         passed = np.searchsorted(self.trace_times, time, side="right")
         self.trace.set_data(*np.append(self.path[:passed], points[-1:], axis=0).T)
         self._show_tail(time)
         for point, disc in self.discs.items():
-            disc.set_center(tuple(points[point]))
+            disc.set_center(tuple(places[point]))
+        for link, body in self.bodies.items():
+            body.set_xy(placed(self.recording.outlines[link], points[link - 1], points[link]))
+        for carriage, rail in self.carriage:
+            carriage.set_xy(rail.carriage(points[0], size_of(self.recording)))
+        self.sites.set_data(*places[len(points) :].T)
         self.chain.set_data(*points.T)
         self.joints.set_data(*points[:-1].T)
         self.tip.set_data(*points[-1:].T)
@@ -267,8 +287,8 @@ class Film:
         self.rate.set_color(FORCE if rate < SLOW else MUTED)
         self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
         yield from self._moved_room(frame)
-        yield from (self.trace, self.tail, *self.discs.values(), self.ranges)
-        yield from (self.chain, self.joints, self.tip)
+        yield from (self.trace, self.tail, *self.patches, self.ranges)
+        yield from (self.chain, self.sites, self.joints, self.tip)
         yield from self._forces(frame)
         yield from (self.clock, self.rate)
         if self.tells_energies:
@@ -287,15 +307,17 @@ class Film:
         for artist in self.moving:
             artist.remove()
         self.moving.clear()
-        self.plane = self.recording.walls_at(float(self.times[frame]))
+        self.plane = self.recording.sides_at(float(self.times[frame]))
         for one in self.touches:
             force = 0.0 if one.force is None else self._at(one.force, frame)
             sticks = one.sticking is not None and one.sticking[self.rows[frame]] > 0.0
-            if one.at_wall and force > 0.0:
+            if one.wall in self.plane and force > 0.0:
                 along = 0.0 if one.friction is None else self._at(one.friction, frame)
                 self._add_contact(self.points[frame, one.point], one.wall, (force, along), sticks)
             elif not one.wall and sticks:
-                self._add_line(self.points[frame, one.point - 1], "o", markeredgecolor=CHAIN, markersize=7)
+                self._add_line(
+                    self.points[frame, max(one.point - 1, 0)], "o", markeredgecolor=CHAIN, markersize=7
+                )
             elif force > 0.0:
                 place, (dx, dy) = touching_place(self.points[frame], one.point)
                 self._add_line(place, "o", markersize=9)

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.results.joint_stops import range_lines, touching_place
+from chain_impact.results.plots.body import draw_bodies, draw_rail
 from chain_impact.results.plots.moving import draw_moving
 from chain_impact.results.plots.pages import Label, place_labels
 from chain_impact.results.plots.room import draw_walls, view_of
@@ -54,11 +55,14 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
     marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MARKED else ""}
     strong = sorted(strongest(recording, STRONG)["onset"])
     draw_moving(axes, recording, shade, strong)
+    draw_rail(axes, recording)
     for time in strong:
+        draw_bodies(axes, recording, recording.row_at(time), shade(time), linewidth=0.8)
         draw_chain(axes, recording.pose_at(time), color=shade(time), linewidth=1.6, markersize=3.5, **marks)
     for row, name in ((0, "start"), (-1, "end")):
         colour = shade(recording.time[row])
         look = {"color": colour, "linewidth": 3.0, "markersize": 5.5, "label": name} | marks
+        draw_bodies(axes, recording, row, colour, linewidth=1.2)
         draw_chain(axes, recording.points[row], **look)
     if recording.stops:
         lines = list(range_lines(recording.points[-1], recording.stops))
@@ -118,6 +122,7 @@ def draw_faint(axes: Axes, recording: Recording) -> None:
 def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
     """The paths of the points; that of the tip is strong, in the colours of time."""
     *others, tip = recording.points.transpose(1, 0, 2)
+    others += [*recording.sites.transpose(1, 0, 2)]
     alpha = 0.45 * min(1.0, FEW / (len(others) + 1))
     axes.add_collection(LineCollection(others, colors=INK, linewidths=0.6, alpha=alpha))
     if len(tip) == 1:
@@ -137,11 +142,11 @@ def draw_rings(axes: Axes, recording: Recording) -> None:
 
 def draw_sticking(axes: Axes, recording: Recording) -> None:
     """A square where a contact or a joint sticks at the end."""
-    last, points = recording.stick_slip[np.isnan(recording.stick_slip["end"])], recording.points[-1]
+    last, points = recording.stick_slip[np.isnan(recording.stick_slip["end"])], recording.all_points[-1]
     places = []
     for phase in last[last["mode"] == STICKS]:
         joint = phase["wall"] == JOINT
-        place = points[phase["point"] - 1 if joint else phase["point"]]
+        place = points[max(phase["point"] - 1, 0) if joint else phase["point"]]
         if not joint and recording.walls:
             wall = recording.wall_of(phase)
             place = place - wall.clearance(*place) * np.array(wall.normal)

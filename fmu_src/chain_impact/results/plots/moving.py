@@ -41,7 +41,7 @@ def draw_moving(axes: Axes, recording: Recording, shade: Any, times: Sequence[fl
 
 def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
     """The ground mark of a base that moves, and its trace."""
-    bases, mark = recording.points[:, 0], pin_mark(recording.points)
+    bases, mark = recording.points[:, 0], pin_mark(recording.all_points)
     look: dict[str, Any] = {"linewidths": 1.2, "capstyle": "round", "zorder": 3}
     rows = np.linspace(0, len(bases) - 1, FAINT_MARKS).astype(int)
     _add(axes, _moved(mark, bases[rows] - bases[0]), colors=INK, alpha=0.13, **look)
@@ -57,7 +57,7 @@ def _wall_trace(recording: Recording, name: str, lines: Sequence[np.ndarray]) ->
     if not len(line):
         return line
     places = [line[0] + share * (line[-1] - line[0]) for share in (BESIDE, 1.0 - BESIDE)]
-    gaps = [np.hypot(*(recording.points - place).reshape(-1, 2).T).min() for place in places]
+    gaps = [np.hypot(*(recording.all_points - place).reshape(-1, 2).T).min() for place in places]
     place, normal = places[int(np.argmax(gaps))], np.array(wall.normal)
     foot = place - wall.clearance(*place) * normal
     return np.asarray(foot + moved[:, None] * normal)

@@ -14,7 +14,7 @@ from matplotlib.patches import Polygon
 
 from chain_impact.results.plots.style import INK
 from chain_impact.results.recording import Recording
-from chain_impact.results.view import free_room, pin_mark, seen
+from chain_impact.results.view import free_room, pin_mark, places_of, seen
 from chain_impact.scene.half_planes import HalfPlane
 
 OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
@@ -39,11 +39,11 @@ def view_of(recording: Recording) -> tuple[np.ndarray, list[str]]:
         for name, wall in walls.items()
         if end == 0 or name in recording.moved_walls
     }
-    view, near = seen(recording.points, places, pinned=recording.pinned)
+    view, near = seen(places_of(recording), places, pinned=recording.pinned)
     if recording.moved_walls:
         names = {name for name, _ in near}
         places = {at: wall for at, wall in places.items() if at[0] in names}
-        view, near = seen(recording.points, places, near=FARTHEST, pinned=recording.pinned)
+        view, near = seen(places_of(recording), places, near=FARTHEST, pinned=recording.pinned)
     margin = np.full((2, 2), MARGIN)
     for wall in near.values():
         margin = np.maximum(margin, BAND * np.array([wall.normal, np.negative(wall.normal)]))
@@ -76,7 +76,7 @@ def draw_walls(axes: Axes, recording: Recording) -> None:
     still = [wall for name, wall in zip(near, at_least, strict=True) if name not in moving]
     draw_room(axes, view, at_least, still)
     if recording.pinned and not moves(recording.points[:, 0]):
-        draw_pin(axes, pin_mark(recording.points))
+        draw_pin(axes, pin_mark(recording.all_points))
 
 
 def moving_walls(recording: Recording, names: Iterable[str]) -> list[str]:

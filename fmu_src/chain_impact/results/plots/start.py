@@ -12,13 +12,16 @@ from typing import Any
 import matplotlib.style
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Arc
+from matplotlib.patches import Arc, Polygon
 
+from chain_impact.results.plots.body import body_look
 from chain_impact.results.plots.motion import draw_chain
 from chain_impact.results.plots.room import draw_pin, draw_room
 from chain_impact.results.plots.style import BLUE, COLOURS, INK, STYLE, VERMILLION
 from chain_impact.results.view import pin_mark
+from chain_impact.scene.bodies import outlines_of, placed, rail_of
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.scene import Scene
 
@@ -87,20 +90,26 @@ def _chain(
 
     In view are the chain and the nearest points of all walls.
     """
-    steps = [
-        (link.length * math.cos(angle), link.length * math.sin(angle))
-        for link, angle in zip(scene.chain.links, scene.initial.angles, strict=True)
-    ]
-    joints = np.cumsum([scene.initial.position, *steps], axis=0)
+    places = np.array([place[:2] for place in scene.start.values()])
+    joints, sites = np.split(places, [len(scene.chain.links) + 1])
     planes, middle = list(scene.half_planes.values()), joints.mean(axis=0)
-    seen = np.array([*joints, *(_foot(plane, middle) for plane in planes)])
+    seen = np.array([*places, *(_foot(plane, middle) for plane in planes)])
     scale = max(np.ptp(seen, axis=0) / (np.array(size) - border))  # m for an inch
     centre = 0.5 * (seen.min(axis=0) + seen.max(axis=0))
     axes = Figure(figsize=size).add_axes((0.0, 0.0, 1.0, 1.0), xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
     draw_room(axes, centre + 0.5 * scale * np.array([[-1.0], [1.0]]) * size, planes)
     draw_pin(axes, pin_mark(joints[None]) if scene.chain.base == "pinned" else [])
+    bodies = [placed(corners, joints[n - 1], joints[n]) for n, corners in outlines_of(scene).items()]
+    if rail := rail_of(scene):
+        extent = float(np.ptp(places, axis=0).max())
+        lines = rail.lines(joints[:1], extent)
+        axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.2, zorder=2.5))
+        bodies.append(rail.carriage(joints[0], extent))
+    for corners in bodies:
+        axes.add_patch(Polygon(corners, **body_look(BLUE), zorder=3.4))
     draw_chain(axes, joints, color=BLUE, markerfacecolor=VERMILLION, **look)
+    axes.plot(*sites.T, "o", color=BLUE, markersize=0.5 * look["markersize"], zorder=5)
     return axes, joints, float(scale / 72.0)
 
 

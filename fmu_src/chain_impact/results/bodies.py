@@ -1,0 +1,76 @@
+"""Bodies in results: the outlines of links with points, and the line of a base on a slider."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import numpy as np
+
+from chain_impact.scene.bodies import Disc, Rail, outline
+
+_SITE = re.compile(r"link\[(\d+)\]\.point\[(\d+)\]\.x")
+
+
+def is_of_body(name: str) -> bool:
+    """Whether a parameter tells how a body looks."""
+    is_of_link = name.startswith("link[") and (".point[" in name or name.endswith(".length"))
+    return is_of_link or name.startswith("slider.") or name == "contact.radius"
+
+
+def site_radii(values: Mapping[str, Any]) -> list[float]:
+    """The radii of the points of links [m], in the order of their numbers."""
+    return [float(values[f"link[{link}].point[{n}].radius"]) for link, n in _sites(values)]
+
+
+def _sites(values: Mapping[str, Any]) -> list[tuple[int, int]]:
+    return [(int(at[1]), int(at[2])) for name in values if (at := _SITE.fullmatch(name))]
+
+
+def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[int, np.ndarray]:
+    """The outlines of the links with points, each in its own axes, by the values of parameters.
+
+    Args:
+        values: name of a parameter → value.
+        touching: the points that can touch; other ends of links have no radius.
+    """
+    discs: dict[int, list[Disc]] = {}
+    for link, n in _sites(values):
+        x, y, radius = (float(values[f"link[{link}].point[{n}].{key}"]) for key in ("x", "y", "radius"))
+        discs.setdefault(link, []).append((x, y, radius))
+    found = {}
+    for link, sites in discs.items():
+        near, far = (
+            values.get("contact.radius", 0.0) if end in touching else 0.0 for end in (link - 1, link)
+        )
+        ends = [(0.0, 0.0, near), (float(values[f"link[{link}].length"]), 0.0, far)]
+        found[link] = outline([*ends, *sites])
+    return found
+
+
+def rail_from(bases: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:
+    """The line of a slider; None where there is none.
+
+    Args:
+        bases: where the base is, shape (T, 2) [m].
+        positions: the outputs ``slider.position``, shape (T,) [m]; None where they are not known.
+        values: name of a parameter → value.
+    """
+    if "slider.angle" in values:
+        angle = float(values["slider.angle"])
+    elif positions is not None:  # the direction in which it moves, between the least and the largest position
+        x, y = bases[positions.argmax()] - bases[positions.argmin()]
+        angle = math.atan2(y, x)
+    else:
+        return None
+    along = np.array([math.cos(angle), math.sin(angle)])
+    first = 0.0 if positions is None else float(positions[0])
+    low, high = (values.get(f"slider.{stop}") for stop in ("min", "max"))
+    return Rail(
+        origin=bases[0] - first * along,
+        angle=angle,
+        low=-math.inf if low is None else float(low),
+        high=math.inf if high is None else float(high),
+    )

@@ -1,0 +1,133 @@
+"""Bodies for the eye: the outlines of links with points, and the line along which a base slides."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from chain_impact.scene.contents import Contents
+from chain_impact.scene.half_planes import HalfPlane
+from chain_impact.scene.names import SLIDER_STOPS
+
+ROUND = 24  # corners of the polygon that is drawn for a circle
+TICK = 0.06  # of the size of what is drawn: the mark of a stop, and half the carriage's length
+AHEAD = 0.12  # of that size, how far a line without a stop goes on behind the places where the carriage is
+Disc = tuple[float, float, float]
+"""A place along a link and to the left of it, and a radius [m]."""
+
+
+def outline(discs: Iterable[Disc]) -> np.ndarray:
+    """The corners of the convex hull of discs, anticlockwise, shape (C, 2) [m] (Andrew, 1979)."""
+    turn = math.tau / ROUND
+    rims = [
+        (x + radius * math.cos(k * turn), y + radius * math.sin(k * turn))
+        for x, y, radius in discs
+        for k in range(ROUND if radius > 0.0 else 1)
+    ]
+    corners = sorted(set(rims))
+    return np.array([*_half(corners), *_half(corners[::-1])] or corners)
+
+
+def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """The part of the hull from the first of sorted places to the last one, which is left out."""
+    found: list[tuple[float, float]] = []
+    for x, y in corners:
+        while len(found) > 1:
+            (ax, ay), (bx, by) = found[-2:]
+            if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+                break
+            found.pop()
+        found.append((x, y))
+    return found[:-1]
+
+
+def outlines_of(scene: Contents) -> dict[int, np.ndarray]:
+    """The outlines of the links with points of a scene, by their numbers, each in the axes of its link."""
+    radius, points = scene.contact.radius, scene.contact.points
+    found = {}
+    for n, link in enumerate(scene.chain.links, 1):
+        near, far = (radius if end in points else 0.0 for end in (n - 1, n))
+        ends = [(0.0, 0.0, near), (link.length, 0.0, far)]
+        if link.points:
+            found[n] = outline([*ends, *((site.x, site.y, site.radius or 0.0) for site in link.points)])
+    return found
+
+
+def placed(corners: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Places in the axes of a link where the link is, shape (C, 2) [m].
+
+    Args:
+        corners: along the link, and to the left of it, shape (C, 2) [m].
+        start: the end of the link that is nearer to the base, shape (2,) [m].
+        end: the other one.
+    """
+    along = (end - start) / np.hypot(*(end - start))
+    return np.asarray(start + corners @ [along, [-along[1], along[0]]])
+
+
+@dataclass(frozen=True, slots=True)
+class Rail:
+    """The line along which a base slides.
+
+    Attributes:
+        origin: where the base is at the position 0, shape (2,) [m].
+        angle: direction of the line, from +x [rad].
+        low: the least position [m], −∞ without a stop.
+        high: the largest position [m], ∞ without a stop.
+    """
+
+    origin: np.ndarray
+    angle: float
+    low: float
+    high: float
+
+    @property
+    def direction(self) -> np.ndarray:
+        """Along the line, of length 1, shape (2,)."""
+        return np.array([math.cos(self.angle), math.sin(self.angle)])
+
+    @property
+    def stops(self) -> dict[str, HalfPlane]:
+        """The stops that are there, by their names among the walls: where the base may be."""
+        (x, y), start = self.direction, float(self.origin @ self.direction)
+        planes = (HalfPlane((x, y), start + self.low), HalfPlane((-x, -y), -start - self.high))
+        found = zip(SLIDER_STOPS, planes, strict=True)
+        return {name: plane for name, plane in found if math.isfinite(plane.offset)}
+
+    def lines(self, bases: np.ndarray, size: float) -> list[np.ndarray]:
+        """The line as far as it is drawn, and the marks of its stops, each of shape (2, 2) [m].
+
+        Args:
+            bases: where the base is, shape (T, 2) [m].
+            size: of what is drawn [m].
+        """
+        along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
+        reached = (bases - self.origin) @ along
+        ends = [(self.low, reached.min() - AHEAD * size), (self.high, reached.max() + AHEAD * size)]
+        places = [self.origin + (stop if math.isfinite(stop) else free) * along for stop, free in ends]
+        ticks = [
+            place + TICK * size * np.array([-across, across])
+            for place, (stop, _) in zip(places, ends, strict=True)
+            if math.isfinite(stop)
+        ]
+        return [np.array(places), *ticks]
+
+    def carriage(self, base: np.ndarray, size: float) -> np.ndarray:
+        """The corners of the carriage where the base is at a place, shape (4, 2) [m]."""
+        along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
+        sides = np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]])
+        return np.asarray(base + TICK * size * sides @ [along, across])
+
+
+def rail_of(scene: Contents) -> Rail | None:
+    """The line along which the base of a scene slides, if it does."""
+    slider = scene.chain.slider
+    if slider is None:
+        return None
+    low, high = (
+        math.inf * sign if end is None else end for sign, end in ((-1.0, slider.min), (1.0, slider.max))
+    )
+    return Rail(origin=np.array(scene.initial.position), angle=slider.angle, low=low, high=high)

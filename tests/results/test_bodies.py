@@ -1,0 +1,105 @@
+"""Links with points and a base on a slider in recordings, pictures and films."""
+
+import numpy as np
+import pytest
+
+from chain_impact import simulate
+from chain_impact.results.csv_file import read_csv
+from chain_impact.results.recording import Recording
+from chain_impact.scene.bodies import outline, outlines_of, placed
+from chain_impact.scene.scene import scene_from_dict
+
+BRICK = {
+    "name": "Brick",
+    "chain": {"links": [{"length": 0.5, "mass": 1.0, "shape": "box", "height": 0.2}]},
+    "box": {"y_min": 0.0},
+    "contact": {"points": [], "stiffness": 1e6, "friction": 0.8, "radius": 0.02},
+    "initial": {"position": [0.0, 0.4], "angles": [0.5]},
+}
+CART = {
+    "name": "Cart",
+    "gravity": [0.0, 0.0],
+    "chain": {
+        "base": "slider",
+        "slider": {"angle": 0.3, "mass": 2.0, "friction": 2.0, "min": -0.2, "max": 0.4},
+        "links": [{"length": 0.5, "mass": 0.5}],
+    },
+    "box": {},
+    "contact": {"points": []},
+    "initial": {"position": [1.0, 2.0], "angles": [1.0], "slider_velocity": 2.5},
+}
+
+
+@pytest.fixture(scope="module", params=[BRICK, CART], ids=["brick", "cart"])
+def run(request):
+    return simulate(scene_from_dict(request.param, request.param["name"]), stop_time=0.8, output_step=0.01)
+
+
+@pytest.fixture(scope="module")
+def cart():
+    return simulate(scene_from_dict(CART, "Cart"), stop_time=2.0, output_step=0.01)
+
+
+def area(corners):
+    x, y = corners.T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def test_an_outline_is_the_convex_hull_of_discs():
+    square = outline([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0.3, 0.6, 0), (0.5, 0, 0)])
+    assert area(square) == pytest.approx(1.0)
+    assert len(square) == 4
+    capsule = outline([(0.0, 0.0, 0.1), (1.0, 0.0, 0.1)])
+    assert area(capsule) == pytest.approx(0.2 + np.pi * 0.1**2, rel=0.01)
+
+
+def test_an_outline_goes_with_its_link():
+    scene = scene_from_dict(BRICK, "Brick")
+    (corners,) = outlines_of(scene).values()
+    there = placed(corners, np.array([1.0, 2.0]), np.array([1.0, 2.5]))
+    assert there.min(axis=0) == pytest.approx([1.0 - 0.12, 2.0 - 0.02])
+    assert there.max(axis=0) == pytest.approx([1.0 + 0.12, 2.5 + 0.02])
+    run = simulate(scene, stop_time=0.1)
+    np.testing.assert_allclose(run.outlines[1], corners, rtol=0.0, atol=1e-15)
+
+
+def test_points_of_links_touch_with_their_own_radii():
+    run = simulate(scene_from_dict(BRICK, "Brick"), stop_time=0.1)
+    assert run.touching == dict.fromkeys((2, 3, 4, 5), 0.02)
+
+
+def test_an_impact_at_a_stop_of_a_slider_is_where_the_base_was(cart):
+    first, second = (cart.spot(impact) for impact in cart.impacts[:2])
+    along = np.array([np.cos(0.3), np.sin(0.3)])
+    assert first == pytest.approx([1.0, 2.0] + 0.4 * along, abs=1e-6)
+    assert second == pytest.approx([1.0, 2.0] - 0.2 * along, abs=1e-6)
+
+
+def test_a_table_of_a_cart_shows_its_line_with_and_without_the_scene(cart, tmp_path):
+    cart.save_csv(tmp_path / "cart.csv")
+    for scene in (None, cart.scene):
+        found = read_csv(tmp_path / "cart.csv", scene)
+        assert not found.pinned
+        assert found.rail.angle == pytest.approx(0.3)
+        assert found.rail.origin == pytest.approx([1.0, 2.0])
+        assert bool(found.rail.stops) == bool(scene)
+
+
+def test_a_recording_without_a_slider_has_no_line():
+    recording = Recording("R", np.arange(2.0), {"point[0].x": np.zeros(2), "point[0].y": np.zeros(2)})
+    assert recording.rail is None
+
+
+@pytest.mark.parametrize("name", ["run.png", "run.gif"])
+def test_pictures_and_films_show_bodies(run, tmp_path, name):
+    draw = run.plot if name.endswith("png") else run.animate
+    draw(tmp_path / name)
+    assert (tmp_path / name).stat().st_size > 1000
+
+
+def test_what_sticks_is_marked_where_it_is():
+    chain = {**CART["chain"], "slider": {"friction": 50.0}}
+    cart = simulate(scene_from_dict({**CART, "chain": chain}, "Cart"), stop_time=1.0, output_step=0.01)
+    axes = cart.plot(kind="motion").axes[0]
+    mark = next(line for line in axes.lines if line.get_label() == "sticks")
+    np.testing.assert_allclose(mark.get_xydata(), cart.points[-1:, 0])
