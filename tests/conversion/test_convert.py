@@ -76,7 +76,9 @@ def written(tmp_path, name, text):
 
 def carts():
     """An arm on a slider with all that a slider has, and one whose carriage has no mass."""
+    heel = {"x": 0.3, "y": -0.1, "radius": 0.02, "name": "heel"}
     links = [{"length": 0.5, "mass": 1.0, "center_of_mass_offset": 0.05}, {"length": 0.4, "mass": 0.7}]
+    links[1]["points"] = [heel, {"x": -0.1, "y": 0.2}]
     slider = {"angle": 0.4, "mass": 2.0, "damping": 0.3, "stiffness": 20.0, "rest_position": -0.1}
     slider |= {"friction": 0.2, "min": -0.3, "max": 0.9, "force_limit": 8.0}
     for name, table in (("cart", slider), ("rail", {"angle": -2.0, "mass": 0.0, "max": 1.5})):

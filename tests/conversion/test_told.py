@@ -3,6 +3,7 @@
 import math
 import warnings
 
+import numpy as np
 import pytest
 
 from chain_impact import SceneError
@@ -74,26 +75,127 @@ def test_a_plane_is_a_wall_where_it_touches_and_has_the_friction_of_the_pair(
         assert list(scene.half_planes) == ["floor"]
         material = scene.contact.wall.get("floor")
         assert ((material and material.friction) or 0.0) == friction
-    ends = {"pair": (1, 2), "exclude": (1,)}
-    touching = next((points for word, points in ends.items() if word in rest), (1, 2))
-    assert scene.half_planes == {} or set(scene.contact.points) - {0} == set(touching)
+        ends = {"pair": ("lower",), "exclude": ("upper",)}
+        touching = next((names for word, names in ends.items() if word in rest), ("upper", "lower"))
+        names = {site.name.partition("_")[0] for _, site in scene.chain.sites}
+        assert (names, scene.contact.points) == (set(touching), ())
 
 
-def test_a_foot_that_reaches_beyond_the_points_is_told_with_the_distance(tmp_path):
-    heel = '<geom type="capsule" fromto=".3 0 .2 .3 0 -.1" size=".03" mass=".1"/>'
+FOOT = {
+    "sphere": ('<geom name="heel" size=".02" pos=".3 .1 -.1" mass=".1"/>', [(0.3, -0.1, 0.02, "heel")]),
+    "capsule": (
+        '<geom name="2nd toe" type="capsule" fromto=".3 0 .2 .2 .1 -.1" size=".04" mass=".1"/>',
+        [(0.2, -0.1, 0.04, "geom_2nd_toe_1"), (0.3, 0.2, 0.04, "geom_2nd_toe_2")],
+    ),
+    "box": (
+        '<geom type="box" size=".1 .05 .02" pos=".2 0 -.1" mass=".1"/>',
+        [(x, z, 0.0, "") for x in (0.1, 0.3) for z in (-0.12, -0.08)],
+    ),
+    "wheel": ('<geom type="cylinder" euler="90 0 0" size=".2 .03" pos=".3 0 0"/>', [(0.3, 0.0, 0.2, "")]),
+    "roller": (
+        '<geom type="cylinder" euler="70 0 0" size=".02 .1" pos=".3 0 -.1"/>',
+        None,
+    ),
+    "upright roller": (
+        '<geom type="cylinder" size=".02 .1" pos=".3 0 -.1"/>',
+        [(x, z, 0.0, "") for x in (0.28, 0.32) for z in (-0.2, 0.0)],
+    ),
+}
+"""Name → a shape of a foot, and its points: x and z of its body, radius and name."""
+
+
+@pytest.mark.parametrize("name", FOOT)
+@pytest.mark.parametrize("plane", ["x,z", "-x,z"])
+@pytest.mark.parametrize("axis", [1, -1])
+def test_what_touches_a_floor_becomes_points_where_the_file_has_it(tmp_path, name, plane, axis):
+    shape, expected = FOOT[name]
+    text = arm(world=FLOOR.format(""), lower='euler="0 25 0"', rest=key(qpos=".3 -.7"))
+    bare = '<geom name="lower" type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1" />'
+    text = text.replace(bare, bare.replace("/>", 'contype="0" conaffinity="0"/>') + shape)
+    text = text.replace('name="b" axis="0 1 0"', f'name="b" axis="0 {axis} 0"')
+    scene, done = read(tmp_path, text, plane=plane)
+    assert scene.contact.points == ()
+    found = [(*at, site.name) for (i, site), at in zip(scene.chain.sites, starts(scene), strict=True) if i]
+    # about +y, in radians: turned by the euler angle and both joints; the floor is at z = 0
+    turn, sign = math.radians(25) + 0.3 - axis * 0.7, 1 if plane == "x,z" else -1
+    knee = 0.4 * math.cos(0.3), 1.5 - 0.4 * math.sin(0.3)
+    if expected is None:  # a rectangle of the axis, seen aslant, with ellipses at its ends
+        middle = sign * (knee[0] + 0.3 * math.cos(turn) - 0.1 * math.sin(turn))
+        away = np.array([row[:2] for row in found]) - (
+            middle,
+            knee[1] - 0.3 * math.sin(turn) - 0.1 * math.cos(turn),
+        )
+        axes = np.array([[sign * math.cos(turn), -math.sin(turn)], [sign * math.sin(turn), math.cos(turn)]])
+        tilt = math.radians(70)
+        sizes = 0.02, 0.1 * math.cos(tilt) + 0.02 * math.sin(tilt)
+        assert np.abs(away @ axes.T).max(axis=0) == pytest.approx(sizes, abs=1e-12)
+        return
+    rows = [
+        (
+            sign * (knee[0] + x * math.cos(turn) + z * math.sin(turn)),
+            knee[1] - x * math.sin(turn) + z * math.cos(turn),
+            radius,
+        )
+        for x, z, radius, _ in expected
+    ]
+    assert sorted(row[:3] for row in found) == [pytest.approx(row, abs=1e-12) for row in sorted(rows)]
+    assert {row[3] for row in found} == {row[3] for row in expected}
+    assert not [line for line in done.warnings if "reach" in line]
+
+
+def starts(scene):
+    """Place and radius of the points of links at the start."""
+    return [at for number, at in scene.start.items() if number > len(scene.chain.links)]
+
+
+def test_a_point_that_starts_within_a_wall_is_smaller_or_left_out_and_told(tmp_path):
+    ball = '<geom name="{}" size=".05" pos=".3 0 {}" mass=".1"/>'
+    shapes = ball.format("heel", "-1.47") + ball.format("toe", "-1.6")
+    text = arm(world=FLOOR.format("")).replace("<site", f"{shapes}<site")
+    scene, done = read(tmp_path, text)
+    radii = {site.name: site.radius for _, site in scene.chain.sites}
+    assert "toe" not in radii
+    assert any("point toe starts 0.15 m deep in floor: it is left out" in line for line in done.warnings)
+    ball = ball.format("heel", "-1.47")
+    scene, done = read(tmp_path, arm(world=FLOOR.format("")).replace("<site", f"{ball}<site"))
+    assert {site.name: site.radius for _, site in scene.chain.sites}["heel"] == pytest.approx(0.03)
+    assert any(
+        "point heel starts 0.02 m deep in floor: its radius is smaller" in line for line in done.warnings
+    )
+
+
+def test_a_carriage_that_touches_the_floor_is_told(tmp_path):
+    box = '<body name="box" pos="0 0 1.5"><joint name="rail" type="slide" axis="1 0 0"/><geom size=".1"/>'
+    text = arm(world=FLOOR.format("")).replace(
+        '<body name="upper" pos="0 0 1.5" >', f'{box}<body name="upper">'
+    )
+    _, done = read(tmp_path, text.replace("</worldbody>", "</body></worldbody>"))
+    assert "body box: touches walls in the file; it is on no link, and touches none" in done.left_out
+
+
+def test_an_ellipsoid_that_reaches_beyond_the_points_is_told_with_the_distance(tmp_path):
+    heel = '<geom type="ellipsoid" pos=".2 0 -.1" size=".05 .02 .1" mass=".1"/>'
     text = arm(world=FLOOR.format("")).replace("<site", f"{heel}<site")
     _, done = read(tmp_path, text)
     (line,) = [line for line in done.warnings if "shapes reach" in line and "joint b" in line]
-    assert "reach 0.23 m, 76.7 % of the length" in line
+    assert "reach 0.18 m, 60 % of the length" in line
 
 
 def test_dozens_of_shapes_are_one_line(tmp_path):
-    balls = "".join(f'<geom type="sphere" size=".01" pos=".{i:02} 0 0" mass="0"/>' for i in range(30))
-    _, done = read(tmp_path, arm(more=balls, world=FLOOR.format("")))
-    assert len([line for line in done.left_out if "sphere" in line]) == 1
-    assert any(
-        line.startswith("shapes 30 spheres, 2 capsules") or "30 spheres" in line for line in done.left_out
-    )
+    eggs = '<geom type="ellipsoid" size=".01 .01 .01" pos=".{:02} 0 0" mass="0"/>'
+    _, done = read(tmp_path, arm(more="".join(map(eggs.format, range(30))), world=FLOOR.format("")))
+    (line,) = [line for line in done.left_out if "ellipsoid" in line]
+    assert line.startswith("shapes 30 ellipsoids: touch nothing as such")
+
+
+def test_of_dozens_of_shapes_only_those_that_a_wall_can_touch_first_are_points(tmp_path):
+    balls = "".join(f'<geom type="sphere" size=".05" pos=".{i:02} 0 0" mass="0"/>' for i in range(10, 30))
+    scene, _ = read(tmp_path, arm(more=balls, world=FLOOR.format("")))
+    assert [(site.x, site.radius) for i, site in scene.chain.sites if i == 0] == [
+        (0.4, 0.03),
+        (0.1, 0.05),
+        (0.29, 0.05),
+    ]
 
 
 @pytest.mark.parametrize(

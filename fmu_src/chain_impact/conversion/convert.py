@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import warnings
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import tomlkit
 from chain_impact.conversion.mjcf import read_mjcf
 from chain_impact.conversion.planar import Choices, Converted
 from chain_impact.conversion.proposals import chain_of
-from chain_impact.conversion.robot import Robot
+from chain_impact.conversion.robot import Robot, identifier
 from chain_impact.conversion.to_mjcf import mjcf_of
 from chain_impact.conversion.urdf import local_name, read_urdf, xml_of
 from chain_impact.scene.models import model_names
@@ -51,14 +50,8 @@ def read_robot(path: Path, keyframe: str | None = None) -> Robot:
 
 
 def _scene(done: Converted, path: Path) -> Scene:
-    done.data["name"] = _identifier(done.data["name"])
+    done.data["name"] = identifier(done.data["name"], "model")
     return scene_from_dict(done.data, str(path))
-
-
-def _identifier(name: str) -> str:
-    """A name of letters, digits and _ that does not begin with a digit."""
-    plain = re.sub(r"\W+", "_", name, flags=re.ASCII)
-    return plain if re.match(r"[A-Za-z_]", plain) else f"model_{plain}"
 
 
 def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Converted:

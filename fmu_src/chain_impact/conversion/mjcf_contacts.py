@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from chain_impact.conversion.differences import Difference, Effect
-from chain_impact.conversion.robot import Plane, Shape
+from chain_impact.conversion.robot import Plane, Shape, identifier
 
 BITS = 16  # of the position of a body in the signature of a pair
-RIM = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)  # rad, places on the rim of a cylinder
 
 
 class Contacts:
@@ -94,14 +93,13 @@ class Contacts:
         kind = kinds(model.geom_type[g])
         rotation = np.zeros(9)
         self.mujoco.mju_quat2Mat(rotation, model.geom_quat[g])
-        size, corners, radius = model.geom_size[g], np.zeros((1, 3)), 0.0
+        size, corners, radius, disc = model.geom_size[g], np.zeros((1, 3)), 0.0, None
         if kind == kinds.mjGEOM_SPHERE:
             radius = float(size[0])
         elif kind == kinds.mjGEOM_CAPSULE:
             corners, radius = np.outer([-size[1], size[1]], [0.0, 0.0, 1.0]), float(size[0])
         elif kind == kinds.mjGEOM_CYLINDER:
-            circle = np.stack([size[0] * np.cos(RIM), size[0] * np.sin(RIM), size[1] + 0.0 * RIM], axis=1)
-            corners = np.concatenate([circle, circle * [1.0, 1.0, -1.0]])
+            corners, disc = np.outer([-size[1], size[1]], [0.0, 0.0, 1.0]), [0.0, 0.0, float(size[0])]
         elif kind == kinds.mjGEOM_MESH and model.geom_dataid[g] not in self.stand_ins:
             m = model.geom_dataid[g]
             start = model.mesh_vertadr[m]
@@ -111,11 +109,15 @@ class Contacts:
         else:  # a box, or the box about an ellipsoid
             signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
             corners = signs * size
+        axes, name = rotation.reshape(3, 3), model.geom(g).name
         return Shape(
             kind=kind.name.removeprefix("mjGEOM_").lower(),
             touches=any(self._touch(g, other) for other in range(model.ngeom) if other != g),
-            corners=corners @ rotation.reshape(3, 3).T + model.geom_pos[g],
+            name=identifier(name, "geom") if name else "",
+            walls=any(self._touch(g, wall) for wall in self.still if self._is_wall(wall)),
+            corners=corners @ axes.T + model.geom_pos[g],
             radius=radius,
+            disc=None if disc is None else axes @ disc,
         )
 
     def differences(self) -> Iterator[Difference]:

@@ -80,7 +80,8 @@ class _Conversion:
         gravity = [near(float(part)) for part in self.plan.flat(self._gravity())]
         places = [self.plan.flat(hinge.anchor) for hinge in self.hinges]
         places.append(places[-1] + self._tip())
-        links, directions = [], []
+        links: list[dict[str, Any]] = []
+        directions = []
         for i, hinge in enumerate(self.hinges):
             arm = places[i + 1] - places[i]
             length = float(np.linalg.norm(arm))
@@ -91,7 +92,12 @@ class _Conversion:
         angles, speeds = self._state(links, directions)
         base, start = self._base(places[0], gravity)
         links[0] |= self.robot.first_link if self.chosen.base == "free" else {}
-        walls, differences = walls_of(self.robot, self.chosen, self.plan, self.parts, places)
+        began = start["position"], angles
+        walls, points, differences = walls_of(
+            self.robot, self.chosen, self.plan, self.parts, places=places, start=began
+        )
+        for i, tables in enumerate(self.robot.points or points):
+            links[i] |= {"points": tables} if tables else {}
         data = {
             "name": self.robot.name,
             **{key: value for key, value in self.robot.tables.items() if not isinstance(value, dict)},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,6 +11,12 @@ from typing import Any
 import numpy as np
 
 from chain_impact.conversion.differences import Difference
+
+
+def identifier(name: str, prefix: str) -> str:
+    """A name of letters, digits and _ that does not begin with a digit, but with a prefix if it would."""
+    plain = re.sub(r"\W+", "_", name, flags=re.ASCII)
+    return plain if re.match(r"[A-Za-z_]", plain) else f"{prefix}_{plain}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,14 +69,20 @@ class Shape:
     Attributes:
         kind: as ``capsule``.
         touches: whether it can touch anything.
+        name: of letters, digits and _, or empty.
+        walls: whether it can touch a plane that does not move.
         corners: points of the body [m], shape (n, 3); the shape is the hull of balls about them.
         radius: of the balls [m].
+        disc: of a hull of discs in place of balls: the axis of the discs, as long as their radius [m].
     """
 
     kind: str
     touches: bool
+    name: str = ""
+    walls: bool = False
     corners: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     radius: float = 0.0
+    disc: np.ndarray | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,6 +146,7 @@ class Robot:
         planes: walls.
         tables: tables of a scene that the file carries.
         first_link: what link 1 has as a joint, which has no effect where the base is free.
+        points: tables of the points of each link that the file carries.
         notes: how the file was read, a sentence each.
         differences: what of the file no scene can hold.
     """
@@ -143,5 +157,6 @@ class Robot:
     planes: Sequence[Plane] = ()
     tables: dict[str, Any] = field(default_factory=dict)
     first_link: dict[str, float] = field(default_factory=dict)
+    points: Sequence[list[dict[str, Any]]] = ()
     notes: Sequence[str] = ()
     differences: Sequence[Difference] = ()

@@ -49,8 +49,13 @@ def mjcf_of(scene: Scene) -> tuple[str, list[str]]:
         timestep=repr(min(scene.simulation.step_size, LARGEST_STEP)),
     )
     free = scene.chain.base == "free"
-    tables = {key: table for key, table in scene_to_dict(scene).items() if key not in WRITTEN}
-    carried = {"tables": tables, "first_link": _of_the_joint(scene.chain.links[0]) if free else {}}
+    whole = scene_to_dict(scene)
+    tables = {key: table for key, table in whole.items() if key not in WRITTEN}
+    carried = {
+        "tables": tables,
+        "first_link": _of_the_joint(scene.chain.links[0]) if free else {},
+        "points": [link.get("points", []) for link in whole["chain"]["links"]],
+    }
     SubElement(SubElement(root, "custom"), "text", name=CARRIED, data=json.dumps(carried))
     world = SubElement(root, "worldbody")
     _add_walls(world, scene)
@@ -98,7 +103,7 @@ def _add_chain(world: Element, scene: Scene) -> None:
     base, radius = scene.initial.position, LEAST_RADIUS * max(link.length for link in links)
     width = repr(0.02 * sum(link.length for link in links) / len(links) ** 0.5)
     parent, place = world, _numbers(0.0, 0.0, 0.0) if free else _numbers(base[0], 0.0, base[1])
-    slider = scene.chain.slider
+    slider, number = scene.chain.slider, len(links)
     if slider is not None and slider.mass > 0.0:
         parent, place = SubElement(parent, "body", name="slider", pos=place), _numbers(0.0, 0.0, 0.0)
         _add_inertial(parent, slider.mass, (0.0, 0.0), 0.0)
@@ -117,9 +122,10 @@ def _add_chain(world: Element, scene: Scene) -> None:
         SubElement(body, "geom", line, name=f"link[{i}]", mass="0", contype="0", conaffinity="0")
         for point, at in ((i - 1, 0.0), (i, link.length)) if i == 1 else ((i, link.length),):
             if point in scene.contact.points:
-                ball = {"type": "sphere", "size": repr(max(scene.contact.radius, radius))}
-                ball |= {"pos": _numbers(at, 0.0, 0.0), "condim": "1", "friction": "0 0 0"}
-                SubElement(body, "geom", ball, name=f"point[{point}]", mass="0", contype="2", conaffinity="1")
+                _add_ball(body, point, (at, 0.0), max(scene.contact.radius, radius))
+        for site in link.points:
+            number += 1
+            _add_ball(body, number, (site.x, site.y), max(site.radius or 0.0, radius))
         SubElement(body, "site", name=f"point[{i}]", pos=_numbers(link.length, 0.0, 0.0))
         parent, place = body, _numbers(link.length, 0.0, 0.0)
 
@@ -129,6 +135,14 @@ def _add_inertial(body: Element, mass: float, center: tuple[float, float], inert
     x, y = center
     about = _numbers(*[max(inertia, LEAST_INERTIA)] * 3)
     SubElement(body, "inertial", pos=_numbers(x, 0.0, y), mass=repr(mass), diaginertia=about)
+
+
+def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float) -> None:
+    """A point that touches walls."""
+    x, y = at
+    ball = {"type": "sphere", "size": repr(radius), "pos": _numbers(x, 0.0, y), "condim": "1"}
+    ball |= {"friction": "0 0 0", "mass": "0", "contype": "2", "conaffinity": "1"}
+    SubElement(body, "geom", ball, name=f"point[{number}]")
 
 
 def _add_slide(body: Element, slider: Slider) -> None:
@@ -188,12 +202,13 @@ def _steps(values: tuple[float, ...]) -> Iterator[float]:
 def _differences(scene: Scene) -> Iterator[str]:
     """What MuJoCo does otherwise, or not at all."""
     contact, links = scene.contact, scene.chain.links
-    if scene.half_planes and contact.points:
+    radii = [contact.radius for _ in contact.points] + [site.radius for _, site in scene.chain.sites]
+    if scene.half_planes and radii:
         law = f"contact.model = {contact.model}, stiffness, exponent and restitution"
         yield f"{law}: MuJoCo has a soft contact of its own, solref and solimp"
-        if contact.radius == 0.0:
+        if 0.0 in radii:
             radius = LEAST_RADIUS * max(link.length for link in links)
-            yield f"contact.radius = 0: points have a radius of {radius:.3g} m"
+            yield f"points without a radius have one of {radius:.3g} m"
         if scene.has_contact_friction:
             yield "static_friction: MuJoCo has one coefficient"
     if scene.chain.stops or (scene.chain.slider and scene.chain.slider.stops):

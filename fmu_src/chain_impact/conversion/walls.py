@@ -10,16 +10,27 @@ from typing import Any
 import numpy as np
 
 from chain_impact.conversion.differences import Difference, Effect
-from chain_impact.conversion.flat import Plan
-from chain_impact.conversion.joints import PARALLEL, Chosen
-from chain_impact.conversion.robot import Plane, Robot
+from chain_impact.conversion.flat import TINY, Plan
+from chain_impact.conversion.joints import PARALLEL, Chosen, above
+from chain_impact.conversion.points import OUTLINED, Ball, balls_of, outermost, reach, tables_of
+from chain_impact.conversion.robot import Plane, Robot, Shape
 from chain_impact.kernel.rows.geometry import NORMALS, WALLS
+from chain_impact.scene.checks import START_TOLERANCE
+
+Points = list[dict[str, Any]]
+"""The tables of the points of a link."""
 
 
 def walls_of(
-    robot: Robot, chosen: Chosen, plan: Plan, parts: Sequence[list[int]], places: Sequence[np.ndarray]
-) -> tuple[dict[str, Any], list[Difference]]:
-    """The tables of a scene that walls need, and what touches otherwise.
+    robot: Robot,
+    chosen: Chosen,
+    plan: Plan,
+    parts: Sequence[list[int]],
+    *,
+    places: Sequence[np.ndarray],
+    start: tuple[Sequence[float], Sequence[float]],
+) -> tuple[dict[str, Any], list[Points], list[Difference]]:
+    """The tables of a scene that walls need, the points of each link, and what touches otherwise.
 
     Args:
         robot: its planes and shapes are read.
@@ -27,8 +38,9 @@ def walls_of(
         plan: the plane of the motion.
         parts: the bodies of each link.
         places: of the joints and the tip in the plane, before any joint moves [m].
+        start: position of the base [m] and angles of the links [rad] at the start.
     """
-    return _Walls(robot, chosen, plan, parts, places).run()
+    return _Walls(robot, chosen, plan, parts, places=places, start=start).run()
 
 
 class _Walls:
@@ -40,13 +52,17 @@ class _Walls:
         chosen: Chosen,
         plan: Plan,
         parts: Sequence[list[int]],
+        *,
         places: Sequence[np.ndarray],
+        start: tuple[Sequence[float], Sequence[float]],
     ) -> None:
+        self.start = start
         self.robot, self.chosen, self.plan, self.parts, self.places = robot, chosen, plan, parts, places
         self.owner = {b: i for i, part in enumerate(parts) for b in part}
         self.differences: list[Difference] = []
+        self.walls: list[tuple[str, np.ndarray, np.ndarray]] = []
 
-    def run(self) -> tuple[dict[str, Any], list[Difference]]:
+    def run(self) -> tuple[dict[str, Any], list[Points], list[Difference]]:
         """The tables, and what is left out."""
         box: dict[str, float] = {}
         walls: list[dict[str, Any]] = []
@@ -62,6 +78,7 @@ class _Walls:
                 continue
             touching |= links
             point, normal = self.plan.flat(plane.point), self.plan.flat(plane.normal)
+            self.walls.append((plane.name, point, normal))
             name, boxed = plane.name, plane.name in WALLS
             boxed = boxed and np.allclose(normal, NORMALS[WALLS.index(name)], 0.0, PARALLEL)
             if not boxed and (name in WALLS or not name.isidentifier()):
@@ -74,10 +91,16 @@ class _Walls:
             friction = self._friction(plane)
             if friction > 0.0:
                 materials[name] = {"friction": friction}
-        contact = {**self._points(touching), **({"wall": materials} if materials else {})}
-        self._tell_shapes(touching)
+        balls = [outermost(self._balls(i, touching)) for i in range(len(self.parts))]
+        points = self._started(balls)
+        bare = touching - {i for i, found in enumerate(balls) if found}
+        contact = {
+            **self._points(touching, bare, any(balls)),
+            **({"wall": materials} if materials else {}),
+        }
+        self._tell_shapes(touching, balls)
         tables = {"box": box, "walls": walls, "contact": contact}
-        return {key: table for key, table in tables.items() if table}, self.differences
+        return {key: table for key, table in tables.items() if table}, points, self.differences
 
     def _tell(self, kind: str, name: str, text: str, size: float = 0.0) -> None:
         self.differences.append(Difference(kind=kind, name=name, text=text, effect=Effect.CONTACT, size=size))
@@ -101,21 +124,76 @@ class _Walls:
             self._tell("plane", plane.name, text)
         return found[-1]
 
-    def _points(self, touching: set[int]) -> dict[str, Any]:
-        """The points that touch walls, if not all do: those of links that do in the file."""
-        links = len(self.parts)
-        if not touching or len(touching) == links:
+    def _points(self, touching: set[int], bare: set[int], has_balls: bool) -> dict[str, Any]:
+        """The joints and ends that touch walls, if not all do: those of links that touch without points."""
+        if not has_balls and len(touching) in (0, len(self.parts)):
             return {}
-        return {"points": sorted({end for i in touching for end in (i, i + 1) if end or self.chosen.slides})}
+        ends = {end for i in bare for end in (i, i + 1)}
+        return {"points": sorted(ends - ({0} if self.chosen.base == "pinned" else set()))}
 
-    def _tell_shapes(self, touching: set[int]) -> None:
-        """Say what shapes there are, and how far they reach beyond the points that touch in the scene."""
-        shapes = [(b, shape) for b in self.owner for shape in self.robot.bodies[b].shapes]
+    def _is_point(self, shape: Shape) -> bool:
+        """Whether points stand for a shape: it can touch a wall, or anything where there are no walls."""
+        return shape.kind in OUTLINED and (shape.walls if self.robot.planes else shape.touches)
+
+    def _balls(self, i: int, touching: set[int]) -> list[Ball]:
+        """The balls of link ``i`` that can touch; not one about a pivot that does not move."""
+        if self.robot.planes and i not in touching:
+            return []
+        fixed = i == 0 and self.chosen.base == "pinned"
+        found = [
+            ball
+            for b in self.parts[i]
+            for shape in filter(self._is_point, self.robot.bodies[b].shapes)
+            for ball in balls_of(shape, self.chosen.poses[b], self.plan)
+        ]
+        return [ball for ball in found if not fixed or np.linalg.norm(ball.at - self.places[0]) > TINY]
+
+    def _started(self, balls: Sequence[list[Ball]]) -> list[Points]:
+        """The tables of the points of each link, none of which starts within a wall."""
+        at, points = np.array(self.start[0]), []
+        for i, (found, angle) in enumerate(zip(balls, self.start[1], strict=True)):
+            arm = self.places[i + 1] - self.places[i]
+            length = float(np.linalg.norm(arm))
+            along = np.array([math.cos(angle), math.sin(angle)])
+            tables = tables_of(found, self.places[i], arm / length)
+            points.append([one for one in tables if self._fits(i, one, at, along, length)])
+            at = at + length * along
+        return points
+
+    def _fits(
+        self, i: int, table: dict[str, Any], joint: np.ndarray, along: np.ndarray, length: float
+    ) -> bool:
+        """Whether a point starts outside all walls, if need be with a smaller radius."""
+        at = joint + table["x"] * along + table["y"] * np.array([-along[1], along[0]])
+        for name, point, normal in self.walls:
+            free = float(normal @ (at - point))
+            deep = table["radius"] - free
+            if deep <= START_TOLERANCE:
+                continue
+            what = f"point {table.get('name', '')} starts {deep:.4g} m deep in {name}".replace("  ", " ")
+            hinge = self.chosen.hinges[i].joint.name
+            if free < 0.0:
+                text, effect = f"{what}: it is left out", Effect.MOTION
+            else:
+                text, effect = f"{what}: its radius is smaller by that", Effect.CONTACT
+            self.differences.append(
+                Difference(kind="link of joint", name=hinge, text=text, effect=effect, size=deep / length)
+            )
+            if free < 0.0:
+                return False
+            table["radius"] = free
+        return True
+
+    def _tell_shapes(self, touching: set[int], balls: Sequence[list[Ball]]) -> None:
+        """Say which shapes are no points, and how far they reach beyond what touches in the scene."""
+        shapes = [shape for b in self.owner for shape in self.robot.bodies[b].shapes]
         for touches, text in (
-            (True, "touch nothing as such: joints and tip touch walls, and nothing else does"),
+            (True, "touch nothing as such: points, joints and tip touch walls, and nothing else does"),
             (False, "touch nothing in the file, and are not in the scene"),
         ):
-            counts = Counter(shape.kind for _, shape in shapes if shape.touches is touches)
+            counts = Counter(
+                shape.kind for shape in shapes if shape.touches is touches and not self._is_point(shape)
+            )
             if counts:
                 what = ", ".join(f"{count} {kind}{'s' * (count > 1)}" for kind, count in counts.items())
                 effect = Effect.CONTACT if touches and touching else Effect.NONE
@@ -123,23 +201,31 @@ class _Walls:
                     Difference(kind="shapes", name=what.replace("boxs", "boxes"), text=text, effect=effect)
                 )
         for i in sorted(touching):
-            self._tell_reach(i)
+            self._tell_reach(i, balls[i])
+        for b, body in enumerate(self.robot.bodies):
+            slid = {slide.body for slide in self.chosen.slides} & {*above(self.robot, b)}
+            if b not in self.owner and slid and any(shape.walls for shape in body.shapes):
+                self._tell("body", body.name, "touches walls in the file; it is on no link, and touches none")
 
-    def _tell_reach(self, i: int) -> None:
-        """Say how far the shapes of a link reach beyond its two ends."""
-        ends = np.array(self.places[i : i + 2])
-        length, reach = float(np.linalg.norm(ends[1] - ends[0])), 0.0
-        for b in self.parts[i]:
-            rotation, position = self.chosen.poses[b]
-            for shape in self.robot.bodies[b].shapes:
-                if shape.touches and len(shape.corners):
-                    at = self.plan.flat(position + shape.corners @ rotation.T)
-                    away = np.linalg.norm(at[:, np.newaxis] - ends, axis=2).min(axis=1)
-                    reach = max(reach, float(away.max()) + shape.radius)
-        if reach > 0.0:
-            name = self.chosen.hinges[i].joint.name
+    def _tell_reach(self, i: int, balls: Sequence[Ball]) -> None:
+        """Say how far the shapes of a link reach beyond what touches walls: its points, or its two ends."""
+        ends = self.places[i : i + 2]
+        held = balls or [Ball(end, 0.0, "") for end in ends]
+        others = [
+            ball
+            for b in self.parts[i]
+            for shape in self.robot.bodies[b].shapes
+            if shape.touches and not self._is_point(shape)
+            for ball in balls_of(shape, self.chosen.poses[b], self.plan)
+        ]
+        if not others:
+            return
+        beyond = float((reach(others).max(axis=1) - reach(held).max(axis=1)).max())
+        if beyond > TINY:
+            length = float(np.linalg.norm(ends[1] - ends[0]))
+            name, what = self.chosen.hinges[i].joint.name, "points" if balls else "two ends"
             text = (
-                f"its shapes reach {reach:.4g} m, {100 * reach / length:.3g} % of the length, beyond its two "
-                "ends, which alone touch walls"
+                f"its shapes reach {beyond:.4g} m, {100 * beyond / length:.3g} % of the length, beyond its "
+                f"{what}, which alone touch walls"
             )
-            self._tell("link of joint", name, text, reach / length)
+            self._tell("link of joint", name, text, beyond / length)

@@ -1,0 +1,73 @@
+"""The points with which a link touches straight walls, from the shapes of its bodies."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from chain_impact.conversion.flat import Plan, near
+from chain_impact.conversion.joints import PARALLEL
+from chain_impact.conversion.robot import Shape
+
+OUTLINED = ("sphere", "capsule", "box", "cylinder")
+"""Kinds of shapes that points can stand for: hulls of few balls."""
+TURN = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)  # rad, directions in which a wall may lie
+DIRECTIONS = np.stack([np.cos(TURN), np.sin(TURN)], axis=1)
+RIM = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)  # rad, places on the rim of a disc seen aslant
+
+
+class Ball(NamedTuple):
+    """A ball that may touch: its centre in the plane, shape (2,) [m], its radius [m], its shape's name."""
+
+    at: np.ndarray
+    radius: float
+    name: str
+
+
+def balls_of(shape: Shape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> Iterator[Ball]:
+    """The balls whose hull is a shape, as the plane of the motion shows it."""
+    rotation, position = pose
+    centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius
+    if shape.disc is not None:
+        along = plan.flat(rotation @ shape.disc)  # radius of the disc times its axis, as seen
+        size, seen = float(np.linalg.norm(shape.disc)), float(np.linalg.norm(along))
+        if seen < PARALLEL * size:
+            radius += size
+        else:
+            across = np.array([-along[1], along[0]]) * size / seen
+            slant = math.sqrt(max(1.0 - (seen / size) ** 2, 0.0))
+            aside = along / seen * size * slant
+            rim = [0.0, math.pi] if slant < PARALLEL else RIM
+            edge = np.outer(np.cos(rim), across) + np.outer(np.sin(rim), aside)
+            centers = (centers[:, np.newaxis] + edge).reshape(-1, 2)
+    for at in centers:
+        yield Ball(at, radius, shape.name)
+
+
+def reach(balls: Sequence[Ball]) -> np.ndarray:
+    """How far balls reach in each direction [m], shape (directions, balls)."""
+    centers = np.array([ball.at for ball in balls])
+    return np.asarray(DIRECTIONS @ centers.T + np.array([ball.radius for ball in balls]))
+
+
+def outermost(balls: Sequence[Ball]) -> list[Ball]:
+    """The balls that a straight wall can touch first, in some direction."""
+    return [balls[k] for k in sorted(set(reach(balls).argmax(axis=1).tolist()))] if balls else []
+
+
+def tables_of(balls: Sequence[Ball], joint: np.ndarray, along: np.ndarray) -> list[dict[str, Any]]:
+    """The tables of points of a link, which begins at a joint and points along a direction."""
+    counts, seen = Counter(ball.name for ball in balls), Counter[str]()
+    tables: list[dict[str, Any]] = []
+    for ball in balls:
+        name = ball.name
+        seen[name] += 1
+        x, y = ball.at - joint
+        table = {"x": near(float(along @ (x, y))), "y": near(float(along[0] * y - along[1] * x))}
+        label = {"name": name if counts[name] == 1 else f"{name}_{seen[name]}"} if name else {}
+        tables.append({**table, "radius": ball.radius, **label})
+    return tables
