@@ -50,20 +50,21 @@ STATUS_TEXT = {
     UNKNOWN_METHOD: "solver.method is not the number of a method",
     PARAMETER_OUT_OF_RANGE: "a parameter is not finite or lies outside its range",
     TOO_MUCH_WORK: "a second of simulated time takes more evaluations than solver.work_limit allows: "
-    "raise it, loosen solver.tolerance, or lower contact.stiffness or the joint_stiffness of links",
+    "raise solver.work_limit, loosen solver.tolerance, or lower contact.stiffness or the joint_stiffness of "
+    "links",
     EXPONENT_NOT_ALLOWED: "the contact law is defined for another exponent",
     RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while nothing touches",
     ENERGY_NOT_KEPT: "the energy drifts in a second of simulated time by more than 100 times what "
-    "solver.tolerance allows for a step, or errors have added or taken a fifth of it: tighten it if it is "
-    "above 1e-8, or else loosen it",
-    MASS_MATRIX_SINGULAR: "links without inertia can turn about their centres of mass without moving any "
-    "mass: the inertia of one of them must be > 0",
+    "solver.tolerance allows for a step, or in the whole run by a fifth of the energy: tighten "
+    "solver.tolerance if it is above 1e-8, or else loosen it",
+    MASS_MATRIX_SINGULAR: "links without inertia can turn while no mass moves: the inertia of one of them "
+    "must be > 0",
     STEP_TOO_LONG: "the time to the next communication point takes more evaluations than 20 times "
-    "solver.work_limit: take shorter communication steps or raise it",
+    "solver.work_limit: take shorter communication steps or raise solver.work_limit",
     FRICTION_WITH_RIGID_WALLS: f"newton_impact has no contact friction: {WITHOUT_FRICTION}: choose a law "
     "with a force, or set the coefficients of friction to 0",
-    FORCES_NOT_FOUND: "at an event no forces have been found that agree with all that is held: change the "
-    "initial state or solver.tolerance a little",
+    FORCES_NOT_FOUND: "at an event no forces have been found that satisfy the conditions of contact and dry "
+    "friction at all places at once: change the initial state or solver.tolerance a little",
     STATIC_BELOW_SLIDING: "static_friction is below friction, the coefficient of sliding: it must be "
     "at least that, or 0 for the same",
     STOPS_REVERSED: "joint_min is not below joint_max",

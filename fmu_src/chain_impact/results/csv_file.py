@@ -71,8 +71,8 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         head, *text = text_of(path).splitlines() or [""]
         check_separator(head)
         names = [name.strip().strip('"') for name in head.split(",")]
-        rows = np.loadtxt(text, delimiter=",", ndmin=2) if text else np.zeros((0, len(names)))
-    except ValueError as error:  # of a cell that is no number, a row that is too long, or another encoding
+        rows = _numbers(names, text)
+    except ValueError as error:  # a cell that is no number, a row that is too long, or another encoding
         raise SceneError(f"{path}: not a table of numbers: {error}") from None
     missing = [name for name in NEEDED if name not in names]
     if missing:
@@ -89,3 +89,30 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
     for row in np.flatnonzero(~(np.isfinite(rows) | slopes).all(axis=1))[:1]:
         raise SceneError(f"{path}: line {row + 2} has a number that is not finite")
     return dict(zip(names, rows.T.copy(), strict=True))
+
+
+def _numbers(names: list[str], text: list[str]) -> np.ndarray:
+    """The numbers in the lines below the head line, shape (rows, cells).
+
+    Raises:
+        ValueError: naming the line and the column where there is no number.
+    """
+    try:
+        return np.loadtxt(text, delimiter=",", ndmin=2) if text else np.zeros((0, len(names)))
+    except ValueError:
+        for number, line in enumerate(text, start=2):
+            if line.strip():
+                _check_line(f"line {number}", names, [cell.strip() for cell in line.split(",")])
+        raise
+
+
+def _check_line(where: str, names: list[str], cells: list[str]) -> None:
+    """Refuse a line with a cell that is no number, or with too few or too many cells."""
+    for name, cell in zip(names, cells, strict=False):
+        try:
+            float(cell)
+        except ValueError:
+            found = f"= {cell!r}" if cell else "is empty;"
+            raise ValueError(f"{where}: {name} {found} must be a number") from None
+    if len(cells) != len(names):
+        raise ValueError(f"{where} has {len(cells)} cells, must have {len(names)} as the head line")

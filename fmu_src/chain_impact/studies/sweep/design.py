@@ -123,8 +123,8 @@ def grid(variations: Sequence[Variation], source: str) -> Design:
         if variation.interval:
             ends = ":".join(f"{end:g}" for end in variation.values)
             raise SceneError(
-                f"{source}: {variation.name} = {ends} is an interval, must have a number of values "
-                f"({ends}:9), or samples must be asked for"
+                f"{source}: {variation.name} = {ends} is an interval without a number of values: write "
+                f"{ends}:9 for nine values, or ask for samples (--samples N, samples=N)"
             )
     return Design(tuple(variations))
 
