@@ -134,7 +134,10 @@ def fill_guide(d):
 
 
 def load_wall(d, c):
-    """Add the force of candidate c on its wall, and the moment about the wall's point, to the outputs."""
+    """Add the force of candidate c on its wall, and its moment, to the outputs.
+
+    The moment is about the wall's point, and at a wall of the box about the origin.
+    """
     out, wall, place = d.output, d.candidate.wall[c], d.candidate.place[c]
     fx, fy = wall_force(d, c, out.force, out.friction.force)
     x, y = d.work.position.x[place], d.work.position.y[place]

@@ -91,6 +91,12 @@ def refuse_candidate(d, c, status):
     return status
 
 
+def refuse_base(d, c, status):
+    """Note that the base at the wall of candidate c is the reason for a status, and return it."""
+    d.fault.place = 1 + d.candidates + d.links + c
+    return status
+
+
 def refuse_link(d, i, status):
     """Note that link i, counted from 0, or its joint is the reason for a status, and return it."""
     d.fault.place = 1 + d.candidates + i

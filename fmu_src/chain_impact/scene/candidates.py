@@ -25,7 +25,10 @@ def candidates(scene: Scene) -> list[tuple[int, int]]:
 
 
 def places(scene: Scene) -> list[str]:
-    """What a simulation may be refused for, in words: each candidate, and then each link."""
+    """Return the words for all places at which a simulation can be refused.
+
+    These are the candidates, the links, and the base at the wall of each pair of a point and a wall.
+    """
     names, points = scene.wall_names, len(point_wall_pairs(scene))
     pairs = candidates(scene)
     touching = [f"{scene.point_label(point)} at the wall {names[wall]}" for point, wall in pairs[:points]]
@@ -33,7 +36,8 @@ def places(scene: Scene) -> list[str]:
         f"joint {joint} at its {names[wall]}" if joint else f"the slider at its {names[wall]}"
         for joint, wall in pairs[points:]
     ]
-    return [*touching, *stops, *(f"link[{i + 1}]" for i in range(len(scene.chain.links)))]
+    links = [f"link[{i + 1}]" for i in range(len(scene.chain.links))]
+    return [*touching, *stops, *links, *(f"the base at the wall {names[wall]}" for _, wall in pairs[:points])]
 
 
 def stop_pairs(scene: Scene) -> list[tuple[int, int]]:

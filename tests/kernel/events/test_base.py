@@ -49,6 +49,7 @@ def test_a_wall_meets_the_base_when_it_gets_there(above, method):
     with pytest.raises(SimulationError) as caught:
         simulate(scene(method), inputs=moved(1.0 + above))
     assert caught.value.status == BASE_BEYOND_WALL
+    assert str(caught.value).endswith(": the base at the wall w")
     right = MIDDLE - WIDTH * math.sqrt(math.log1p(above))
     speed = 2.0 * (MIDDLE - right) / WIDTH**2
     assert caught.value.time == pytest.approx(right, abs=1e-6 / speed)

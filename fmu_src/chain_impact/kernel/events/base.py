@@ -12,7 +12,7 @@ from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.ode.dense import TRIES, fraction
 from chain_impact.kernel.ode.last_step import truncate_step
 from chain_impact.kernel.rows.geometry import BEYOND, base_clearance, faces_base
-from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, count_other_work, refuse_candidate, work_exceeded
+from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, count_other_work, refuse_base, work_exceeded
 
 
 def end_at_base(d):
@@ -33,7 +33,7 @@ def check_base(d):
     for c in range(d.candidates if d.model.pinned and not d.slides else 0):
         # at the end of a step that has been ended there the clearance is that of ``meeting``, up to round-off
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * BEYOND:
-            return refuse_candidate(d, c, BASE_BEYOND_WALL)
+            return refuse_base(d, c, BASE_BEYOND_WALL)
     return OK
 
 

@@ -67,7 +67,7 @@ def trial_dtype(links: int) -> np.dtype:
 @written_by("status.py")
 def fault_dtype() -> np.dtype:
     """Where the reason for a refusal is."""
-    return record(("place", INTEGER))  # from 1: the candidates, then the links; 0: not at one of them
+    return record(("place", INTEGER))  # from 1: candidates, links, base at the candidates' walls; 0: none
 
 
 @written_by("status.py", status="status.py")
