@@ -86,6 +86,16 @@ def test_the_start_may_touch_a_wall_but_not_by_more_than_round_off():
     with_values(rod, {("initial", "position", 1): 0.125, ("contact", "points"): [1]})
 
 
+def test_a_pinned_base_beyond_a_wall_is_warned_of():
+    arm = load_scene("pinned_arm")
+    told = r"pinned base at \(0, 0\) m is 0\.1 m beyond the wall x_max"
+    with pytest.warns(SceneWarning, match=told):
+        arm.with_values({"box.x_max": -0.1})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", SceneWarning)
+        arm.with_values({"box.x_max": 0.0})
+
+
 # --- walls at any angle ----------------------------------------------------------------------------------
 
 RAMP = {"name": "ramp", "point": [0.0, -2.0]}

@@ -73,11 +73,16 @@ def _headline(result: Recording, outputs: int) -> str:
 
 
 def impact_heads(result: Recording) -> tuple[str, ...]:
-    """The heads of the columns of ``impact_cells``, with units where all impacts have the same."""
+    """The heads of the columns of ``impact_cells``, with units where all impacts have the same.
+
+    With the two columns of loads, heads are broken into lines, so that a row fits into 80 columns.
+    """
     values = {"speed": "m/s", "duration": "ms", "peak force": "N", "impulse": "N·s"}
     told = (name if result.stops else f"{name}, {unit}" for name, unit in values.items())
-    loads = ("joint force, N", "joint") if result.knows_joint_forces else ()
-    return ("time, s", "point", "wall", *told, *loads)
+    heads = ("time, s", "point", "wall", *told)
+    if not result.knows_joint_forces:
+        return heads
+    return tuple(head.replace(", ", " ").replace(" ", "\n") for head in (*heads, "joint force, N", "joint"))
 
 
 def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
-from itertools import groupby
+from itertools import groupby, zip_longest
 from typing import NamedTuple
 
 
@@ -24,9 +24,10 @@ def speed_unit(at_stop: bool) -> str:
 
 
 def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """The lines of a table; its columns are as wide as they need to be."""
-    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
-    for row in (head, *rows):
+    """The lines of a table; its columns are as wide as they need to be. A head may have several lines."""
+    heads = list(zip_longest(*(name.split("\n") for name in head), fillvalue=""))
+    widths = [max(map(len, column)) for column in zip(*heads, *rows, strict=True)]
+    for row in (*heads, *rows):
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
 
 
@@ -56,5 +57,9 @@ def as_html(parts: Iterable[str | Table]) -> str:
 def html_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table of texts as HTML, each row in a line."""
     cells = [("th", head), *(("td", row) for row in rows)]
-    lines = ("".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in row) for tag, row in cells)
+    lines = ("".join(f"<{tag}>{_in_html(cell)}</{tag}>" for cell in row) for tag, row in cells)
     return "<table>" + "\n".join(f"<tr>{line}</tr>" for line in lines) + "</table>"
+
+
+def _in_html(text: str) -> str:
+    return escape(text).replace("\n", "<br>")

@@ -272,7 +272,21 @@ def hints(scene: Contents) -> list[str]:
     if step > stop:
         longer = f"simulation.step_size = {step:g} s is longer than simulation.stop_time = {stop:g} s"
         found.append(f"{longer}: there are two rows only, the start and the end")
-    return found
+    return [*found, *base_hints(scene)]
+
+
+def base_hints(scene: Contents) -> list[str]:
+    """A sentence on each wall beyond which a pinned base is: allowed, as a pinned base touches no wall."""
+    if scene.chain.base != "pinned":
+        return []
+    x, y = scene.initial.position
+    deep = {name: -wall.clearance(x, y) for name, wall in scene.half_planes.items()}
+    where = f"initial: the pinned base at ({x:.6g}, {y:.6g}) m is"
+    return [
+        f"{where} {depth:.6g} m beyond the wall {name}, which cannot touch it: is it where it should be?"
+        for name, depth in deep.items()
+        if depth > START_TOLERANCE
+    ]
 
 
 def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
