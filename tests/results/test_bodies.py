@@ -5,6 +5,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.results.csv_file import read_csv
+from chain_impact.results.page.recorded import data
 from chain_impact.results.recording import Recording
 from chain_impact.scene.bodies import outline, outlines_of, placed
 from chain_impact.scene.scene import scene_from_dict
@@ -103,3 +104,15 @@ def test_what_sticks_is_marked_where_it_is():
     axes = cart.plot(kind="motion").axes[0]
     mark = next(line for line in axes.lines if line.get_label() == "sticks")
     np.testing.assert_allclose(mark.get_xydata(), cart.points[-1:, 0])
+
+
+def test_a_page_has_bodies_and_the_line_of_a_slider(run):
+    found = data(run)
+    assert found["links"] == 1
+    assert found["pointCount"] == run.all_points.shape[1]
+    assert [link for link, _ in found["bodies"]] == [*run.outlines]
+    assert dict(found["touching"]) == run.touching
+    assert bool(found["rail"]) == (run.name == "Cart")
+    if found["rail"]:
+        assert [*found["rail"]["stops"]] == ["slider_min", "slider_max"]
+        assert not found["pinned"]

@@ -76,7 +76,7 @@ def test_what_is_packed_is_the_recording(recording):
         np.testing.assert_allclose(whole, touches.pop((touch["point"], touch["wall"])), atol=0.5)
     assert not any(force.any() for force in touches.values())
     assert [one["onset"] for one in packed["impacts"]] == recording.impacts["onset"].tolist()
-    assert packed["touching"] == [0, 1, 2, 3, 4]
+    assert packed["touching"] == [[point, 0.0] for point in range(5)]
     assert packed["pinned"] is False
 
 

@@ -30,7 +30,6 @@ MODULES = (
     *PLAYER,
     *(
         "unpacked",
-        "view",
         "scene_file",
         "model",
         "changes",

@@ -17,18 +17,18 @@ from chain_impact.results.joint_stops import JointRange
 from chain_impact.results.pacing import frame_times, slow_spans
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import Touch
-from chain_impact.results.view import radius_of
+from chain_impact.results.view import radius_of, size_of
 from chain_impact.scene.half_planes import HalfPlane
 
 PAGE = resources.files("chain_impact.results.page") / "browser"
 STYLES = ("vendor/uPlot.min.css", "style.css", "panels.css")
 LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
 PLAYER = (
-    *("dom", "recording", "clock", "format", "room", "trace"),
+    *("dom", "recording", "clock", "format", "room", "view", "trace"),
     *("scene", "charts", "impacts", "controls", "player"),
 )
 """The modules that show a recording, each after those that it imports from."""
-FRAMES = ("pacing", "view", "frames")
+FRAMES = ("pacing", "frames")
 """Those that make its frames."""
 MODULES = (*PLAYER, *FRAMES, "packed", "main")
 FRAGMENTS = ("stage", "panels", "playback")
@@ -102,10 +102,11 @@ def script_data(content: Any) -> str:
 
 def data(recording: Recording) -> dict[str, Any]:
     """What the page's ``packed.js`` reads, numbers as small as the screen allows."""
-    points, touches = recording.points, recording.touches
+    points, touches = recording.all_points, recording.touches
     return {
         "name": recording.name,
-        "links": points.shape[1] - 1,
+        "links": recording.link_count,
+        "pointCount": points.shape[1],
         "time": _base64(recording.time.astype("<f8")),
         "x": _packed(points[:, :, 0]),
         "y": _packed(points[:, :, 1]),
@@ -120,7 +121,9 @@ def data(recording: Recording) -> dict[str, Any]:
         "moved": {name: _packed(moved) for name, moved in recording.moved_walls.items()},
         "stops": [_range(joint, one) for joint, one in recording.stops.items()],
         "radius": radius_of(recording),
-        "touching": sorted({one.point for one in touches if one.at_wall}),
+        "touching": [*recording.touching.items()],
+        "bodies": [[link, corners.tolist()] for link, corners in recording.outlines.items()],
+        "rail": _rail(recording),
         "pinned": recording.pinned,
     }
 
@@ -158,6 +161,20 @@ def _range(joint: int, one: JointRange) -> dict[str, Any]:
     """The range of a joint, as the page draws it."""
     marks = [stop for stop in (one.low, one.high) if math.isfinite(stop)]
     return {"joint": joint, "arc": one.arc, "marks": marks}
+
+
+def _rail(recording: Recording) -> dict[str, Any] | None:
+    """The line of a slider and its stops, as the page draws them, and the carriage about the base."""
+    rail, size = recording.rail, size_of(recording)
+    return (
+        None
+        if rail is None
+        else {
+            "lines": [line.tolist() for line in rail.lines(recording.points[:, 0], size)],
+            "carriage": rail.carriage(np.zeros(2), size).tolist(),
+            "stops": free_sides(rail.stops),
+        }
+    )
 
 
 def _touch(one: Touch) -> dict[str, Any] | None:

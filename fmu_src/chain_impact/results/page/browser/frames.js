@@ -20,8 +20,8 @@ export function contactsOf(impacts, stop) {
 }
 
 /** The simulated times of the frames, and how many there are in a second on the screen. */
-export function timesOf(contacts, start, stop, links, impactTime) {
-  const most = Math.min(MOST_FRAMES, Math.max(FEWEST_FRAMES, Math.floor(COORDINATES / (2 * (links + 1)))));
+export function timesOf(contacts, start, stop, pointCount, impactTime) {
+  const most = Math.min(MOST_FRAMES, Math.max(FEWEST_FRAMES, Math.floor(COORDINATES / (2 * pointCount))));
   return frameTimes(start, stop, slowSpans(contacts), impactTime, most);
 }
 
@@ -64,18 +64,19 @@ function largest(values) {
 /**
  * What a `Recording` is made of.
  *
- * @param rows name, links, time, x and y of all points in rows, energies by name, touches { point, wall, force, depth,
+ * @param rows name, links, pointCount, time, x and y of all points in rows, energies by name, touches { point, wall, force, depth,
  *   friction, sticking } at the rows (of a joint with dry friction without wall and force), loads { joint, x, y } likewise, the forces
  *   in joints if they are known, contacts, walls, how far walls have moved along their normals by name (moved, if any
- *   do), stops, radius, touching, pinned.
+ *   do), stops, radius, touching [point, its radius], bodies [link, corners along it and to the left of it], rail { lines,
+ *   carriage, stops } of a slider or null, pinned.
  * @param frames their times, and how many there are in a second on the screen; those are the rows if they have as many.
  */
 export function framesOf(rows, { times, frameRate }) {
-  const { name, links, contacts, walls, stops, radius, touching } = rows;
+  const { name, links, pointCount, contacts, walls, stops, radius, touching, bodies, rail } = rows;
   const places = times === rows.time ? null : placesIn(rows.time, times);
   const at = (values, width = 1) => (places && values ? columnAt(values, places, width) : values);
   const held = (values) => spansOf(places ? places.map(([row]) => values[row]) : values);
-  const [x, y] = [rows.x, rows.y].map((all) => at(all, links + 1));
+  const [x, y] = [rows.x, rows.y].map((all) => at(all, pointCount));
   const forces = rows.touches
     .filter(({ wall, force }) => wall && force.some((value) => value > 0))
     .map(({ point, wall, force, depth, friction, sticking }) =>
@@ -88,14 +89,14 @@ export function framesOf(rows, { times, frameRate }) {
     .map((key) => [key, at(rows.energies[key])]);
   const peaks = [
     ...contacts.filter(({ atStop }) => !atStop).map(({ peak }) => peak ?? 0),
-    ...forces.filter(({ wall }) => wall in walls).map(({ values }) => largest(values)),
+    ...forces.filter(({ wall }) => wall in walls || wall in (rail?.stops ?? {})).map(({ values }) => largest(values)),
     ...loads.map((force) => largest(force.x.map((along, frame) => Math.hypot(along, force.y[frame])))),
   ];
   return {
-    name, links, time: times, frameRate, x, y, energies: Object.fromEntries(energies), forces, loads, stuckJoints, contacts,
-    walls, stops, radius, touching,
+    name, links, pointCount, time: times, frameRate, x, y, energies: Object.fromEntries(energies), forces, loads, stuckJoints, contacts,
+    walls, stops, radius, touching, bodies, rail,
     moved: Object.entries(rows.moved ?? {}).map(([wall, values]) => [wall, at(values)]),
     peakForce: Math.max(largest(peaks), 1e-300),
-    ...viewOf(x, y, links + 1, walls, radius, rows.pinned),
+    ...viewOf(x, y, pointCount, walls, radius, rows.pinned),
   };
 }

@@ -53,7 +53,7 @@ export function* motion(kernel, values) {
   const ending = { status, place, reached, statistics, impacts, spent };
   if (first.time.length === 0 || !(end > 0)) return { ...ending, parts: null };
   const contacts = contactsOf(listed(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
-  const { times, frameRate } = timesOf(contacts, 0, end, scene.links, IMPACT_TIME);
+  const { times, frameRate } = timesOf(contacts, 0, end, scene.drawn.points.length, IMPACT_TIME);
   const { points, energies, touches, loads } = scene.drawn;
   const ofTouches = touches.flatMap(({ force, depth, friction, sticking }) => [force, depth, friction, sticking]);
   const words = [...points.flat(), ...Object.values(energies), ...ofTouches, ...loads.flatMap((force) => [force.x, force.y])]
@@ -63,11 +63,12 @@ export function* motion(kernel, values) {
   const column = (word) => (word === null ? undefined : columns[words.indexOf(word)]);
   const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
   const walls = wallsAt(scene, valueOf);
-  const reach = viewOf(x, y, scene.links + 1, {}, 0, false).view;
+  const reach = viewOf(x, y, points.length, {}, 0, false).view;
   const given = valueOf("contact.radius") ?? 0;
   const rows = {
     name: scene.name,
     links: scene.links,
+    pointCount: points.length,
     time,
     x,
     y,
@@ -85,7 +86,9 @@ export function* motion(kernel, values) {
     walls,
     stops: rangesOf(scene, valueOf),
     radius: given > ALONE * Math.max(reach[1][0] - reach[0][0], reach[1][1] - reach[0][1]) ? given : 0,
-    touching: scene.contactPoints,
+    touching: scene.contactPoints.map((point) => [point, given]),
+    bodies: [],
+    rail: null,
     pinned: scene.pinned,
   };
   return { ...ending, parts: framesOf(rows, { times: time, frameRate }) };

@@ -82,8 +82,7 @@ export class Recording {
 
   /** Where a point is at a frame [m]. */
   pointAt(frame, point) {
-    const width = this.links + 1;
-    return [this.between(this.x, frame, point, width), this.between(this.y, frame, point, width)];
+    return [this.x, this.y].map((all) => this.between(all, frame, point, this.pointCount));
   }
 
   /** The walls where they are at a frame, name → normal and offset [m]. */
@@ -93,6 +92,11 @@ export class Recording {
       return [name, { normal, offset: offset + this.between(values, frame) }];
     });
     return { ...this.walls, ...Object.fromEntries(moved) };
+  }
+
+  /** The free sides of the walls where they are at a frame, and of the stops of a slider. */
+  sidesAt(frame) {
+    return { ...this.wallsAt(frame), ...this.rail?.stops };
   }
 
   /** The contacts at a frame: point, wall, force and dry friction along the wall [N], and whether it sticks. */

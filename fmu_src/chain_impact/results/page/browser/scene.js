@@ -4,6 +4,7 @@ import { forceText, unitsOf } from "./format.js";
 import { lastBefore } from "./recording.js";
 import { Camera, roomWithin } from "./room.js";
 import { traceOf } from "./trace.js";
+import { STOPS } from "./view.js";
 
 const LONGEST_ARROW = 0.26; // of the smaller side of the scene, for the largest force
 const LEAST_ARROW = 9; // pixels, so that a small force is seen
@@ -48,6 +49,7 @@ export class Scene {
     this.rings = this.drawing.group();
     this.arcs = this.drawing.group();
     this.circles = this.drawing.group();
+    this.bodies = this.drawing.group();
     this.links = this.drawing.group();
     this.joints = this.drawing.group();
     this.numbers = this.drawing.group();
@@ -59,7 +61,7 @@ export class Scene {
   /** Take another recording. */
   show(recording) {
     this.recording = recording;
-    [this.arcs, this.circles, this.links, this.joints, this.numbers].forEach((group) => group.clear());
+    [this.arcs, this.circles, this.bodies, this.links, this.joints, this.numbers].forEach((group) => group.clear());
     this.ranges = recording.stops.map(() => ["range", "range-mark", "range-mark"].map((kind) =>
       this.arcs.polyline().addClass(kind).fill("none")));
     this.#makeChain();
@@ -67,19 +69,24 @@ export class Scene {
   }
 
   #makeChain() {
-    const { links, touching, radius } = this.recording;
+    const { links, pointCount, touching, radius, bodies, rail } = this.recording;
     // each link has an edge, so that one can tell which is in front
     const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
     this.lines = lines.flatMap((range) => ["link-edge", "link"].map((kind) =>
       [range, this.links.polyline().addClass(kind).fill("none")]));
-    this.discs = radius > 0 ? touching.map((point) => [point, this.circles.circle().addClass("disc")]) : [];
-    this.names = Array.from({ length: links <= NUMBERED ? links + 1 : 0 }, (_, point) =>
+    this.discs = radius > 0 ? touching.map(([point, own]) => [point, own, this.circles.circle().addClass("disc")]) : [];
+    this.outlines = bodies.map(([link, corners]) => [link, corners, this.bodies.polygon().addClass("body")]);
+    this.carriage = rail ? this.bodies.polygon().addClass("carriage") : null;
+    this.names = Array.from({ length: links <= NUMBERED ? pointCount : 0 }, (_, point) =>
       this.numbers.plain(String(point)).addClass("point-number"));
     const shown = links < MANY_LINKS ? Array.from({ length: links + 1 }, (_, point) => point) : [0, links];
     this.dots = shown.map((point) => {
       const kind = point === links ? "tip" : "joint";
       return [point, this.joints.circle(kind === "tip" ? 11 : 8).addClass(kind)];
     });
+    for (let point = links + 1; point < pointCount; point += 1) {
+      this.dots.push([point, this.joints.circle(7).addClass("site")]);
+    }
   }
 
   /** Fit the scene into so many pixels. */
@@ -93,9 +100,10 @@ export class Scene {
     this.room = this.ground.group();
     this.#drawRoom(0);
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
+    this.recording.rail?.lines.forEach((line) => this.ground.polyline(this.#places(line)).addClass("pin"));
     this.#drawScaleBar(width);
     if (this.recording.loads.length) this.#drawKey(width);
-    this.discs.forEach(([, disc]) => disc.radius(this.recording.radius * this.camera.scale));
+    this.discs.forEach(([, own, disc]) => disc.radius(own * this.camera.scale));
     ({ frames: this.traceFrames, places: this.tracePlaces } = traceOf(this.recording, this.camera));
   }
 
@@ -140,13 +148,14 @@ export class Scene {
   /** Draw a frame. */
   draw(frame) {
     const { recording, camera } = this;
-    const places = Array.from({ length: recording.links + 1 }, (_, point) =>
-      camera.place(...recording.pointAt(frame, point)));
+    const all = Array.from({ length: recording.pointCount }, (_, point) => camera.place(...recording.pointAt(frame, point)));
+    const places = all.slice(0, recording.links + 1);
     this.lines.forEach(([range, line]) => line.plot(places.slice(...range)));
-    this.dots.forEach(([point, dot]) => dot.center(...places[point]));
-    this.discs.forEach(([point, disc]) => disc.center(...places[point]));
+    this.#drawBodies(frame);
+    this.dots.forEach(([point, dot]) => dot.center(...all[point]));
+    this.discs.forEach(([point, , disc]) => disc.center(...all[point]));
     this.names.forEach((name, point) => {
-      const [x, y] = besideChain(places, point);
+      const [x, y] = point <= recording.links ? besideChain(places, point) : all[point].map((at) => at + 0.7 * BESIDE);
       name.attr({ x, y: y + 4 });
     });
     if (recording.moved.length) this.#drawRoom(frame);
@@ -156,6 +165,19 @@ export class Scene {
     this.#drawRings(frame);
     this.#drawArrows(frame);
     this.#drawLoads(frame);
+  }
+
+  /** The outlines of links with points, and the carriage of a slider. */
+  #drawBodies(frame) {
+    const at = (point) => this.recording.pointAt(frame, point);
+    this.outlines.forEach(([link, corners, shape]) => {
+      const [[x0, y0], [x1, y1]] = [at(link - 1), at(link)];
+      const length = Math.hypot(x1 - x0, y1 - y0) || 1;
+      const [c, s] = [(x1 - x0) / length, (y1 - y0) / length];
+      shape.plot(this.#places(corners.map(([along, left]) => [x0 + c * along - s * left, y0 + s * along + c * left])));
+    });
+    const [x, y] = at(0);
+    this.carriage?.plot(this.#places(this.recording.rail.carriage.map(([dx, dy]) => [x + dx, y + dy])));
   }
 
   #drawTrace(frame, tip) {
@@ -189,8 +211,9 @@ export class Scene {
 
   /** Where a point touches a wall, or a link the arc of its range, on the screen, and the direction away from the wall. */
   #spot(frame, point, wall) {
-    if (!(wall in this.recording.walls)) return this.#stopSpot(frame, point);
-    const { normal: [nx, ny], offset } = this.recording.wallsAt(frame)[wall];
+    const side = this.recording.sidesAt(frame)[wall];
+    if (!side) return this.#stopSpot(frame, point);
+    const { normal: [nx, ny], offset } = side;
     const [x, y] = this.recording.pointAt(frame, point);
     const gap = nx * x + ny * y - offset;
     return { place: this.camera.place(x - gap * nx, y - gap * ny), away: [nx, -ny] };
@@ -206,8 +229,8 @@ export class Scene {
 
   /** Whether a contact can be drawn: its wall is known, or it is at a stop. */
   #isShown({ point, wall }) {
-    const { walls, stops } = this.recording;
-    return wall in walls || stops.some(({ joint }) => joint === point);
+    const { walls, stops, rail } = this.recording;
+    return wall in walls || wall in (rail?.stops ?? {}) || stops.some(({ joint }) => joint === point);
   }
 
   /** Rings where impacts have just been: they widen and fade. */
@@ -233,7 +256,7 @@ export class Scene {
       const force = Math.hypot(normal, friction);
       // on the screen, where y points down, the direction of dry friction along t is (−ny, nx)
       const [dx, dy] = [(normal * nx - friction * ny) / force, (normal * ny + friction * nx) / force];
-      if (!(wall in recording.walls)) {
+      if (STOPS.includes(wall)) {
         this.arrows.circle(STOP_DOT).center(x, y).addClass("stop-dot");
         this.#label(x + 2 * STOP_DOT * dx, y + 2 * STOP_DOT * dy, dx, forceText(force, 3, unitsOf({ atStop: true }).force));
         return;
@@ -244,7 +267,7 @@ export class Scene {
       this.#arrow([x, y], [dx, dy], force, "force");
     });
     recording.stuckJointsAt(frame).forEach((joint) => {
-      this.arrows.circle(STUCK_DOT).center(...this.camera.place(...recording.pointAt(frame, joint - 1))).addClass("stuck-joint");
+      this.arrows.circle(STUCK_DOT).center(...this.camera.place(...recording.pointAt(frame, Math.max(joint - 1, 0)))).addClass("stuck-joint");
     });
   }
 
