@@ -101,10 +101,10 @@ def sprung(scene: Scene, draw: Draw, weakest: float = 1e-3, stiffest: float = 1e
         if points and draw.chance(0.7):
             link["center_of_mass"] = link["length"] * draw.one((draw.real(0.1, 1.0), 1.0))
             link["inertia"] = 0.0
-    first, last = loose_links(_Shapes(links, scene.chain.base == "pinned"))
+    first, last = loose_links(_Shapes(links, scene.chain.base == "pinned"), False)
     while first >= 0:
         links[last]["inertia"] = links[last]["mass"] * links[last]["length"] ** 2 * draw.power(1e-3, 0.1)
-        first, last = loose_links(_Shapes(links, scene.chain.base == "pinned"))
+        first, last = loose_links(_Shapes(links, scene.chain.base == "pinned"), False)
     stop = min(1.0, scene.simulation.stop_time)
     return with_values(
         scene,
@@ -120,8 +120,9 @@ class _Shapes:
     """What ``loose_links`` looks at."""
 
     def __init__(self, links: list[dict[str, Any]], pinned: bool) -> None:
-        self.length, self.center_of_mass, self.inertia = (
-            [link[key] for link in links] for key in ("length", "center_of_mass", "inertia")
+        self.length, self.center_of_mass, self.center_of_mass_offset, self.inertia = (
+            [link[key] for link in links]
+            for key in ("length", "center_of_mass", "center_of_mass_offset", "inertia")
         )
         self.pinned = pinned
 

@@ -17,7 +17,8 @@ PLACES = (0.0, 0.4, 1.0, 1.3)  # of the centre of mass, over the length
 
 
 def links(shapes):
-    return [SimpleNamespace(length=1.0, mass=1.0, center_of_mass=c, inertia=inertia) for c, inertia in shapes]
+    common = {"length": 1.0, "mass": 1.0, "center_of_mass_offset": 0.0}
+    return [SimpleNamespace(**common, center_of_mass=c, inertia=inertia) for c, inertia in shapes]
 
 
 def mass_matrix(shapes, angles):
@@ -45,7 +46,7 @@ def least_eigenvalue(shapes, pinned):
 def chain_of(shapes, pinned):
     columns = {
         name: [getattr(link, name) for link in links(shapes)]
-        for name in ("length", "center_of_mass", "inertia")
+        for name in ("length", "center_of_mass", "center_of_mass_offset", "inertia")
     }
     return SimpleNamespace(pinned=pinned, **columns)
 
@@ -57,7 +58,7 @@ def test_it_tells_every_chain_whose_mass_matrix_is_singular_somewhere(count, pin
     """All chains of up to three links, each with or without inertia, with its mass at one of four places."""
     found = set()
     for shapes in itertools.product(itertools.product(PLACES, (0.0, 0.1)), repeat=count):
-        first, last = loose_links(chain_of(shapes, pinned))
+        first, last = loose_links(chain_of(shapes, pinned), False)
         singular = least_eigenvalue(shapes, pinned) < 1e-12
         assert (first >= 0) == singular, shapes
         found.add(singular)
@@ -74,7 +75,7 @@ def test_what_it_allows_has_positive_pivots(pinned):
     for _ in range(150):
         count = int(rng.integers(1, 6))
         shapes = [(float(rng.choice(PLACES)), float(rng.choice([0.0, 0.2]))) for _ in range(count)]
-        if loose_links(chain_of(shapes, pinned))[0] >= 0:
+        if loose_links(chain_of(shapes, pinned), False)[0] >= 0:
             continue
         allowed += 1
         table = {
@@ -99,4 +100,4 @@ def test_what_it_allows_has_positive_pivots(pinned):
 
 def test_a_centre_of_mass_as_near_to_the_joint_as_round_off_lies_there():
     for distance, singular in ((1e-9, True), (1e-6, False)):
-        assert (loose_links(chain_of([(distance, 0.0)], True))[0] == 0) == singular
+        assert (loose_links(chain_of([(distance, 0.0)], True), False)[0] == 0) == singular
