@@ -101,6 +101,86 @@ def test_a_file_with_everything_makes_the_record_of_its_scene(worker):
     assert_as_python(made(worker, scene, WRITTEN), scene)
 
 
+BODIES = {
+    "box": """
+name = "Brick"
+[[chain.links]]
+length = 0.5
+mass = 1.0
+shape = "box"
+height = 0.2
+center_of_mass_offset = 0.01
+points = [{ x = 0.6, radius = 0.03, name = "tip" }, { x = 0.0 }]
+[box]
+y_min = 0.0
+[contact]
+points = []
+radius = 0.01
+friction = 0.3
+[initial]
+position = [0.0, 0.5]
+angles = ["30 deg"]
+[outputs]
+loads = true
+impacts = 2
+""",
+    "foot": """
+name = "Foot"
+walls = [{ name = "ramp", point = [0, -2], angle = 0.1 }]
+[chain]
+base = "pinned"
+links = [
+  { length = 0.4, mass = 1.0, joint_min = -3.0, points = [{ x = 0.0 }, { x = 0.2, y = 0.1 }] },
+  { length = 0.1, mass = 0.2, points = [{ x = -0.05, y = -0.05, name = "heel" }] },
+]
+[contact]
+wall = { ramp = { friction = 0.2 } }
+[initial]
+joint_angles = [-1.0, 0.5]
+""",
+    "cart": """
+name = "Cart"
+[chain]
+base = "slider"
+links = [{ length = 0.5, mass = 0.5, joint_max = 3.0, points = [{ x = 0.0, radius = 0.1 }] }]
+[chain.slider]
+angle = "90 deg"
+mass = 2.0
+friction = 3.0
+stiffness = 10.0
+rest_position = 0.1
+min = -0.5
+max = 1.0
+force_limit = 50.0
+[box]
+x_min = -3.0
+y_min = -2.0
+[initial]
+angles = [-1.0]
+slider_velocity = 0.4
+[inputs]
+slider_force = true
+wall_motion = ["y_min"]
+[outputs]
+loads = true
+""",
+    "driven cart": """
+name = "Driven"
+chain = { base = "slider", links = [{ length = 0.5, mass = 0.5 }] }
+contact = { points = [] }
+inputs = { joint_targets = true }
+initial = { angles = [-1.0] }
+""",
+}
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_a_file_with_bodies_makes_the_record_of_its_scene(worker, body):
+    scene = parse_scene(BODIES[body], "bodies.toml")
+    assert_as_python(made(worker, scene, BODIES[body]), scene)
+    assert_as_python(made(worker, scene, contents=scene_to_dict(scene)), scene)
+
+
 @pytest.mark.parametrize("part", ["points", "contacts", "energies", "solver"])
 def test_outputs_that_are_not_asked_for_are_not_there(worker, part):
     scene = load_scene("sliding_rod").with_values({f"outputs.{part}": False, "outputs.impacts": 0})

@@ -43,7 +43,8 @@ IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 LONGEST = 1e9
 """s, of the times of a run."""
 PLACES: dict[str, Place] = {
-    **{name: (name,) for name in COUNTS},
+    **{name: (name,) for name in (*COUNTS, "skewed", "slides")},
+    "site_link": ("site", "link", AT),
     "regularized": ("step", "regularized"),
     **{key: ("model", key) for key in ("pinned", "driven", "followed", "base_moves")},
     **{f"candidate_{key}": ("candidate", AT, key) for key in ("point", "wall", "stop")},

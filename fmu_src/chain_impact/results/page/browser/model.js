@@ -1,10 +1,12 @@
 // A scene as the page works with it: its variables and its record, from the contents of its file and the templates of
 // `kit.py`.
 
-import { movablePoints, stopsOf, wallsOf } from "./scene_file.js";
+import { movablePoints, sitesOf, sliderStopsOf, stopsOf, wallsOf } from "./scene_file.js";
 import { STOPS, wallsAt } from "./view.js";
 
 const BYTES = 8; // of a word
+const PARALLEL = 1e-12; // the cosine between a slider's line and a wall's normal that counts as 0: round-off
+const NORMALS = { x_min: [1, 0], x_max: [-1, 0], y_min: [0, 1], y_max: [0, -1] };
 
 /** Numbers of some length, from 0. */
 const range = (length) => Array.from({ length }, (_, k) => k);
@@ -20,32 +22,50 @@ function placesOf(words, sizes) {
   return Object.fromEntries(Object.entries(words).map(([name, inner]) => [name, placesOf(inner, sizes)]));
 }
 
+/** Whether a point slides along a line that is parallel to a wall, so that it never reaches it. */
+function keepsDistance({ chain: { slider, links }, walls }, sites, point, name) {
+  const site = sites[point - links.length - 1];
+  const isAtBase = point === 0 || (site && site.link === 0 && site.x === 0 && site.y === 0);
+  if (!slider || !isAtBase) return false;
+  const angle = walls.find((wall) => wall.name === name)?.angle;
+  const [nx, ny] = NORMALS[name] ?? [-Math.sin(angle), Math.cos(angle)];
+  return Math.abs(nx * Math.cos(slider.angle) + ny * Math.sin(slider.angle)) < PARALLEL;
+}
+
 /** What a scene has, that its variables and its record depend on. */
 function partsOf(file, { boxWalls }) {
-  const { chain: { base, links }, walls, contact, inputs, outputs } = file;
+  const { chain: { base, links, slider }, walls, contact, inputs, outputs } = file;
   const count = links.length;
   const [points, stops, there] = [contact.points ?? movablePoints(file), stopsOf(file), wallsOf(file)];
-  const wallNames = [...boxWalls, ...(points.length ? walls.map(({ name }) => name) : []), ...(stops.length ? STOPS : [])];
+  const [sites, sliderStops] = [sitesOf(file), sliderStopsOf(file)];
+  const mayTouch = points.length > 0 || sites.length > 0;
+  const wallNames = [...boxWalls, ...(mayTouch ? walls.map(({ name }) => name) : []), ...(stops.length ? STOPS : []), ...sliderStops];
   const numbers = wallNames.flatMap((name, number) => (there.includes(name) ? [number] : []));
-  const pairs = points.flatMap((point) => numbers.map((wall) => [point, wall]));
+  const movable = sites.flatMap(({ link, x, y }, s) => (base === "pinned" && link === 0 && x === 0 && y === 0 ? [] : [count + 1 + s]));
+  const pairs = [...points, ...movable].flatMap((point) => numbers.map((wall) => [point, wall]))
+    .filter(([point, wall]) => !keepsDistance(file, sites, point, wallNames[wall]));
   const materials = Object.values(contact.wall);
-  const rubs = pairs.length > 0 && (contact.friction > 0 || contact.static_friction > 0 ||
+  const rubs = mayTouch && there.length > 0 && (contact.friction > 0 || contact.static_friction > 0 ||
     materials.some(({ friction, static_friction: least }) => friction !== undefined || least !== undefined));
-  const firstJoint = base === "pinned" ? 1 : 2;
+  const firstJoint = base === "free" ? 2 : 1;
   const joints = range(count).map((k) => k + 1).filter((joint) => joint >= firstJoint);
   const rubbing = joints.filter((joint) => links[joint - 1].joint_friction > 0);
   const moving = wallNames.filter((name) => there.includes(name) && inputs.wall_motion.some((one) => one === "*" || one === name));
-  const candidates = [...pairs, ...stops.map(([joint, stop]) => [joint, wallNames.indexOf(stop)])];
-  const hasFriction = rubs || rubbing.length > 0;
-  const isDriven = anyInput(inputs) || links.some((link) => link.joint_torque_limit !== undefined);
+  const candidates = [
+    ...pairs,
+    ...stops.map(([joint, stop]) => [joint, wallNames.indexOf(stop)]),
+    ...sliderStops.map((stop) => [0, wallNames.indexOf(stop)]),
+  ];
+  const hasFriction = rubs || rubbing.length > 0 || slider?.friction > 0;
+  const isDriven = anyInput(inputs) || slider?.force_limit !== undefined || links.some((link) => link.joint_torque_limit !== undefined);
   const facts = {
     ...flags(inputs, "inputs"),
     ...flags(outputs, "outputs"),
     always: true,
     free: base === "free",
-    contacts: pairs.length > 0,
+    contacts: pairs.length > 0 || sliderStops.length > 0,
     stops: stops.length > 0,
-    law: pairs.length > 0 || (stops.length > 0 && !file.stops.model),
+    law: pairs.length > 0 || sliderStops.length > 0 || (stops.length > 0 && !file.stops.model),
     contact_friction: rubs,
     friction: hasFriction,
     driven: isDriven,
@@ -53,12 +73,12 @@ function partsOf(file, { boxWalls }) {
   const sizes = [
     count,
     candidates.length,
-    hasFriction ? count + candidates.length : 0,
+    hasFriction ? count + candidates.length + (slider ? 1 : 0) : 0,
     outputs.loads ? count + wallNames.length : 0,
     2 * inputs.base_motion + 2 * moving.length,
-    0,
+    sites.length,
   ];
-  return { file, points, stops, there, wallNames, pairs, candidates, rubbing, hasFriction, moving, joints, facts, sizes };
+  return { file, points, sites, mayTouch, sliderStops, stops, there, wallNames, pairs, candidates, rubbing, hasFriction, moving, joints, facts, sizes };
 }
 
 /** The values of a table under their dotted keys. */
@@ -67,23 +87,26 @@ function flags(table, name) {
 }
 
 /** What there are of each kind, as in `shape.py`: a number, the name of a wall, the index in the record, and facts. */
-function elementsOf({ file, points, stops, there, wallNames, pairs, candidates, rubbing, moving, joints, sizes: [links] }) {
+function elementsOf({ file, sites, sliderStops, stops, there, wallNames, pairs, candidates, rubbing, moving, joints, sizes: [links] }) {
   const ofJoints = (wanted) => wanted.map((n) => ({ n, at: n - 1 }));
-  const { inputs, outputs } = file;
+  const { inputs, outputs, chain: { slider } } = file;
   return {
     one: [{}],
     link: range(links).map((at) => {
       const follows = inputs.joint_targets && joints.includes(at + 1);
       return { n: at + 1, at, follows, rests: !follows, rubs: rubbing.includes(at + 1) };
     }),
-    point: range(links + 1).map((n) => ({ n, at: n })),
+    point: range(links + 1 + sites.length).map((n) => ({ n, at: n })),
     joint: ofJoints(joints),
     "rubbing joint": ofJoints(rubbing),
-    site: [],
-    slider: [],
+    site: sites.map(({ link, entry }, at) => ({ n: entry + 1, of: link + 1, at, link, entry })),
+    slider: slider ? [{ rests: !inputs.joint_targets, rubs: slider.friction > 0, at: links }] : [],
     line: file.walls.map(({ name }, at) => ({ name, at })),
-    material: points.length ? there.map((name) => ({ name, at: wallNames.indexOf(name) })) : [],
-    contact: pairs.map(([n, wall], at) => ({ n, name: wallNames[wall], at })),
+    material: pairs.length ? there.map((name) => ({ name, at: wallNames.indexOf(name) })) : [],
+    contact: [
+      ...pairs.map(([n, wall], at) => ({ n, name: wallNames[wall], at })),
+      ...sliderStops.map((name, k) => ({ n: 0, name, at: pairs.length + stops.length + k, contact_friction: false })),
+    ],
     stop: [...new Set(stops.map(([joint]) => joint))].map((n) =>
       ({ n, at: pairs.length + candidates.slice(pairs.length).findIndex(([joint]) => joint === n) })),
     "moving wall": moving.map((name, k) => ({ name, at: 2 * inputs.base_motion + 2 * k })),
@@ -93,8 +116,8 @@ function elementsOf({ file, points, stops, there, wallNames, pairs, candidates, 
 }
 
 /** A template with what it is of filled in. */
-function filled(text, { n, name }) {
-  return text.replaceAll("{n}", n).replaceAll("{name}", name).replaceAll("{before}", n > 1 ? `link ${n - 1}` : "the base");
+function filled(text, { n, of, name }) {
+  return text.replaceAll("{n}", n).replaceAll("{of}", of).replaceAll("{name}", name).replaceAll("{before}", n > 1 ? `link ${n - 1}` : "the base");
 }
 
 /** The rows of templates, each for every element that it is of, and whether the element has it. */
@@ -107,28 +130,29 @@ function instances(groups, elements, facts) {
 
 /** The values of all that may be a parameter: name → number, and whether it is derived. */
 function valuesOf(file, rows) {
-  const values = new Map();
+  const [values, derived] = [new Map(), []];
   for (const { name, path, element, rule, items, has } of rows) {
-    const steps = path.map((step) => ({ "{at}": element.at, "{name}": element.name })[step] ?? step);
+    const indices = { "{at}": element.at, "{name}": element.name, "{link}": element.link, "{entry}": element.entry };
+    const steps = path.map((step) => indices[step] ?? step);
     const given = steps.reduce((table, step) => table?.[step], file);
     const number = items.length && given !== undefined ? items.findIndex(([id]) => id === given) + 1 : given;
     if (number !== undefined) values.set(name, { number, steps });
-    else if (rule && has) {
-      const factors = rule.factors.map((factor) => filled(factor, element));
-      const product = factors.reduce((found, factor) => found * values.get(factor).number, 1) / rule.divisor;
-      values.set(name, { number: product, steps, derived: { ...rule, factors } });
-    }
+    else if (rule && has) derived.push({ name, steps, rule: { ...rule, factors: rule.factors.map((factor) => filled(factor, element)) } });
+  }
+  for (const { name, steps, rule } of derived) {
+    const product = rule.factors.reduce((found, factor) => found * values.get(factor).number, 1) / rule.divisor;
+    values.set(name, { number: product, steps, derived: rule });
   }
   return values;
 }
 
-function anyInput({ joint_torques: torques, joint_targets: targets, tip_force: tip, base_motion: base, wall_motion: walls }) {
-  return torques || targets || tip || base || walls.length > 0;
+function anyInput({ joint_torques: torques, joint_targets: targets, slider_force: slider, tip_force: tip, base_motion: base, wall_motion: walls }) {
+  return torques || targets || slider || tip || base || walls.length > 0;
 }
 
 /** The record of the scene, not initialized. */
 function recordOf(kit, parts, rows, values) {
-  const { file, sizes, candidates, pairs, stops, hasFriction, moving, wallNames, points, facts } = parts;
+  const { file, sizes, candidates, pairs, sites, sliderStops, stops, hasFriction, moving, wallNames, mayTouch, facts } = parts;
   const { inputs, outputs, chain } = file;
   const bytes = new Uint8Array(placeOf(kit.size, sizes) * BYTES);
   const [reals, integers] = [new Float64Array(bytes.buffer), new BigInt64Array(bytes.buffer)];
@@ -140,11 +164,15 @@ function recordOf(kit, parts, rows, values) {
   const put = (name, value, index = 0) => write(kit.places[name].word, value, kit.places[name].real, index);
   const each = (name, all) => all.forEach((value, index) => put(name, value, index));
   ["links", "candidates", "elements", "loads", "channels", "sites"].forEach((name, k) => put(name, sizes[k]));
+  put("skewed", Number(chain.links.some(({ center_of_mass_offset: offset }) => offset !== 0)));
+  put("slides", Number(chain.slider !== undefined));
+  each("site_link", sites.map(({ link }) => link));
   put("regularized", kit.constants.noContact);
   each("candidate_point", candidates.map(([point]) => point));
   each("candidate_wall", candidates.map(([, wall]) => wall));
   stops.forEach(([, stop], k) => put("candidate_stop", stop === STOPS[0] ? 1 : -1, pairs.length + k));
-  put("pinned", Number(chain.base === "pinned"));
+  sliderStops.forEach((stop, k) => put("candidate_stop", stop === "slider_min" ? 2 : -2, pairs.length + stops.length + k));
+  put("pinned", Number(chain.base !== "free"));
   put("driven", Number(anyInput(inputs)));
   put("followed", Number(inputs.joint_targets));
   put("base_moves", Number(inputs.base_motion));
@@ -159,8 +187,8 @@ function recordOf(kit, parts, rows, values) {
   const laws = kit.laws.map(({ name }) => name);
   put("stop_law", laws.indexOf(file.stops.model) + 1);
   for (const { name, of, word, given, givenIf, type, element, missing } of rows) {
-    const value = values.get(name) ?? (of === "link" ? { number: Number(missing) } : null);
-    if (!value || (of === "line" && !points.length)) continue;
+    const value = values.get(name) ?? (of === "link" || of === "slider" ? { number: Number(missing) } : null);
+    if (!value || (of === "line" && !mayTouch)) continue;
     write(word, value.number, type === "real", element.at);
     if (given && facts[givenIf]) write(given, value.derived ? kit.constants.derived : value.number, true, element.at);
   }
@@ -168,7 +196,7 @@ function recordOf(kit, parts, rows, values) {
 }
 
 /** What the page draws, each a word of the record; what the scene does not ask for is null. */
-function drawnOf(kit, { sizes, pairs, wallNames, joints }, columns) {
+function drawnOf(kit, { sizes, pairs, sliderStops, wallNames, joints }, columns) {
   const words = new Map(columns.map(({ name, word }) => [name, word]));
   const word = (name) => words.get(name) ?? null;
   const touch = (point, wall, values) => ({ point, wall, sign: 1, force: null, depth: null, friction: null, sticking: null, ...values });
@@ -177,19 +205,29 @@ function drawnOf(kit, { sizes, pairs, wallNames, joints }, columns) {
     const [force, depth] = [word(`${of}.force`), word(`${of}.penetration`)];
     return touch(point, wallNames[wall], { force, depth, friction: word(`${of}.friction_force`), sticking: word(`${of}.sticking`) });
   });
+  const onSlider = [
+    ...sliderStops.map((stop) => touch(0, stop, { force: word(`contact[0].${stop}.force`), depth: word(`contact[0].${stop}.penetration`) })),
+    touch(0, "", { friction: word("slider.friction_force"), sticking: word("slider.sticking") }),
+  ];
   const inJoints = joints.flatMap((joint) => {
     const of = `joint[${joint}]`;
     const stops = STOPS.map((stop, k) => touch(joint, stop, { sign: k ? -1 : 1, force: word(`${of}.stop_moment`) }));
     return [...stops, touch(joint, "", { friction: word(`${of}.friction_moment`), sticking: word(`${of}.sticking`) })];
   });
   return {
-    points: range(sizes[0] + 1).map((k) => kit.points.map((place) => placeOf(place, sizes, k))),
+    points: range(sizes[0] + 1 + sizes[5]).map((k) => kit.points.map((place) => placeOf(place, sizes, k))),
     energies: Object.fromEntries([...words].flatMap(([name, at]) => (name.startsWith("energy.") ? [[name.slice(7), at]] : []))),
-    touches: [...atWalls, ...inJoints].filter(({ force, sticking }) => force !== null || sticking !== null),
+    touches: [...atWalls, ...onSlider, ...inJoints].filter(({ force, sticking }) => force !== null || sticking !== null),
     loads: joints
       .map((joint) => ({ joint, x: word(`joint[${joint}].force.x`), y: word(`joint[${joint}].force.y`) }))
       .filter(({ x }) => x !== null),
   };
+}
+
+/** What a point is called in sentences: its number, with its name if it has one. */
+function pointText({ sites, sizes: [links] }, point) {
+  const name = sites[point - links - 1]?.name;
+  return name ? `point ${point} (${name})` : `point ${point}`;
 }
 
 /** A scene as the page works with it; `command` is what comes after `chain-impact simulate` to repeat it. */
@@ -229,7 +267,7 @@ export function describe(kit, file, command) {
     walls: wallsAt({ walls: Object.fromEntries(there.map((name) => [name, null])) }, (name) => values.get(name)?.number),
     stops: [...new Set(stops.map(([joint]) => joint))],
     openArc: kit.constants.openArc,
-    contactPoints: parts.points,
+    contactPoints: [...new Set(parts.pairs.map(([point]) => point))],
     record,
     layout: placesOf(kit.layout, sizes),
     inputs: inputs.map(({ name }) => name),
@@ -240,8 +278,9 @@ export function describe(kit, file, command) {
     rigidWithFriction: kit.rigidWithFriction,
     statuses: kit.statuses,
     places: [ // what a run may be refused for: each candidate, and then each link
-      ...parts.pairs.map(([point, wall]) => `point ${point} at the wall ${wallNames[wall]}`),
+      ...parts.pairs.map(([point, wall]) => `${pointText(parts, point)} at the wall ${wallNames[wall]}`),
       ...stops.map(([joint, stop]) => `joint ${joint} at its ${stop}`),
+      ...parts.sliderStops.map((stop) => `the slider at its ${stop}`),
       ...file.chain.links.map((_, k) => `link[${k + 1}]`),
     ],
   };

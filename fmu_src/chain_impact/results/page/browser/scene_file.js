@@ -1,7 +1,7 @@
 // The contents of a scene file, complete and checked by the rules of its keys, as `kit.py` has them. The kernel refuses
 // what only the numbers together can tell.
 
-import { STOPS } from "./view.js";
+import { SLIDER_STOPS, STOPS } from "./view.js";
 
 const IN_DEGREES = { rad: "deg", "rad/s": "deg/s" };
 const DEGREES_TEXT = /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(deg(?:\/s)?)\s*$/;
@@ -93,6 +93,16 @@ export function stopsOf({ chain: { links } }) {
   return links.flatMap((link, k) => STOPS.filter((stop) => link[stop] !== undefined).map((stop) => [k + 1, stop]));
 }
 
+/** The stops of a slider that are there, as they are called among the walls. */
+export function sliderStopsOf({ chain: { slider } }) {
+  return Object.entries(SLIDER_STOPS).filter(([, key]) => slider?.[key] !== undefined).map(([name]) => name);
+}
+
+/** The points of links beside their ends, in the order of their numbers, with the indices of their link and in it. */
+export function sitesOf({ chain: { links } }) {
+  return links.flatMap(({ points }, link) => points.map((site, entry) => ({ ...site, link, entry })));
+}
+
 /** The names of the walls that are there. */
 export function wallsOf({ box, walls }) {
   return [...Object.keys(box), ...walls.map(({ name }) => name)];
@@ -112,11 +122,31 @@ export function complete(data, kit) {
   if ((file.contact.law_file || "") !== kit.lawFile) {
     refuse("contact.law_file", `= ${quotedValue(file.contact.law_file)}: this page has no compiler; chain-impact explore makes a page with this law`);
   }
+  setBodies(file, data);
   setAngles(file);
   setStops(file, kit.keys.stops.keys);
   checkContents(file, kit.boxWalls);
   file.outputs.sensitivities = []; // the page has no derivatives
   return file;
+}
+
+/** The points and the inertia of links that are boxes; the slider of a base that slides, and of no other. */
+function setBodies({ chain }, data) {
+  chain.links.forEach((link, k) => {
+    const { shape, height, length, mass } = link;
+    if ((shape === undefined) !== (height === undefined)) {
+      refuse(`chain.links[${k + 1}]`, `has ${shape ? "shape but no height" : "height but no shape"}; must have both or neither`);
+    }
+    if (shape === undefined) return;
+    const corners = [-height / 2, height / 2].flatMap((y) => [0, length].map((x) => ({ x, y, name: "" })));
+    link.points = [...corners, ...link.points];
+    link.inertia ??= (mass * (length * length + height * height)) / 12; // of a rectangle
+    delete link.shape;
+    delete link.height;
+  });
+  if (chain.base === "slider") return;
+  if (isTable(data.chain.slider)) refuse("chain.slider", "must be left out: only a base on a slider has it");
+  delete chain.slider;
 }
 
 /** The angles of links and walls in place of what else tells them. */
@@ -164,6 +194,21 @@ function checkContents(file, boxWalls) {
   for (const [path, name] of named) {
     if (name !== "*" && !there.includes(name)) refuse(path, `= "${name}" is no wall of the scene; must be one of ${there.join(", ")}`);
   }
-  if (inputs.base_motion && chain.base === "free") refuse("inputs.base_motion", "= true must be false for a free base");
-  if (chain.base === "pinned" && initial.velocity.some(Boolean)) refuse("initial.velocity", "must be zero for a pinned base");
+  const bases = { free: "a free base", pinned: "a pinned base", slider: "a base on a slider" };
+  if (inputs.base_motion && chain.base !== "pinned") refuse("inputs.base_motion", `= true must be false for ${bases[chain.base]}`);
+  if (chain.base !== "free" && initial.velocity.some(Boolean)) refuse("initial.velocity", `must be zero for ${bases[chain.base]}`);
+  checkSlider(file, bases);
+}
+
+/** Refuse what a base on a slider cannot have, and what only such a base has. */
+function checkSlider({ chain: { base, slider }, initial, inputs }, bases) {
+  if (!slider) {
+    if (initial.slider_velocity) refuse("initial.slider_velocity", `must be 0 for ${bases[base]}`);
+    if (inputs.slider_force) refuse("inputs.slider_force", `= true must be false for ${bases[base]}`);
+    return;
+  }
+  const { min, max } = slider;
+  if (min >= max) refuse("chain.slider.max", `= ${max} must be > ${min} [m], which is chain.slider.min`);
+  if (min > 0) refuse("chain.slider.min", `= ${min} must be <= 0: the slider is at 0 at the start`);
+  if (max < 0) refuse("chain.slider.max", `= ${max} must be >= 0: the slider is at 0 at the start`);
 }

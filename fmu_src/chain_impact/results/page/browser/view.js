@@ -10,6 +10,8 @@ const PIN = 0.08; // of the motion's width
 const LEAST = 1e-6; // m
 /** The stops of a joint: keys of a link, and what they are called among the walls. */
 export const STOPS = ["joint_min", "joint_max"];
+/** The stops of a slider, as they are called among the walls, and their keys. */
+export const SLIDER_STOPS = { slider_min: "min", slider_max: "max" };
 const PIN_LINES = [
   [[0, 0], [-0.4, 0.65], [0.4, 0.65], [0, 0]],
   [[-0.75, 0.65], [0.75, 0.65]],
