@@ -148,7 +148,7 @@ def test_simulate_prints_the_largest_force_in_a_joint(run):
     assert (row[6], row[8:]) == ("1016", ["669.9", "2"])
     without = run("simulate", "pinned_arm")[1]
     assert "loads" not in without
-    assert "joint force" not in without
+    assert len(impact_lines(without)[0]) == 8
 
 
 @pytest.mark.full("more cases", but=1)

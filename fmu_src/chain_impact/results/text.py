@@ -25,7 +25,7 @@ def speed_unit(at_stop: bool) -> str:
 
 def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
     """The lines of a table; its columns are as wide as they need to be. A head may have several lines."""
-    heads = list(zip_longest(*(name.split("\n") for name in head), fillvalue=""))
+    heads = list(zip_longest(*(name.split("\n")[::-1] for name in head), fillvalue=""))[::-1]
     widths = [max(map(len, column)) for column in zip(*heads, *rows, strict=True)]
     for row in (*heads, *rows):
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()

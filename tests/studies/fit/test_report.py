@@ -78,3 +78,4 @@ def test_digits_follow_the_standard_error(value, error, text):
 
 def test_columns_are_aligned():
     assert list(aligned(("a", "bb"), [("ccc", "d")])) == ["a    bb", "ccc  d"]
+    assert list(aligned(("a", "b\nN"), [("ccc", "d")])) == ["     b", "a    N", "ccc  d"]
