@@ -267,6 +267,7 @@ export function describe(kit, file, command) {
     walls: wallsAt({ walls: Object.fromEntries(there.map((name) => [name, null])) }, (name) => values.get(name)?.number),
     stops: [...new Set(stops.map(([joint]) => joint))],
     openArc: kit.constants.openArc,
+    sites: parts.sites,
     contactPoints: [...new Set(parts.pairs.map(([point]) => point))],
     record,
     layout: placesOf(kit.layout, sizes),

@@ -1,6 +1,7 @@
 // A motion to be shown, from two runs. The first finds the impacts, the second has rows at the frames, which are close in
 // time where it is shown slowly. Rows do not change the solution.
 
+import { bodiesOf, railOf } from "./bodies.js";
 import { contactsOf, framesOf, timesOf } from "./frames.js";
 import { rowTimes } from "./kernel.js";
 import { STOPS, viewOf, wallsAt } from "./view.js";
@@ -26,6 +27,12 @@ function rangesOf(scene, valueOf) {
     const to = Math.min(high ?? low + scene.openArc, from + 2 * Math.PI);
     return { joint, arc: [from, to], marks: [low, high].filter((end) => end !== undefined) };
   });
+}
+
+/** The radius of a point [m]. */
+function radiusOf({ sites, links }, valueOf, point) {
+  const site = sites[point - links - 1];
+  return valueOf(site ? `link[${site.link + 1}].point[${site.entry + 1}].radius` : "contact.radius") ?? 0;
 }
 
 /** One coordinate of the points, in rows of all points. */
@@ -64,7 +71,9 @@ export function* motion(kernel, values) {
   const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
   const walls = wallsAt(scene, valueOf);
   const reach = viewOf(x, y, points.length, {}, 0, false).view;
-  const given = valueOf("contact.radius") ?? 0;
+  const size = Math.max(reach[1][0] - reach[0][0], reach[1][1] - reach[0][1]);
+  const touching = scene.contactPoints.map((point) => [point, radiusOf(scene, valueOf, point)]);
+  const largest = Math.max(0, ...touching.map(([, radius]) => radius));
   const rows = {
     name: scene.name,
     links: scene.links,
@@ -85,10 +94,10 @@ export function* motion(kernel, values) {
     contacts,
     walls,
     stops: rangesOf(scene, valueOf),
-    radius: given > ALONE * Math.max(reach[1][0] - reach[0][0], reach[1][1] - reach[0][1]) ? given : 0,
-    touching: scene.contactPoints.map((point) => [point, given]),
-    bodies: [],
-    rail: null,
+    radius: largest > ALONE * size ? largest : 0,
+    touching,
+    bodies: bodiesOf(scene, valueOf),
+    rail: railOf(Array.from(time, (_, row) => [x, y].map((all) => all[row * points.length])), size, valueOf),
     pinned: scene.pinned,
   };
   return { ...ending, parts: framesOf(rows, { times: time, frameRate }) };
