@@ -123,7 +123,7 @@ def test_equal_links_have_equal_stops():
         (
             "contact",
             {"wall": {"x_max": {"mass": 2}}},
-            "wall.x_max.mass (contact.wall.x_max.mass) is unknown; the nearest key is chain.li",
+            "wall.x_max.mass (contact.wall.x_max.mass) is unknown; the nearest key is chain.sl",
         ),
     ],
 )
