@@ -81,7 +81,7 @@ REGRESSION_ERROR = {
     "sphere_on_wall": (1e-9, 1e-6),
     "steel_bar": (1e-8, 1e-3),
     "stick_slip_belt": (1e-7, 1e-5),
-    "thrown_brick": (1e-6, 1e-4),
+    "thrown_brick": (1e-6, 1e-3),
     "thrown_pole": (1e-6, 1e-4),
     "triple_pendulum": (1e-6, 1e-5),
     "ur5e": (1e-8, 1e-5),
