@@ -138,8 +138,9 @@ def all_parameters(scene: Scene, inputs: Mapping[str, float]) -> tuple[str, ...]
     pinned = scene.chain.base == "pinned"
     if not scene.has_contact_friction:
         left_out += [f"contact.{key}" for key in ("friction", "static_friction")]
+    left_out += [] if scene.chain.slider else ["initial.slider_velocity"]
     links = enumerate(scene.chain.links, 1)
-    only_there = ("joint_friction", "joint_armature")
+    only_there = ("joint_friction", "joint_armature", "center_of_mass_offset")
     left_out += [f"link[{i}].{key}" for i, link in links for key in only_there if not getattr(link, key)]
     names = [
         name

@@ -84,7 +84,7 @@ def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     t.touch.impact_speed = [dual(0.5, 1.0, 2.0)] * 2
     t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
     t.step.state_end = np.array([dual(9.0, *rng.normal(size=2)) for _ in range(SIZE)], object)
-    t.work = SimpleNamespace(acceleration="acceleration")
+    t.work, t.trust = SimpleNamespace(acceleration="acceleration"), SimpleNamespace(share=0.0)
     t.trial = SimpleNamespace(state="y", size=-1.0)
     t.work.rate_end = [dual(0.5 + j, 100.0, 100.0) for j in range(SIZE)]
     # friction at candidate 1 and in the joint, element 2
