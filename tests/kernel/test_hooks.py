@@ -47,7 +47,8 @@ def test_a_hook_that_does_one_thing_does_it_with_each(function):
 def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monkeypatch):
     called = []
     output = SimpleNamespace(words=[0.0])
-    tangents = [SimpleNamespace(**SIZES, output=output, words=[0.0] * 5) for _ in range(3)]
+    own = {"output": output, "trust": SimpleNamespace(split=0)}
+    tangents = [SimpleNamespace(**SIZES, **own, words=[0.0] * 5) for _ in range(3)]
     d = SimpleNamespace(tangents=3, tangent_instances=tangents, step=SimpleNamespace(time=1.5), **SIZES)
     d.statistics = SimpleNamespace(status=0)
 
@@ -94,7 +95,7 @@ def test_one_that_does_not_fit_is_not_sound(monkeypatch):
 def test_slopes_that_cannot_be_trusted_are_none(trusted, status, kept, monkeypatch):
     """Their values are."""
     words = [float(k) for k in range(2 * (1 + DIRECTIONS))]
-    t = SimpleNamespace(output=SimpleNamespace(words=words))
+    t = SimpleNamespace(output=SimpleNamespace(words=words), trust=SimpleNamespace(split=0))
     d = SimpleNamespace(tangents=1, tangent_instances=[t], statistics=SimpleNamespace(status=status))
     d.step = SimpleNamespace(time=0.0)
     monkeypatch.setattr(entry, "set_own_output_time", lambda t, time: None)

@@ -229,7 +229,7 @@ def test_a_start_beyond_a_wall_is_refused(depth, status):
     _, d = prepared()
     for c in range(d.candidates):
         d.candidate.offset[:] = -1e6
-        d.model.size, d.contact.radius = 1.0, 0.0
+        d.model.size, d.candidate.radius[:] = 1.0, 0.0
         d.candidate.normal_x[c], d.candidate.normal_y[c] = 0.0, 1.0
         d.step.state[:] = 0.0
         d.candidate.offset[c] = depth

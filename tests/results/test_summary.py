@@ -44,4 +44,4 @@ def test_a_long_list_of_impacts_ends_with_how_many_more():
 
 def test_a_force_below_a_million_newtons_has_no_exponent():
     lines = repr(simulate("four_link_box", stop_time=0.55)).splitlines()
-    assert [line.split()[5] for line in lines if line.split()[:1] == ["1"]] == ["19100"]
+    assert [line.split()[6] for line in lines if line.split()[:1] == ["1"]] == ["19100"]

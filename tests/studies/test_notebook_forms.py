@@ -45,7 +45,7 @@ def test_a_scene_is_a_small_drawing_and_its_lines(model):
     assert max(float(drawing.get(side)) for side in ("width", "height")) == 240
     low_x, low_y, width, height = map(float, drawing.get("viewBox").split())
     points = [(float(one.get("cx")), float(one.get("cy"))) for one in drawing if one.tag.endswith("circle")]
-    assert len(points) == len(scene.chain.links) + 1
+    assert len(points) == len(scene.start)
     assert all(low_x < x < low_x + width and low_y < y < low_y + height for x, y in points)
     x, y = scene.initial.position
     assert points[0] == (pytest.approx(x), pytest.approx(-y))

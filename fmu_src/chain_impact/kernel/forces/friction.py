@@ -165,13 +165,17 @@ def slide(d, e, size):
 def keep_static_forces(d):
     """Store the forces of what sticks, found just now as those of constraints, and its margins.
 
-    They do no work. What sticks moves by errors alone, and after the step it is moved back.
+    Returns:
+        The power [W] that they dissipate, as what sticks has a speed of the size of errors.
     """
-    first = d.touch.active_count
-    for i in range(d.friction.stuck_count):
+    own, first, dissipated = d.friction, d.touch.active_count, 0.0
+    for i in range(own.stuck_count):
         e = d.element.stuck[i]
         d.element.force[e] = d.rigid.impulse[first + i]
         d.element.margin[e] = min(d.element.margin[e], d.element.limit[e] - abs(d.element.force[e]))
+        dissipated -= d.element.force[e] * tangential_rate(d, e)
+    own.power += dissipated
+    return dissipated
 
 
 def keep_anchors(d):

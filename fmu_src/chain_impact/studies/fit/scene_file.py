@@ -71,7 +71,8 @@ def _with_law_file(text: str, file: str) -> str:
 def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
     """The text with what differs in it written."""
     document: Any = tomlkit.parse(text)
-    if any("count" in link for link in document["chain"]["links"]) and wanted["chain"] != present["chain"]:
+    short = any(key in link for link in document["chain"]["links"] for key in ("count", "shape"))
+    if short and wanted["chain"] != present["chain"]:
         document["chain"]["links"] = present["chain"]["links"] = wanted["chain"]["links"]  # they differ
     for name, value in wanted.items():
         if value != present.get(name):
