@@ -39,7 +39,7 @@ def test_rest_goes_on_by_forces_within_their_limits(kind, seed):
         own = result[f"contact[{k}].{wall}.friction_force"]
         assert (np.abs(own) <= largest * normal + 1e-8 * weight).all()
         friction += own
-    for i, link in enumerate(links[1:], 2):
+    for i, link in ((i, link) for i, link in enumerate(links[1:], 2) if link.joint_friction > 0.0):
         moment = result[f"joint[{i}].friction_moment"]
         assert (np.abs(moment) <= link.joint_friction + 1e-8 * weight * size).all()
     # m a = friction + weight, along the wall
