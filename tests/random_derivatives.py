@@ -78,7 +78,7 @@ def thrown(draw: Draw, stiffest: float = 1e6, rigid: bool = False, **asked: Any)
     contact = {**law, "restitution": draw.real(0.2, 0.8), "stiffness": draw.power(1e3, stiffest)}
     if draw.chance(friction):
         contact["friction"] = draw.real(0.1, 0.8)
-        contact["static_friction"] = contact["friction"] * draw.one((1.0, draw.real(1.0, 1.4)))
+        contact["static_friction"] = contact["friction"] * draw.one((0.0, draw.real(1.0, 1.4)))
     initial = {
         "angles": [draw.real(-0.6, 0.2) for _ in links],
         "angular_velocities": [draw.real(-3.0, 3.0) for _ in links],

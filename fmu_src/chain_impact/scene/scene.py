@@ -179,7 +179,8 @@ def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
 
 def _without_no_points(link: Any) -> Any:
     """The data of a link without an empty list of points."""
-    return {key: one for key, one in link.items() if one != []} if isinstance(link, Mapping) else link
+    empty = isinstance(link, Mapping) and isinstance(link.get("points"), list) and not link["points"]
+    return {key: one for key, one in link.items() if key != "points"} if empty else link
 
 
 def _holds(table: Any) -> bool:
