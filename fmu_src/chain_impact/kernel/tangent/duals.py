@@ -39,7 +39,7 @@ TRUST = np.dtype(
         (
             "split",
             np.int64,
-        ),  # 1: since then several elements have stuck: how they share friction is unknown
+        ),  # 1: friction has left something open: its impulses are unknown
     ]
 )
 

@@ -109,12 +109,11 @@ def begin_trust(t):
 
 
 def note_split(t):
-    """Note whether several elements stick after friction has left something open.
+    """Note whether friction has left something open: impulses of friction are not known from then on.
 
-    A speed that is stopped changes how they share friction, by impulses that are not known. Their sum, and so
-    the motion, does not depend on that.
+    A speed that is stopped changes them, and how elements that stick share friction.
     """
-    if t.trust.share > 0.0 and t.friction.stuck_count > 1:
+    if t.trust.share > 0.0:
         t.trust.split = 1
 
 
