@@ -250,6 +250,13 @@ def test_derivatives_by_what_a_slider_is_are_those_of_differences(name):
         ({"chain": {"base": "slider"}, "inputs": {"base_motion": True}}, "inputs.base_motion"),
         ({"chain": {"base": "slider"}, "initial": {"velocity": [1.0, 0.0]}}, "initial.slider_velocity"),
         ({"chain": {"slider": {"mass": 1.0}}}, "chain.slider"),
+        (
+            {
+                "chain": {"base": "slider"},
+                "walls": [{"name": "slider_max", "point": [0, -5], "angle": 0}],
+            },
+            "slider_max",
+        ),
         ({"inputs": {"slider_force": True}}, "inputs.slider_force"),
         (
             {

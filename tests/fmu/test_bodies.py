@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
+from chain_impact.fmu.run import record_fmu
 from tests.fmu.clean import importing
 from tests.fmu.conftest import scene_of
 from tests.fmu.importer import Instance
@@ -63,3 +64,9 @@ def test_a_saved_state_goes_on_to_the_last_bit(fmu, save_at):
     two.fmu.setFMUstate(two.fmu.deSerializeFMUstate(data))
     two.time = one.time
     assert one.run(times) == two.run(times)
+
+
+def test_a_run_of_an_fmu_tells_points_by_their_names(fmus):
+    run = record_fmu(fmus["body"], {"simulation.stop_time": 0.4})
+    assert run.point_names == {3: "heel", 4: "toe"}
+    assert run.toucher(run.impacts[0]) == "point 3 (heel)"

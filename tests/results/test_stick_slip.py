@@ -42,8 +42,13 @@ def test_phases_of_no_length_and_of_no_change_are_none():
 
 def test_the_words_of_a_phase():
     rows = np.array([(2, 4, 0.1, 0.25, -1), (3, -1, 0.5, np.nan, 0)], STICK_SLIP_DTYPE)
-    assert phase_cells(rows[0], WALLS) == ("0.100000", "0.250000", "point 2 at slope", "slip -")
-    assert phase_cells(rows[1], WALLS) == ("0.500000", "", "joint 3", "stick")
+    assert phase_cells(rows[0], WALLS, {2: "heel"}) == (
+        "0.100000",
+        "0.250000",
+        "point 2 (heel) at slope",
+        "slip -",
+    )
+    assert phase_cells(rows[1], WALLS, {}) == ("0.500000", "", "joint 3", "stick")
 
 
 def test_each_contact_with_friction_has_its_phases_from_its_onset_to_its_end():

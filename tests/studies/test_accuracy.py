@@ -22,7 +22,7 @@ def test_the_estimate_is_the_error_within_a_fifth(tolerance):
     assert found.onset == pytest.approx(onset, rel=0.2)
     assert found.position == pytest.approx(position.max(), rel=0.2)
     assert found.time == run.time[position.max(axis=1).argmax()]
-    assert found.point == position.max(axis=0).argmax()
+    assert found.point == f"point {position.max(axis=0).argmax()}"
 
 
 def test_only_what_comes_before_other_impacts_is_compared():

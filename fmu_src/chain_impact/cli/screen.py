@@ -100,21 +100,24 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
 
 def meanings(recording: Recording) -> Iterator[str]:
     """What the columns of points and walls say, for what was hit."""
-    hit = {recording.wall_names[wall] for wall in recording.impacts["wall"][~recording.at_stops]}
+    hits = [row for row in recording.impacts if recording.toucher(row).startswith("point")]
+    hit = {recording.wall_names[row["wall"]] for row in hits}
     if hit:
-        yield "point    0 is the first end of the chain, 1 the end of its first link, and so on"
+        last = recording.link_count
+        others = f" to {last}; from {last + 1} on the points of links" if recording.sites.size else ""
+        yield f"point    0 is the first end of the chain, 1 the end of its first link, and so on{others}"
     if sides := [f"{wall} is the {side}" for wall, side in SIDES.items() if wall in hit]:
         yield f"wall     {', '.join(sides)}"
 
 
 def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
     """The first phases of sticking and sliding; nothing if there are none."""
-    phases, walls = recording.stick_slip, recording.wall_names
+    phases = recording.stick_slip
     if not len(phases):
         return
     table = table_of(("start, s", "end, s", "dry friction", "mode"), ("start, s", "end, s"))
     for phase in phases[:PHASES]:
-        table.add_row(*phase_cells(phase, walls))
+        table.add_row(*phase_cells(phase, recording.wall_names, recording.point_names))
     yield table
     if len(phases) > PHASES:
         yield f"and {plural(len(phases) - PHASES, 'more phase')} of dry friction"

@@ -218,7 +218,7 @@ def tighter_setting(source: str, settings: Sequence[str]) -> str:
 
 def difference_text(found: Differences) -> str:
     """The differences of two runs in a sentence."""
-    points = f"points by at most {found.position:.1e} m (point {found.point} at {found.time:g} s)"
+    points = f"points by at most {found.position:.1e} m ({found.point} at {found.time:g} s)"
     onsets = f"onsets by at most {found.onset:.1e} s ({plural(found.impacts, 'impact')}) and "
     parted = f"; from {found.end:.6f} s on, the two runs have other impacts" if found.parted else ""
     return f"a tenth of the tolerance moves {onsets if found.impacts else ''}{points}{parted}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from numbers import Integral, Real
@@ -26,6 +27,8 @@ from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
 from chain_impact.variables.variable import UNLESS_SET
 
+NAMED = re.compile(r"point (\d+) \((\w+)\)")
+"""The number and the name of a point, where the description of a variable begins with them."""
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
 """What can be set of an FMU besides its parameters, for this run only."""
 
@@ -81,6 +84,7 @@ def record_fmu(
     ends = [stop for stop in SLIDER_STOPS if stop.replace("_", ".") in values]
     names = [*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ()), *ends]
     named = {name: _named(parameters[name], value) for name, value in values.items()}
+    point_names = {int(at[1]): at[2] for v in variables.values() if (at := NAMED.match(v.description or ""))}
     derived = [name for name, one in parameters.items() if UNLESS_SET in (one.description or "")]
 
     def recording(rows: np.ndarray) -> Recording:
@@ -94,6 +98,7 @@ def record_fmu(
             wall_names=tuple(names),
             parameters=named | followed,
             stops=stops,
+            point_names=point_names,
         )
         return replace(found, stick_slip=phases_from(found.time, found.touches, names))
 

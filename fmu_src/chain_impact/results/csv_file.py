@@ -48,7 +48,16 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
     walls, names = (scene.half_planes, scene.wall_names) if scene else ({}, ())
     stops = ranges_of(scene) if scene else {}
     known = {name: value for name, value in scene.values.items() if is_of_body(name)} if scene else {}
-    bare = Recording(path.stem, time, columns, walls=walls, wall_names=names, parameters=known, stops=stops)
+    bare = Recording(
+        path.stem,
+        time,
+        columns,
+        walls=walls,
+        wall_names=names,
+        parameters=known,
+        stops=stops,
+        point_names=scene.point_names if scene else {},
+    )
     for one in bare.touches:
         if one.at_wall and scene is None:
             raise NeedsSceneError(

@@ -20,10 +20,10 @@ from chain_impact.results.joint_stops import JointRange, touching_place
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.stick_slip import NO_PHASES, Touch
 from chain_impact.results.tables import save_impacts
-from chain_impact.results.text import plural
+from chain_impact.results.text import plural, what
 from chain_impact.scene.bodies import Rail
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.scene.names import STOPS
+from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import matching
 from chain_impact.system import written_whole
 
@@ -47,6 +47,7 @@ class Recording:
         parameters: FMU variable name → value at the start, of a choice its name; none where they are unknown.
         sensitivities: the derivatives that were asked for, if any.
         stops: the joints with stops, and their ranges.
+        point_names: the names of the points that have one, by their numbers.
         stop_law: the contact law of the stops, if the scene names one in `stops.model`; "" if it names none,
             or if that is unknown, as of an FMU.
         stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; of an FMU to within a communication
@@ -65,6 +66,7 @@ class Recording:
     parameters: Mapping[str, Any] = field(default_factory=dict)
     sensitivities: Sensitivities | None = None
     stops: Mapping[int, JointRange] = field(default_factory=dict)
+    point_names: Mapping[int, str] = field(default_factory=dict)
     stop_law: str = ""
     stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
 
@@ -215,6 +217,13 @@ class Recording:
     def is_stop(self, wall: int) -> bool:
         """Whether the wall of a number stands for the stops of joints."""
         return bool(self.stops) and self.wall_names[wall] in STOPS
+
+    def toucher(self, impact: np.void) -> str:
+        """What touches in an impact: "point 2", "point 5 (heel)"; at a stop "joint 2" or "slider"."""
+        wall = self.wall_names[impact["wall"]]
+        of_slider = self.rail is not None and wall in SLIDER_STOPS
+        stop = wall if of_slider or self.is_stop(impact["wall"]) else ""
+        return what(int(impact["point"]), stop, self.point_names)
 
     @cached_property
     def at_stops(self) -> np.ndarray:

@@ -150,6 +150,11 @@ class Result(Pictured):
         return self.scene.wall_names
 
     @cached_property
+    def point_names(self) -> Mapping[int, str]:
+        """The names of the points that have one, by their numbers."""
+        return self.scene.point_names
+
+    @cached_property
     def parameters(self) -> Mapping[str, Any]:
         """Name of a parameter → its value, of a choice its name."""
         values = self.scene.values

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS
-from chain_impact.scene.names import SLIDER_STOPS, STOPS
+from chain_impact.scene.names import SLIDER_STOPS, STOPS, point_label
 
 CHANGE_DTYPE = np.dtype([("time", np.float64), ("point", np.int64), ("wall", np.int64), ("mode", np.int64)])
 """One change of mode, as the kernel logs it: from this time [s] on the mode is 0, sticks; ±1, slides along
@@ -56,17 +56,23 @@ def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]
             yield int(change["point"]), int(change["wall"]), float(change["time"]), end, int(change["mode"])
 
 
-def place_of(phase: np.void, walls: Sequence[str]) -> str:
-    """What sticks or slides: "point 2 at y_min", "joint 3", "the slider"."""
+def place_of(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> str:
+    """What sticks or slides: "point 2 at y_min", "point 5 (heel) at y_min", "joint 3", "the slider".
+
+    Args:
+        phase: of dry friction.
+        walls: the names of all walls, by their numbers.
+        names: those of the points that have one.
+    """
     if phase["wall"] == JOINT:
         return f"joint {phase['point']}" if phase["point"] > 0 else "the slider"
-    return f"point {phase['point']} at {walls[phase['wall']]}"
+    return f"{point_label(phase['point'], names)} at {walls[phase['wall']]}"
 
 
-def phase_cells(phase: np.void, walls: Sequence[str]) -> tuple[str, str, str, str]:
-    """A phase in words: start, end, where, and mode."""
+def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> tuple[str, str, str, str]:
+    """A phase in words: start, end, where (see ``place_of``), and mode."""
     end = "" if np.isnan(phase["end"]) else f"{phase['end']:.6f}"
-    return f"{phase['start']:.6f}", end, place_of(phase, walls), MODES[int(phase["mode"])]
+    return f"{phase['start']:.6f}", end, place_of(phase, walls, names), MODES[int(phase["mode"])]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ from chain_impact.results.impacts import lasts
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import place_of
-from chain_impact.results.text import Table, plural, speed_unit, what
+from chain_impact.results.text import Table, plural, speed_unit
 from chain_impact.scene.scene import Scene
 
 LISTED, FEW = 30, 10  # impacts that are listed, and in a text
@@ -90,8 +90,7 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
 
     Where loads are known also the largest force in a joint, and the joint.
     """
-    stop = result.is_stop(impact["wall"])
-    point = what(impact["point"], True) if stop else str(impact["point"])
+    stop, point = result.is_stop(impact["wall"]), result.toucher(impact).removeprefix("point ")
     units = [speed_unit(stop), "ms", *(("N·m", "N·m·s") if stop else ("N", "N·s"))]
     speed, duration = f"{impact['impact_speed']:.4f}", 1e3 * (impact["end"] - impact["onset"])
     values = (speed, _peak(duration), _peak(impact["peak_force"]), _digits(impact["impulse"]))
@@ -136,7 +135,9 @@ def _friction_lines(result: Recording) -> Iterator[str]:
     sticking = int((phases["mode"] == STICKS).sum())
     yield f"friction {plural(sticking, 'phase')} of sticking, {len(phases) - sticking} of sliding"
     last = phases[np.isnan(phases["end"]) & (phases["mode"] == STICKS)]
-    places = [f"{place_of(one, result.wall_names)} since {one['start']:.6f} s" for one in last]
+    places = [
+        f"{place_of(one, result.wall_names, result.point_names)} since {one['start']:.6f} s" for one in last
+    ]
     if places:
         more = [f"{len(places) - SHOWN} more"] if len(places) > SHOWN else []
         yield f"{'':9}sticks at the end: {', '.join([*places[:SHOWN], *more])}"

@@ -82,8 +82,10 @@ def dataset(model: Model, time: np.ndarray, motion: Mapping[str, np.ndarray]) ->
     xarray = require("xarray", "xarray")
     scene = model.scene
     pairs = [(point, scene.wall_names[wall]) for point, wall in point_wall_pairs(scene)]
-    points = len(scene.chain.links) + 1
-    sizes = {"point": points, "axis": len(AXES), "link": points - 1, "contact": len(pairs)}
+    pairs += [(0, stop) for stop in scene.slider_stops]
+    contacts = [f"contact[{point}].{wall}" for point, wall in pairs]
+    links, points = len(scene.chain.links), len(scene.start)
+    sizes = {"point": points, "axis": len(AXES), "link": links, "contact": len(pairs)}
     data: dict[str, Any] = {}
     for variable in model.motion:
         if variable.name not in motion:
@@ -93,16 +95,21 @@ def dataset(model: Model, time: np.ndarray, motion: Mapping[str, np.ndarray]) ->
         if key not in data:
             values = np.full((len(time), *(sizes[one] for one in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})
-        data[key][1][(slice(None), *variable.index[: len(dimensions)])] = motion[variable.name]
+        index = variable.index[: len(dimensions)]
+        if owner == "contact":  # between those of points and those of a slider stand the stops of joints
+            index = (contacts.index(variable.name.rpartition(".")[0]),)
+        data[key][1][(slice(None), *index)] = motion[variable.name]
     coordinates = {
         "time": ("time", time, {"units": "s"}),
         "point": np.arange(points),
         "axis": list(AXES),
-        "link": np.arange(1, points),
-        "contact": [f"contact[{point}].{wall}" for point, wall in pairs],
+        "link": np.arange(1, links + 1),
+        "contact": contacts,
         "contact_point": ("contact", [point for point, _ in pairs]),
         "contact_wall": ("contact", [wall for _, wall in pairs]),
     }
+    if names := scene.point_names:
+        coordinates["point_name"] = ("point", [names.get(point, "") for point in range(points)])
     return xarray.Dataset(data, coordinates, {"scene": scene.name, "description": scene.description})
 
 

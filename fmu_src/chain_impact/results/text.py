@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
 from itertools import groupby, zip_longest
 from typing import NamedTuple
+
+from chain_impact.scene.names import SLIDER_STOPS, point_label
 
 
 def plural(count: int, what: str) -> str:
@@ -13,9 +15,17 @@ def plural(count: int, what: str) -> str:
     return f"{count} {what}{'s' if count != 1 else ''}"
 
 
-def what(number: int, at_stop: bool) -> str:
-    """What touched: "point 2", of a stop "joint 2"."""
-    return f"{'joint' if at_stop else 'point'} {number}"
+def what(number: int, stop: str, names: Mapping[int, str]) -> str:
+    """What touched: "point 2", "point 5 (heel)"; at a stop "joint 2" or "slider".
+
+    Args:
+        number: of the point, or of the joint.
+        stop: the name of the stop among the walls, "" at a wall.
+        names: those of the points that have one.
+    """
+    if stop in SLIDER_STOPS:
+        return "slider"
+    return f"joint {number}" if stop else point_label(number, names)
 
 
 def speed_unit(at_stop: bool) -> str:

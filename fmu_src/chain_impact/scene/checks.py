@@ -18,7 +18,7 @@ from chain_impact.kernel.status import WITHOUT_FRICTION
 from chain_impact.scene.angles import radians_hint
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.limits import keys
-from chain_impact.scene.names import STOPS
+from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import SceneError, SceneWarning, shown
 from chain_impact.scene.tables import Chain, Contact, Material, Stops
 
@@ -102,6 +102,7 @@ def check_slider(scene: Contents) -> None:
             "initial.slider_velocity is its velocity along the line",
             ("initial", "velocity"),
         )
+    _check_names(scene, SLIDER_STOPS, "as a slider may have stops")
     low, high = slider.min, slider.max
     if low is not None and high is not None and not low < high:
         raise SceneError(f"slider.max = {high} must be > {low} [m], which is slider.min")
@@ -148,11 +149,16 @@ def check_stops(scene: Contents) -> None:
         _refuse_table(scene)
         return
     _check_links(scene.chain)
-    for number, wall in enumerate(scene.walls, 1):
-        if wall.name in STOPS:
-            needed = f"must be none of {', '.join(STOPS)}, as joints have stops"
-            raise SceneError(f"walls[{number}].name = {wall.name!r} {needed}")
+    _check_names(scene, STOPS, "as joints have stops")
     check_law(scene.stops.model or scene.contact.model, "stops", scene.stops)
+
+
+def _check_names(scene: Contents, taken: tuple[str, ...], reason: str) -> None:
+    """Refuse a wall with the name of a stop."""
+    for number, wall in enumerate(scene.walls, 1):
+        if wall.name in taken:
+            needed = f"must be none of {', '.join(taken)}, {reason}"
+            raise SceneError(f"walls[{number}].name = {wall.name!r} {needed}")
 
 
 def _refuse_table(scene: Contents) -> None:

@@ -12,7 +12,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.limits import NO_KEY, quantity
-from chain_impact.scene.names import STOPS, Place
+from chain_impact.scene.names import STOPS, Place, point_label
 from chain_impact.scene.tables import (
     MODEL_NAME,
     XML_TEXT,
@@ -137,11 +137,20 @@ class Contents:
             found[number] = x, y, radius
         return found | dict(enumerate(sites, len(found)))
 
+    @property
+    def point_names(self) -> dict[int, str]:
+        """The names of the points that have one, by their numbers."""
+        sites = enumerate(self.chain.sites, len(self.chain.links) + 1)
+        return {number: site.name for number, (_, site) in sites if site.name}
+
     def point_label(self, number: int) -> str:
-        """What a point is called in sentences: its name, if it has one, or its number."""
-        behind = number - len(self.chain.links) - 1
-        name = self.chain.sites[behind][1].name if behind >= 0 else ""
-        return f"point {number} ({name})" if name else f"point {number}"
+        """What a point is called in sentences: its number, and its name if it has one."""
+        return point_label(number, self.point_names)
+
+    def stop_name(self, wall: int) -> str:
+        """The name of the wall of a number, if it stands for stops of joints or of a slider; else ""."""
+        name, stops = self.wall_names[wall], STOPS if self.chain.stops else ()
+        return name if name in (*stops, *self.slider_stops) else ""
 
     @property
     def half_planes(self) -> dict[str, HalfPlane]:

@@ -6,7 +6,7 @@ else has its dotted key: ``simulation.stop_time``, ``contact.points``. Links cou
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 
 Place = tuple[str | int, ...]
@@ -20,6 +20,11 @@ STOPS = ("joint_min", "joint_max")
 """The stops of a joint: keys of a link, and what they are called among the walls."""
 SLIDER_STOPS = ("slider_min", "slider_max")
 """The stops of a slider, as they are called among the walls."""
+
+
+def point_label(number: int, names: Mapping[int, str]) -> str:
+    """What a point is called in sentences: its number, and its name if it has one: "point 5 (heel)"."""
+    return f"point {number} ({names[number]})" if number in names else f"point {number}"
 
 
 def name_of(path: Place, walls: Sequence[object] = ()) -> str:

@@ -181,9 +181,9 @@ class DifferentiatedInstance(Instance):
             where = f", the {cause} of joint {trust['point']}"
         elif trust["point"] != NO_IMPACT:
             scene, wall = self.model.scene, trust["wall"]
-            stopped = at_stop(scene, wall)
-            where = f", the {cause} of {what(trust['point'], stopped)} at {scene.wall_names[wall]}"
-            reasons = REASONS_AT_STOPS if stopped else reasons
+            touching = what(int(trust["point"]), scene.stop_name(wall), scene.point_names)
+            where = f", the {cause} of {touching} at {scene.wall_names[wall]}"
+            reasons = REASONS_AT_STOPS if at_stop(scene, wall) else reasons
         reason = reasons[int(trust["reason"])]
         ended = f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}"
         return ended, *left_open

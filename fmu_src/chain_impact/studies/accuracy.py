@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.results.recording import Recording
+from chain_impact.scene.names import point_label
 
 TIGHTER = 0.1
 """The tolerance of the second run, as a part of the first run's. With a larger part, the error of the second
@@ -21,7 +22,7 @@ class Differences:
         impacts: how many impacts are compared.
         onset: difference of two onsets [s]; 0 without an impact.
         position: distance of a point's two positions at the same time [m].
-        point: the number of this point.
+        point: what this point is called.
         time: when it is [s].
         end: the end of the comparison [s].
         parted: whether the runs have other impacts from there on.
@@ -30,7 +31,7 @@ class Differences:
     impacts: int
     onset: float
     position: float
-    point: int
+    point: str
     time: float
     end: float
     parted: bool
@@ -51,10 +52,16 @@ def differences(run: Recording, tighter: Recording) -> Differences:
     parted = bool(later) and min(later) <= end
     if parted:
         end = min(later)
-    apart = np.linalg.norm(run.points[:rows] - tighter.points[:rows], axis=-1)
+    apart = np.linalg.norm(run.all_points[:rows] - tighter.all_points[:rows], axis=-1)
     apart[~together | (run.time[:rows] > end)] = 0.0  # a run that fails ends between two rows
     row, point = np.unravel_index(apart.argmax(), apart.shape)
     onset = np.abs(onsets[0][:same] - onsets[1][:same]).max(initial=0.0)
     return Differences(
-        same, float(onset), float(apart[row, point]), int(point), float(run.time[row]), end, parted
+        impacts=same,
+        onset=float(onset),
+        position=float(apart[row, point]),
+        point=point_label(int(point), run.point_names),
+        time=float(run.time[row]),
+        end=end,
+        parted=parted,
     )

@@ -5,6 +5,7 @@ import pytest
 
 from chain_impact import fit, load_scene
 from chain_impact.studies.fit.data import QUANTITIES, read_measurements, standard_deviation
+from tests.bodies import body, cart
 from tests.refusal import refusal
 from tests.stops import knee
 
@@ -162,6 +163,16 @@ def test_impacts_at_stops_are_named_by_joint_and_stop():
     assert [row.wall for row in found.impacts] == [4, 1]
     message = refusal(read_measurements, table | {"wall": ["joint_min", "y_min"]}, scene, {}, None)
     assert "must be a wall of the scene: x_max, joint_min, joint_max" in message
+
+
+def test_impacts_of_points_of_links_and_at_stops_of_a_slider_are_named():
+    table = {"point": ["heel", 4], "wall": ["y_min", "y_min"], "onset": [0.3, 0.4]}
+    found = read_measurements(table, body(), {}, None)
+    assert [row.point for row in found.impacts] == [3, 4]
+    message = refusal(read_measurements, table | {"point": ["nose", 1]}, body(), {}, None)
+    assert "must be one of the points 2, 3, 4, heel, toe" in message
+    found = read_measurements({"wall": ["slider_max"], "onset": [0.3]}, cart(), {}, None)
+    assert found.impacts[0].wall == cart().wall_names.index("slider_max")
 
 
 @pytest.mark.parametrize("name", ["t", "Time", "time [ms]", "t_s"])

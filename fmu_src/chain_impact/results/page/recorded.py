@@ -122,6 +122,7 @@ def data(recording: Recording) -> dict[str, Any]:
         "stops": [_range(joint, one) for joint, one in recording.stops.items()],
         "radius": radius_of(recording),
         "touching": [*recording.touching.items()],
+        "pointNames": [*recording.point_names.items()],
         "bodies": [[link, corners.tolist()] for link, corners in recording.outlines.items()],
         "rail": _rail(recording),
         "pinned": recording.pinned,
@@ -134,6 +135,7 @@ def impacts(recording: Recording) -> list[dict[str, Any]]:
     return [
         {
             "point": int(one["point"]),
+            "what": recording.toucher(one),
             "wall": recording.wall_names[one["wall"]],
             "onset": float(one["onset"]),
             "end": _known(one["end"]),

@@ -28,7 +28,7 @@ from chain_impact.results.plots.style import (
     styled,
 )
 from chain_impact.results.recording import Recording
-from chain_impact.results.text import speed_unit, what
+from chain_impact.results.text import speed_unit
 
 SIZE = (7.5, 4.8)  # inches
 PEAK = 0.95  # of the largest force, from which the peak is taken to be reached
@@ -44,7 +44,7 @@ def fill_impact(page: Figure, recording: Recording, number: int, course: Course)
     """Draw an impact, by its number, on an empty page: on a wide one the loop is on the right, else below."""
     impact = recording.impacts[number - 1]
     stop = recording.is_stop(impact["wall"])
-    hit = f"{what(impact['point'], stop)} hits {recording.wall_names[impact['wall']]}"
+    hit = f"{recording.toucher(impact)} hits {recording.wall_names[impact['wall']]}"
     headline(page, f"{recording.name}: {hit}, impact {number}", conditions(impact, course, stop))
     if page.get_figwidth() >= WIDE:
         grid = page.add_gridspec(3, 2)

@@ -30,7 +30,7 @@ from chain_impact.results.plots.style import (
 )
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import place_of
-from chain_impact.results.text import speed_unit, what
+from chain_impact.results.text import speed_unit
 
 ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VERMILLION}
 ENERGY_COLOURS |= {"supplied": PURPLE}
@@ -76,7 +76,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     """When contacts and joints stick, as bars, and slide, as lines; of many, those that rub for longest."""
     phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:ROWS], reverse=True)
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
-        if (place := place_of(phase, recording.wall_names)) in shown:
+        if (place := place_of(phase, recording.wall_names, recording.point_names)) in shown:
             row, sticks = shown.index(place), phase["mode"] == STICKS
             colour, height = (VERMILLION, 0.62) if sticks else (GREY, 0.16)
             axes.barh(row, length, height, left=phase["start"], color=colour)
@@ -102,7 +102,7 @@ def rubbing_places(recording: Recording) -> list[str]:
     """The contacts and joints with dry friction, those that rub for longest first."""
     total: dict[str, float] = {}
     for phase, length in zip(recording.stick_slip, phase_lengths(recording), strict=True):
-        place = place_of(phase, recording.wall_names)
+        place = place_of(phase, recording.wall_names, recording.point_names)
         total[place] = total.get(place, 0.0) + float(length)
     return sorted(total, key=lambda place: -total[place])
 
@@ -170,12 +170,13 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
 
     Points and joints at their stops are told apart, too.
     """
-    members = list(zip(recording.at_stops.tolist(), recording.impacts["point"].tolist(), strict=True))
+    names, impacts = [recording.toucher(row) for row in recording.impacts], recording.impacts
+    members = list(zip(recording.at_stops.tolist(), impacts["point"].tolist(), names, strict=True))
     hit = list(dict.fromkeys(members[row] for row in by_speed(recording)))
     told = sorted(hit if len(hit) <= TOLD else hit[: TOLD - 1])
     groups = [
-        (what(number, at_stop), colour, np.array([one == (at_stop, number) for one in members]))
-        for (at_stop, number), colour in zip(told, PALETTE, strict=False)
+        (member[-1], colour, np.array([one == member for one in members]))
+        for member, colour in zip(told, PALETTE, strict=False)
     ]
     others = np.array([one not in told for one in members], bool)
     groups = [("others", GREY, others), *groups] if others.any() else groups

@@ -61,6 +61,9 @@ def drawing(scene: Scene) -> str:
             _text(axes, "point 0", place, (-8.0, 0.0), ha="right")
         elif k % every == 0 or k == len(joints) - 1:
             _text(axes, str(k), place, (0.0, 10.0))
+    if every == 1:
+        for k, (x, y, _) in [*scene.start.items()][len(joints) :]:
+            _text(axes, scene.point_names.get(k, str(k)), np.array([x, y]), (6.0, -7.0), ha="left")
     corner = low + 14.0 * unit
     _arrow(axes, "x", corner, (1.0, 0.0))
     _arrow(axes, "y", corner, (0.0, 1.0))

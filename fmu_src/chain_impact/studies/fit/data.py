@@ -10,6 +10,7 @@ from typing import cast
 
 import numpy as np
 
+from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, matching, shown
 from chain_impact.scene.scene import Scene
@@ -281,16 +282,22 @@ class _Book:
             return None
         if name == WALL:
             stops = dict.fromkeys(stop for _, stop in self._scene.chain.stops)
-            there = [*self._scene.half_planes, *stops]
+            there = [*self._scene.half_planes, *stops, *self._scene.slider_stops]
             if cell not in there:
                 known = ", ".join(there) or "none"
                 raise SceneError(
                     f"{table.where(row, name)} = {shown(cell)} must be a wall of the scene: {known}"
                 )
             return self._scene.wall_names.index(cell)
-        points = sorted({*self._scene.contact.points, *self._scene.chain.joint_ranges})
+        points = sorted({point for point, _ in candidates(self._scene)})
+        labels = [*self._scene.point_names.values()]
+        names = {own: number for number, own in self._scene.point_names.items() if labels.count(own) == 1}
+        if name == POINT and cell in names:
+            return names[str(cell)]
         allowed = (
-            f"one of the points {', '.join(map(str, points))}" if name == POINT else "a whole number >= 1"
+            f"one of the points {', '.join(map(str, [*points, *names]))}"
+            if name == POINT
+            else "a whole number >= 1"
         )
         number = table.number(row, name)
         if number != int(number) or (number not in points if name == POINT else number < 1):

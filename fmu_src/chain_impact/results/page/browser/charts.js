@@ -1,6 +1,6 @@
 // The charts, by uPlot: energy over the whole time, and the force of one contact.
 
-import { durationText, forceText, touchingText, unitsOf } from "./format.js";
+import { durationText, forceText, unitsOf } from "./format.js";
 
 const WIDTHS = { total: 2.4 };
 const AROUND = 0.35; // of a contact's duration, shown before and after it
@@ -322,6 +322,6 @@ export class ForceChart extends Chart {
     // an impact between two rows of the recording, or at a rigid wall, has no curve
     const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";
     const legend = rubs ? "; brown: friction" : "";
-    this.what.textContent = `${number ? `impact ${number}: ` : ""}${touchingText(contact)} at ${wall}, ${length}${legend}`;
+    this.what.textContent = `${number ? `impact ${number}: ` : ""}${contact.what} at ${wall}, ${length}${legend}`;
   }
 }

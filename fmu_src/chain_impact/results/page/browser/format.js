@@ -41,7 +41,3 @@ export function unitsOf({ atStop }) {
   return atStop ? { speed: "rad/s", force: "N\u202fm" } : { speed: "m/s", force: "N" };
 }
 
-/** What touches: a point, or at a stop a joint. */
-export function touchingText({ point, atStop }) {
-  return `${atStop ? "joint" : "point"} ${point}`;
-}

@@ -67,12 +67,12 @@ function largest(values) {
  * @param rows name, links, pointCount, time, x and y of all points in rows, energies by name, touches { point, wall, force, depth,
  *   friction, sticking } at the rows (of a joint with dry friction without wall and force), loads { joint, x, y } likewise, the forces
  *   in joints if they are known, contacts, walls, how far walls have moved along their normals by name (moved, if any
- *   do), stops, radius, touching [point, its radius], bodies [link, corners along it and to the left of it], rail { lines,
- *   carriage, stops } of a slider or null, pinned.
+ *   do), stops, radius, touching [point, its radius], pointNames [point, its name], bodies [link, corners along it and to the left
+ *   of it], rail { lines, carriage, stops } of a slider or null, pinned.
  * @param frames their times, and how many there are in a second on the screen; those are the rows if they have as many.
  */
 export function framesOf(rows, { times, frameRate }) {
-  const { name, links, pointCount, contacts, walls, stops, radius, touching, bodies, rail } = rows;
+  const { name, links, pointCount, contacts, walls, stops, radius, touching, pointNames, bodies, rail } = rows;
   const places = times === rows.time ? null : placesIn(rows.time, times);
   const at = (values, width = 1) => (places && values ? columnAt(values, places, width) : values);
   const held = (values) => spansOf(places ? places.map(([row]) => values[row]) : values);
@@ -94,7 +94,7 @@ export function framesOf(rows, { times, frameRate }) {
   ];
   return {
     name, links, pointCount, time: times, frameRate, x, y, energies: Object.fromEntries(energies), forces, loads, stuckJoints, contacts,
-    walls, stops, radius, touching, bodies, rail,
+    walls, stops, radius, touching, pointNames, bodies, rail,
     moved: Object.entries(rows.moved ?? {}).map(([wall, values]) => [wall, at(values)]),
     peakForce: Math.max(largest(peaks), 1e-300),
     ...viewOf(x, y, pointCount, walls, radius, rows.pinned),

@@ -93,7 +93,7 @@ export class Ghosts {
 function cellOf(impact) {
   if (!impact) return make("td", { textContent: "–" });
   const force = impact.peak === null ? "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
-  const cell = make("td", { title: `${impact.atStop ? "joint" : "point"} ${impact.point} at ${impact.wall}, until ${durationText(impact.end - impact.onset)} later` });
+  const cell = make("td", { title: `${impact.what} at ${impact.wall}, until ${durationText(impact.end - impact.onset)} later` });
   cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }));
   return cell;
 }

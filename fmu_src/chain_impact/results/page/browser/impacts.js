@@ -1,7 +1,7 @@
 // The list of impacts, which go to their moment.
 
 import { make } from "./dom.js";
-import { forceText, touchingText, unitsOf } from "./format.js";
+import { forceText, unitsOf } from "./format.js";
 
 const LONGEST_LIST = 2000; // impacts: each is a row of the page
 const COLUMNS = ["#", "time", "point", "wall", "speed", "e′", "peak force"];
@@ -50,7 +50,7 @@ export class ImpactList {
     const button = make("button", { type: "button", textContent: String(number + 1) });
     button.setAttribute("aria-label", `Go to impact ${number + 1}, at ${impact.onset.toFixed(6)} s`);
     row.insertCell().append(button);
-    const texts = [`${impact.onset.toFixed(5)} s`, impact.point, impact.wall, approachText(impact), reboundText(impact), peakText(impact)];
+    const texts = [`${impact.onset.toFixed(5)} s`, impact.what.replace(/^point /, ""), impact.wall, approachText(impact), reboundText(impact), peakText(impact)];
     texts.forEach((text) => {
       row.insertCell().textContent = text;
     });
@@ -80,5 +80,5 @@ export function impactText({ impacts }, contact, time) {
   const { number, onset, wall, peak } = contact;
   const next = onset > time ? " is next" : "";
   const force = peak === null ? "" : `, peak ${peakText(contact)}`;
-  return `Impact ${number} of ${impacts.length}${next}: ${touchingText(contact)} at ${wall}, ${approachText(contact)}${force}`;
+  return `Impact ${number} of ${impacts.length}${next}: ${contact.what} at ${wall}, ${approachText(contact)}${force}`;
 }

@@ -2,7 +2,7 @@
 // `kit.py`.
 
 import { movablePoints, sitesOf, sliderStopsOf, stopsOf, wallsOf } from "./scene_file.js";
-import { STOPS, wallsAt } from "./view.js";
+import { STOPS, pointText, wallsAt } from "./view.js";
 
 const BYTES = 8; // of a word
 const PARALLEL = 1e-12; // the cosine between a slider's line and a wall's normal that counts as 0: round-off
@@ -224,16 +224,11 @@ function drawnOf(kit, { sizes, pairs, sliderStops, wallNames, joints }, columns)
   };
 }
 
-/** What a point is called in sentences: its number, with its name if it has one. */
-function pointText({ sites, sizes: [links] }, point) {
-  const name = sites[point - links - 1]?.name;
-  return name ? `point ${point} (${name})` : `point ${point}`;
-}
-
 /** A scene as the page works with it; `command` is what comes after `chain-impact simulate` to repeat it. */
 export function describe(kit, file, command) {
   const parts = partsOf(file, kit);
   const { sizes, stops, wallNames, there, facts } = parts;
+  const pointNames = parts.sites.flatMap(({ name }, s) => (name ? [[sizes[0] + 1 + s, name]] : []));
   const elements = elementsOf(parts);
   const all = (groups) => instances(groups, elements, facts);
   const rows = all(kit.parameters);
@@ -268,6 +263,8 @@ export function describe(kit, file, command) {
     stops: [...new Set(stops.map(([joint]) => joint))],
     openArc: kit.constants.openArc,
     sites: parts.sites,
+    sliderStops: parts.sliderStops,
+    pointNames,
     contactPoints: [...new Set(parts.pairs.map(([point]) => point))],
     record,
     layout: placesOf(kit.layout, sizes),
@@ -279,7 +276,7 @@ export function describe(kit, file, command) {
     rigidWithFriction: kit.rigidWithFriction,
     statuses: kit.statuses,
     places: [ // what a run may be refused for: each candidate, and then each link
-      ...parts.pairs.map(([point, wall]) => `${pointText(parts, point)} at the wall ${wallNames[wall]}`),
+      ...parts.pairs.map(([point, wall]) => `${pointText(new Map(pointNames), point)} at the wall ${wallNames[wall]}`),
       ...stops.map(([joint, stop]) => `joint ${joint} at its ${stop}`),
       ...parts.sliderStops.map((stop) => `the slider at its ${stop}`),
       ...file.chain.links.map((_, k) => `link[${k + 1}]`),

@@ -4,7 +4,7 @@
 import { bodiesOf, railOf } from "./bodies.js";
 import { contactsOf, framesOf, timesOf } from "./frames.js";
 import { rowTimes } from "./kernel.js";
-import { STOPS, viewOf, wallsAt } from "./view.js";
+import { STOPS, pointText, viewOf, wallsAt } from "./view.js";
 
 const IMPACT_TIME = 0.6; // s on the screen that an impact takes
 const PARTS = 100; // of the first run, between which it can be stopped
@@ -15,7 +15,8 @@ function listed(impacts, scene, valueOf) {
   return impacts.map(({ point, wall, onset, end, impact_speed: speed, separation_speed: rebound, max_penetration: depth, peak_force: peak }) => {
     const atStop = scene.stops.length > 0 && STOPS.includes(scene.wallNames[wall]);
     const endSpeed = speed * (atStop ? valueOf(`link[${point}].length`) : 1);
-    return { point, wall: scene.wallNames[wall], onset, end: Number.isFinite(end) ? end : null, speed, rebound, endSpeed, peak, depth, atStop };
+    const stopped = scene.sliderStops.includes(scene.wallNames[wall]) ? "slider" : atStop && `joint ${point}`;
+    return { point, what: stopped || pointText(new Map(scene.pointNames), point), wall: scene.wallNames[wall], onset, end: Number.isFinite(end) ? end : null, speed, rebound, endSpeed, peak, depth, atStop };
   });
 }
 
@@ -96,6 +97,7 @@ export function* motion(kernel, values) {
     stops: rangesOf(scene, valueOf),
     radius: largest > ALONE * size ? largest : 0,
     touching,
+    pointNames: scene.pointNames,
     bodies: bodiesOf(scene, valueOf),
     rail: railOf(Array.from(time, (_, row) => [x, y].map((all) => all[row * points.length])), size, valueOf),
     pinned: scene.pinned,

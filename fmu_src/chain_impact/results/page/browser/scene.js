@@ -69,7 +69,8 @@ export class Scene {
   }
 
   #makeChain() {
-    const { links, pointCount, touching, radius, bodies, rail } = this.recording;
+    const { links, pointCount, touching, pointNames, radius, bodies, rail } = this.recording;
+    const names = new Map(pointNames);
     // each link has an edge, so that one can tell which is in front
     const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
     this.lines = lines.flatMap((range) => ["link-edge", "link"].map((kind) =>
@@ -78,7 +79,7 @@ export class Scene {
     this.outlines = bodies.map(([link, corners]) => [link, corners, this.bodies.polygon().addClass("body")]);
     this.carriage = rail ? this.bodies.polygon().addClass("carriage") : null;
     this.names = Array.from({ length: links <= NUMBERED ? pointCount : 0 }, (_, point) =>
-      this.numbers.plain(String(point)).addClass("point-number"));
+      this.numbers.plain(names.get(point) ?? String(point)).addClass("point-number"));
     const shown = links < MANY_LINKS ? Array.from({ length: links + 1 }, (_, point) => point) : [0, links];
     this.dots = shown.map((point) => {
       const kind = point === links ? "tip" : "joint";

@@ -183,7 +183,7 @@ function checkContents(file, boxWalls) {
   const strange = contact.points?.find((point, k) => !movable.includes(point) || contact.points.indexOf(point) !== k);
   if (strange !== undefined) refuse("contact.points", `holds ${strange}, must hold ${movable[0]} to ${movable.at(-1)}, each once`);
   walls.forEach(({ name }, k) => {
-    const others = [...boxWalls, ...STOPS, ...walls.slice(0, k).map((wall) => wall.name)];
+    const others = [...boxWalls, ...STOPS, ...(chain.slider ? Object.keys(SLIDER_STOPS) : []), ...walls.slice(0, k).map((wall) => wall.name)];
     if (others.includes(name)) refuse(`walls[${k + 1}].name`, `= "${name}" must be none of ${others.join(", ")}`);
   });
   const there = wallsOf(file);

@@ -18,6 +18,11 @@ const PIN_LINES = [
   ...[-0.7, -0.35, 0, 0.35].map((x) => [[x, 0.65], [x + 0.25, 1]]),
 ];
 
+/** What a point is called in sentences: its number, and its name if `names` has one: "point 5 (heel)". */
+export function pointText(names, point) {
+  return names.has(point) ? `point ${point} (${names.get(point)})` : `point ${point}`;
+}
+
 /** The free sides of the walls, name → normal and offset, with the parameters as they are. */
 export function wallsAt(scene, valueOf) {
   const normals = { x_min: [1, 0], x_max: [-1, 0], y_min: [0, 1], y_max: [0, -1] };
