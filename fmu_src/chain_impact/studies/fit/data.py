@@ -299,7 +299,8 @@ class _Book:
             if name == POINT
             else "a whole number >= 1"
         )
-        number = table.number(row, name)
+        is_name = name == POINT and bool(names) and isinstance(cell, str) and cell.isidentifier()
+        number = -1.0 if is_name else table.number(row, name)
         if number != int(number) or (number not in points if name == POINT else number < 1):
             raise SceneError(f"{table.where(row, name)} = {shown(cell)} must be {allowed}")
         return int(number)
