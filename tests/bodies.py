@@ -2,14 +2,16 @@
 
 from chain_impact.scene.scene import Scene, scene_from_dict
 
+SHIN = {"length": 0.25, "mass": 0.5, "shape": "box", "height": 0.04}
+
 
 def body() -> Scene:
-    """Two links that fall on a rough floor, one with a heel, a toe and an offset of its centre of mass."""
+    """Two links that fall on a rough floor: a foot with its mass beside its line, and a box."""
     heel, toe = {"x": 0.05, "y": -0.1, "name": "heel"}, {"x": 0.45, "y": -0.08, "radius": 0.01, "name": "toe"}
     foot = {"length": 0.5, "mass": 1.0, "center_of_mass_offset": 0.04, "points": [heel, toe]}
     scene = {
         "name": "Body",
-        "chain": {"links": [foot, {"length": 0.25, "mass": 0.5, "joint_damping": 0.05}]},
+        "chain": {"links": [foot, {**SHIN, "joint_damping": 0.05}]},
         "box": {"y_min": 0.0},
         "contact": {"stiffness": 1e6, "restitution": 0.5, "friction": 0.3, "points": [2]},
         "initial": {"position": [0.0, 0.5], "angles": [0.5, 1.25], "angular_velocities": [-1.0, 0.0]},

@@ -17,6 +17,8 @@ CHANGES = {
             "link[1].center_of_mass_offset": -0.03,
             "link[1].point[1].y": -0.125,
             "link[1].point[2].radius": 0.02,
+            "link[2].length": 0.3,
+            "link[2].height": 0.06,
         },
         {},
     ),

@@ -1,9 +1,8 @@
 """A model: what it works out, the size of a new instance, and where the scene's values stand in it."""
 
-import operator
 import pickle
 from collections import Counter
-from functools import partial, reduce
+from functools import partial
 
 import numpy as np
 import pytest
@@ -14,8 +13,9 @@ from chain_impact.fmu.native_target import native_files
 from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.scene import SOLVER_METHODS, model_names, scene_to_dict, with_values
+from chain_impact.scene.scene import SOLVER_METHODS, model_names, with_values
 from chain_impact.variables import model as model_module
+from chain_impact.variables.listing import value_at
 from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
 
@@ -42,7 +42,7 @@ def test_each_value_of_the_scene_stands_where_its_variable_is(model):
     for variable in Model(scene).variables:
         if variable.causality != "parameter" or variable.scene_path is None:
             continue
-        value = reduce(operator.getitem, variable.scene_path, scene_to_dict(scene, derived=True))
+        value = value_at(scene, variable.scene_path)
         word = word_index(instance.dtype, variable.place)
         if variable.items:
             assert variable.items[integers[word] - 1].name == value, variable.name

@@ -3,7 +3,7 @@
 import math
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.inertia import in_use, inertia_of_rod, loose_links, middle
+from chain_impact.kernel.chain.inertia import corner_of_box, in_use, inertia_of_box, loose_links, middle
 from chain_impact.kernel.chain.joints import (
     joint_armature,
     joint_bound,
@@ -145,7 +145,8 @@ def derive_chain(d):
     for i in range(len(model.length)):
         c = in_use(model.given_center_of_mass[i], middle(model.length[i]))
         model.center_of_mass[i] = c
-        model.inertia[i] = in_use(model.given_inertia[i], inertia_of_rod(model.mass[i], model.length[i]))
+        inertia = inertia_of_box(model.mass[i], model.length[i], model.height[i])
+        model.inertia[i] = in_use(model.given_inertia[i], inertia)
         model.center_of_mass_ratio[i] = c / model.length[i]
         # I + m c²
         model.proximal_inertia[i] = model.inertia[i] + model.mass[i] * c * c
@@ -194,7 +195,10 @@ def derive_sites(d):
     for i in range(d.links):
         model.first_site[i] = s
         while s < d.sites and d.site.link[s] == i:
-            x, y, length = d.site.x[s], d.site.y[s], model.length[i]
+            length = model.length[i]
+            if d.site.corner[s] > 0:
+                d.site.x[s], d.site.y[s] = corner_of_box(d.site.corner[s], length, model.height[i])
+            x, y = d.site.x[s], d.site.y[s]
             d.site.along[s], d.site.beside[s] = x / length, y / length
             d.site.radius[s] = in_use(d.site.given_radius[s], d.contact.radius)
             model.reach = max(model.reach, before + math.sqrt(x * x + y * y))
@@ -280,6 +284,7 @@ def check_links(d):
                 return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
         for value in (
             d.model.inertia[i],
+            d.model.height[i],
             d.given.joint_damping[i],
             d.given.joint_stiffness[i],
             d.model.joint_friction[i],

@@ -3,30 +3,43 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Collection, Mapping
+from itertools import count, takewhile
 from typing import Any
 
 import numpy as np
 
+from chain_impact.kernel.chain.inertia import corner_of_box
 from chain_impact.scene.bodies import Disc, Rail, outline
-
-_SITE = re.compile(r"link\[(\d+)\]\.point\[(\d+)\]\.x")
+from chain_impact.scene.tables import CORNERS
 
 
 def is_of_body(name: str) -> bool:
     """Whether a parameter tells how a body looks."""
-    is_of_link = name.startswith("link[") and (".point[" in name or name.endswith(".length"))
+    is_of_link = name.startswith("link[") and (".point[" in name or name.endswith((".length", ".height")))
     return is_of_link or name.startswith("slider.") or name == "contact.radius"
 
 
 def site_radii(values: Mapping[str, Any]) -> list[float]:
     """The radii of the points of links [m], in the order of their numbers."""
-    return [float(values[f"link[{link}].point[{n}].radius"]) for link, n in _sites(values)]
+    return [radius for discs in _discs(values).values() for *_, radius in discs]
 
 
-def _sites(values: Mapping[str, Any]) -> list[tuple[int, int]]:
-    return [(int(at[1]), int(at[2])) for name in values if (at := _SITE.fullmatch(name))]
+def _discs(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
+    """The points of each link that has any, in the order of their numbers, corners of a box first."""
+    found: dict[int, list[Disc]] = {}
+    for link in takewhile(lambda n: f"link[{n}].length" in values, count(1)):
+        discs: list[Disc] = []
+        if (height := values.get(f"link[{link}].height")) is not None:
+            places = (corner_of_box(n, values[f"link[{link}].length"], height) for n in range(1, CORNERS + 1))
+            discs = [(x, y, values.get("contact.radius", 0.0)) for x, y in places]
+        own = (f"link[{link}].point[{n}]" for n in count(len(discs) + 1))
+        for of in takewhile(lambda one: f"{one}.x" in values, own):
+            x, y, radius = (float(values[f"{of}.{key}"]) for key in ("x", "y", "radius"))
+            discs.append((x, y, radius))
+        if discs:
+            found[link] = discs
+    return found
 
 
 def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[int, np.ndarray]:
@@ -36,12 +49,8 @@ def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[
         values: name of a parameter → value.
         touching: the points that can touch; other ends of links have no radius.
     """
-    discs: dict[int, list[Disc]] = {}
-    for link, n in _sites(values):
-        x, y, radius = (float(values[f"link[{link}].point[{n}].{key}"]) for key in ("x", "y", "radius"))
-        discs.setdefault(link, []).append((x, y, radius))
     found = {}
-    for link, sites in discs.items():
+    for link, sites in _discs(values).items():
         near, far = (
             values.get("contact.radius", 0.0) if end in touching else 0.0 for end in (link - 1, link)
         )

@@ -9,7 +9,8 @@ from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.scene.contents import AnyScene
 from chain_impact.scene.half_planes import direction
 from chain_impact.scene.reading import SceneError, shown
-from chain_impact.scene.tables import Material, Site
+from chain_impact.scene.shapes import with_shapes
+from chain_impact.scene.tables import Material
 
 ANGLES = ("initial", "angles")
 
@@ -44,28 +45,6 @@ def with_angles(scene: AnyScene) -> AnyScene:
             raise SceneError(f"wall.{wall.name}.normal = {list(wall.normal)} must not be zero")
         walls.append(replace(wall, angle=direction(wall.normal), normal=None) if wall.normal else wall)
     return replace(scene, walls=tuple(walls))
-
-
-def with_shapes(scene: AnyScene) -> AnyScene:
-    """Return the scene with the points and the inertia of each link that was given as a box."""
-    links, given = [], set()
-    for i, link in enumerate(scene.chain.links):
-        if (link.shape is None) != (link.height is None):
-            has, lacks = ("height", "shape") if link.shape is None else ("shape", "height")
-            raise SceneError(f"link[{i + 1}] has {has} but no {lacks}; must have both or neither")
-        if link.height is None:
-            links.append(link)
-            continue
-        half, length = link.height / 2, link.length
-        corners = tuple(Site(x=x, y=y, radius=None) for y in (-half, half) for x in (0.0, length))
-        inertia, place = link.inertia, ("chain", "links", i, "inertia")
-        if place in scene.derived_places:
-            given.add(place)
-            inertia = link.mass * (length * length + link.height * link.height) / 12  # of a rectangle
-        points = (*corners, *link.points)
-        links.append(replace(link, shape=None, height=None, points=points, inertia=inertia))
-    places = tuple(place for place in scene.derived_places if place not in given)
-    return replace(scene, chain=replace(scene.chain, links=tuple(links)), derived_places=places)
 
 
 def with_radii(scene: AnyScene) -> AnyScene:

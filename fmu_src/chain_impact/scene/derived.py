@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import functools
 import operator
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from itertools import accumulate, pairwise
 from typing import Any
 
 from chain_impact.scene.limits import Derived
 from chain_impact.scene.names import Place
+from chain_impact.scene.tables import Link
 
 
 def of_every_link(found: Iterable[Place], data: Mapping[str, Any]) -> Iterator[Place]:
@@ -43,6 +44,14 @@ def above(paths: Iterable[Any]) -> set[Place]:
         path for path in paths if isinstance(path, tuple) and all(isinstance(one, str | int) for one in path)
     ]
     return {path[:k] for path in proper for k in range(1, len(path))}
+
+
+def rule_at(rule: Derived, path: Place, links: Sequence[Link]) -> Derived:
+    """The rule for the value at a path, of the kind of which is the rule: of a box it may be another one."""
+    match path:
+        case "chain", "links", int(i), _ if rule.of_box and links[i].shape:
+            return rule.of_box
+    return rule
 
 
 def rule_of(path: Place, rules: Mapping[str, Any]) -> Derived:

@@ -42,17 +42,19 @@ class Derived:
     Attributes:
         text: in words.
         value: computed from the values read before; None where there is none.
-        factors: of a parameter: it is the product of these keys over the divisor. A key without a dot is of
-            the same table.
-        divisor: see factors.
+        terms: of a parameter: it is the sum of the products of these keys over the divisor. A key without a
+            dot is of the same table.
+        divisor: see terms.
         constant: whether the value is always the same, and other values only decide whether it exists.
+        of_box: the rule for a link that is a box, if that is another one.
     """
 
     text: str
     value: Callable[[Mapping[str, Any]], Any]
-    factors: tuple[str, ...] = ()
+    terms: tuple[tuple[str, ...], ...] = ()
     divisor: int = 1
     constant: bool = False
+    of_box: Derived | None = None
 
 
 NO_KEY = {"key": False}

@@ -110,7 +110,9 @@ def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | No
     link = replace(links[i], **change)
     if key == "mass" and ("chain", "links", i, "inertia") in scene.derived_places:
         rule = _rules_of_links()["inertia"]["default"]
-        link = replace(link, inertia=rule.value({"mass": link.mass, "length": link.length}))
+        link = replace(
+            link, inertia=rule.value({key: getattr(link, key) for key in ("mass", "length", "height")})
+        )
     if key in ("mass", "inertia") and not 0.0 < link.inertia < math.inf:
         return None
     return replace(scene, chain=replace(scene.chain, links=(*links[:i], link, *links[i + 1 :])))

@@ -17,15 +17,16 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from chain_impact.kernel.ode.control import SOLVER_METHODS
-from chain_impact.scene import checks, completion, drawing, scene_text
+from chain_impact.scene import checks, completion, drawing, scene_text, shapes
 from chain_impact.scene.contents import Contents
-from chain_impact.scene.derived import above, of_every_link, rule_of, without_derived
-from chain_impact.scene.limits import keys
+from chain_impact.scene.derived import above, of_every_link, rule_at, rule_of, without_derived
+from chain_impact.scene.limits import Derived, keys
 from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
 from chain_impact.scene.names import Place, fmu_name, name_of, nearest, parameter_hint, place_in_file
 from chain_impact.scene.numbers import with_numbers
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, shown
+from chain_impact.scene.tables import Link
 from chain_impact.scene.text_file import text_of
 
 SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
@@ -40,8 +41,11 @@ class Scene(Contents):
     def derived(self) -> dict[str, str]:
         """The values that follow from others, as no one has given them: name → rule, "length / 2"."""
         rules, walls = dict(scene_keys()), [wall.name for wall in self.walls]
-        found = ((path, rule_of(path, rules)) for path in self.derived_places)
+        found = ((path, self._rule(path, rules)) for path in self.derived_places)
         return {name_of(path, walls): rule.text for path, rule in found if not rule.constant}
+
+    def _rule(self, path: Place, rules: Mapping[str, Any]) -> Derived:
+        return rule_at(rule_of(path, rules), path, self.chain.links)
 
     @property
     def values(self) -> dict[str, Any]:
@@ -147,7 +151,8 @@ def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
     data = _plain(scene)
     if not derived:
         without_derived(data, scene.derived_places)
-    return _without_empty(data)
+    shapes.set_corners_apart(data, given=derived)
+    return _without_empty(shapes.without_corners(data))
 
 
 def _plain(value: Any) -> Any:
@@ -219,13 +224,15 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
         del data["initial"]["angles"]
     # of a derived list of which one value is given, all are given
     without_derived(data, scene.derived_places, kept=above(paths))
+    shapes.set_corners_apart(data)
     for path, value in values:
+        shapes.refuse_corner(scene, path)
         try:
             *parents, last = path
             functools.reduce(operator.getitem, parents, data)[last] = value
         except (LookupError, TypeError, ValueError):
             raise SceneError(f"{scene.name}: {shown(path)} is no path to a value of the scene") from None
-    found = _validated(_without_empty(data), scene.name, in_file=False)
+    found = _validated(_without_empty(shapes.without_corners(data)), scene.name, in_file=False)
     kept = scene.has_joint_angles and completion.ANGLES not in paths
     return replace(found, has_joint_angles=kept or found.has_joint_angles)
 
@@ -259,20 +266,24 @@ def _names(scene: Scene) -> dict[str, Place]:
     return {name: path for name, (path, _) in zip(scene.values, _leaves(scene), strict=True)}
 
 
-def _leaves(value: Any, path: Place = (), unit: str = "") -> Iterator[tuple[Place, Any]]:
-    """Yield the path of every single value, and the value; entries of a list of quantities are single."""
+def _leaves(value: Any, path: Place = (), unit: str = "", apart: int = 0) -> Iterator[tuple[Place, Any]]:
+    """Yield the path of every single value, and the value; entries of a list of quantities are single.
+
+    So many entries of a list are left ``apart`` at its beginning: what follows from other values.
+    """
     if is_dataclass(value):
         for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):
-            inner = getattr(value, entry.name)
-            yield from _leaves(inner, (*path, entry.name), entry.metadata.get("unit", ""))
+            inner, unit = getattr(value, entry.name), entry.metadata.get("unit", "")
+            apart = value.corners if entry.name == "points" and isinstance(value, Link) else 0
+            yield from _leaves(inner, (*path, entry.name), unit, apart)
     elif isinstance(value, Mapping):
         for name, one in value.items():
             yield from _leaves(one, (*path, name))
-    elif isinstance(value, tuple) and value and (unit or is_dataclass(value[0])):
-        for i, one in enumerate(value):
+    elif isinstance(value, tuple) and value[apart:] and (unit or is_dataclass(value[0])):
+        for i, one in enumerate(value[apart:], apart):
             yield from _leaves(one, (*path, i))
     else:
-        yield path, value
+        yield path, value[apart:] if apart else value
 
 
 def _chosen(scene: Scene, name: str, value: Any) -> Any:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, replace
 from itertools import accumulate
 
+from chain_impact.kernel.chain.inertia import inertia_of_box
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST
@@ -16,6 +17,7 @@ from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import SceneError
 
 MAX_LINKS = 1000
+CORNERS = 4  # of a box
 
 IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
 _RESERVED = ("con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)))
@@ -32,11 +34,25 @@ _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of
 
 def _product(text: str, *factors: str, divisor: int) -> Derived:
     """The product of some values of the same table, divided by a number."""
-    return Derived(text, lambda known: math.prod(known[key] for key in factors) / divisor, factors, divisor)
+    return Derived(
+        text, lambda known: math.prod(known[key] for key in factors) / divisor, (factors,), divisor
+    )
 
 
 _MIDDLE = _product("length / 2", "length", divisor=2)
-_ROD = _product("mass * length^2 / 12", "mass", "length", "length", divisor=12)
+_RECTANGLE = Derived(
+    "mass * (length^2 + height^2) / 12",
+    lambda known: inertia_of_box(known["mass"], known["length"], known["height"]),
+    (("mass", "length", "length"), ("mass", "height", "height")),
+    12,
+)
+_ROD = Derived(
+    "mass * length^2 / 12",
+    lambda known: inertia_of_box(known["mass"], known["length"], known["height"] or 0.0),
+    (("mass", "length", "length"),),
+    12,
+    of_box=_RECTANGLE,
+)
 _MOVABLE = Derived("all that move", lambda known: tuple(known["chain"].movable_points))
 _FROM_JOINTS = Derived(
     "the sums of joint_angles",
@@ -50,7 +66,7 @@ def _of_contact(key: str) -> Derived:
     return Derived(
         "as in [contact]",
         lambda known: getattr(known["contact"], key) if known["chain"].stops else None,
-        (f"contact.{key}",),
+        ((f"contact.{key}",),),
     )
 
 
@@ -60,7 +76,7 @@ def _with_stops(value: float) -> Derived:
 
 
 # the scene fills it in when all is read, as contact.radius comes later
-_CONTACT_RADIUS = Derived("contact.radius", lambda _: None, ("contact.radius",))
+_CONTACT_RADIUS = Derived("contact.radius", lambda _: None, (("contact.radius",),))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,23 +98,17 @@ class Link:
     )
     length: float = quantity("m", "length", above=0.0)
     mass: float = quantity("kg", "mass", above=0.0)
+    shape: str | None = quantity(
+        "", "box: a rectangle, with a point at each corner and its inertia", None, choices=("box",)
+    )
+    height: float | None = quantity("m", "height of the box, across the link", None, above=0.0)
     center_of_mass: float = quantity(
-        "m", "centre of mass, from the joint nearer to the base", _MIDDLE, minimum=0.0
+        "m", "centre of mass, from the joint nearer to the base, behind which it may lie", _MIDDLE
     )
     center_of_mass_offset: float = quantity(
         "m", "distance of the centre of mass from the link's line, to its left", 0.0
     )
     inertia: float = quantity("kg.m2", "inertia about the centre of mass", _ROD, minimum=0.0)
-    shape: str | None = quantity(
-        "",
-        "box: a rectangle, with a point at each corner and its inertia",
-        None,
-        choices=("box",),
-        file_only=True,
-    )
-    height: float | None = quantity(
-        "m", "height of the box, across the link", None, above=0.0, file_only=True
-    )
     points: tuple[Site, ...] = quantity("", "points of the link, beside its ends, that may touch", ())
     joint_damping: float = quantity(
         "N.m.s/rad", "viscous damping of the joint nearer to the base", 0.0, minimum=0.0
@@ -118,6 +128,11 @@ class Link:
     )
     joint_min: float | None = quantity("rad", "stop of the joint nearer to the base: its least angle", None)
     joint_max: float | None = quantity("rad", "stop of the joint nearer to the base: its largest angle", None)
+
+    @property
+    def corners(self) -> int:
+        """How many of the points are corners of its shape: the first ones."""
+        return CORNERS if self.shape else 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -120,6 +120,8 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     d["channels"], d["sites"] = len(d["motion"]["position"]), len(scene.chain.sites)
     d["skewed"], d["slides"] = scene.chain.is_skewed, scene.chain.slider is not None
     d["site"]["link"] = [link for link, _ in scene.chain.sites]
+    links = scene.chain.links
+    d["site"]["corner"] = [j + 1 if j < one.corners else 0 for one in links for j in range(len(one.points))]
     d["step"]["regularized"] = NO_CONTACT
     model = d["model"]
     if pairs:

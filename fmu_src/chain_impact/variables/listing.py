@@ -11,6 +11,7 @@ from chain_impact.compilation.law_file import read_law
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.tangent.duals import DIRECTIONS
+from chain_impact.scene.derived import rule_at
 from chain_impact.scene.names import Place, is_like, sensitivity_name
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.kind import Block, Kind, filled
@@ -35,7 +36,9 @@ def parameters(scene: Scene) -> Iterator[Variable]:
         path = filled(kind.path or (), element)
         value = value_at(scene, path)
         if value is not None and value != kind.trivial:
-            rule = kind.derived if path in derived else None
+            rule = (
+                rule_at(kind.derived, path, scene.chain.links) if kind.derived and path in derived else None
+            )
             given = kind.given if not kind.given_if or known[kind.given_if] else None
             yield Variable.of(
                 kind,

@@ -95,7 +95,8 @@ PARAMETERS = (
         "link",
         *_of(
             *(Link, ("chain", "links", AT, KEY), ("model", KEY, AT)),
-            [key for key in _rules(Link) if key != "points"],
+            [key for key in _rules(Link) if key not in ("points", "shape")],
+            height={"if_missing": 0.0, "hint": HAS_ONE},
             center_of_mass_offset={"trivial": 0.0, "hint": HAS_ONE},
             center_of_mass={"given": ("model", "given_center_of_mass", AT)},
             inertia={"given": ("model", "given_inertia", AT)},
@@ -123,6 +124,7 @@ PARAMETERS = (
             radius={"given": ("site", "given_radius", AT)},
         ),
         heading=SITE,
+        when=("placed",),
     ),
     block(
         "slider",

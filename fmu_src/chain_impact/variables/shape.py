@@ -23,7 +23,8 @@ class Shape:
 
     Attributes:
         links: how many.
-        sites: the points of links: the indices of the link and of the point in it, and its name.
+        sites: the points of links: the indices of the link and of the point in it, its name, and whether
+            it is a corner of a box.
         base: of the chain.
         slider_stops: the stops of a slider, as they are called among the walls.
         slider_rubs: whether a slider has dry friction.
@@ -42,7 +43,7 @@ class Shape:
     """
 
     links: int
-    sites: tuple[tuple[int, int, str], ...]
+    sites: tuple[tuple[int, int, str, bool], ...]
     base: str
     slider_stops: tuple[str, ...]
     slider_rubs: bool
@@ -141,7 +142,7 @@ def shape_of(scene: Scene) -> Shape:
     return Shape(
         links=len(scene.chain.links),
         sites=tuple(
-            (i, j, site.name)
+            (i, j, site.name, j < link.corners)
             for i, link in enumerate(scene.chain.links)
             for j, site in enumerate(link.points)
         ),
@@ -231,7 +232,8 @@ ELEMENTS: dict[str, Callable[[Shape], Iterable[Element]]] = {
     "stop": _stops,
     "contact": _contacts,
     "site": lambda shape: [
-        {"n": j + 1, "of": i + 1, "at": s, "link": i, "entry": j} for s, (i, j, _) in enumerate(shape.sites)
+        {"n": j + 1, "of": i + 1, "at": s, "link": i, "entry": j, "placed": not is_corner}
+        for s, (i, j, _, is_corner) in enumerate(shape.sites)
     ],
     "slider": _slider,
     "line": lambda shape: [{"name": name, "at": w} for w, name in enumerate(shape.lines)],

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.inertia import DERIVED, in_use, inertia_of_rod, middle
+from chain_impact.kernel.chain.inertia import DERIVED, corner_of_box, in_use, inertia_of_box, middle
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.status import OK
 from tests.kernel.chains import chain, stopped_chain
@@ -28,7 +28,18 @@ def test_the_rod_is_uniform():
     places = 0.5 * length * (1.0 + x)
     assert middle(length) == pytest.approx(weights @ places / 2.0, rel=1e-14)
     about = weights @ (places - middle(length)) ** 2 / 2.0
-    assert inertia_of_rod(mass, length) == pytest.approx(mass * about, rel=1e-14)
+    assert inertia_of_box(mass, length, 0.0) == pytest.approx(mass * about, rel=1e-14)
+
+
+def test_the_box_is_a_uniform_rectangle_with_four_corners():
+    """Its inertia is the integral of the square of the distance from the middle over its mass."""
+    length, height, mass = 0.7, 0.3, 1.3
+    x, weights = np.polynomial.legendre.leggauss(4)
+    along, across = np.meshgrid(0.5 * length * x, 0.5 * height * x)
+    about = (np.outer(weights, weights) * (along**2 + across**2)).sum() / 4.0
+    assert inertia_of_box(mass, length, height) == pytest.approx(mass * about, rel=1e-14)
+    corners = [corner_of_box(number, length, height) for number in (1, 2, 3, 4)]
+    assert corners == [(0.0, -0.15), (0.7, -0.15), (0.0, 0.15), (0.7, 0.15)]
 
 
 def test_each_start_derives_anew_what_is_not_given():

@@ -31,6 +31,7 @@ CHANGES = [
     ("ramp", {"wall.ramp.angle": -0.5, "wall.ramp.y": 0.1, "gravity.x": 1.0}),
     ("sliding_rod", {"contact.friction": 0.35, "wall.ramp.friction": 0.05}),
     ("kneed_leg", {"stop.stiffness": 1e4, "stop.restitution": 0.8, "link[3].joint_max": 0.05}),
+    ("thrown_brick", {"link[1].length": 0.3, "link[1].height": 0.15, "link[1].mass": 3.0}),
     ("steel_bar", {"contact.radius": 1e-5, "link[2].joint_damping": 0.1}),
 ]
 

@@ -170,7 +170,7 @@ def test_impacts_of_points_of_links_and_at_stops_of_a_slider_are_named():
     found = read_measurements(table, body(), {}, None)
     assert [row.point for row in found.impacts] == [3, 4]
     message = refusal(read_measurements, table | {"point": ["nose", 1]}, body(), {}, None)
-    assert "must be one of the points 2, 3, 4, heel, toe" in message
+    assert "must be one of the points 2, 3, 4, 5, 6, 7, 8, heel, toe" in message
     found = read_measurements({"wall": ["slider_max"], "onset": [0.3]}, cart(), {}, None)
     assert found.impacts[0].wall == cart().wall_names.index("slider_max")
 

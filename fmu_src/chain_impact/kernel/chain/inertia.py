@@ -20,8 +20,8 @@ sequence has such a beginning and such an end, every pivot of the recursion is p
 elimination of a positive definite matrix.
 """
 
-DERIVED = -1.0
-"""In the place of a given value, which is not negative: there is none."""
+DERIVED = -1.7976931348623157e308
+"""In the place of a given value: there is none. It is the lowest number, which no link can have."""
 
 
 def in_use(given, derived):
@@ -37,9 +37,27 @@ def middle(length):
     return length / 2
 
 
-def inertia_of_rod(mass, length):
-    """The inertia [kg·m²] of a uniform thin rod of some mass [kg] and length [m] about its centre of mass."""
-    return mass * length * length / 12
+def inertia_of_box(mass, length, height):
+    """The inertia [kg·m²] of a uniform rectangle about its centre of mass; with the height 0, of a thin rod.
+
+    Args:
+        mass: in kg.
+        length: in m.
+        height: in m.
+    """
+    # m (ℓ² + h²) / 12
+    return mass * length * length / 12 + mass * height * height / 12
+
+
+def corner_of_box(number, length, height):
+    """Where a corner of a box is, along the link and to the left of it [m].
+
+    Args:
+        number: of the corner: 1 and 2 lie to the right, 3 and 4 to the left, 1 and 3 at the proximal joint.
+        length: of the box, along the link [m].
+        height: of the box, across the link [m].
+    """
+    return length if number % 2 == 0 else 0.0 * length, -0.5 * height if number <= 2 else 0.5 * height
 
 
 # Of a link's length: a centre of mass nearer to a joint than this counts as lying there. The inertia of the
@@ -62,7 +80,7 @@ def loose_links(chain, free_base):
             begin = -1
             continue
         beside = abs(chain.center_of_mass_offset[i]) > near
-        at_proximal = chain.center_of_mass[i] <= near and not beside
+        at_proximal = abs(chain.center_of_mass[i]) <= near and not beside
         at_distal = abs(chain.length[i] - chain.center_of_mass[i]) <= near and not beside
         if at_proximal or (i == 0 and (free_base or not chain.pinned)):
             begin = i

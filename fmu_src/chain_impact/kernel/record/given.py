@@ -27,6 +27,7 @@ def model_dtype(links: int) -> np.dtype:
         # m from the proximal joint, and kg·m² about the centre of mass, as they are given; or DERIVED
         ("given_center_of_mass", REAL, (links,)),
         ("given_inertia", REAL, (links,)),
+        ("height", REAL, (links,)),  # m, of a link that is a box; 0 of all others
         ("center_of_mass_offset", REAL, (links,)),  # m, to the left of the link's line
         ("joint_friction", REAL, (links,)),  # N·m, dry friction at the proximal joint
         ("joint_armature", REAL, (links,)),  # kg·m², acts on the relative rotation in the joint
@@ -288,6 +289,11 @@ def site_dtype(sites: int) -> np.dtype:
     """
     return record(
         ("link", INTEGER, (sites,)),  # its index, from 0
+        (
+            "corner",
+            INTEGER,
+            (sites,),
+        ),  # 1 to 4: of a box, which derives its place; 0: none
         ("x", REAL, (sites,)),  # m, along the link from its proximal joint, …
         ("y", REAL, (sites,)),  # m, … and to the left of its line
         ("given_radius", REAL, (sites,)),  # m, or DERIVED: that of `contact`

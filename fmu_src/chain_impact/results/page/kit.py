@@ -45,6 +45,7 @@ LONGEST = 1e9
 PLACES: dict[str, Place] = {
     **{name: (name,) for name in (*COUNTS, "skewed", "slides")},
     "site_link": ("site", "link", AT),
+    "site_corner": ("site", "corner", AT),
     "regularized": ("step", "regularized"),
     **{key: ("model", key) for key in ("pinned", "driven", "followed", "base_moves")},
     **{f"candidate_{key}": ("candidate", AT, key) for key in ("point", "wall", "stop")},
@@ -153,9 +154,8 @@ def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
         "items": [[item.name, _sentence(item)] for item in items],
         "rule": rule
         and {
-            "factors": [key if "." in key else f"{owner}.{key}" for key in rule.factors],
-            "divisor": rule.divisor,
-            "text": UNLESS_SET + rule.text,
+            **_rule(rule, owner),
+            "ofBox": rule.of_box and _rule(rule.of_box, owner),
         },
         "trivial": kind.trivial,
         "missing": json.dumps(kind.if_missing),  # JSON has no infinite numbers
@@ -163,6 +163,12 @@ def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
         "given": kind.given and words(kind.given),
         "givenIf": kind.given_if or ALWAYS,
     }
+
+
+def _rule(rule: Derived, owner: str) -> dict[str, Any]:
+    """How a parameter follows from others; the keys without a dot are of the table ``owner``."""
+    terms = [[key if "." in key else f"{owner}.{key}" for key in term] for term in rule.terms]
+    return {"terms": terms, "divisor": rule.divisor, "text": UNLESS_SET + rule.text}
 
 
 def _sentence(item: Item) -> str:

@@ -26,13 +26,20 @@ function outlineOf(discs) {
   return [...halfHull(rims), ...halfHull(rims.reverse())];
 }
 
+/** Where a point of a link is, along the link and to the left of it, and its radius [m]; corners of a box follow from it. */
+export function discOf({ link, entry, corner }, valueOf) {
+  const of = `link[${link + 1}]`;
+  if (!corner) return ["x", "y", "radius"].map((key) => valueOf(`${of}.point[${entry + 1}].${key}`));
+  const [length, half] = [valueOf(`${of}.length`), valueOf(`${of}.height`) / 2];
+  return [corner % 2 ? 0 : length, corner > 2 ? half : -half, valueOf("contact.radius")];
+}
+
 /** The links with points, each with its outline along it and to the left of it; other ends than `touching` have no radius. */
 export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
   const links = [...new Set(sites.map(({ link }) => link))];
   return links.map((link) => {
     const ends = [[0, link], [valueOf(`link[${link + 1}].length`), link + 1]];
-    const discs = sites.filter((site) => site.link === link).map(({ entry }) =>
-      ["x", "y", "radius"].map((key) => valueOf(`link[${link + 1}].point[${entry + 1}].${key}`)));
+    const discs = sites.filter((site) => site.link === link).map((site) => discOf(site, valueOf));
     return [link + 1, outlineOf([
       ...ends.map(([x, point]) => [x, 0, touching.includes(point) ? valueOf("contact.radius") : 0]),
       ...discs,

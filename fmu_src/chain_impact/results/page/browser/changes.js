@@ -1,6 +1,7 @@
 // The parameters as they are on the page: those of the scene, and what has been changed.
 
 import { inRadians } from "./scene_file.js";
+import { sumOf } from "./view.js";
 
 /** A number in as few digits as tell it from all others. */
 export function numberText(value) {
@@ -51,7 +52,7 @@ export class Changes {
   #valueIn(values, name) {
     const { derived } = this.parameters.get(name) ?? {};
     if (name in values || !derived) return values[name] ?? this.starts[name];
-    return derived.factors.reduce((product, factor) => product * this.#valueIn(values, factor), 1) / derived.divisor;
+    return sumOf(derived, (factor) => this.#valueIn(values, factor));
   }
 
   isChanged(name) {

@@ -2,7 +2,7 @@
 // `kit.py`.
 
 import { movablePoints, sitesOf, sliderStopsOf, stopsOf, wallsOf } from "./scene_file.js";
-import { STOPS, pointText, wallsAt } from "./view.js";
+import { STOPS, pointText, sumOf, wallsAt } from "./view.js";
 
 const BYTES = 8; // of a word
 const PARALLEL = 1e-12; // the cosine between a slider's line and a wall's normal that counts as 0: round-off
@@ -99,7 +99,7 @@ function elementsOf({ file, sites, sliderStops, stops, there, wallNames, pairs, 
     point: range(links + 1 + sites.length).map((n) => ({ n, at: n })),
     joint: ofJoints(joints),
     "rubbing joint": ofJoints(rubbing),
-    site: sites.map(({ link, entry }, at) => ({ n: entry + 1, of: link + 1, at, link, entry })),
+    site: sites.map(({ link, entry, corner }, at) => ({ n: entry + 1, of: link + 1, at, link, entry, corner, placed: !corner })),
     slider: slider ? [{ rests: !inputs.joint_targets, rubs: slider.friction > 0, at: links }] : [],
     line: file.walls.map(({ name }, at) => ({ name, at })),
     material: pairs.length ? there.map((name) => ({ name, at: wallNames.indexOf(name) })) : [],
@@ -137,11 +137,13 @@ function valuesOf(file, rows) {
     const given = steps.reduce((table, step) => table?.[step], file);
     const number = items.length && given !== undefined ? items.findIndex(([id]) => id === given) + 1 : given;
     if (number !== undefined) values.set(name, { number, steps });
-    else if (rule && has) derived.push({ name, steps, rule: { ...rule, factors: rule.factors.map((factor) => filled(factor, element)) } });
+    else if (rule && (has || element.corner)) {
+      const own = (rule.ofBox && file.chain.links[element.at]?.height && rule.ofBox) || rule;
+      derived.push({ name, steps, rule: { ...own, terms: own.terms.map((term) => term.map((factor) => filled(factor, element))) } });
+    }
   }
   for (const { name, steps, rule } of derived) {
-    const product = rule.factors.reduce((found, factor) => found * values.get(factor).number, 1) / rule.divisor;
-    values.set(name, { number: product, steps, derived: rule });
+    values.set(name, { number: sumOf(rule, (factor) => values.get(factor).number), steps, derived: rule });
   }
   return values;
 }
@@ -167,6 +169,7 @@ function recordOf(kit, parts, rows, values) {
   put("skewed", Number(chain.links.some(({ center_of_mass_offset: offset }) => offset !== 0)));
   put("slides", Number(chain.slider !== undefined));
   each("site_link", sites.map(({ link }) => link));
+  each("site_corner", sites.map(({ corner = 0 }) => corner));
   put("regularized", kit.constants.noContact);
   each("candidate_point", candidates.map(([point]) => point));
   each("candidate_wall", candidates.map(([, wall]) => wall));
@@ -242,7 +245,7 @@ export function describe(kit, file, command) {
     .map((row) => ({ ...row, number: reals[placeOf(row.word, sizes, row.element.at)] }));
   const parameter = ({ name, element, given, givenIf, word, rule, number, of, path, has, when, trivial, missing, ...row }) => {
     const { steps = null, derived, number: start = number } = values.get(name) ?? {};
-    const follows = derived?.factors.every((factor) => names.has(factor)) ? derived : null;
+    const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
     const place = word ? placeOf(given && facts[givenIf] ? given : word, sizes, element.at) : -1;
     return { ...row, name, place: steps, word: place, text: filled(row.text, element), start, derived: follows };
   };

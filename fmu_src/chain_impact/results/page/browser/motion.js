@@ -1,7 +1,7 @@
 // A motion to be shown, from two runs. The first finds the impacts, the second has rows at the frames, which are close in
 // time where it is shown slowly. Rows do not change the solution.
 
-import { bodiesOf, railOf } from "./bodies.js";
+import { bodiesOf, discOf, railOf } from "./bodies.js";
 import { contactsOf, framesOf, timesOf } from "./frames.js";
 import { rowTimes } from "./kernel.js";
 import { STOPS, pointText, viewOf, wallsAt } from "./view.js";
@@ -33,7 +33,7 @@ function rangesOf(scene, valueOf) {
 /** The radius of a point [m]. */
 function radiusOf({ sites, links }, valueOf, point) {
   const site = sites[point - links - 1];
-  return valueOf(site ? `link[${site.link + 1}].point[${site.entry + 1}].radius` : "contact.radius") ?? 0;
+  return (site ? discOf(site, valueOf)[2] : valueOf("contact.radius")) ?? 0;
 }
 
 /** One coordinate of the points, in rows of all points. */

@@ -130,19 +130,18 @@ export function complete(data, kit) {
   return file;
 }
 
-/** The points and the inertia of links that are boxes; the slider of a base that slides, and of no other. */
+/** The corners of links that are boxes; the slider of a base that slides, and of no other. */
 function setBodies({ chain }, data) {
   chain.links.forEach((link, k) => {
-    const { shape, height, length, mass } = link;
+    const { shape, height, length } = link;
     if ((shape === undefined) !== (height === undefined)) {
       refuse(`chain.links[${k + 1}]`, `has ${shape ? "shape but no height" : "height but no shape"}; must have both or neither`);
     }
     if (shape === undefined) return;
-    const corners = [-height / 2, height / 2].flatMap((y) => [0, length].map((x) => ({ x, y, name: "" })));
+    const places = [-height / 2, height / 2].flatMap((y) => [0, length].map((x) => ({ x, y })));
+    const corners = places.map((place, k) => ({ ...place, name: "", corner: k + 1 }));
     link.points = [...corners, ...link.points];
-    link.inertia ??= (mass * (length * length + height * height)) / 12; // of a rectangle
     delete link.shape;
-    delete link.height;
   });
   if (chain.base === "slider") return;
   if (isTable(data.chain.slider)) refuse("chain.slider", "must be left out: only a base on a slider has it");

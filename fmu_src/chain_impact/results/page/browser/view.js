@@ -18,6 +18,12 @@ const PIN_LINES = [
   ...[-0.7, -0.35, 0, 0.35].map((x) => [[x, 0.65], [x + 0.25, 1]]),
 ];
 
+/** What follows from other values by a rule: the sum of the products of some of them over a number. */
+export function sumOf({ terms, divisor }, valueOf) {
+  const products = terms.map((factors) => factors.reduce((found, factor) => found * valueOf(factor), 1) / divisor);
+  return products.reduce((sum, product) => sum + product, 0);
+}
+
 /** What a point is called in sentences: its number, and its name if `names` has one: "point 5 (heel)". */
 export function pointText(names, point) {
   return names.has(point) ? `point ${point} (${names.get(point)})` : `point ${point}`;

@@ -1,0 +1,70 @@
+"""Links that are boxes: their corners are the first of their points, and follow from length and height.
+
+In the scene they are there. In a file, and wherever a scene is plain data, they are not: whoever changes a
+length or a height moves them. The kernel does the same with the parameters of a record.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from chain_impact.kernel.chain.inertia import corner_of_box
+from chain_impact.scene.contents import AnyScene, Contents
+from chain_impact.scene.names import Place
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.tables import CORNERS, Site
+
+_APART = object()
+"""In a list of points, in place of a corner that is not given."""
+
+
+def with_shapes(scene: AnyScene) -> AnyScene:
+    """Return the scene with the corners of each link that is given as a box, before its other points."""
+    links = []
+    for i, link in enumerate(scene.chain.links):
+        if (link.shape is None) != (link.height is None):
+            has, lacks = ("height", "shape") if link.shape is None else ("shape", "height")
+            raise SceneError(f"link[{i + 1}] has {has} but no {lacks}; must have both or neither")
+        if link.height is None:
+            links.append(link)
+            continue
+        places = (corner_of_box(number, link.length, link.height) for number in range(1, CORNERS + 1))
+        corners = (Site(x=x, y=y, radius=None) for x, y in places)
+        links.append(replace(link, points=(*corners, *link.points)))
+    return replace(scene, chain=replace(scene.chain, links=tuple(links)))
+
+
+def set_corners_apart(data: Any, *, given: bool = False) -> None:
+    """Mark in the plain data of a scene the corners of boxes; ``given`` makes them points like others.
+
+    Such a link is no box any more.
+    """
+    for link in data["chain"]["links"]:
+        if "shape" not in link:
+            continue
+        if given:
+            del link["shape"], link["height"]
+        else:
+            link["points"][:CORNERS] = [_APART] * CORNERS
+
+
+def without_corners(data: Any) -> Any:
+    """The plain data of a scene without the corners that are marked."""
+    chain = data["chain"]
+    links = chain.get("links") if isinstance(chain, Mapping) else None
+    for link in links if isinstance(links, list) else ():
+        if isinstance(link, dict) and isinstance(points := link.get("points"), list):
+            link["points"] = [one for one in points if one is not _APART]
+    return data
+
+
+def refuse_corner(scene: Contents, path: Place) -> None:
+    """Refuse to change a corner of a box alone, by its path."""
+    links = scene.chain.links
+    match path:
+        case "chain", "links", int(i), "points", int(j), *_ if i < len(links) and j < links[i].corners:
+            of, needed = f"link[{i + 1}]", "give points in place of the shape to move it alone"
+            reason = f"is a corner of a box, which follows from {of}.length and {of}.height: {needed}"
+            raise SceneError(f"{scene.name}: {of}.point[{j + 1}] {reason}")
