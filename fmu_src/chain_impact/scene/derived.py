@@ -15,7 +15,6 @@ from typing import Any
 
 from chain_impact.scene.limits import Derived
 from chain_impact.scene.names import Place
-from chain_impact.scene.tables import Link
 
 
 def of_every_link(found: Iterable[Place], data: Mapping[str, Any]) -> Iterator[Place]:
@@ -46,8 +45,8 @@ def above(paths: Iterable[Any]) -> set[Place]:
     return {path[:k] for path in proper for k in range(1, len(path))}
 
 
-def rule_at(rule: Derived, path: Place, links: Sequence[Link]) -> Derived:
-    """The rule for the value at a path, of the kind of which is the rule: of a box it may be another one."""
+def rule_at(rule: Derived, path: Place, links: Sequence[Any]) -> Derived:
+    """The rule for the value at a path of a scene with these links: that of its key, or that for a box."""
     match path:
         case "chain", "links", int(i), _ if rule.of_box and links[i].shape:
             return rule.of_box

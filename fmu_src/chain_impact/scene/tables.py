@@ -5,16 +5,25 @@ Unit, description, range and default are in each field's metadata; see scene.py.
 
 import math
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, replace
-from itertools import accumulate
+from dataclasses import dataclass, replace
 
-from chain_impact.kernel.chain.inertia import inertia_of_box
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST
-from chain_impact.scene.limits import Derived, quantity
+from chain_impact.scene.limits import quantity
 from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import SceneError
+from chain_impact.scene.rules import (
+    CARRIAGE,
+    CONTACT_RADIUS,
+    FROM_JOINTS,
+    MIDDLE,
+    MOVABLE,
+    ROD,
+    ZEROS,
+    of_contact,
+    with_stops,
+)
 
 MAX_LINKS = 1000
 CORNERS = 4  # of a box
@@ -32,60 +41,13 @@ _NAME = (r"[A-Za-z][A-Za-z0-9_.*\[\]]*", "the name of a parameter or an input, w
 _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of the scene")
 
 
-def _product(text: str, *factors: str, divisor: int) -> Derived:
-    """The product of some values of the same table, divided by a number."""
-    return Derived(
-        text, lambda known: math.prod(known[key] for key in factors) / divisor, (factors,), divisor
-    )
-
-
-_MIDDLE = _product("length / 2", "length", divisor=2)
-_RECTANGLE = Derived(
-    "mass * (length^2 + height^2) / 12",
-    lambda known: inertia_of_box(known["mass"], known["length"], known["height"]),
-    (("mass", "length", "length"), ("mass", "height", "height")),
-    12,
-)
-_ROD = Derived(
-    "mass * length^2 / 12",
-    lambda known: inertia_of_box(known["mass"], known["length"], known["height"] or 0.0),
-    (("mass", "length", "length"),),
-    12,
-    of_box=_RECTANGLE,
-)
-_MOVABLE = Derived("all that move", lambda known: tuple(known["chain"].movable_points))
-_FROM_JOINTS = Derived(
-    "the sums of joint_angles",
-    lambda known: tuple(accumulate(known["joint_angles"])) if known["joint_angles"] else MISSING,
-)
-_ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), constant=True)
-
-
-def _of_contact(key: str) -> Derived:
-    """The value of a key of the table ``contact``, where there are stops."""
-    return Derived(
-        "as in [contact]",
-        lambda known: getattr(known["contact"], key) if known["chain"].stops else None,
-        ((f"contact.{key}",),),
-    )
-
-
-def _with_stops(value: float) -> Derived:
-    """A value, where there are stops."""
-    return Derived(f"{value:g}", lambda known: value if known["chain"].stops else None, constant=True)
-
-
-# the scene fills it in when all is read, as contact.radius comes later
-_CONTACT_RADIUS = Derived("contact.radius", lambda _: None, (("contact.radius",),))
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Site:
     """A point that is fixed to a link, beside its ends, and may touch the walls: a heel, a corner."""
 
     x: float = quantity("m", "place along the link, from the joint nearer to the base")
     y: float = quantity("m", "place to the left of the link's line", 0.0)
-    radius: float | None = quantity("m", "radius of the point", _CONTACT_RADIUS, minimum=0.0)
+    radius: float | None = quantity("m", "radius of the point", CONTACT_RADIUS, minimum=0.0)
     name: str = quantity("", "name in lists and pictures", "", matching=OPTIONAL_NAME)
 
 
@@ -103,12 +65,12 @@ class Link:
     )
     height: float | None = quantity("m", "height of the box, across the link", None, above=0.0)
     center_of_mass: float = quantity(
-        "m", "centre of mass, from the joint nearer to the base, behind which it may lie", _MIDDLE
+        "m", "centre of mass, from the joint nearer to the base, behind which it may lie", MIDDLE
     )
     center_of_mass_offset: float = quantity(
         "m", "distance of the centre of mass from the link's line, to its left", 0.0
     )
-    inertia: float = quantity("kg.m2", "inertia about the centre of mass", _ROD, minimum=0.0)
+    inertia: float = quantity("kg.m2", "inertia about the centre of mass", ROD, minimum=0.0)
     points: tuple[Site, ...] = quantity("", "points of the link, beside its ends, that may touch", ())
     joint_damping: float = quantity(
         "N.m.s/rad", "viscous damping of the joint nearer to the base", 0.0, minimum=0.0
@@ -157,9 +119,6 @@ class Slider:
         return tuple(stop for stop in SLIDER_STOPS if getattr(self, stop.removeprefix("slider_")) is not None)
 
 
-_CARRIAGE = Derived("", lambda known: {} if known["base"] == "slider" else None, constant=True)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Chain:
     """The links from base to tip, and whether the base moves."""
@@ -170,7 +129,7 @@ class Chain:
         "free",
         choices=("free", "pinned", "slider"),
     )
-    slider: Slider | None = quantity("", "carriage and line of a base on a slider", _CARRIAGE)  # noqa: RUF009
+    slider: Slider | None = quantity("", "carriage and line of a base on a slider", CARRIAGE)  # noqa: RUF009
     links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
 
     def __post_init__(self) -> None:
@@ -278,7 +237,7 @@ class Contact:
     exponent: float = quantity("1", "exponent of penetration, 3/2 for Hertz", 1.5, minimum=1.0, maximum=3.0)
     restitution: float = quantity("1", "prescribed restitution", 0.7, minimum=0.0, maximum=1.0)
     radius: float = quantity("m", "radius of every point that may touch", 0.0, minimum=0.0)
-    points: tuple[int, ...] = quantity("", "points that may touch, base (0) to tip (N)", _MOVABLE)
+    points: tuple[int, ...] = quantity("", "points that may touch, base (0) to tip (N)", MOVABLE)
     minimum_impact_speed: float = quantity(
         "m/s",
         "an impact slower than this is damped as one at this speed; on a rigid wall it does not rebound",
@@ -308,18 +267,18 @@ class Stops:
         extended_by="contact.law_file",
     )
     stiffness: float | None = quantity(
-        "N.m/rad^exponent", "stiffness of the stops", _with_stops(1e5), above=0.0
+        "N.m/rad^exponent", "stiffness of the stops", with_stops(1e5), above=0.0
     )
     exponent: float | None = quantity(
-        "1", "exponent of penetration at the stops", _of_contact("exponent"), minimum=1.0, maximum=3.0
+        "1", "exponent of penetration at the stops", of_contact("exponent"), minimum=1.0, maximum=3.0
     )
     restitution: float | None = quantity(
-        "1", "prescribed restitution of the stops", _of_contact("restitution"), minimum=0.0, maximum=1.0
+        "1", "prescribed restitution of the stops", of_contact("restitution"), minimum=0.0, maximum=1.0
     )
     minimum_impact_speed: float | None = quantity(
         "rad/s",
         "a slower impact at a stop is damped as one at this speed; at a rigid stop it does not rebound",
-        _with_stops(1e-3),
+        with_stops(1e-3),
         above=0.0,
     )
 
@@ -383,11 +342,11 @@ class Initial:
         file_only=True,
     )
     angles: tuple[float, ...] = quantity(
-        "rad", "angle of each link, absolute, from +x", _FROM_JOINTS, per_link=True
+        "rad", "angle of each link, absolute, from +x", FROM_JOINTS, per_link=True
     )
     velocity: tuple[float, float] = quantity("m/s", "velocity of the base", (0.0, 0.0))
     angular_velocities: tuple[float, ...] = quantity(
-        "rad/s", "angular velocity of each link, absolute", _ZEROS, per_link=True
+        "rad/s", "angular velocity of each link, absolute", ZEROS, per_link=True
     )
     slider_velocity: float = quantity("m/s", "velocity of a slider along its line", 0.0)
 
