@@ -59,6 +59,7 @@ SAME = {
     "depth": arm(lower='euler="0 0 0"').replace('pos=".4 0 0"', 'pos=".4 .25 0"'),
     "free": free(),
     "free and thrown": free(rest=key(qpos=".1 .2 .3 -.5", qvel="1 2 3 -4")),
+    "centre behind": arm(more='<geom type="sphere" size=".05" pos="-.6 0 0" mass="3"/>'),
     "centres aside": arm(
         more='<geom type="sphere" size=".05" pos=".2 0 .1" mass="1"/>', lower='euler="0 20 0"'
     ),
@@ -105,10 +106,6 @@ SAME = {
 
 OTHERWISE = {
     "some borne": (arm(upper='gravcomp="1"'), "body upper: gravcomp bears 1 of its weight"),
-    "centre behind": (
-        arm(more='<geom type="sphere" size=".05" pos="-.6 0 0" mass="3"/>'),
-        "link of joint a: its centre of mass is 0.28 m behind the joint, 70 % of the length",
-    ),
     "springs that are not linear": (arm(a='stiffness="3 2 0"'), "joint a: its spring is not linear"),
     "dampers that are not linear": (arm(b='damping="1 2 0"'), "joint b: its damping is not linear"),
     "yielding": (arm(a='stiffness="30" springyield="2"'), "joint a: its spring yields"),

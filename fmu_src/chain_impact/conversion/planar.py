@@ -88,7 +88,7 @@ class _Conversion:
             if length < TINY:
                 self._refuse_length(i)
             directions.append(math.atan2(arm[1], arm[0]))
-            links.append({"length": length, **self._mass(self.parts[i], hinge, arm / length, length)})
+            links.append({"length": length, **self._mass(self.parts[i], hinge, arm / length)})
         angles, speeds = self._state(links, directions)
         base, start = self._base(places[0], gravity)
         links[0] |= self.robot.first_link if self.chosen.base == "free" else {}
@@ -242,25 +242,15 @@ class _Conversion:
             about += float(axis @ body.inertia @ axis) + body.mass * float(np.sum((at - center) ** 2))
         return mass, center, about
 
-    def _mass(self, part: list[int], hinge: Moving, along: np.ndarray, length: float) -> dict[str, float]:
-        """Mass, centre of mass and inertia of a link; a centre behind the joint is put abreast of it.
-
-        The inertia about the joint stays as it is.
-        """
+    def _mass(self, part: list[int], hinge: Moving, along: np.ndarray) -> dict[str, float]:
+        """Mass, centre of mass and inertia of a link."""
         name = hinge.joint.name
         mass, center, inertia = self._inertia(part, hinge)
         if mass <= 0.0:
             raise NoChainError(f"{self.source}: what joint {name} moves has no mass", [name])
         ahead = float(np.dot(center, along))
         beside = float(along[0] * center[1] - along[1] * center[0])
-        shift = max(-ahead, 0.0)
-        if shift > TINY:
-            text = (
-                f"its centre of mass is {shift:.6g} m behind the joint, {100 * shift / length:.3g} % of the "
-                "length; it is put abreast of the joint, and the inertia about the joint stays"
-            )
-            self._tell("link of joint", name, text, Effect.MASS, shift / length)
-        found = {"mass": mass, "center_of_mass": max(ahead, 0.0), "inertia": inertia + mass * shift * shift}
+        found = {"mass": mass, "center_of_mass": ahead, "inertia": inertia}
         return found | ({"center_of_mass_offset": beside} if abs(beside) > TINY else {})
 
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
