@@ -25,7 +25,7 @@ from chain_impact.scene.scene import Scene, scene_to_dict
 
 HERE = Path(__file__).parent
 FOLDER = HERE / "oracle_answers"
-TESTS = ("test_derivatives.py", "test_models.py", "kernel/ode/test_collocation.py")
+TESTS = ("test_body_motions.py", "test_derivatives.py", "test_models.py", "kernel/ode/test_collocation.py")
 IDLE = ("solver", "simulation", "outputs")  # tables of a scene that no independent model reads
 LATER = (
     *("joint_armature", "joint_torque_limit", "joint_targets", "base_motion", "wall_motion"),
