@@ -273,3 +273,38 @@ def test_derivatives_by_what_a_slider_is_are_those_of_differences(name):
 def test_what_no_body_can_be_is_refused_by_its_key(tables, told):
     with pytest.raises(SceneError, match=told.replace(".", r"\.")):
         scene(changed(ROD, **tables))
+
+
+def on_rail(**contact):
+    chain = {"base": "slider", "links": [{"length": 0.5, "mass": 1.0, "points": [{"x": 0.0, "y": 0.0}]}]}
+    walls = [
+        {"name": name, "point": [0.0, y], "angle": 0.0} for name, y in (("floor", -1.0), ("shelf", -0.5))
+    ]
+    data = {"name": "Rail", "chain": chain, "box": {}, "walls": walls, "contact": {"points": [0], **contact}}
+    return {**data, "initial": {"angles": [-1.0], "slider_velocity": 1.0}}
+
+
+def test_walls_that_no_point_can_reach_are_none():
+    """The base and a point of its place slide parallel to both walls."""
+    run = simulate(scene(on_rail()), 0.1)
+    assert run.wall_names == ("x_min", "x_max", "y_min", "y_max")
+    assert not len(run.impacts)
+    slope = {"name": "slope", "point": [3.0, 0.0], "angle": 1.5}
+    shelf = changed(on_rail(points=[]), walls=[*on_rail()["walls"], slope])
+    with pytest.raises(
+        SceneError, match=r"walls\[1\]\.name = 'floor' must be left out: no point can reach it"
+    ):
+        scene(shelf)
+
+
+def test_a_slider_with_a_damper_leaves_no_load_behind_in_implicit_flight():
+    """Rows of the output change no bit of a later impact."""
+    data = on_slider(
+        {"center_of_mass_offset": -0.2},
+        {"mass": 0.5, "damping": 0.3, "stiffness": 20.0, "max": 0.3},
+        initial={"angles": [1.0], "slider_velocity": 2.0},
+        solver={"method": "implicit"},
+    )
+    runs = [simulate(data, 0.5, output_step=step) for step in (0.5, 0.011)]
+    assert len(runs[0].impacts) > 0
+    assert runs[0].impacts.tobytes() == runs[1].impacts.tobytes()

@@ -73,6 +73,7 @@ def check_together(scene: Contents) -> None:
         raise SceneError(f"initial.velocity = {list(scene.initial.velocity)} must be zero for a pinned base")
     check_slider(scene)
     check_motion(scene)
+    check_reach(scene)
     for i, wall in enumerate(scene.walls):
         others = *WALLS, *(other.name for other in scene.walls[:i])
         if wall.name in others:
@@ -114,6 +115,21 @@ def check_slider(scene: Contents) -> None:
             raise SceneError(
                 f"slider.{name} = {limit} [m] has the slider beyond it: its position is 0 at the start"
             )
+
+
+def check_reach(scene: Contents) -> None:
+    """Refuse walls out of reach that are more than there are pairs that can touch: they have no room."""
+    if scene.chain.slider is None or not scene.may_touch:
+        return
+    points, planes = scene.touching_points, scene.half_planes
+    out_of_reach = [
+        wall.name for wall in scene.walls if all(scene.keeps_distance(k, planes[wall.name]) for k in points)
+    ]
+    pairs = sum(not scene.keeps_distance(k, plane) for k in points for plane in planes.values())
+    if out_of_reach and len(scene.walls) > pairs:
+        number = [wall.name for wall in scene.walls].index(out_of_reach[0]) + 1
+        reason = "no point can reach it: all that may touch slides parallel to it"
+        raise SceneError(f"walls[{number}].name = {out_of_reach[0]!r} must be left out: {reason}")
 
 
 def check_motion(scene: Contents) -> None:

@@ -28,6 +28,8 @@ from chain_impact.scene.tables import (
     Wall,
 )
 
+PARALLEL = 1e-12  # the cosine between a slider's line and a wall's normal that counts as 0: round-off
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Contents:
@@ -75,8 +77,34 @@ class Contents:
 
     @property
     def may_touch(self) -> bool:
-        """Whether a point may touch a wall."""
-        return bool(self.contact.points or self.chain.sites)
+        """Whether a point may touch a wall, if there is one that it can reach."""
+        if self.chain.slider is None and not self.chain.sites:
+            return bool(self.contact.points)
+        planes = self.half_planes.values()
+        points = self.touching_points
+        return (
+            any(not self.keeps_distance(k, plane) for k in points for plane in planes)
+            if planes
+            else bool(points)
+        )
+
+    @property
+    def touching_points(self) -> tuple[int, ...]:
+        """The points that may touch walls: listed joints and all points of links that can move."""
+        first, pinned = len(self.chain.links) + 1, self.chain.base == "pinned"
+        sites = enumerate(self.chain.sites, first)
+        moving = (k for k, (link, site) in sites if not (pinned and link == 0 and site.is_at_joint))
+        return *self.contact.points, *moving
+
+    def keeps_distance(self, point: int, plane: HalfPlane) -> bool:
+        """Whether a point slides along a line that is parallel to a wall, so that it never reaches it."""
+        slider, sites = self.chain.slider, self.chain.sites
+        behind = point - len(self.chain.links) - 1
+        at_base = point == 0 or (behind >= 0 and sites[behind][0] == 0 and sites[behind][1].is_at_joint)
+        if slider is None or not at_base:
+            return False
+        along = plane.normal[0] * math.cos(slider.angle) + plane.normal[1] * math.sin(slider.angle)
+        return abs(along) < PARALLEL
 
     @property
     def moving_walls(self) -> tuple[str, ...]:

@@ -50,6 +50,11 @@ class Site:
     radius: float | None = quantity("m", "radius of the point", CONTACT_RADIUS, minimum=0.0)
     name: str = quantity("", "name in lists and pictures", "", matching=OPTIONAL_NAME)
 
+    @property
+    def is_at_joint(self) -> bool:
+        """Whether it lies at the joint nearer to the base."""
+        return self.x == self.y == 0.0
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Link:

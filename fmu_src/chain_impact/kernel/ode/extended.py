@@ -187,6 +187,9 @@ def solve_shift(d, s, space, row, x):
         impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * own.stiffness[k] * x[gap_at(d, k)]
         add_along(constraint(d, k), space.load, impulse)
     solve_space(d, own.link, space, row, change)
+    if d.slides:
+        # in flight nobody else clears the loads on the points
+        space.load.x[0], space.load.y[0] = 0.0, 0.0
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]
         x[j] += s * x[velocity_at(n) + j]

@@ -38,12 +38,14 @@ function partsOf(file, { boxWalls }) {
   const count = links.length;
   const [points, stops, there] = [contact.points ?? movablePoints(file), stopsOf(file), wallsOf(file)];
   const [sites, sliderStops] = [sitesOf(file), sliderStopsOf(file)];
-  const mayTouch = points.length > 0 || sites.length > 0;
+  const movable = sites.flatMap(({ link, x, y }, s) => (base === "pinned" && link === 0 && x === 0 && y === 0 ? [] : [count + 1 + s]));
+  const touching = [...points, ...movable];
+  const reaches = (point, name) => !keepsDistance(file, sites, point, name);
+  const mayTouch = there.length > 0 && (slider || sites.length > 0)
+    ? touching.some((point) => there.some((name) => reaches(point, name))) : touching.length > 0;
   const wallNames = [...boxWalls, ...(mayTouch ? walls.map(({ name }) => name) : []), ...(stops.length ? STOPS : []), ...sliderStops];
   const numbers = wallNames.flatMap((name, number) => (there.includes(name) ? [number] : []));
-  const movable = sites.flatMap(({ link, x, y }, s) => (base === "pinned" && link === 0 && x === 0 && y === 0 ? [] : [count + 1 + s]));
-  const pairs = [...points, ...movable].flatMap((point) => numbers.map((wall) => [point, wall]))
-    .filter(([point, wall]) => !keepsDistance(file, sites, point, wallNames[wall]));
+  const pairs = touching.flatMap((point) => numbers.map((wall) => [point, wall])).filter(([point, wall]) => reaches(point, wallNames[wall]));
   const materials = Object.values(contact.wall);
   const rubs = mayTouch && there.length > 0 && (contact.friction > 0 || contact.static_friction > 0 ||
     materials.some(({ friction, static_friction: least }) => friction !== undefined || least !== undefined));

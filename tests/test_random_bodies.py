@@ -1,0 +1,23 @@
+"""Random chains of bodies: ``python -m tests.random_bodies`` searches further."""
+
+import pytest
+
+from chain_impact import simulate
+from tests.random_bodies import bodies, faults, wrong_energy, wrong_motion
+
+MENDED: tuple[int, ...] = ()  # seeds of scenes that had faults
+
+
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize("seeds", [range(12), range(12, 200)], ids=str)
+def test_random_bodies_keep_the_laws_of_physics(seeds):
+    found = {seed: told for seed in seeds if (told := faults(seed))}
+    assert not found
+
+
+def test_a_wrong_acceleration_and_a_lost_energy_are_found():
+    run = simulate(bodies(3), output_step=0.01)
+    assert not wrong_motion(run) + wrong_energy(run)
+    run.outputs["angular_acceleration"] *= 1.0 + 1e-7
+    run.outputs["dissipated"][-1] += 1e-3 * run.energy["kinetic"].max()
+    assert {text.partition(":")[0] for text in wrong_motion(run) + wrong_energy(run)} == {"newton", "energy"}
