@@ -18,6 +18,7 @@ import numpy as np
 
 from chain_impact import simulate
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.tangent.friction import APART
 from chain_impact.results.result import Result
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
@@ -31,6 +32,8 @@ AGREE = 3e-3  # of a derivative: differences of both sizes that are nearer to ea
 WRONG = 1e-2  # of a derivative: more is not the error of a run
 # of all in a column, and of value over parameter: what is less is not told from the errors of the runs
 LEAST = 1e-3
+# what a run leaves open is told as a part of the largest derivative of a place: that of rates may be larger
+OPEN = 10.0
 PARAMETERS = (
     "link[1].mass",
     "link[1].length",
@@ -218,8 +221,9 @@ def compare_one(result: Result, parameter: str, value: float, near: Any, found: 
     one, other = (
         np.stack([more[name] - less[name] for name in columns], 1) / width for more, less, width in near
     )
-    floor = LEAST * np.maximum(np.abs(other).max(0), np.abs(values).max(0) / abs(value))
-    wrong, compared = differ(slopes, one, other, floor)
+    largest = np.abs(other).max(0)
+    floor = LEAST * np.maximum(largest, np.abs(values).max(0) / abs(value))
+    wrong, compared = differ(slopes, one, other, floor, OPEN * left_open(result) * largest)
     found.rows += int(compared.any(1).sum())
     found.compared += int(compared.sum())
     for t, j in np.argwhere(wrong):
@@ -232,18 +236,32 @@ def compare_one(result: Result, parameter: str, value: float, near: Any, found: 
     for name in IMPACT_QUANTITIES:
         rows = result.impact_sensitivity(name, parameter)
         one, other = ((more.impacts[name] - less.impacts[name]) / width for more, less, width in near)
-        wrong, compared = differ(rows, one, other, LEAST * np.abs(impacts[name]) / abs(value))
+        most = OPEN * left_open(result) * np.nanmax(np.abs(rows), initial=0.0)
+        wrong, compared = differ(rows, one, other, LEAST * np.abs(impacts[name]) / abs(value), most)
         found.compared += int(compared.sum())
         for i in np.flatnonzero(wrong):
             label = f"{name} of impact {i + 1}"
             found.wrong.append((parameter, float(impacts["onset"][i]), label, float(rows[i]), float(one[i])))
 
 
-def differ(slopes: Any, one: Any, other: Any, floor: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Which derivatives are wrong, and which are compared: given ones, where both differences agree."""
+def left_open(result: Result) -> float:
+    """The share of the largest derivative by which a run says that its derivatives may be off.
+
+    With friction it is at least APART: what is less is not told.
+    """
+    told = [limit.split("off by ")[1].split()[0] for limit in result.sensitivity_limits if "off by" in limit]
+    untold = APART if any(name.endswith("friction_impulse") for name in result.columns) else 0.0
+    return max(map(float, told), default=untold)
+
+
+def differ(slopes: Any, one: Any, other: Any, floor: Any, told: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Which derivatives are wrong, and which are compared: given ones, where both differences agree.
+
+    Less than ``floor`` is not compared; the run says that it may be off by ``told``.
+    """
     size, apart = np.maximum(np.abs(other), floor + 1e-9), np.abs(one - other)
     compared = (apart <= AGREE * size) & ~np.isnan(slopes)
-    return compared & ~(np.abs(slopes - one) <= WRONG * size + 3.0 * apart), compared
+    return compared & ~(np.abs(slopes - one) <= WRONG * size + 3.0 * apart + told), compared
 
 
 def main() -> None:

@@ -204,6 +204,8 @@ def test_walls_at_any_angle_have_their_own_variables():
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_each_parameter_sets_its_place_and_nothing_else(scene):
     """But for the values in use that the scene derives."""
+    if scene is SCENES["rocking_block"]:  # it stands on the floor, where a radius has no room
+        scene = scene.with_values({"initial.y": 0.1})
     paths = Model(scene).parameter_paths
     before = Model(scene).new_instance()
     followers = {word_index(before.dtype, v.place) for v in Model(scene).parameters if v.rule}

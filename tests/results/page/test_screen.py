@@ -36,12 +36,23 @@ def settle(page):
     until(page, STILL)
 
 
+# where a grip is, if nothing covers it
+REACHABLE = """(name) => {
+  const grip = document.querySelector(`[data-grip="${name}"]`), box = grip?.getBoundingClientRect();
+  const at = box && [box.x + box.width / 2, box.y + box.height / 2];
+  return at && document.elementFromPoint(...at)?.closest("[data-grip]") === grip && at;
+}"""
+
+
+def reachable(page, grip):
+    """Where a grip is on the screen, as soon as it can be taken: a late frame may move it, or cover it."""
+    return np.array(page.wait_for_function(REACHABLE, arg=grip).json_value())
+
+
 def drag(page, grip, by, origin=None):
     """Drag a grip to some pixels from where it, or another origin, is; returns the parameters that follow."""
     settle(page)  # a grip that is still drawn anew is not there to be taken
-    x, y = middle(page, grip)
-    there = f"document.elementFromPoint({x}, {y})?.closest('[data-grip]')?.dataset.grip === '{grip}'"
-    until(page, there)  # a late frame may put the grip elsewhere, or another one above it
+    x, y = reachable(page, grip)
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(*(middle(page, origin or grip) + by), steps=4)
@@ -87,10 +98,7 @@ def test_the_view_fits_again_when_a_wall_is_let_go(show):
 def test_joints_at_rest_are_given_velocities(show):
     page = show("four_link_box", AT_REST)
     for joint in range(5):
-        x, y = middle(page, f"velocity {joint}")
-        at = page.evaluate("([x, y]) => document.elementFromPoint(x, y).dataset.grip", [x, y])
-        assert at == f"velocity {joint}"
-        way = middle(page, f"velocity {joint}") - middle(page, f"joint {joint}")
+        way = reachable(page, f"velocity {joint}") - middle(page, f"joint {joint}")
         after = drag(page, f"velocity {joint}", 0.7 * way)
         if joint == 0:
             assert after["initial.vx"] < 0.0 < abs(after["initial.vy"])

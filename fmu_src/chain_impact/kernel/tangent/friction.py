@@ -35,6 +35,7 @@ from chain_impact.kernel.tangent.trust import (
     TRUSTED,
     cannot_be_less,
     fastest_speed,
+    mark_split,
     mark_untrusted,
 )
 
@@ -118,7 +119,9 @@ def negligible(t, speed):
             most = max(most, change / largest_of_all)
     if t.trust.share + most > LEFT_OPEN:
         return False
-    t.trust.share += most
+    if most > 0.0:
+        t.trust.share += most
+        mark_split(t)
     return True
 
 
@@ -142,14 +145,20 @@ def check_changes(t, time):
         t: the tangent instance, with the points located at the end of the last step.
         time: the delay of one of the changes, a dual number of value 0.
     """
+    stopped, slowly = 0, False
     for i in range(t.friction.count):
         e = t.element.index[i]
         if t.element.mode[e] != STICKS:
             speed = tangential_rate(t, e)
             stops = t.element.event[e] == SLIDING_ENDS or abs(value(speed)) <= value(rest_speed(t))
+            stopped += stops
+            slowly = slowly or (stops and stops_slowly(t, e))
             after = speed + value(tangential_acceleration(t, e)) * time
             if stops and not rests(t, after, time) and not negligible(t, after):
                 end_at(t, SLOW_CHANGE if stops_slowly(t, e) else TOGETHER, e)
+    # a rod that lies on a floor: when each of its ends stops decides how they share friction
+    if stopped > 1 or slowly:
+        mark_split(t)
     if pending_changes(t) > 1:
         for i in range(t.friction.count):
             e = t.element.index[i]

@@ -92,7 +92,6 @@ from chain_impact.kernel.tangent.trust import (
     check_onsets,
     check_turns,
     mark_untrusted,
-    note_split,
     trust,
 )
 
@@ -276,7 +275,6 @@ def replay(d, t):
     settle_impulses(t)
     copy_marks(d, t)
     move_end(t)
-    note_split(t)
 
 
 def make(d, t, h):

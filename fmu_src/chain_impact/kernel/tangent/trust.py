@@ -108,13 +108,12 @@ def begin_trust(t):
     trust(t)
 
 
-def note_split(t):
-    """Note whether friction has left something open: impulses of friction are not known from then on.
+def mark_split(t):
+    """Mark that derivatives of the impulses of friction are not known from now on.
 
     A speed that is stopped changes them, and how elements that stick share friction.
     """
-    if t.trust.share > 0.0:
-        t.trust.split = 1
+    t.trust.split = 1
 
 
 def share_reason(t, other):
