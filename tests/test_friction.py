@@ -258,3 +258,36 @@ def test_a_zigzag_chain_of_hinged_rods_does_not_carry_the_pull_on():
     ahead = height[0] - 0.5 * GRAVITY * result.time**2 - height
     assert len(result.impacts) > 100
     assert 0.004 < ahead.max() < 0.006 < float(exact.ahead[0])
+
+
+def skidding(law, **changes):
+    """Two links that fall on a rough floor and skid, or lie on it and slide from the start."""
+    table = {
+        "name": "Skids",
+        "chain": {"base": "free", "links": [{"length": 0.4, "mass": 1.0}] * 2},
+        "box": {"y_min": 0.0},
+        "contact": {"model": law, "stiffness": 1e6, "restitution": 0.5, "friction": 0.4},
+        "initial": {"position": [0.0, 0.2], "angles": [0.1, 0.1], "velocity": [1.5, 0.0]},
+        "simulation": {"stop_time": 1.0},
+    }
+    return scene_from_dict({**table, **changes}, "skidding")
+
+
+@pytest.mark.parametrize("law", ["hertz", "zhang_sharf", "carvalho_martins", "jankowski"])
+def test_dissipated_energy_falls_by_no_more_than_the_tolerance(law):
+    dissipated = simulate(skidding(law), tolerance=1e-6, output_step=5e-4)["energy.dissipated"]
+    assert dissipated[-1] > 1.0
+    assert np.diff(dissipated).min() > -1e-6 * dissipated[-1]
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+def test_the_impulse_of_friction_is_that_of_the_floor_on_the_stiffest_one_from_rest_on(method):
+    """Without damping a rod trembles on the floor; while it slides, vx + µ (vy + g t) stays as it was."""
+    contact = {"model": "hertz", "stiffness": 1e14, "friction": 0.3}
+    start = {"position": [0.0, 0.0], "angles": [0.0], "velocity": [2.0, 0.0]}
+    links = {"base": "free", "links": [{"length": 0.4, "mass": 1.0}]}
+    scene = skidding("hertz", contact=contact, initial=start, chain=links, simulation={"stop_time": 0.03})
+    result = simulate(scene, tolerance=1e-8, output_step=1e-3, method=method)
+    falls = 0.5 * (result["point[0].vy"] + result["point[1].vy"]) + GRAVITY * result.time
+    assert result.impacts["peak_force"].max() > 0.9 * GRAVITY
+    np.testing.assert_allclose(result["point[0].vx"] + 0.3 * falls, 2.0, rtol=1e-7)

@@ -58,14 +58,14 @@ def test_random_scenes_keep_the_laws_of_physics(seeds):
 # Ends of contacts where the interpolant of a stiff step is at fault, points in toggle positions and wedged
 # ones under rigid walls, bounces too low to be told from rest, first steps over stiff joints, ends at loose
 # tolerances, outputs between the ends of an unstable explicit step, a step toward the end of a contact whose
-# penetration is round-off.
+# penetration is round-off, forces in joints that rise and fall several times in an implicit step.
 # fmt: off
 MENDED = [
     77, 179, 190, 279, 394, 475, 630, 826, 1509, 1791, 2455, 2655, 2716, 3137, 3165, 3791, 3822, 3861,
     3873, 3900, 3972, 4633, 4647, 4724, 5015, 5044, 5646, 6014, 6508, 6909, 7258, 8026, 9115, 9864, 9955,
     10089, 10329, 10688, 10860, 11059, 11589, 11731, 12517, 13018, 13804, 14480, 15412, 15578, 15729,
     15872, 16529, 17279, 18112, 18276, 18576, 19186, 19544, 19615, TAUT + 1530,
-    RUBBED + 1741,
+    RUBBED + 1741, RUBBED + 3347, RUBBED + 3671, DRIVEN + 1536, DRIVEN + 2972,
 ]
 # fmt: on
 

@@ -25,12 +25,14 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, at_center, l
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.equations import located_rate
 from chain_impact.kernel.forces.contact import set_joint_top
+from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import fraction, interpolate, maximum_of
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
 from chain_impact.kernel.rows.geometry import WALLS, at_joint, lever, link_of, normal, tangent
 from chain_impact.kernel.status import counted_work, uncount_work
 
-INTERVALS = 8  # of a step, between the samples of the forces in its joints
+# of a step, between the samples of the forces in its joints: in an implicit one they may rise and fall often
+INTERVALS, IMPLICIT_INTERVALS = 8, 32
 NEARLY = 0.95  # a parabola through three samples estimates the square of a peak to this fraction
 
 
@@ -219,8 +221,9 @@ def search_step(d):
 def search_peaks(d, time):
     """Raise ``transmitted.top`` to the largest |f|² [N²] of the last step until a ``time`` [s]."""
     own, end = d.transmitted, fraction(d, time)
-    for m in range(INTERVALS + 1):
-        load_joints_at(d, end * m / INTERVALS)
+    intervals = IMPLICIT_INTERVALS if d.step.last_method == IMPLICIT else INTERVALS
+    for m in range(intervals + 1):
+        load_joints_at(d, end * m / intervals)
         for i in range(d.links):
             own.after[i] = square_of_force(d, i)
         for i in range(d.links):
@@ -228,7 +231,7 @@ def search_peaks(d, time):
             own.before[i], own.middle[i] = top, right
             own.top[i] = max(own.top[i], right)
             if m >= 2 and rises_between(left, top, right, own.top[i]):
-                found = largest_square(d, i, end * (m - 1) / INTERVALS, end / INTERVALS, end)
+                found = largest_square(d, i, end * (m - 1) / intervals, end / intervals, end)
                 own.top[i] = max(own.top[i], found)
 
 
