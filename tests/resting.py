@@ -245,8 +245,9 @@ def run(kind: str, seed: int, lasting: float) -> Run:
     late = rows[: max(reached, 1)][reached // 2 :]
     size = max(each.length for each in one.chain.links)
     speeds = max(np.abs(late["angular_velocity"]).max() * size, np.abs(late["point_velocity"]).max())
-    balance = late["total"] + late["dissipated"] - late["supplied"]
-    terms = [late[name] for name in ("potential", "dissipated", "elastic", "supplied")]
+    settled = late[len(late) // 2 :]  # the step in which it comes to rest may be a long one
+    balance = settled["total"] + settled["dissipated"] - settled["supplied"]
+    terms = [settled[name] for name in ("potential", "dissipated", "elastic", "supplied")]
     scale = max(float(np.abs(term).max()) for term in terms)
     return Run(
         kind,

@@ -86,8 +86,6 @@ from chain_impact.kernel.status import (
 LONGEST_STEP = 1.0
 # s. Far below the resolution of floating-point time, except at t = 0. A run that needs less ends.
 SHORTEST_STEP = 1e-18
-# Fraction of an implicit step. So near its start the dense output is as accurate as the end of the step.
-NEAR_START = 1e-3
 
 
 def advance(d, time, log_capacity, work):
@@ -321,9 +319,10 @@ def must_land(d, theta):
 
     At the end of a contact and at its kink the force is not smooth, and the interpolant of a step across it
     is less accurate than the step. The interpolant of an implicit step is less accurate everywhere but at its
-    ends, so that such a step is repeated for every event.
+    ends, so that such a step is repeated for every event: near its start, too, where a point that bounces
+    lower and lower would otherwise fall faster than it has risen, and bounce without end.
     """
-    return theta > 0.0 and (bends_force(d) or (d.step.last_method == IMPLICIT and NEAR_START < theta < 1.0))
+    return theta > 0.0 and (bends_force(d) or (d.step.last_method == IMPLICIT and theta < 1.0))
 
 
 def land(d, theta):
