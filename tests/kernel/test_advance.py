@@ -403,7 +403,7 @@ def of(theta):
         ({"bends": False, "method": IMPLICIT}, 0.4, 0.2, [*REPEATED, ("energy", -1.0)]),
         ({"bends": True, "onset": 0.9}, 0.4, 0.2, [*REPEATED, *of(0.9)]),
         # at the ends the interpolant of an implicit step is right
-        *(({"bends": False, "method": IMPLICIT}, theta, 0.2, of(theta)) for theta in (1e-3, 1.0)),
+        *(({"bends": False, "method": IMPLICIT}, theta, 0.2, of(theta)) for theta in (0.0, 1.0)),
         # what cannot be located or repeated is refused, and rolled back, also if its repeat has been
         ({"bends": True}, None, FAR_OFF, BACK),
         ({"bends": True, "onset": None}, 0.4, FAR_OFF, [*REPEATED, *BACK]),
