@@ -440,3 +440,23 @@ def test_an_accelerated_base_is_as_gravity_for_limited_servos_with_armatures():
     leaning = simulate(with_values(scene, {"gravity": [-5.0, scene.gravity[1]]}), inputs=inputs)
     np.testing.assert_allclose(accelerated.angles, leaning.angles, rtol=0, atol=1e-10)
     assert balance(accelerated) < 1e-9
+
+
+def test_loads_of_a_very_stiff_servo_are_as_accurate_as_the_docs_say():
+    scene = load_scene("pinned_arm")
+    links = range(1, len(scene.chain.links) + 1)
+    servo = {"joint_stiffness": 1e7, "joint_damping": 1e3, "joint_armature": 0.05}
+    changes = {f"link[{i}].{key}": value for i in links for key, value in servo.items()}
+    scene = with_values(scene, {"outputs.loads": True, "inputs.joint_targets": True, **changes})
+    angles = np.diff(scene.initial.angles, prepend=0.0)
+    inputs = {
+        f"joint[{i}].target_angle": lambda t, start=start: start + 0.3 * np.sin(7.0 * t)
+        for i, start in zip(links, angles, strict=True)
+    }
+    found, exact = (
+        simulate(scene, inputs=inputs, stop_time=0.3, output_step=1e-3, tolerance=tolerance)
+        for tolerance in (scene.solver.tolerance, 1e-12)
+    )
+    loads = [f"joint[{i}].{load}" for i in links for load in ("force.x", "force.y", "moment")]
+    off = [np.abs(found[name] - exact[name]).max() / np.abs(exact[name]).max() for name in loads]
+    assert 1e-6 < max(off) < 2e-5
