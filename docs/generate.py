@@ -133,7 +133,7 @@ def _allowed(kind: Any, rule: Any) -> str:
         return text
     if rule["per_link"]:
         return f"list, for each link {text}"
-    true = "`true`, or " if rule["or_true"] else ""
+    true = "`true`, or " if rule["or_true"] else "a name, or " if rule["or_one"] else ""
     return f"{true}list, each {text}" if ... in rest else f"list of {1 + len(rest)}, each {text}"
 
 

@@ -102,4 +102,5 @@ def _list(kind: Any, rule: Any) -> dict[str, Any]:
         rules["minItems"], rules["maxItems"] = rule["entries"]
     elif ... not in rest:
         rules["minItems"] = rules["maxItems"] = 1 + len(rest)
-    return {"anyOf": [{"type": "boolean"}, rules]} if rule["or_true"] else rules
+    other = "boolean" if rule["or_true"] else "string" if rule["or_one"] else ""
+    return {"anyOf": [{"type": other}, rules]} if other else rules

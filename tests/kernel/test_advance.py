@@ -7,6 +7,7 @@ import pytest
 
 from chain_impact.kernel import advance as loop
 from chain_impact.kernel.entry import UNLIMITED
+from chain_impact.kernel.events import handlers
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET
 from chain_impact.kernel.ode import last_step
 from chain_impact.kernel.ode.control import EXPLICIT, FAR_OFF, IMPLICIT, SAFETY, conclude, refuse
@@ -324,11 +325,11 @@ def test_a_change_is_applied_at_the_communication_point_unless_it_is_no_jump(
 def test_what_rigid_walls_hold_is_found_anew_after_a_change(monkeypatch, held):
     d, done, answers = at_end_of_a_step(), [], list(held)
     d.step.end = 0.5
-    monkeypatch.setattr(loop, "any_point_held", lambda _: answers.pop(0))
+    monkeypatch.setattr(handlers, "any_point_held", lambda _: answers.pop(0))
     for name in ("end_changed_contacts", "update_active_set"):
-        monkeypatch.setattr(loop, name, lambda _, name=name: done.append(name))
-    monkeypatch.setattr(loop, "reset_step", lambda d, time, y: done.append((time, y is d.step.state_end)))
-    loop.recompute_active_set(d)
+        monkeypatch.setattr(handlers, name, lambda _, name=name: done.append(name))
+    monkeypatch.setattr(handlers, "reset_step", lambda d, time, y: done.append((time, y is d.step.state_end)))
+    handlers.recompute_active_set(d)
     found = ["end_changed_contacts", *["update_active_set"] * held[-1], (0.5, True)]
     assert done == (found if held[0] else [])
 

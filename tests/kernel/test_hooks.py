@@ -14,7 +14,7 @@ from chain_impact.kernel.tangent.replay import reinit_tangent, replay, start_tan
 from chain_impact.scene.scene import load_scene
 from tests.plain import record_of
 
-SIZES = {"links": 4, "candidates": 20, "elements": 24, "loads": 8, "channels": 4}
+SIZES = {"links": 4, "candidates": 20, "elements": 24, "loads": 8, "channels": 4, "signals": 2, "knots": 6}
 FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]
 # what each does with every instance of dual numbers: the functions of the kernel, in their order
 DONE = {

@@ -22,6 +22,10 @@ EVERYTHING = load_scene("four_link_box").with_values(
         "outputs.loads": True,
         "outputs.impacts": 1,
         "walls": [{"name": "slope", "point": [0.0, -9.0], "angle": 0.0}],
+        "signals": {
+            "sway": {"input": "wall.slope.displacement", "form": "sine", "amplitude": 0.1, "frequency": 2.0},
+            "runs": {"input": "wall.slope.belt_speed", "form": "steps", "times": [0.0], "values": [1.0]},
+        },
         ("chain", "links", 1, "points"): [{"x": 0.2, "y": 0.01, "name": "knee"}],
     }
 )

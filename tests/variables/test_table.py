@@ -13,6 +13,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, Scene, model_names, with_values
+from chain_impact.scene.signals import driven_by
 from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
 from chain_impact.variables.units import UNITS
@@ -26,6 +27,9 @@ MATERIALS = {"wall.y_min.stiffness": 1e7, "wall.y_min.restitution": 0.25, "wall.
 FRICTION = {"contact.friction": 0.3, "contact.static_friction": 0.4, "wall.x_max.static_friction": 0.5}
 FRICTION |= {"link[3].joint_friction": 0.2}
 NO_POINTS = {("contact", "points"): []}
+
+
+SHAKEN = {"signals": {"shake": {"input": "base.x", "form": "sine", "amplitude": 0.01, "frequency": 5.0}}}
 
 
 def scenes() -> dict[str, Scene]:
@@ -42,6 +46,7 @@ def scenes() -> dict[str, Scene]:
         "friction": with_values(box, FRICTION | STOPS),
         "loads": with_values(box, FRICTION | STOPS | {"outputs.loads": True}),
         "friction in joints": pendulum(),
+        "signals": with_values(models["shaken_pendulum"], SHAKEN),
         "slanted": with_values(box, {("walls",): [{"name": "slope", "point": [0.0, 0.0], "angle": -0.75}]}),
     }
 
@@ -269,7 +274,7 @@ def test_columns_are_those_of_the_recorded_outputs():
             rubbing if scene.has_friction else 0,
             links + len(scene.wall_names) if scene.outputs.loads else 0,
         )
-        given = Model(scene).sizes.channels, len(scene.chain.sites)
+        given = Model(scene).sizes.channels, len(scene.chain.sites), len(driven_by(scene))
         assert outputs.dtype == output_dtype(links, pairs, *rows, *given)
         width = outputs.dtype.itemsize // 8
         outputs.view(np.float64)[:] = np.arange(3 * width)

@@ -8,7 +8,7 @@ import pytest
 from chain_impact.variables.units import UNITS, in_order, quotient, unit_of
 
 # derived units in kg, m, s
-DERIVED = {"N": {"kg": 1, "m": 1, "s": -2}, "J": {"kg": 1, "m": 2, "s": -2}, "1": {}}
+DERIVED = {"N": {"kg": 1, "m": 1, "s": -2}, "J": {"kg": 1, "m": 2, "s": -2}, "Hz": {"s": -1}, "1": {}}
 PLAIN = [name for name, unit in UNITS.items() if unit.powers is not None]
 
 

@@ -1,6 +1,7 @@
-"""Sizes and offsets in the record of an instance: a + bN + cC + dF + eL + fK + gP, affine in six numbers.
+"""Sizes and offsets in the record of an instance: affine in its counts.
 
-A record has N links, C candidates, F elements that may have dry friction, L loads, K channels and P sites.
+They are a + bN + cC + dF + eL + fK + gP + hD + iR. A record has N links, C candidates, F elements that may
+have dry friction, L loads, K channels, P sites, D signals and R knots of these.
 """
 
 from __future__ import annotations
@@ -8,19 +9,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-COUNTS = ("links", "candidates", "elements", "loads", "channels", "sites")
-"""The fields of the instance with N, C, F, L, K and P."""
+COUNTS = ("links", "candidates", "elements", "loads", "channels", "sites", "signals", "knots")
+"""The fields of the instance with N, C, F, L, K, P, D and R."""
+_FIRST = (5, 7, 4, 3, 3, 2, 2, 5)
 SAMPLES = (
-    (5, 7, 4, 3, 3, 2),
-    *((6, 7, 4, 3, 3, 2), (5, 8, 4, 3, 3, 2), (5, 7, 5, 3, 3, 2), (5, 7, 4, 4, 3, 2), (5, 7, 4, 3, 4, 2)),
-    (5, 7, 4, 3, 3, 3),
-    (7, 10, 9, 8, 5, 6),
+    _FIRST,
+    *(tuple(number + (k == n) for k, number in enumerate(_FIRST)) for n in range(len(_FIRST))),
+    (7, 10, 9, 8, 5, 6, 4, 9),
 )
-"""N, C, F, L, K and P of the records that all sizes and offsets follow from; the last one is a check."""
+"""The counts of the records that all sizes and offsets follow from; the last one is a check."""
 
 
 class Affine(NamedTuple):
-    """The number ``constant + per_link N + per_candidate C + … + per_site P``."""
+    """The number ``constant + per_link N + per_candidate C + … + per_knot R``."""
 
     constant: int
     per_link: int
@@ -29,6 +30,8 @@ class Affine(NamedTuple):
     per_load: int
     per_channel: int
     per_site: int
+    per_signal: int
+    per_knot: int
 
 
 def affine(numbers: Sequence[int]) -> Affine:
@@ -41,5 +44,5 @@ def affine(numbers: Sequence[int]) -> Affine:
     slopes = [number - first for number in others]
     constant = first - sum(slope * count for slope, count in zip(slopes, SAMPLES[0], strict=True))
     if constant + sum(slope * count for slope, count in zip(slopes, SAMPLES[-1], strict=True)) != last:
-        raise ValueError(f"{numbers}: no number a + bN + cC + dF + eL + fK + gP")
+        raise ValueError(f"{numbers}: no number a + bN + cC + dF + eL + fK + gP + hD + iR")
     return Affine(constant, *slopes)

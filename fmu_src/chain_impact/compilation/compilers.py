@@ -60,7 +60,8 @@ runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sy
 WINDOWS_PARTS = ("convert", "heap", "math", "private", "stdio", "string")
 GENERAL = 0
 """In place of a number of links: a kernel for any number of links and for all that few scenes have, such as
-walls that move, points of links, or a slider. The other kernels do without these at no cost."""
+walls that move, points of links, a slider, or signals. The other kernels do without these at no cost."""
+_FEW = tuple(f"chain_{name}" for name in ("channels", "sites", "signals", "knots", "skewed", "slides"))
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
 # A number that the instance holds does not change while the kernel works on it, and is of a sensible size.
@@ -129,7 +130,7 @@ def complete(module: str, links: int | None, registers: str = REGISTERS) -> str:
     sizes = CONSTANT.format(name=name, number=links) if links else HELD.format(name=name, word=0)
     for word, held in enumerate(("chain_candidates", "chain_elements", "chain_loads"), 1):
         sizes += HELD.format(name=held, word=word)
-    for word, held in enumerate(("chain_channels", "chain_sites", "chain_skewed", "chain_slides"), 4):
+    for word, held in enumerate(_FEW, 4):
         whole = links == GENERAL
         sizes += HELD.format(name=held, word=word) if whole else CONSTANT.format(name=held, number=0)
     hidden = _LEFT_OPEN.sub(r"\1 hidden ", module)  # private to a library, and called without a table

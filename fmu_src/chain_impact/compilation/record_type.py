@@ -1,9 +1,9 @@
 """The instance as a numba type: one lowering of the kernel serves every number of links and candidates.
 
-numba's own record types have all sizes in them. Code for this type asks for six numbers, N links, C
-candidates, F elements that may have dry friction, L loads, K channels and P sites, and for two flags, by
-calling functions that are defined when a kernel is linked (compilers.py): as constants, or as numbers that
-the instance holds. All sizes and offsets follow from the six numbers (affine.py).
+numba's own record types have all sizes in them. Code for this type asks for the numbers of links, candidates
+and so on (affine.py), and for two flags, by calling functions that are defined when a kernel is linked
+(compilers.py): as constants, or as numbers that the instance holds. All sizes and offsets follow from these
+numbers.
 
 A value is the address of the instance. Which record or field of it is meant, the type tells; and whether its
 reals are plain numbers or dual ones, which carry derivatives (dual_numbers.py).
@@ -39,7 +39,7 @@ from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
-# field of the instance → the function that tells its number for an instance: N, C, F, L, K and P, …
+# field of the instance → the function that tells its number for an instance …
 COUNTERS = {name: f"chain_{name}" for name in COUNTS}
 # … and flags, on which no size depends
 FLAGS = {name: f"chain_{name}" for name in ("skewed", "slides")}

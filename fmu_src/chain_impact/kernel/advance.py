@@ -10,9 +10,7 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.events.base import check_base, end_at_base
 from chain_impact.kernel.events.contact_log import update_peaks, update_to_output_time
-from chain_impact.kernel.events.friction_modes import reinit_modes
-from chain_impact.kernel.events.handlers import apply_events, bends_force
-from chain_impact.kernel.events.impacts import end_changed_contacts, update_active_set
+from chain_impact.kernel.events.handlers import apply_events, bends_force, renew_modes
 from chain_impact.kernel.events.marks import (
     KINK,
     NONE,
@@ -20,9 +18,14 @@ from chain_impact.kernel.events.marks import (
     ends_in_onset,
     pending_changes,
 )
-from chain_impact.kernel.events.saturation import choose_saturation
 from chain_impact.kernel.events.search import find_event, onset_fraction
-from chain_impact.kernel.forces.contact import clear_loads, latch, set_kink_sides
+from chain_impact.kernel.events.segments import (
+    begin_segments,
+    check_segments,
+    end_at_segment,
+    limit_to_segment,
+)
+from chain_impact.kernel.forces.contact import clear_loads, latch
 from chain_impact.kernel.forces.contact_law import laws_in_use, update_laws
 from chain_impact.kernel.forces.inputs import (
     AT_ONCE,
@@ -63,7 +66,7 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.ode.methods import attempt, choose_method, prepare
 from chain_impact.kernel.ode.sundman import regularize, time_rate_now
-from chain_impact.kernel.rows.constraints import SOLVED, UNSOLVED, any_point_held, clear_unsolved
+from chain_impact.kernel.rows.constraints import SOLVED, UNSOLVED, clear_unsolved
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
     LOG_FULL,
@@ -231,26 +234,15 @@ def latch_again(d):
 def apply_laws(d):
     """Set what is latched, what is held, modes and sides of kinks for laws that may have changed."""
     latch_again(d)
-    recompute_active_set(d)
-    choose_saturation(d)
-    reinit_modes(d, belts_jump(d))
-    set_kink_sides(d)
-
-
-def recompute_active_set(d):
-    """Update the active set of the contacts that were rigid at the end of the last step, if any."""
-    if not any_point_held(d):
-        return
-    end_changed_contacts(d)
-    if any_point_held(d):
-        update_active_set(d)
-    reset_step(d, d.step.end, d.step.state_end)
+    renew_modes(d, belts_jump(d))
 
 
 def take_step(d):
     """Take one accepted step, up to the first event in it; returns a status."""
     clear_unsolved(d)
     status = check_base(d) if d.channels > 0 else OK
+    if d.signals > 0 and status == OK:
+        status = check_segments(d)
     if status == OK:
         status = check_solved(d, check_events(d, begin_step(d)))
     if status == OK:
@@ -260,6 +252,8 @@ def take_step(d):
         status = check_balance(d)
     if status == OK and d.channels > 0:
         end_at_base(d)
+    if status == OK and d.signals > 0:
+        end_at_segment(d)
     return status if status != OK else check_work(d)
 
 
@@ -272,6 +266,8 @@ def find_step(d):
     """Try steps of ever smaller size until one is accepted, up to its first event; returns a status."""
     wanted = min(d.step.next_size, LONGEST_STEP)
     limited = limit_to_piece(d, wanted)
+    if d.signals > 0:
+        limited = limit_to_segment(d, limited)
     h, grow = prepare(d, limited), control.GROW
     if limited < wanted:
         h = min(h, limited)  # a step made longer to pass the end of a contact must not pass the piece
@@ -346,6 +342,8 @@ def begin_step(d):
         apply_next_piece(d)
         if d.channels > 0:
             evaluate_start(d)
+    if d.signals > 0 and begin_segments(d):
+        control.limit(d, control.in_flight(d, d.step.state_end, d.work.rate_start))
     landed = events > 0 and d.contact.any_rigid and d.touch.compliant_count == 0
     if landed and d.step.method != IMPLICIT:
         control.limit(d, control.in_flight(d, d.step.state_end, d.work.rate_start))

@@ -7,6 +7,7 @@ be wrong: it leads to a fault status, never to an access outside the record.
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.advance import advance, must_reinit, reinit
+from chain_impact.kernel.chain.signals import CHANNEL, RAMP, SINE, TIP_FORCE, TORQUE, TRAPEZOID
 from chain_impact.kernel.events.contact_log import collect, update_to_output_time
 from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.friction_modes import clear_changes
@@ -78,10 +79,30 @@ def within_bounds(d):
         fits = fits and within(d.touch.number[c], 0, d.impact.count)
         fits = fits and within(d.touch.active_index[c], 0, d.candidates - 1)
         fits = fits and within(d.touch.active[c], 0, 1) and within(d.touch.event[c], 0, NEIGHBOUR)
+    fits = fits and signals_within_bounds(d)
     for s in range(d.sites):
         fits = fits and within(d.site.link[s], 0, d.links - 1)
     for i in range(d.links + 1):
         fits = fits and within(d.model.first_site[i], 0, d.sites)
+    return fits
+
+
+def signals_within_bounds(d):
+    """Whether the indices of signals are within their bounds."""
+    fits, own = True, d.signal
+    for j in range(d.signals):
+        most = d.channels - 1 if own.input[j] == CHANNEL else d.links - 1
+        most = 1 if own.input[j] == TIP_FORCE else most
+        fits = fits and within(own.input[j], TORQUE, CHANNEL) and within(own.index[j], 0, most)
+        fits = fits and within(own.source[j], 0, d.signals - 1) and within(own.order[j], 0, 2)
+        fits = fits and within(own.first[j], 0, own.last[j]) and within(own.last[j], 0, d.knots - 1)
+        fits = fits and within(own.segment[j], own.first[j], own.last[j])
+        if fits:
+            # those of what is given, and the knots that a form needs
+            given, needed = own.first[own.source[j]] + own.last[j] - own.first[j], 0
+            if own.form[j] == SINE or own.form[j] == RAMP:
+                needed = 4 if own.shape[own.source[j]] == TRAPEZOID else 2
+            fits = within(given, 0, d.knots - 1) and own.last[j] - own.first[j] >= needed
     return fits
 
 

@@ -12,6 +12,7 @@ from chain_impact.kernel.chain.joints import (
     spring_stiffness,
 )
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.signals import derive_signals, signals_are_valid
 from chain_impact.kernel.chain.slider import slider_damping, slider_stiffness
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, velocity_at
 from chain_impact.kernel.equations import mechanical_energy, state_rate, stored_energy
@@ -62,6 +63,8 @@ def initialize(d, time):
     """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
     derive_chain(d)
     clear_run(d, time)
+    if d.signals > 0:
+        derive_signals(d, time)
     if d.channels > 0:
         begin_motion(d, time)
     apply_inputs(d)
@@ -236,7 +239,8 @@ def check_parameters(d):
     ):
         if not (value > 0.0 and math.isfinite(value)):
             return PARAMETER_OUT_OF_RANGE
-    if not (d.contact.radius >= 0.0 and walls_are_finite(d)) or (d.slides and not slider_is_valid(d)):
+    invalid = (d.slides and not slider_is_valid(d)) or (d.signals > 0 and not signals_are_valid(d))
+    if not (d.contact.radius >= 0.0 and walls_are_finite(d)) or invalid:
         return PARAMETER_OUT_OF_RANGE
     status = check_stops(d) if d.model.stopped else OK
     if status != OK:

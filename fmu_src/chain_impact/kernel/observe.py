@@ -6,9 +6,10 @@ what has been summed up until now, such as impulses: these outputs stay as they 
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.kernel.chain.sites import site_place
 from chain_impact.kernel.chain.slider import slider_position, slider_velocity
-from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
+from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, time_at
 from chain_impact.kernel.equations import located_rate, mechanical_energy, stored_energy
 from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.forces.contact import contact_force
@@ -91,6 +92,9 @@ def fill_motion(d, theta):
         out.slider_acceleration = slider_velocity(d, rate)
     for m in range(d.channels):
         out.channel[m] = d.moved.position[m]
+    for j in range(d.signals):
+        value, rate_, bend = signal_at(d, j, d.step.clock + y[time_at(n)])
+        out.signal[j, 0], out.signal[j, 1], out.signal[j, 2] = value, rate_, bend
     fill_forces(d)
     if d.elements > 0:
         fill_friction(d)

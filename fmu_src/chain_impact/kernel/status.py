@@ -26,6 +26,7 @@ STOPS_REVERSED = 18
 WALL_JUMPS = 19
 BASE_BEYOND_WALL = 20
 NO_ROOM = 21
+SIGNAL_JUMPS = 22
 LOG_FULL = -1  # not a fault: collect the finished contacts, then continue
 PAUSED = -2  # not a fault: the caller may continue
 ONSET_DUE = -3  # not a fault: contacts begin at the time reached and are not yet applied
@@ -73,6 +74,8 @@ STATUS_TEXT = {
     BASE_BEYOND_WALL: "the pinned base is beyond a wall: base and wall must not move through each other",
     NO_ROOM: "rigid walls that move leave no room for what is between them: let them stop before, or take a "
     "law with a force",
+    SIGNAL_JUMPS: "a signal lets the velocity of the base or of a wall jump, which would be an impact of "
+    "unknown strength: let it rise or begin smoothly",
 }
 # Status → its name in the tables of sweeps, that of the constant.
 STATUS_NAME = {code: name.lower() for name, code in globals().items() if name[0] != "_" and code in range(99)}

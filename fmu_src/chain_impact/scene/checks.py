@@ -20,6 +20,7 @@ from chain_impact.scene.contents import Contents
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import SceneError, SceneWarning, shown
+from chain_impact.scene.signals import check_signals
 from chain_impact.scene.tables import Chain, Contact, Material, Stops
 
 _MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
@@ -33,6 +34,7 @@ def check(scene: Contents) -> None:
         check_together(scene)
         check_stops(scene)
         check_friction(scene)
+        check_signals(scene)
         check_start(scene)
         check_joint_angles(scene)
     except SceneError as error:

@@ -10,6 +10,7 @@ from chain_impact.scene.contents import AnyScene
 from chain_impact.scene.half_planes import direction
 from chain_impact.scene.reading import SceneError, shown
 from chain_impact.scene.shapes import with_shapes
+from chain_impact.scene.signals import with_signals
 from chain_impact.scene.tables import Material
 
 ANGLES = ("initial", "angles")
@@ -18,7 +19,7 @@ ANGLES = ("initial", "angles")
 def completed(scene: AnyScene, folder: Path) -> AnyScene:
     """Return the scene with what its file leaves to other keys; files in it are sought from ``folder``."""
     scene = with_radii(with_shapes(with_angles(with_law_path(scene, folder))))
-    return with_materials(with_absolute_angles(scene))
+    return with_signals(with_materials(with_absolute_angles(scene)), folder)
 
 
 def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:

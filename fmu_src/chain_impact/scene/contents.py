@@ -4,6 +4,7 @@ What checks, changes and describes a scene stands on this; ``scene.py`` makes of
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
@@ -13,6 +14,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.limits import NO_KEY, quantity
 from chain_impact.scene.names import STOPS, Place, point_label
+from chain_impact.scene.signal import Signal
 from chain_impact.scene.tables import (
     MODEL_NAME,
     XML_TEXT,
@@ -48,6 +50,7 @@ class Contents:
     contact: Contact
     stops: Stops
     inputs: Inputs
+    signals: Mapping[str, Signal] = quantity("", "what drives inputs, by the names of signals", {})
     initial: Initial
     outputs: Outputs
     solver: Solver

@@ -56,8 +56,16 @@ def name_of(path: Place, walls: Sequence[object] = ()) -> str:
         case "initial", "angular_velocities", int() | "{at}" as i:
             name = _dotted(("initial", "angular_velocity", i))
         case _:
-            name = _dotted(path)
+            name = _dotted(_of_signal(path))
     return name
+
+
+def _of_signal(path: Place) -> Place:
+    """The path as the name of a number of a signal has it; another path stays."""
+    if path[:1] != ("signals",) or len(path) < 3:  # noqa: PLR2004
+        return path
+    _, signal, key, *entry = path
+    return ("signal", signal, str(key).removesuffix("s") if entry else key, *entry)
 
 
 def _wall(number: int | str, walls: Sequence[object]) -> str | None:

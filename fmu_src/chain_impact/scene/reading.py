@@ -189,6 +189,8 @@ class Reader:
         item, *rest = get_args(kind)
         if rule["or_true"] and isinstance(value, bool):
             return ("*",) if value else ()
+        if rule["or_one"] and isinstance(value, str):
+            value = [value]
         length = len(known["chain"].links) if rule["per_link"] else None if ... in rest else 1 + len(rest)
         if isinstance(value, Mapping) and is_dataclass(item):
             raise SceneError(self._one_table(item, value, path), path)
@@ -240,8 +242,10 @@ class Reader:
         return f"{name} is one table, must be a list of tables: write [[{name}]]{others}"
 
     def _keys(self) -> dict[str, str]:
-        """The last part of every key → the whole key, of equal ones the first."""
-        return {key.rpartition(".")[2]: key for key, _ in reversed(list(keys_of(self.root)))}
+        """The last part of every key → the whole key, of equal ones the first; not of tables by name."""
+        return {
+            key.rpartition(".")[2]: key for key, _ in reversed(list(keys_of(self.root))) if ".<" not in key
+        }
 
 
 @functools.cache

@@ -169,12 +169,13 @@ def _plain(value: Any) -> Any:
 
 
 def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
-    """The data of a scene without tables of stops and materials, and lists of points, that hold nothing."""
+    """The data of a scene without what holds nothing: stops, signals, materials and lists of points."""
     data, contact, chain = dict(data), data["contact"], data["chain"]
     if isinstance(chain, Mapping) and isinstance(chain.get("links"), list):
         data["chain"] = {**chain, "links": [_without_no_points(link) for link in chain["links"]]}
-    if isinstance(data.get("stops"), Mapping) and not data["stops"]:
-        del data["stops"]
+    for table in ("stops", "signals"):
+        if isinstance(data.get(table), Mapping) and not data[table]:
+            del data[table]
     if isinstance(contact, Mapping) and isinstance(contact.get("wall"), Mapping):
         walls = {name: table for name, table in contact["wall"].items() if _holds(table)}
         data["contact"] = {key: one for key, one in contact.items() if key != "wall"}

@@ -26,9 +26,9 @@ from chain_impact.variables.model import Model, kernel_size, model_of
 from chain_impact.variables.places import WORD, first_word
 from chain_impact.variables.variable import Variable
 
-# Words at the start of a record: the numbers of links, candidates, elements, loads, channels and sites, two
-# flags, and the number of tangents.
-SIZES = 9
+# Words at the start of a record: the numbers of links, candidates, elements, loads, channels, sites, signals
+# and knots, two flags, and the number of tangents.
+SIZES = 11
 NO_CONTACTS = np.zeros(0, LOG_DTYPE)
 CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000  # that the kernel fills at once, at most
 

@@ -23,7 +23,8 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import AT, Place
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.kind import Kind, filled
+from chain_impact.variables.driving import fill_signals
+from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.parameters import METHODS, PARAMETERS
 from chain_impact.variables.places import WORD, Sizes, layout_of, word_index
@@ -89,7 +90,7 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
     """
     if before is scene:
         return []
-    for name in ("box", "walls", "stops", "inputs", "outputs", "derived_places"):
+    for name in ("box", "walls", "stops", "inputs", "signals", "outputs", "derived_places"):
         if getattr(before, name) is not getattr(scene, name):
             return None
     if before.contact is not scene.contact and _kind_of_contact(before) != _kind_of_contact(scene):
@@ -118,6 +119,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     d["links"], d["candidates"] = len(scene.chain.links), len(pairs)
     d["elements"], d["loads"] = len(d["element"]["mode"]), len(d["transmitted"]["peak"])
     d["channels"], d["sites"] = len(d["motion"]["position"]), len(scene.chain.sites)
+    d["signals"], d["knots"] = len(d["signal"]["form"]), len(d["knot"]["time"])
     d["skewed"], d["slides"] = scene.chain.is_skewed, scene.chain.slider is not None
     d["site"]["link"] = [link for link, _ in scene.chain.sites]
     links = scene.chain.links
@@ -129,6 +131,8 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     model["pinned"] = scene.chain.has_base_joint
     model["driven"], model["followed"] = scene.inputs.any, scene.inputs.joint_targets
     _fill_motion(d, scene, pairs)
+
+    fill_signals(d, scene)
 
     d["latest"]["kept"] = scene.outputs.impacts
     asked = scene.outputs
@@ -151,7 +155,7 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
     found: dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]] = {}
     for of, kinds in PARAMETERS:
         for kind in kinds:
-            if kind.path and of != "material":
+            if kind.path and of not in ("material", *OF_SIGNALS):
                 reader = _site_reader(kind) if of == "site" else _reader(kind, kind.path)
                 found.setdefault(str(kind.path[0]), []).append((kind, reader))
     return found

@@ -32,6 +32,7 @@ class Heading(NamedTuple):
 
 
 NO_HEADING = Heading()
+SIGNAL = Heading("signal {name}", "signal")
 LINK, JOINT = Heading("link {n}", "link i"), Heading("joint {n}", "joint i")
 POINT = Heading("point {n}{label}", "point k")
 CONTACT = Heading("{touching} at {name}", "point k at a wall")
@@ -104,8 +105,9 @@ class Kind:
 
     @cached_property
     def pattern(self) -> str:
-        """The name of all of the kind: `link[i].length`, `contact[k].<wall>.force`."""
-        return self.name.format(n=LETTERS.get(self.of, "i"), of="i", name="<wall>")
+        """The name of all of the kind: `link[i].length`, `contact[k].<wall>.force`, `signal.<name>.start`."""
+        name = "<name>" if self.of in OF_SIGNALS else "<wall>"
+        return self.name.format(n=LETTERS.get(self.of, "i"), of="i", name=name)
 
     @cached_property
     def description(self) -> str:
@@ -130,7 +132,9 @@ class Kind:
         return text if self.above is None else f"{text}; must be > {self.above:g}"
 
 
-LETTERS = {"point": "k", "contact": "k", "site": "j"}
+OF_SIGNALS = ("signal", "step")
+"""The elements that are of signals."""
+LETTERS = {"point": "k", "contact": "k", "site": "j", "step": "k"}
 """Element → the letter for its number, where it is not i."""
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -53,9 +54,14 @@ def parameters(scene: Scene) -> Iterator[Variable]:
 
 
 def inputs(scene: Scene) -> Iterator[Variable]:
-    """The inputs that the scene asks for."""
-    for found in _each(INPUTS, shape_of(scene)):
-        yield Variable.of(*found, variability="continuous")
+    """The inputs that the scene asks for, but for those that signals drive."""
+    shape = shape_of(scene)
+    return (variable for variable in inputs_asked(shape) if variable.name not in shape.of_signals)
+
+
+def inputs_asked(shape: Shape) -> Iterator[Variable]:
+    """The inputs that a scene of a shape asks for, whether signals drive them or not."""
+    return (Variable.of(*found, variability="continuous") for found in _each(INPUTS, shape))
 
 
 def all_outputs(scene: Scene) -> dict[str, Variable]:
@@ -67,7 +73,16 @@ def all_outputs(scene: Scene) -> dict[str, Variable]:
 def outputs_of(shape: Shape) -> dict[str, Variable]:
     """The outputs of all scenes of a shape, made once: that takes as long as a short simulation."""
     made = (Variable.of(*found) for found in _each(OUTPUTS, shape))
-    return {variable.name: variable for variable in made}
+    return {variable.name: variable for variable in (*_driven(shape), *made)}
+
+
+def _driven(shape: Shape) -> Iterator[Variable]:
+    """What signals drive, under the names of the inputs that it would be without them."""
+    for kind, element, known in _each(INPUTS, shape) if shape.signals else ():
+        place = shape.of_signals.get(kind.name.format_map(known))
+        if place is not None:
+            output = replace(kind, causality="output", place=("output", "signal", *place))
+            yield Variable.of(output, element, known)
 
 
 def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iterator[Variable]:
@@ -95,7 +110,7 @@ def value_at(scene: Any, path: Place) -> Any:
         if isinstance(step, int):
             scene = scene[step]
         else:
-            scene = getattr(scene, step) if hasattr(scene, step) else scene[step]
+            scene = scene[step] if isinstance(scene, Mapping) else getattr(scene, step)
     return scene
 
 

@@ -17,6 +17,7 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import Place, input_asked, parameter_hint
 from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.signals import driven_by
 from chain_impact.variables.filling import changed_numbers, new_record, with_tangents
 from chain_impact.variables.listing import absent_hint, all_outputs, derivatives, inputs, parameters
 from chain_impact.variables.places import (
@@ -65,7 +66,9 @@ class Model:
             channels = 2 * scene.inputs.base_motion + 2 * len(scene.moving_walls)
             sites, slides = len(scene.chain.sites), scene.chain.slider is not None
             elements = links + pairs + slides if scene.has_friction else 0
-            self.sizes = Sizes(links, pairs, elements, loads, channels, sites)
+            driven = driven_by(scene)
+            knots = sum(one.knots for one in driven)
+            self.sizes = Sizes(links, pairs, elements, loads, channels, sites, len(driven), knots)
             self.layout = layout_of(*self.sizes)
             self.row: np.dtype = self.layout["output"]
         Model._last = self  # complete: another thread may take over what it has
@@ -271,7 +274,7 @@ class Model:
 def kernel_size(scene: Scene) -> int:
     """What ``kernel_library`` takes as the number of links for a scene."""
     moves = scene.inputs.base_motion or scene.moving_walls
-    return GENERAL if moves or scene.chain.is_body else len(scene.chain.links)
+    return GENERAL if moves or scene.chain.is_body or scene.signals else len(scene.chain.links)
 
 
 def model_of(source: Scene | Model) -> Model:

@@ -16,6 +16,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.limits import Derived, keys
 from chain_impact.scene.names import AT, AXES, ENTRY_AT, LINK_AT, Place, name_of
+from chain_impact.scene.signal import Signal
 from chain_impact.scene.tables import (
     Box,
     Contact,
@@ -29,7 +30,7 @@ from chain_impact.scene.tables import (
     Stops,
     Wall,
 )
-from chain_impact.variables.kind import ALWAYS, LINE, LINK, MOTION, SITE, SLIDER, WALL, Kind, block
+from chain_impact.variables.kind import ALWAYS, LINE, LINK, MOTION, SIGNAL, SITE, SLIDER, WALL, Kind, block
 
 LAWS, METHODS = "laws", "methods"
 """The lists of choices."""
@@ -236,6 +237,28 @@ PARAMETERS = (
             ),
         )
         for key, name in (("angles", "angle"), ("angular_velocities", "angular_velocity"))
+    ),
+    block(
+        "signal",
+        *_of(
+            *(Signal, ("signals", "{name}", KEY), ("signal", KEY, AT)),
+            ("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
+        ),
+        *_of(
+            *(Signal, ("signals", "{name}", KEY), ("signal", KEY, AT)),
+            ("start", "rise", "initial", "final", "duration"),
+        ),
+        heading=SIGNAL,
+    ),
+    block(
+        "step",
+        _parameter(
+            _rules(Signal)["times"], ("signals", "{name}", "times", ENTRY_AT), ("knot", "given_time", AT)
+        ),
+        _parameter(
+            _rules(Signal)["values"], ("signals", "{name}", "values", ENTRY_AT), ("knot", "given_value", AT)
+        ),
+        heading=SIGNAL,
     ),
     block("one", *_of(Solver, ("solver", KEY), ("solver", KEY), method={"choices": METHODS}), smooth=False),
 )

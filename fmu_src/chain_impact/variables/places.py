@@ -25,6 +25,8 @@ class Sizes(NamedTuple):
     loads: int
     channels: int
     sites: int
+    signals: int
+    knots: int
 
 
 def word_index(dtype: np.dtype, place: Place) -> int:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any, TypeAlias
 
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING, STATUS_TEXT
 from chain_impact.scene.candidates import point_wall_pairs, stop_pairs
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.signals import Driven, driven_by, unit_of
 from chain_impact.scene.tables import Inputs, Outputs
 from chain_impact.variables.kind import ALWAYS
 
@@ -17,7 +19,7 @@ Element: TypeAlias = dict[str, Any]
 """An element: its number n, the name of a wall, its index at in the record, other words, and conditions."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Shape:
     """All of a scene that its variables depend on, but for values: scenes of one shape have the same outputs.
 
@@ -40,6 +42,7 @@ class Shape:
         driven: whether energy may be supplied.
         moving_walls: the names of the walls that inputs move.
         own_stop_law: whether stops have a law of their own.
+        signals: what signals drive, a row for each input.
     """
 
     links: int
@@ -59,6 +62,7 @@ class Shape:
     driven: bool
     moving_walls: tuple[str, ...]
     own_stop_law: bool
+    signals: tuple[Driven, ...]
 
     @property
     def joints(self) -> range:
@@ -74,6 +78,14 @@ class Shape:
         """The name of a point in brackets, if it has one."""
         name = self.sites[point - self.links - 1][2] if point > self.links else ""
         return f" ({name})" if name else ""
+
+    @cached_property
+    def of_signals(self) -> dict[str, tuple[int, int]]:
+        """What signals drive, by the names of inputs: the signal's row and the order of its derivative."""
+        found: dict[str, tuple[int, int]] = {}
+        for row, one in enumerate(self.signals):
+            found |= {name: (row, order) for order, name in enumerate(one.outputs) if name}
+        return found
 
     @property
     def first_channel(self) -> int:
@@ -161,6 +173,7 @@ def shape_of(scene: Scene) -> Shape:
         driven=scene.is_driven,
         moving_walls=scene.moving_walls,
         own_stop_law=scene.stops.model is not None,
+        signals=driven_by(scene),
     )
 
 
@@ -223,6 +236,25 @@ def _touched_walls(shape: Shape) -> Iterable[Element]:
         yield {"name": shape.wall_names[w], "at": shape.links + w, "about": about}
 
 
+def _signals(shape: Shape) -> Iterable[Element]:
+    """The signals, each in the row of the first input that it drives, with the unit of its numbers."""
+    first: dict[str, tuple[int, str]] = {}
+    for row, one in enumerate(shape.signals):
+        first.setdefault(one.signal, (row, one.input))
+    return [{"name": name, "at": row, "unit": unit_of(one)} for name, (row, one) in first.items()]
+
+
+def _steps(shape: Shape) -> Iterable[Element]:
+    """The knots of each signal that is given by steps, in the row of its first input."""
+    knot, seen = 0, set[str]()
+    for one in shape.signals:
+        if one.signal not in seen and one.is_steps:
+            for k in range(one.knots):
+                yield {"name": one.signal, "n": k + 1, "at": knot + k, "entry": k, "unit": unit_of(one.input)}
+        seen.add(one.signal)
+        knot += one.knots
+
+
 ELEMENTS: dict[str, Callable[[Shape], Iterable[Element]]] = {
     "one": lambda _: [{}],
     "link": _links,
@@ -244,6 +276,8 @@ ELEMENTS: dict[str, Callable[[Shape], Iterable[Element]]] = {
         {"name": name, "at": shape.first_channel + 2 * k} for k, name in enumerate(shape.moving_walls)
     ],
     "touched wall": _touched_walls,
+    "signal": _signals,
+    "step": _steps,
     "impact": lambda shape: [
         {"n": n, "at": n - 1, "but": f" but {n - 1}" if n > 1 else ""}
         for n in range(1, shape.outputs.impacts + 1)

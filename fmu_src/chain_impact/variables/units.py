@@ -17,6 +17,8 @@ UNITS = {
     "1": Unit("Ratio", {}),
     "s": Unit("Time", {"s": 1}),
     "1/s": Unit("Frequency", {"s": -1}),
+    "Hz": Unit("CyclicFrequency", {"s": -1}),
+    "Hz/s": Unit("FrequencyRate", {"s": -2}),
     "m": Unit("Length", {"m": 1}),
     "m/s": Unit("Velocity", {"m": 1, "s": -1}),
     "m/s2": Unit("Acceleration", {"m": 1, "s": -2}),

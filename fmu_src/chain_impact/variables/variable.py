@@ -75,7 +75,8 @@ class Variable:
         return cls(
             kind=kind,
             name=kind.name.format_map(known),
-            unit=kind.unit,
+            # numbers of a signal have the unit of what it drives
+            unit=element.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
             description=f"{text}{UNLESS_SET}{rule.text}" if rule else text,
             place=filled(kind.place, element),
             minimum=known.get(kind.minimum, kind.minimum),

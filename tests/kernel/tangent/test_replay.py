@@ -73,7 +73,7 @@ def parts(number):
 def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     """An instance after a step of 0.2 s, and one of dual numbers before it."""
     rng = np.random.default_rng(31)
-    sizes = {"candidates": 2, "elements": 3, "channels": 0}
+    sizes = {"candidates": 2, "elements": 3, "channels": 0, "signals": 0}
     d, t = SimpleNamespace(**sizes), SimpleNamespace(links=LINKS, **sizes)
     d.step = SimpleNamespace(last_method=method, size=0.2, kept=kept, regularized=regularized, end=1.5)
     d.step.state_end = rng.normal(size=SIZE)

@@ -12,6 +12,7 @@ and a base has no part in the state: there its coordinates and their rates are 0
 with the position and velocity of the channels at the time of the state.
 """
 
+from chain_impact.kernel.chain.signals import CHANNEL, signal_at, signal_bounds, sway_of_signals
 from chain_impact.kernel.chain.state import time_at
 
 
@@ -34,6 +35,10 @@ def move(d, time):
         own.position[m] = s + own.added[m] + since * (own.added_rate[m] + 0.5 * since * own.added_push[m])
         own.velocity[m] = v * course.scale + own.added_rate[m] + since * own.added_push[m]
         own.acceleration[m] = 2.0 * half_a * course.scale * course.scale + own.added_push[m]
+    for j in range(d.signals):
+        if d.signal.input[j] == CHANNEL:
+            m = d.signal.index[j]
+            own.position[m], own.velocity[m], own.acceleration[m] = signal_at(d, j, time)
     for c in range(d.candidates):
         m = d.shift.channel[c]
         if m >= 0:
@@ -61,7 +66,11 @@ def motion_bounds(d, m):
         speed = speed * most + size
         if p > 1:
             bend = bend * most + (p - 1) * size
-    return speed * scale, bend * scale * scale
+    speed, bend = speed * scale, bend * scale * scale
+    for j in range(d.signals):
+        if d.signal.input[j] == CHANNEL and d.signal.index[j] == m:
+            speed, bend = signal_bounds(d, j)
+    return speed, bend
 
 
 def fastest_wall(d):
@@ -82,4 +91,4 @@ def travel_of_piece(d):
         for p in range(1, d.inputs.course.order + 1):
             total += abs(d.moved.course[p, m])
         most = max(most, total)
-    return most
+    return most + sway_of_signals(d)

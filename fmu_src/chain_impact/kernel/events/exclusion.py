@@ -9,6 +9,7 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.motion import fastest_wall, travel_of_piece
+from chain_impact.kernel.chain.signals import rate_of_signals
 from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
 from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_change, time_rate_of
@@ -47,7 +48,8 @@ def excludes_events(d):
     φ′ of all candidates are known at both ends, and the suspects are chosen.
     """
     # an input may change the acceleration between the ends as much as rotation does
-    turn = max(largest_turn(d), (d.step.end - d.step.start) * d.inputs.course.change_rate)
+    changing = max(d.inputs.course.change_rate, rate_of_signals(d))
+    turn = max(largest_turn(d), (d.step.end - d.step.start) * changing)
     if turn < SMALL_TURN and remains_far(d):
         return True
     if known_clearances(d) != WITH_CURVES:

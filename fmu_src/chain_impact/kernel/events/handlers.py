@@ -11,8 +11,13 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.equations import located_rate
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.friction_modes import update_modes
-from chain_impact.kernel.events.impacts import handle_impact, rigid_onset
+from chain_impact.kernel.events.friction_modes import reinit_modes, update_modes
+from chain_impact.kernel.events.impacts import (
+    end_changed_contacts,
+    handle_impact,
+    rigid_onset,
+    update_active_set,
+)
 from chain_impact.kernel.events.marks import (
     END,
     KINK,
@@ -23,10 +28,18 @@ from chain_impact.kernel.events.marks import (
     pending_changes,
 )
 from chain_impact.kernel.events.saturation import choose_saturation
-from chain_impact.kernel.forces.contact import clear_loads, cross_kink, list_touching, relatch, start_contact
+from chain_impact.kernel.forces.contact import (
+    clear_loads,
+    cross_kink,
+    list_touching,
+    relatch,
+    set_kink_sides,
+    start_contact,
+)
 from chain_impact.kernel.forces.contact_force import may_jump
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
+from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.ode.methods import begin_flight, begin_impact
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance
@@ -105,6 +118,27 @@ def apply_events(d):
     else:
         choose_size(d, onset, goes_on)
     return jumped or rigid or d.friction.used != 0 or d.model.limited != 0
+
+
+def renew_modes(d, jumped):
+    """Choose anew what is held, the modes and the sides of kinks, where laws or inputs may have changed.
+
+    ``jumped`` tells whether speeds may have, as that of a belt.
+    """
+    recompute_active_set(d)
+    choose_saturation(d)
+    reinit_modes(d, jumped)
+    set_kink_sides(d)
+
+
+def recompute_active_set(d):
+    """Update the active set of the contacts that were rigid at the end of the last step, if any."""
+    if not any_point_held(d):
+        return
+    end_changed_contacts(d)
+    if any_point_held(d):
+        update_active_set(d)
+    reset_step(d, d.step.end, d.step.state_end)
 
 
 def choose_size(d, onset, goes_on):

@@ -18,6 +18,17 @@ changes at a uniform rate to the value given, and the position follows from it.
 import math
 
 from chain_impact.kernel.chain.motion import move
+from chain_impact.kernel.chain.signals import (
+    SLIDER_FORCE,
+    SLIDER_TARGET,
+    SLIDER_TARGET_VELOCITY,
+    TARGET,
+    TARGET_VELOCITY,
+    TIP_FORCE,
+    TORQUE,
+    drives,
+    signal_at,
+)
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
@@ -60,6 +71,8 @@ def apply_inputs(d):
     for j in range(d.channels):
         for m in range(own.order + 1):
             d.moved.course[m, j] = d.motion.course[m, j]
+    if d.signals > 0:
+        set_driven(d, d.step.end)
 
 
 def apply_slider_inputs(d):
@@ -81,34 +94,36 @@ def withdraw_request(d):
 
 def inputs_in_use(d):
     """Whether the given inputs are constants that are in use."""
-    given, own = d.given, d.inputs
-    if given.course.order > 0 or own.course.order > 0:
+    given, own, used = d.given, d.inputs, d.inputs.course
+    if given.course.order > 0 or used.order > 0:
         return False
     for j in range(d.channels):
         if d.motion.course[0, j] != d.moved.course[0, j]:
             return False
     for i in range(d.links):
         if (
-            given.joint_torque[i] != own.joint_torque[i]
-            or given.joint_target_angle[i] != own.joint_target_angle[i]
-            or given.joint_target_velocity[i] != own.joint_target_velocity[i]
+            given.joint_torque[i] != used.joint_torque[0, i]
+            or given.joint_target_angle[i] != used.joint_target_angle[0, i]
+            or given.joint_target_velocity[i] != used.joint_target_velocity[0, i]
             or given.joint_damping[i] != own.joint_damping[i]
             or given.joint_stiffness[i] != own.joint_stiffness[i]
         ):
             return False
     if d.slides and (
-        given.slider_force != own.slider_force
-        or given.slider_target_position != own.slider_target_position
-        or given.slider_target_velocity != own.slider_target_velocity
+        given.slider_force != used.slider_force[0, 0]
+        or given.slider_target_position != used.slider_target_position[0, 0]
+        or given.slider_target_velocity != used.slider_target_velocity[0, 0]
     ):
         return False
-    return given.tip_force[0] == own.tip_force[0] and given.tip_force[1] == own.tip_force[1]
+    return given.tip_force[0] == used.tip_force[0, 0] and given.tip_force[1] == used.tip_force[0, 1]
 
 
 def ensure_inputs(d, y):
     """Ensure that the inputs have their values at the time of the state y."""
     if d.inputs.course.order > 0:
         set_inputs(d, d.step.clock + y[time_at(d.links)])
+    elif d.signals > 0:
+        set_driven(d, d.step.clock + y[time_at(d.links)])
 
 
 def set_inputs(d, time):
@@ -128,8 +143,32 @@ def set_inputs(d, time):
         if d.model.followed:
             own.slider_target_position = polynomial(course.slider_target_position, order, 0, x)
             own.slider_target_velocity = polynomial(course.slider_target_velocity, order, 0, x)
+    if d.signals > 0:
+        set_driven(d, time)
     if d.channels > 0:
         move(d, time)
+
+
+def set_driven(d, time):
+    """Set the inputs that signals drive, but for motions, to their values at a ``time`` [s]."""
+    own = d.inputs
+    for j in range(d.signals):
+        driven, i = d.signal.input[j], d.signal.index[j]
+        u, rate, _ = signal_at(d, j, time)
+        if driven == TORQUE:
+            own.joint_torque[i] = u
+        elif driven == TARGET:
+            own.joint_target_angle[i], own.joint_target_velocity[i] = u, rate
+        elif driven == TARGET_VELOCITY:
+            own.joint_target_velocity[i] = u
+        elif driven == TIP_FORCE:
+            own.tip_force[i] = u
+        elif driven == SLIDER_FORCE:
+            own.slider_force = u
+        elif driven == SLIDER_TARGET:
+            own.slider_target_position, own.slider_target_velocity = u, rate
+        elif driven == SLIDER_TARGET_VELOCITY:
+            own.slider_target_velocity = u
 
 
 def polynomial(powers, order, i, x):
@@ -149,7 +188,12 @@ def limit_to_piece(d, h):
     """A size ≤ h of the next step, in time, with which it ends at the end of the piece or well before it."""
     if d.inputs.course.order == 0 or d.step.regularized >= 0:
         return h
-    rest = d.inputs.course.until - d.step.end
+    return limit_to(d, d.inputs.course.until, h)
+
+
+def limit_to(d, time, h):
+    """A size ≤ h of the next step with which it ends at a ``time`` [s] or well before it."""
+    rest = time - d.step.end
     if rest <= 0.0 or 2.0 * h <= rest:
         return h
     return rest if h >= rest else 0.5 * rest
@@ -200,11 +244,13 @@ def follow_motion(d, time):
     now, h = d.step.time, time - d.step.time
     move(d, now)
     for j in range(d.channels):
-        if not note_given(d, j, now):
+        if not drives(d, j) and not note_given(d, j, now):
             return refuse_channel(d, j)
     own.until = time
     moves, jumps = False, False
     for j in range(d.channels):
+        if drives(d, j):
+            continue
         lasting = set_cubic(d, j, time, h)
         new = given.course[1, j] != 0.0 or given.course[2, j] != 0.0 or given.course[3, j] != 0.0
         moves, jumps = moves or new, jumps or not lasting

@@ -121,7 +121,7 @@ def clearance_rates(d, z, rate):
 
 def extended_rate(d, z, elapsed, rate):
     """Set rate = ż, ``elapsed`` [s] after the start, with the contact forces at clearances and rates in z."""
-    if d.inputs.course.order > 0 or d.channels > 0:
+    if d.inputs.course.order > 0 or d.channels > 0 or d.signals > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)
     clear_loads(d)

@@ -8,7 +8,7 @@ needs no other knowledge of the layout.
 N links, points 0…N (0 the base, N the tip), P sites (points of links beside these), C candidates (pairs of a
 point or site and a wall), state vector y (kernel/chain/state.py).
 
-Every size and offset is a + bN + cC + dF + eL + fK + gP. The compiled kernel relies on it
+Every size and offset is a + bN + cC + dF + eL + fK + gP + hD + iR. The compiled kernel relies on it
 (compilation/record_type.py). The parts that depend on C come after all others, then those that depend on F,
 then those that depend on L, and last those that depend on K, so that the offsets of all others do not depend
 on them.
@@ -48,6 +48,7 @@ from chain_impact.kernel.record.given import (
     stops_dtype,
     walls_dtype,
 )
+from chain_impact.kernel.record.signals import knot_dtype, signal_dtype
 from chain_impact.kernel.record.solver import (
     balance_dtype,
     fault_dtype,
@@ -63,7 +64,13 @@ from chain_impact.kernel.record.solver import (
 
 @written_by("observe.py", **dict.fromkeys(("load", "slider_reaction", "slider_moment"), "loads.py"))
 def output_dtype(
-    links: int, candidates: int, elements: int, loads: int, channels: int = 0, sites: int = 0
+    links: int,
+    candidates: int,
+    elements: int,
+    loads: int,
+    channels: int = 0,
+    sites: int = 0,
+    signals: int = 0,
 ) -> np.dtype:
     """The outputs at the communication point; one row of a time series."""
     points = links + 1 + sites
@@ -94,6 +101,7 @@ def output_dtype(
         ("friction", friction_output_dtype(elements)),
         ("load", load_output_dtype(loads)),
         ("channel", REAL, (channels,)),  # m, the positions of what moves by itself
+        ("signal", REAL, (signals, 3)),  # value, rate and second derivative of what signals drive
     )
 
 
@@ -145,7 +153,14 @@ def transmitted_dtype(loads: int) -> np.dtype:
 
 
 def instance_dtype(
-    links: int, candidates: int, elements: int = 0, loads: int = 0, channels: int = 0, sites: int = 0
+    links: int,
+    candidates: int,
+    elements: int = 0,
+    loads: int = 0,
+    channels: int = 0,
+    sites: int = 0,
+    signals: int = 0,
+    knots: int = 0,
 ) -> np.dtype:
     """The record of an instance with N = ``links`` links, C = ``candidates`` candidates and F elements.
 
@@ -153,7 +168,8 @@ def instance_dtype(
     scene without dry friction, whose record has no room for it. Nor has it room for loads unless they are
     requested: then ``loads`` L is the number of joints N and walls together. The ``channels`` K are the
     motions of the base and of walls that are given (chain/motion.py). The ``sites`` P are points of links
-    beside the joints (chain/sites.py).
+    beside the joints (chain/sites.py). The ``signals`` D are the inputs that the scene drives, and the
+    ``knots`` R are where their polynomials begin (chain/signals.py).
     """
     return record(
         ("links", INTEGER),  # N
@@ -162,6 +178,8 @@ def instance_dtype(
         ("loads", INTEGER),  # L
         ("channels", INTEGER),  # K
         ("sites", INTEGER),  # P
+        ("signals", INTEGER),  # D
+        ("knots", INTEGER),  # R
         ("skewed", INTEGER),  # 1: the centre of mass of some link lies beside its line
         ("slides", INTEGER),  # 1: the base slides along a line
         ("tangents", INTEGER),  # number of tangent instances that follow this one in memory (kernel/tangent/)
@@ -197,10 +215,12 @@ def instance_dtype(
         ("element", element_dtype(elements)),
         ("quadrature", quadrature_dtype(candidates, elements)),
         ("changes", changes_dtype(elements)),
-        ("output", output_dtype(links, candidates, elements, loads, channels, sites)),
+        ("output", output_dtype(links, candidates, elements, loads, channels, sites, signals)),
         ("transmitted", transmitted_dtype(loads)),
         ("shift", shift_dtype(candidates)),
         ("motion", motion_dtype(channels)),
         ("moved", moved_dtype(channels)),
         ("site", site_dtype(sites)),
+        ("signal", signal_dtype(signals)),
+        ("knot", knot_dtype(knots)),
     )

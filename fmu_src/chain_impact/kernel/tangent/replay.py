@@ -27,8 +27,10 @@ import math
 
 from chain_impact.kernel.advance import apply_pending_events, apply_pending_inputs, set_first_stage
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.signals import derive_signals
 from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, time_at, velocity_at
 from chain_impact.kernel.events.marks import END, KINK, ONSET, RELATCH, RELEASE, copy_marks, pending_changes
+from chain_impact.kernel.events.segments import begin_segments
 from chain_impact.kernel.forces.contact import clear_loads
 from chain_impact.kernel.forces.contact_law import start_laws
 from chain_impact.kernel.forces.inputs import apply_inputs
@@ -101,6 +103,8 @@ def start_tangent(d, t):
     copy_given(d, t, AT_START)
     derive_chain(t)
     clear_run(t, d.step.time)
+    if d.signals > 0:
+        derive_signals(t, d.step.time)
     take_given(d, t)
     apply_inputs(t)
     derive_resistance(t)
@@ -259,6 +263,8 @@ def replay(d, t):
     copy_values(d.inputs, t.inputs)
     if d.channels > 0:
         copy_values(d.moved, t.moved)
+    if d.signals > 0:
+        begin_segments(t)
     t.step.method = d.step.last_method
     choose_variable(t, True)
     set_first_stage(t)

@@ -8,9 +8,10 @@ import math
 
 from chain_impact.kernel.chain import joints, kinematics
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.events import friction_modes, saturation
+from chain_impact.kernel.events import friction_modes, saturation, segments
 from chain_impact.kernel.forces import contact_force, holding, user_law
 from chain_impact.kernel.ode import dense
+from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.tangent.duals import carried, reciprocal, value, varies
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
@@ -53,6 +54,15 @@ def choose_saturation(t):
     """Take the modes of drives that the primal instance has chosen."""
     for i in range(t.links):
         t.drive.mode[i] = t.drive.chosen[i]
+
+
+def shift_start(t, delay):
+    """Move the start of the next step to another time, by the derivatives of the ``delay`` [s]."""
+    y, rate, time = t.step.state_end, t.work.rate_start, carried(0.0, 1.0, delay)
+    for j in range(sundman_u_at(t.links)):
+        y[j] += value(rate[j]) * time
+    if t.channels > 0 or varies(time):
+        evaluate_start(t)
 
 
 def fraction(t, time):
@@ -132,6 +142,7 @@ RULES = {
     contact_force.user_force: user_force,
     saturation.choose_saturation: choose_saturation,
     dense.fraction: fraction,
+    segments.shift_start: shift_start,
     kinematics.polar: polar,
     joints.resists: resists,
 }

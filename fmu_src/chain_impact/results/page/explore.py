@@ -6,6 +6,7 @@ import base64
 import os
 import zlib
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +56,7 @@ def explore(
 
     The page has the compiled kernel in it, and gives the numbers of ``simulate``. It is one file, which needs
     nothing else. Its reader can change all parameters, and add or remove links, walls and stops. Inputs are
-    constant; the base and the walls keep their places.
+    constant, also those that signals drive; the base and the walls keep their places.
 
     Args:
         scene: a scene, or what ``load_scene`` takes.
@@ -98,7 +99,9 @@ def page(scene: Scene, command: Sequence[str]) -> str:
 
 def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
     """What the page makes its scene of: the contents of its file, and what it needs to know of all scenes."""
-    return {"file": scene_to_dict(scene), "kit": kit(scene), "command": list(command)}
+    # no signal drives anything in the page
+    still = replace(scene, signals={})
+    return {"file": scene_to_dict(still), "kit": kit(scene), "command": list(command)}
 
 
 def packed(content: bytes) -> str:

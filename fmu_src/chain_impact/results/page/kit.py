@@ -29,7 +29,7 @@ from chain_impact.scene.limits import Derived, allowed, keys, without_none
 from chain_impact.scene.names import AT, Place
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.kind import ALWAYS, MOTION, Block, Kind, filled
+from chain_impact.variables.kind import ALWAYS, MOTION, OF_SIGNALS, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
@@ -68,7 +68,9 @@ def kit(scene: Scene) -> dict[str, Any]:
         "keys": _keys(Scene),
         "lawFile": scene.contact.law_file,
         "laws": [_law(name) for name in scene.law_names],
-        "parameters": [_group(block, partial(_parameter, choices)) for block in PARAMETERS],
+        "parameters": [
+            _group(block, partial(_parameter, choices)) for block in PARAMETERS if block.of not in OF_SIGNALS
+        ],
         "inputs": [_group(block, partial(_parameter, choices)) for block in inputs],
         "still": [_group(block, _named) for block in INPUTS if block not in inputs],
         "times": [

@@ -14,9 +14,9 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, matching, shown
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.table_file import Source, Table, is_table, read_table
 from chain_impact.scene.text_file import likely_time
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
-from chain_impact.studies.fit.table import Source, Table, is_table, read_table
 from chain_impact.variables.model import Model
 
 TIME, IMPACT, POINT, WALL, JOINT, DURATION = "time", "impact", "point", "wall", "joint", "duration"

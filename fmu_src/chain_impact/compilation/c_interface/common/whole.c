@@ -2,10 +2,10 @@
    has the size that the kernel works on. A checksum tells damage only: who changes a file can make its checksum anew. */
 #include "instance.h"
 
-/* sizes at the start of a record: of links, candidates, elements, loads, channels and sites, two flags, and dual numbers, far
-   more than any chain has */
-enum { SIZES = 9 };
-static const int64_t MOST[SIZES] = {1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1, 1, 1 << 16};
+/* sizes at the start of a record: of links, candidates, elements, loads, channels, sites, signals and knots, two flags, and
+   dual numbers, far more than any chain has */
+enum { SIZES = 11 };
+static const int64_t MOST[SIZES] = {1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1, 1, 1 << 16};
 
 /* Whether so many items of a size lie in the file, behind its head, from a place whose numbers can be read there. */
 static int lies_in(const Table *table, int64_t place, int64_t count, uint64_t size) {

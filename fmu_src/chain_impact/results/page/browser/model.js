@@ -79,7 +79,10 @@ function partsOf(file, { boxWalls }) {
     outputs.loads ? count + wallNames.length : 0,
     2 * inputs.base_motion + 2 * moving.length,
     sites.length,
-  ];
+    0,
+    0,
+  ]; // no signals
+
   return { file, points, sites, mayTouch, sliderStops, stops, there, wallNames, pairs, candidates, rubbing, hasFriction, moving, joints, facts, sizes };
 }
 
@@ -167,7 +170,7 @@ function recordOf(kit, parts, rows, values) {
   };
   const put = (name, value, index = 0) => write(kit.places[name].word, value, kit.places[name].real, index);
   const each = (name, all) => all.forEach((value, index) => put(name, value, index));
-  ["links", "candidates", "elements", "loads", "channels", "sites"].forEach((name, k) => put(name, sizes[k]));
+  ["links", "candidates", "elements", "loads", "channels", "sites", "signals", "knots"].forEach((name, k) => put(name, sizes[k]));
   put("skewed", Number(chain.links.some(({ center_of_mass_offset: offset }) => offset !== 0)));
   put("slides", Number(chain.slider !== undefined));
   each("site_link", sites.map(({ link }) => link));

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from chain_impact.studies.fit.table import read_table
+from chain_impact.scene.table_file import read_table
 from tests.refusal import refusal
 
 

@@ -1,4 +1,4 @@
-"""A table of measurements as it was given: a CSV file, or columns in Python."""
+"""A table of numbers over time as it was given, measured or to be followed: a file, or columns in Python."""
 
 from __future__ import annotations
 
@@ -10,18 +10,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from chain_impact.results.text import plural
+import numpy as np
+
+from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError, decimal_comma, shown
-from chain_impact.scene.text_file import check_separator, text_of
+from chain_impact.scene.text_file import check_separator, likely_time, text_of
 
 Source = str | Path | Mapping[str, Sequence[Any]]
-"""A CSV file, or name of a column → its cells. A ``DataFrame`` of pandas is taken as well."""
+"""A CSV or Parquet file, or name of a column → its cells. Tables of pandas and polars are taken as well."""
+TIME = "time"
+TOO_LONG = 1000.0  # of the run: a table that lasts longer is in another unit of time
 EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")
 
 
 def is_table(source: Any) -> bool:
     """Whether this is one table, and no list of them."""
-    return isinstance(source, str | Path) or hasattr(source, "items")
+    return isinstance(source, str | Path) or hasattr(source, "items") or hasattr(source, "iter_columns")
 
 
 @dataclass(frozen=True)
@@ -74,13 +78,16 @@ class Table:
 
 
 def read_table(source: Source) -> Table:
-    """The table of a CSV file with a head line, or of columns.
+    """The table of a CSV file with a head line, of a Parquet file, or of columns.
 
     Raises:
         SceneError: when it is no such table.
         OSError: when the file cannot be read.
+        MissingExtraError: for Parquet, when pyarrow is not there: the extra ``sweep``.
     """
     if not isinstance(source, str | Path):
+        if hasattr(source, "iter_columns"):  # polars
+            source = {one.name: one.to_list() for one in source.iter_columns()}
         columns = {str(name): list(cells) for name, cells in source.items()}
         lengths = {name: len(cells) for name, cells in columns.items()}
         if len(set(lengths.values())) > 1:
@@ -89,6 +96,15 @@ def read_table(source: Source) -> Table:
         rows = [list(row) for row in zip(*columns.values(), strict=True)]
         return _checked("data", tuple(columns), rows, [f"row {k}" for k in range(len(rows))])
     path = Path(source)
+    if path.suffix == ".parquet":
+        arrow, parquet = require("pyarrow", "sweep"), require("pyarrow.parquet", "sweep")
+        try:
+            whole = parquet.read_table(path)
+        except arrow.ArrowInvalid as error:
+            raise SceneError(f"{path}: not a Parquet table: {error}") from None
+        cells = [column.to_pylist() for column in whole.columns]
+        rows = [list(row) for row in zip(*cells, strict=True)]
+        return _checked(str(path), tuple(whole.column_names), rows, [f"row {k}" for k in range(len(rows))])
     try:
         reader = csv.reader(io.StringIO(text_of(path), newline=""))
         head = next(reader, [])
@@ -98,6 +114,40 @@ def read_table(source: Source) -> Table:
     except (ValueError, csv.Error) as error:
         raise SceneError(f"{path}: not a CSV table: {error}") from None
     return _checked(str(path), names, [row for _, row in numbered], [line for line, _ in numbered])
+
+
+def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """The times [s] of a table of inputs, shape (T,), and its other columns by their names, likewise.
+
+    Args:
+        table: with the column ``time``, and no cell empty.
+        stop: end of the run [s].
+
+    Raises:
+        SceneError: when it is no such table.
+    """
+    if TIME not in table.names:
+        hint = likely_time(table.names) or f"; it has {', '.join(table.names)}"
+        raise SceneError(f"{table.source}: the column {TIME} is missing{hint}")
+    columns = {name: _column(table, name) for name in table.names}
+    times = columns.pop(TIME)
+    for row in (np.flatnonzero(np.diff(times) <= 0.0) + 1).tolist():
+        later = f"{times[row - 1]:g} [s], that of the row before"
+        raise SceneError(f"{table.where(row, TIME)} = {times[row]:g} must be > {later}")
+    if times[-1] - times[0] > TOO_LONG * stop:
+        lasts = f"lasts {times[-1] - times[0]:g} s, and the run {stop:g} s"
+        raise SceneError(f"{table.source}: {TIME} {lasts}: is it in seconds?")
+    return times, columns
+
+
+def _column(table: Table, name: str) -> np.ndarray:
+    """A column without gaps."""
+    for row in range(len(table.rows)):
+        if table.cell(row, name) is None:
+            raise SceneError(
+                f"{table.where(row, name)} is empty: a table of inputs has a number in each cell"
+            )
+    return np.array([table.number(row, name) for row in range(len(table.rows))])
 
 
 def _checked(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: list[str]) -> Table:
@@ -111,6 +161,7 @@ def _checked(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: 
     for line, row in zip(lines, rows, strict=True):
         if len(row) != len(names):
             raise SceneError(
-                f"{source}: {line} has {plural(len(row), 'cell')}, must have {len(names)} as the head line"
+                f"{source}: {line} has {len(row)} cell{'s' * (len(row) != 1)}, must have {len(names)} as the "
+                "head line"
             )
     return Table(source, names, rows, lines)

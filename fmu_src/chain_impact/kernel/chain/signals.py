@@ -1,0 +1,277 @@
+"""Signals: inputs that the scene itself drives, as functions of time.
+
+A signal is one polynomial after the other, each from a knot at t_k on, and in some forms a sine beside:
+
+    u(t) = c₀ + x (c₁ + x (c₂ + …)) + r(s) a sin(ψ + 2π (f s + ½ ḟ s²)),   x = t − t_k,   s = t − start,
+
+where r rises from 0 to 1. `signal.segment` is the knot in use. A step ends where a segment does, and the
+segment stays until the next step begins (events/segments.py): so there are values on both sides of a jump.
+
+What drives the velocity or the acceleration of a base or a wall is integrated here, so that position,
+velocity and acceleration never disagree. The integral of a sine is a sine again.
+"""
+
+import math
+
+CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # signal.form
+SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # signal.shape, of a ramp
+# signal.input: what is driven; `signal.index` tells of which joint, component or channel
+TORQUE, TARGET, TARGET_VELOCITY, TIP_FORCE = 0, 1, 2, 3
+SLIDER_FORCE, SLIDER_TARGET, SLIDER_TARGET_VELOCITY, CHANNEL = 4, 5, 6, 7
+DEGREE = 7  # of the polynomials: a smooth ramp of an acceleration has the degree 5 and is integrated twice
+TAU = 2.0 * math.pi
+# the largest slope and curvature of ``smooth``
+STEEPEST, ROUNDEST = 1.875, 5.7735027
+
+
+def signal_at(d, j, time):
+    """Value, rate and second derivative of signal j at a ``time`` [s], by its present segment."""
+    own, knot, k = d.signal, d.knot, d.signal.segment[j]
+    x = since_knot(d, j, time)
+    u, v, half_a = knot.powers[k, DEGREE], 0.0 * x, 0.0 * x
+    for p in range(1, DEGREE + 1):
+        half_a = half_a * x + v
+        v = v * x + u
+        u = u * x + knot.powers[k, DEGREE - p]
+    a = 2.0 * half_a
+    if own.form[j] == SINE and k > own.first[j]:
+        su, sv, sa = sine_at(d, j, time)
+        u, v, a = u + su, v + sv, a + sa
+    return u + own.begin[j] + own.lap[j] * own.gain[j], v, a
+
+
+def drives(d, m):
+    """Whether a signal drives channel m."""
+    for j in range(d.signals):
+        if d.signal.input[j] == CHANNEL and d.signal.index[j] == m:
+            return True
+    return False
+
+
+def since_knot(d, j, time):
+    """The argument x [s] of the present polynomial of signal j at a ``time`` [s]."""
+    return time - d.signal.lap[j] * d.signal.period[j] - d.knot.time[d.signal.segment[j]]
+
+
+def sine_at(d, j, time):
+    """Value, rate and second derivative of the sine of signal j at a ``time`` [s]."""
+    own, i = d.signal, d.signal.source[j]
+    s = time - own.start[i]
+    phase = own.angle[j] + TAU * s * (own.frequency[i] + 0.5 * own.frequency_rate[i] * s)
+    rate, chirp = TAU * (own.frequency[i] + own.frequency_rate[i] * s), TAU * own.frequency_rate[i]
+    sine, cosine = math.sin(phase), math.cos(phase)
+    a = own.size[j]
+    u, v, w = a * sine, a * rate * cosine, a * (chirp * cosine - rate * rate * sine)
+    if own.segment[j] == own.first[j] + 1 and own.rise[i] > 0.0:
+        r, slope, curve = smooth(s / own.rise[i])
+        slope, curve = slope / own.rise[i], curve / (own.rise[i] * own.rise[i])
+        u, v, w = r * u, r * v + slope * u, r * w + 2.0 * slope * v + curve * u
+    return u, v, w
+
+
+def smooth(x):
+    """10 x³ − 15 x⁴ + 6 x⁵, from 0 to 1, and its first two derivatives."""
+    y = 1.0 - x
+    return x * x * x * (10.0 + x * (6.0 * x - 15.0)), 30.0 * x * x * y * y, 60.0 * x * y * (1.0 - 2.0 * x)
+
+
+def signal_bounds(d, j):
+    """Bounds on the rate and on the second derivative of signal j over the last step."""
+    own, knot, k = d.signal, d.knot, d.signal.segment[j]
+    half = 0.5 * (d.step.end - d.step.start)
+    x = since_knot(d, j, d.step.start + half)
+    rate, bend, power = 0.0 * x, 0.0 * x, 1.0
+    for n in range(1, DEGREE + 1):
+        # c′ = u⁽ⁿ⁾/n! in the middle of the step
+        c, weight = knot.powers[k, n] + 0.0 * x, 1.0 + 0.0 * x
+        for p in range(n + 1, DEGREE + 1):
+            weight *= x * (p / (p - n))
+            c += weight * knot.powers[k, p]
+        rate += n * abs(c) * power
+        if n > 1:
+            bend += n * (n - 1) * abs(c) * power / half
+        power *= half
+    if own.form[j] == SINE and k > own.first[j]:
+        i, size = own.source[j], abs(own.size[j])
+        w, chirp = fastest(d, j), TAU * abs(own.frequency_rate[i])
+        rises = own.segment[j] == own.first[j] + 1 and own.rise[i] > 0.0
+        slope = STEEPEST / own.rise[i] if rises else 0.0
+        curve = ROUNDEST / (own.rise[i] * own.rise[i]) if rises else 0.0
+        rate += size * (w + slope)
+        bend += size * (w * w + chirp + 2.0 * slope * w + curve)
+    return rate, bend
+
+
+def fastest(d, j):
+    """The largest angular frequency [rad/s] of the sine of signal j in the last step."""
+    own, i = d.signal, d.signal.source[j]
+    f, chirp = own.frequency[i], own.frequency_rate[i]
+    begin, end = f + chirp * (d.step.start - own.start[i]), f + chirp * (d.step.end - own.start[i])
+    return TAU * max(abs(begin), abs(end))
+
+
+def rate_of_signals(d):
+    """The largest rate [1/s] at which sines change in the last step."""
+    most = 0.0
+    for j in range(d.signals):
+        if d.signal.form[j] == SINE and d.signal.segment[j] > d.signal.first[j]:
+            most = max(most, fastest(d, j))
+    return most
+
+
+def sway_of_signals(d):
+    """The sum of the amplitudes of all sines."""
+    total = 0.0
+    for j in range(d.signals):
+        if d.signal.form[j] == SINE:
+            total += abs(d.signal.size[j])
+    return total
+
+
+# ---- segments ---------------------------------------------------------------------------------------------
+
+
+def segment_end(d, j):
+    """When the present segment of signal j ends [s]; infinity if it does not."""
+    own, k = d.signal, d.signal.segment[j]
+    if k < own.last[j]:
+        return own.lap[j] * own.period[j] + d.knot.time[k + 1]
+    if own.period[j] > 0.0:
+        return (own.lap[j] + 1) * own.period[j] + d.knot.time[own.first[j]]
+    return math.inf
+
+
+def next_segment(d, j):
+    """Begin the next segment of signal j."""
+    own = d.signal
+    if own.segment[j] < own.last[j]:
+        own.segment[j] += 1
+    else:
+        own.segment[j] = own.first[j]
+        own.lap[j] += 1
+
+
+def set_segment(d, j, k, lap):
+    """Set the knot in use of signal j, and how often its table has been repeated before."""
+    d.signal.segment[j], d.signal.lap[j] = k, lap
+
+
+# ---- what is given ----------------------------------------------------------------------------------------
+
+
+def derive_signals(d, time):
+    """Derive the polynomials of all signals from what is given of them, and begin them at a ``time`` [s]."""
+    own = d.signal
+    for j in range(d.signals):
+        i, k = own.source[j], own.first[j]
+        own.begin[j] = 0.0
+        own.size[j], own.angle[j] = own.amplitude[i], own.phase[i]
+        if own.form[j] == CONSTANT:
+            set_level(d, k, time, own.value[i])
+        elif own.form[j] == SINE:
+            derive_sine(d, i, k)
+        elif own.form[j] == RAMP:
+            derive_ramp(d, i, k, own.shape[i])
+        elif own.form[j] == STEPS:
+            for n in range(own.last[j] - k + 1):
+                given = own.first[i] + n
+                set_level(d, k + n, d.knot.given_time[given], d.knot.given_value[given])
+        if own.form[j] != TABLE:
+            for _ in range(own.order[j]):
+                integrate(d, j, time)
+        begin_signal(d, j, time)
+        if own.order[j] > 0 and d.model.base_moves and own.index[j] < 2:
+            own.begin[j] = d.initial.position[own.index[j]]
+
+
+def begin_signal(d, j, time):
+    """Set signal j to its segment at a ``time`` [s]."""
+    own = d.signal
+    own.segment[j], own.lap[j] = own.first[j], 0
+    while own.period[j] > 0.0 and own.lap[j] * own.period[j] + d.knot.time[own.first[j]] > time:
+        own.lap[j] -= 1
+    while segment_end(d, j) <= time:
+        next_segment(d, j)
+
+
+def set_level(d, k, time, level):
+    """Let a constant begin at a ``time`` [s] with knot k."""
+    d.knot.time[k] = time
+    for p in range(1, DEGREE + 1):
+        d.knot.powers[k, p] = 0.0
+    d.knot.powers[k, 0] = level
+
+
+def derive_sine(d, i, k):
+    """The knots of a sine with the numbers in row i, from knot k on: before its start, its rise, then."""
+    own = d.signal
+    rises = own.rise[i] > 0.0
+    before = own.mean[i] + (0.0 if rises else own.amplitude[i] * math.sin(own.phase[i]))
+    set_level(d, k, own.start[i], before)
+    set_level(d, k + 1, own.start[i], own.mean[i])
+    set_level(d, k + 2, own.start[i] + own.rise[i], own.mean[i])
+
+
+def derive_ramp(d, i, k, shape):
+    """The knots of a ramp with the numbers in row i, from knot k on."""
+    own, powers = d.signal, d.knot.powers
+    way, lasts, start = own.final[i] - own.initial[i], own.duration[i], own.start[i]
+    set_level(d, k, start, own.initial[i])
+    set_level(d, k + 1, start, own.initial[i])
+    speed = way / lasts
+    if shape == LINEAR:
+        powers[k + 1, 1] = speed
+    elif shape == SMOOTH:
+        bend = speed / (lasts * lasts)
+        powers[k + 1, 3], powers[k + 1, 4] = 10.0 * bend, -15.0 * bend / lasts
+        powers[k + 1, 5] = 6.0 * bend / (lasts * lasts)
+    else:
+        # a third of the time each: uniform acceleration, uniform speed, uniform deceleration
+        bend = 2.25 * speed / lasts
+        powers[k + 1, 2] = bend
+        set_level(d, k + 2, start + lasts / 3.0, own.initial[i] + 0.25 * way)
+        set_level(d, k + 3, start + 2.0 * lasts / 3.0, own.initial[i] + 0.75 * way)
+        powers[k + 2, 1], powers[k + 3, 1], powers[k + 3, 2] = 1.5 * speed, 1.5 * speed, -bend
+        k += 2
+    set_level(d, k + 2, start + lasts, own.final[i])
+
+
+def integrate(d, j, time):
+    """Make signal j its integral over time, which is 0 at a ``time`` [s]."""
+    own, knot = d.signal, d.knot
+    if own.form[j] == SINE:
+        # ∫ a sin(ψ + ω s) ds = (a/ω) sin(ψ − π/2 + ω s)
+        own.size[j] = own.size[j] / (TAU * own.frequency[own.source[j]])
+        own.angle[j] -= 0.5 * math.pi
+    for k in range(own.first[j], own.last[j] + 1):
+        for p in range(DEGREE, 0, -1):
+            knot.powers[k, p] = knot.powers[k, p - 1] / p
+        knot.powers[k, 0] = 0.0
+        if k > own.first[j]:
+            own.segment[j] = k - 1
+            before, _, _ = signal_at(d, j, knot.time[k])
+            own.segment[j] = k
+            after, _, _ = signal_at(d, j, knot.time[k])
+            knot.powers[k, 0] = before - after
+    begin_signal(d, j, time)
+    u, _, _ = signal_at(d, j, time)
+    for k in range(own.first[j], own.last[j] + 1):
+        knot.powers[k, 0] -= u
+
+
+def signals_are_valid(d):
+    """Whether the numbers that are given of signals are in their ranges."""
+    own = d.signal
+    for j in range(d.signals):
+        total = own.size[j] + own.angle[j]
+        for k in range(own.first[j], own.last[j] + 1):
+            if k > own.first[j] and not d.knot.time[k] >= d.knot.time[k - 1]:
+                return False
+            total += d.knot.time[k]
+            for p in range(DEGREE + 1):
+                total += d.knot.powers[k, p]
+        i = own.source[j]
+        bent = own.order[j] > 0 and (own.rise[i] != 0.0 or own.frequency_rate[i] != 0.0)
+        if not math.isfinite(total + own.frequency[i] + own.frequency_rate[i]) or bent or own.rise[i] < 0.0:
+            return False
+    return True

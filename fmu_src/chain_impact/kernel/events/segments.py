@@ -1,0 +1,129 @@
+"""The ends of the segments of signals (chain/signals.py), where what is driven may jump or bend.
+
+Their times are known, so nothing is searched: a step ends there, and the next one begins with the next
+segment. A step in the variable of a contact, whose time is not known beforehand, is cut there.
+"""
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.signals import CHANNEL, next_segment, segment_end, set_segment, signal_at
+from chain_impact.kernel.equations import energy_balance
+from chain_impact.kernel.events.handlers import renew_modes
+from chain_impact.kernel.events.marks import drop_events
+from chain_impact.kernel.forces.inputs import LANDED, ensure_inputs, limit_to
+from chain_impact.kernel.ode.dense import commit_quadratures, fraction
+from chain_impact.kernel.ode.last_step import evaluate_start, reset_step, supply, truncate_step
+from chain_impact.kernel.status import OK, SIGNAL_JUMPS
+
+CONTINUES, BENDS, JUMPS = 0, 1, 2  # what is driven has no jump; it has one; the speed of a belt has one
+# Of the values on both sides, of velocities with what accelerations add in a second: a smaller difference is
+# round-off.
+SAME = 1e-9
+
+
+def limit_to_segment(d, h):
+    """A size ≤ h of the next step, in time, with which it ends where a segment does, or well before."""
+    return h if d.step.regularized >= 0 else limit_to(d, first_end(d), h)
+
+
+def first_end(d):
+    """When the first of the present segments ends [s]."""
+    first = segment_end(d, 0)
+    for j in range(1, d.signals):
+        first = min(first, segment_end(d, j))
+    return first
+
+
+def end_at_segment(d):
+    """End the last step where a segment ends, if it went beyond."""
+    end = first_end(d)
+    if end < d.step.end - LANDED * abs(d.step.end):
+        drop_events(d)
+        truncate_step(d, fraction(d, end))
+        locate_points(d, d.step.state_end)
+
+
+def has_ended(d, j):
+    """Whether the present segment of signal j ends at the end of the last step."""
+    return segment_end(d, j) - d.step.end <= LANDED * abs(d.step.end)
+
+
+def check_segments(d):
+    """SIGNAL_JUMPS if position or velocity of base or wall would jump with what begins, or OK."""
+    for j in range(d.signals):
+        if d.signal.input[j] == CHANNEL and has_ended(d, j):
+            before, rate, bend = signal_at(d, j, d.step.end)
+            k, lap = d.signal.segment[j], d.signal.lap[j]
+            begin_next(d, j)
+            after, rate_after, bend_after = signal_at(d, j, d.step.end)
+            set_segment(d, j, k, lap)
+            belt, most = d.motion.belt[d.signal.index[j]], abs(rate) + abs(rate_after)
+            if not (
+                belt or (same(before, after, most) and same(rate, rate_after, abs(bend) + abs(bend_after)))
+            ):
+                return SIGNAL_JUMPS
+    return OK
+
+
+def same(before, after, rate):
+    """Whether two numbers are equal up to round-off, of a signal with such a ``rate``."""
+    return abs(after - before) <= SAME * (abs(before) + abs(after) + rate)
+
+
+def begin_next(d, j):
+    """Begin the segment of signal j that follows the one that has ended."""
+    while has_ended(d, j):
+        next_segment(d, j)
+
+
+def begin_segments(d):
+    """Begin the segments that follow those that end at the end of the last step, if any do.
+
+    The energy that a jump brings into springs counts as supplied.
+
+    Returns:
+        CONTINUES, BENDS or JUMPS, the largest of all signals.
+    """
+    last = -1
+    for j in range(d.signals):
+        if has_ended(d, j):
+            last = j
+    change = CONTINUES
+    for j in range(last + 1):
+        if has_ended(d, j):
+            delay = segment_end(d, j) - d.step.end
+            shift_start(d, delay)
+            change = max(change, begin_segment(d, j))
+            if change != CONTINUES and j == last:
+                commit_quadratures(d)
+                renew_modes(d, change == JUMPS)
+                reset_step(d, d.step.end, d.step.state_end)
+            if change != CONTINUES or d.channels > 0:
+                evaluate_start(d)
+            shift_start(d, -delay)
+    return change
+
+
+def begin_segment(d, j):
+    """Begin the next segment of signal j; return CONTINUES, BENDS or JUMPS."""
+    y = d.step.state_end
+    locate_points(d, y)
+    ensure_inputs(d, y)
+    energy = energy_balance(d, y)
+    before, rate, bend = signal_at(d, j, d.step.end)
+    begin_next(d, j)
+    after, rate_after, bend_after = signal_at(d, j, d.step.end)
+    locate_points(d, y)
+    ensure_inputs(d, y)
+    supply(d, energy_balance(d, y) - energy)
+    if d.signal.input[j] != CHANNEL:
+        return CONTINUES if same(before, after, abs(rate) + abs(rate_after)) else BENDS
+    if d.motion.belt[d.signal.index[j]] and not same(rate, rate_after, abs(bend) + abs(bend_after)):
+        return JUMPS
+    return CONTINUES if same(bend, bend_after, abs(rate) + abs(rate_after)) else BENDS
+
+
+def shift_start(_d, _delay):
+    """Move the start of the next step to the time of a segment's end, a ``delay`` [s] later.
+
+    That is round-off; but the delay may have derivatives (tangent/rules.py).
+    """

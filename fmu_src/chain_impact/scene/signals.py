@@ -1,0 +1,362 @@
+"""Signals: what drives inputs of the scene over time, checked and completed, and which inputs each drives.
+
+kernel/chain/signals.py computes them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import lru_cache
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from chain_impact.scene.contents import AnyScene, Contents
+from chain_impact.scene.names import AXES, input_asked, input_key, is_like, nearest
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.signal import FORMS, Samples, Signal
+from chain_impact.scene.table_file import read_table, samples_of
+
+Numbers = tuple[float, ...]
+_REQUIRED: dict[str, tuple[str, ...]] = {
+    "constant": ("value",),
+    "sine": ("amplitude", "frequency"),
+    "ramp": ("final", "duration"),
+    "steps": ("times", "values"),
+    "table": ("file",),
+}
+_OTHER: dict[str, dict[str, Any]] = {
+    "constant": {},
+    "sine": {"mean": 0.0, "frequency_rate": 0.0, "phase": 0.0, "start": 0.0, "rise": 0.0},
+    "ramp": {"initial": 0.0, "start": 0.0, "shape": "smooth"},
+    "steps": {},
+    "table": {"interpolation": None, "period": None},
+}
+"""Form → its keys that may be missing, and what they are then."""
+_KNOTS = {"constant": 1, "sine": 3, "ramp": 3}
+"""Form → how many polynomials it takes; a ramp in the shape of a trapezoid two more."""
+_UNITS = {
+    "joint[{n}].torque": "N.m",
+    "joint[{n}].target_angle": "rad",
+    "joint[{n}].target_velocity": "rad/s",
+    "slider.force": "N",
+    "slider.target_position": "m",
+    "slider.target_velocity": "m/s",
+    **{f"tip.force.{axis}": "N" for axis in AXES},
+    **{f"base.{axis}": "m" for axis in AXES},
+    **{f"base.v{axis}": "m/s" for axis in AXES},
+    **{f"base.a{axis}": "m/s2" for axis in AXES},
+    "wall.{name}.displacement": "m",
+    "wall.{name}.velocity": "m/s",
+    "wall.{name}.acceleration": "m/s2",
+    "wall.{name}.belt_speed": "m/s",
+}
+
+
+AT_REST = 1e-12  # of the largest speed of a sine: a smaller one is round-off
+CLOSED = 1e-9  # of the period: by how much the last row of a table may miss the end of it
+
+
+class Driven(NamedTuple):
+    """An input that a signal drives.
+
+    Attributes:
+        signal: the name of the signal.
+        input: the name of the input.
+        outputs: the names of what is driven with it: its integrals, itself, and its derivatives, in order.
+        knots: how many polynomials the signal takes.
+        is_steps: whether its times and values are given one by one.
+    """
+
+    signal: str
+    input: str
+    outputs: tuple[str, ...]
+    knots: int
+    is_steps: bool
+
+    @property
+    def order(self) -> int:
+        """How often the signal is integrated for the first of the outputs."""
+        return self.outputs.index(self.input)
+
+
+def driven_by(scene: Contents) -> tuple[Driven, ...]:
+    """The inputs that signals drive; a target velocity comes behind a target whose rate it replaces."""
+    if not scene.signals:
+        return ()
+    found = [
+        Driven(name, one, family(one), knots_of(signal), signal.form == "steps")
+        for name, signal in scene.signals.items()
+        for one in signal.input
+    ]
+    return tuple(sorted(found, key=lambda one: one.input.endswith("target_velocity")))
+
+
+def knots_of(signal: Signal) -> int:
+    """How many polynomials a signal takes for each input."""
+    if signal.form == "steps":
+        return len(signal.times or ())
+    if signal.samples is not None:
+        count = len(signal.samples.times)
+        return count - is_closed(signal) if signal.period else count + 1
+    return _KNOTS[signal.form] + 2 * (signal.shape == "trapezoid")
+
+
+def is_closed(signal: Signal) -> bool:
+    """Whether the last row of a table that repeats is a period after the first one, which it equals then."""
+    times = signal.samples.times if signal.samples else ()
+    last = times[-1] - times[0] - (signal.period or 0.0)
+    return abs(last) <= CLOSED * (signal.period or 0.0)
+
+
+def family(name: str) -> tuple[str, ...]:
+    """The names of what an input drives, each the derivative of the one before; "" for what is no input."""
+    head, _, last = name.rpartition(".")
+    if head == "base":
+        return tuple(f"base.{prefix}{last[-1]}" for prefix in ("", "v", "a"))
+    if head.startswith("wall.") and last != "belt_speed":
+        return tuple(f"{head}.{key}" for key in ("displacement", "velocity", "acceleration"))
+    if last == "belt_speed":
+        return "", name  # its travel is no input
+    if last in ("target_angle", "target_position"):
+        return name, f"{head}.target_velocity"
+    return (name,)
+
+
+def unit_of(name: str) -> str:
+    """The unit of an input."""
+    return next(unit for template, unit in _UNITS.items() if is_like(name, template))
+
+
+def is_motion(name: str) -> bool:
+    """Whether an input moves base or wall, so that neither position nor velocity may jump."""
+    return name.startswith(("base.", "wall.")) and not name.endswith(".belt_speed")
+
+
+def with_signals(scene: AnyScene, folder: Path) -> AnyScene:
+    """Return the scene with the numbers of its signals that have defaults, and with their tables.
+
+    Files are sought from ``folder``.
+    """
+    if not scene.signals:
+        return scene
+    found = {name: _completed(name, signal) for name, signal in scene.signals.items()}
+    stop = scene.simulation.stop_time
+    found = {
+        name: _with_samples(name, signal, folder, stop) if signal.form == "table" else signal
+        for name, signal in found.items()
+    }
+    return replace(scene, signals=found)
+
+
+def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signal:
+    """The signal with what its file holds, and the file's whole path."""
+    path, where = (folder / (signal.file or "")).absolute(), f"signal.{name}.file = {signal.file!r}"
+    try:
+        status = path.stat()
+        times, columns = _read(path, status.st_mtime_ns, status.st_size, stop)
+    except OSError as error:
+        raise SceneError(f"{where} cannot be read ({error.strerror})", ("signals", name, "file")) from None
+    except SceneError as error:
+        raise SceneError(f"signal.{name}: {error}", ("signals", name, "file")) from None
+    for one in signal.input:
+        if one not in columns:
+            near = nearest(one, columns)
+            hint = f"; the nearest is {near}" if near else f"; it has {', '.join(columns)}"
+            raise SceneError(f"{where} has no column {one}{hint}", ("signals", name, "file"))
+    spline = any(is_motion(one) and family(one)[0] == one for one in signal.input)
+    return replace(
+        signal,
+        file=str(path),
+        interpolation=signal.interpolation or ("spline" if spline else "linear"),
+        samples=Samples(times, tuple((one, columns[one]) for one in signal.input)),
+    )
+
+
+@lru_cache(16)
+def _read(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, dict[str, Numbers]]:
+    """Times and columns of a file, which is read again when it has changed."""
+    times, columns = samples_of(read_table(path), stop)
+    return tuple(times.tolist()), {name: tuple(column.tolist()) for name, column in columns.items()}
+
+
+def _completed(name: str, signal: Signal) -> Signal:
+    """The signal with its defaults; a key that its form does not have is refused, and one that is missing."""
+    keys, what = (*_REQUIRED[signal.form], *_OTHER[signal.form]), f"signal.{name}"
+    if not name.isidentifier():
+        needed = "letters, digits and _, not beginning with a digit"
+        raise SceneError(f"{what}: the name must be {needed}", ("signals", name))
+    for form in FORMS:
+        for key in (*_REQUIRED[form], *_OTHER[form]):
+            if key not in keys and getattr(signal, key) is not None:
+                needed = f'form = "{signal.form}" has {", ".join(keys)}'
+                place = ("signals", name, key)
+                raise SceneError(f"{what}.{key} must be left out: {needed}", place)
+    for key in _REQUIRED[signal.form]:
+        if getattr(signal, key) is None:
+            raise SceneError(f'{what}.{key} is missing: form = "{signal.form}" needs it', ("signals", name))
+    missing = {key: value for key, value in _OTHER[signal.form].items() if getattr(signal, key) is None}
+    return replace(signal, **missing)
+
+
+def check_signals(scene: Contents) -> None:
+    """Refuse signals that cannot drive what they shall drive."""
+    owners: dict[str, str] = {}
+    for name, signal in scene.signals.items():
+        _check_inputs(scene, name, signal)
+        _check_numbers(name, signal)
+        for one in signal.input:
+            driven_alone = family(one) if is_motion(one) else (one,)
+            for driven in driven_alone:
+                if driven in owners:
+                    other = owners[driven]
+                    by = f"signal.{other} drives {driven}" if other != name else "it stands there twice"
+                    raise SceneError(
+                        f"signal.{name}.input = {one!r} must be driven by one signal only: {by}",
+                        ("signals", name, "input"),
+                    )
+            owners |= dict.fromkeys(driven_alone, name)
+            _check_motion(name, signal, one)
+
+
+def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
+    """Refuse inputs that the scene does not have, and such of several units."""
+    there, what = list(inputs_of(scene)), f"signal.{name}.input"
+    if not signal.input:
+        raise SceneError(f"{what} = [] must name at least one input", ("signals", name, "input"))
+    for one in signal.input:
+        if one in there:
+            continue
+        key = input_key(one)
+        asked = key is None or (key != "wall_motion" and getattr(scene.inputs, key))
+        how = f"the scene has {', '.join(there)}" if there else "the scene has none"
+        if not asked:
+            how = f"{input_asked(one)} makes it"
+        elif near := nearest(one, there):
+            how = f"the nearest is {near}"
+        raise SceneError(f"{what} = {one!r} is no input of the scene; {how}", ("signals", name, "input"))
+    units = {unit_of(one): one for one in signal.input}
+    if len(units) > 1 and signal.form != "table":
+        first, second = list(units.items())[:2]
+        each = f"{first[1]} is in {first[0]}, {second[1]} in {second[0]}"
+        raise SceneError(f"{what} must name inputs of one unit: {each}", ("signals", name, "input"))
+
+
+def inputs_of(scene: Contents) -> Iterator[str]:
+    """The names of the inputs that the scene asks for, whether a signal drives them or not."""
+    asked, slides = scene.inputs, scene.chain.base == "slider"
+    joints = range(1 if scene.chain.has_base_joint else 2, len(scene.chain.links) + 1)
+    for n in joints:
+        yield from (f"joint[{n}].torque",) * asked.joint_torques
+        if asked.joint_targets:
+            yield from (f"joint[{n}].target_angle", f"joint[{n}].target_velocity")
+    if slides and asked.slider_force:
+        yield "slider.force"
+    if slides and asked.joint_targets:
+        yield from ("slider.target_position", "slider.target_velocity")
+    if asked.tip_force:
+        yield from (f"tip.force.{axis}" for axis in AXES)
+    if asked.base_motion:
+        yield from (f"base.{prefix}{axis}" for prefix in ("", "v", "a") for axis in AXES)
+    for wall in scene.moving_walls:
+        yield from (
+            f"wall.{wall}.{key}" for key in ("displacement", "velocity", "acceleration", "belt_speed")
+        )
+
+
+def _check_numbers(name: str, signal: Signal) -> None:
+    """Refuse times that do not increase, and as many values as there are no times."""
+    times, values = signal.times, signal.values
+    if signal.samples is not None:
+        _check_period(name, signal, signal.samples)
+    if times is None or values is None:
+        return
+    if not times or len(times) != len(values):
+        raise SceneError(
+            f"signal.{name}.times and .values must be of one length > 0, not {len(times)} and {len(values)}",
+            ("signals", name, "values"),
+        )
+    for k, (before, after) in enumerate(pairwise(times), 2):
+        if not after > before:
+            raise SceneError(
+                f"signal.{name}.time[{k}] = {after:g} must be > {before:g} [s], the time before it",
+                ("signals", name, "times"),
+            )
+
+
+def _check_period(name: str, signal: Signal, samples: Samples) -> None:
+    """Refuse a table that does not fit into its period, or does not return to its start."""
+    period, lasts = signal.period, samples.times[-1] - samples.times[0]
+    if period is None:
+        return
+    if lasts > period * (1.0 + CLOSED):
+        raise SceneError(
+            f"signal.{name}.period = {period:g} must be >= {lasts:g} [s], how long its table lasts",
+            ("signals", name, "period"),
+        )
+    for one, values in samples.columns:
+        if is_closed(signal) and values[-1] != values[0] and signal.interpolation != "hold":
+            raise SceneError(
+                f"signal.{name}: {one} = {values[-1]:g} in the last row must be {values[0]:g}, as in the "
+                "first one, a period before it, or be left out",
+                ("signals", name, "file"),
+            )
+
+
+def _check_table(name: str, signal: Signal, driven: str, order: int) -> None:
+    """Refuse a table whose interpolation lets position or velocity of base or wall jump."""
+    needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
+    if signal.form == "table" and needed and signal.interpolation not in needed:
+        raise SceneError(
+            f'signal.{name}.interpolation = "{signal.interpolation}" must be '
+            f"{' or '.join(map(_quoted, needed))} where {driven} is driven: its velocity would jump, which "
+            "would be an impact of unknown strength",
+            ("signals", name, "interpolation"),
+        )
+    if signal.period and order == 2:  # noqa: PLR2004
+        raise SceneError(
+            f"signal.{name}.period = {signal.period:g} must be left out where an acceleration is driven: the "
+            "velocity would grow with each period; drive the velocity or the position",
+            ("signals", name, "period"),
+        )
+
+
+def _quoted(text: str) -> str:
+    return f'"{text}"'
+
+
+def _check_motion(name: str, signal: Signal, driven: str) -> None:
+    """Refuse a motion of base or wall whose position or velocity would jump."""
+    order = family(driven).index(driven)
+    belt = driven.endswith(".belt_speed")
+    if (
+        signal.form == "sine"
+        and (order > 0 or belt)
+        and (signal.rise or signal.frequency_rate or not signal.frequency)
+    ):
+        key = "rise" if signal.rise else "frequency_rate" if signal.frequency_rate else "frequency"
+        number, needed = getattr(signal, key), "> 0" if key == "frequency" else "0"
+        raise SceneError(
+            f"signal.{name}.{key} = {number:g} must be {needed} where {driven} is driven, which is integrated"
+        )
+    if not is_motion(driven):
+        return
+    _check_table(name, signal, driven, order)
+    impact = f"{driven} would jump, which would be an impact of unknown strength"
+    if signal.form == "steps" and order < 2 and len(set(signal.values or ())) > 1:  # noqa: PLR2004
+        raise SceneError(f'signal.{name}.form = "steps": {impact}: take a ramp', ("signals", name))
+    if signal.form == "ramp" and order == 0 and signal.shape == "linear":
+        raise SceneError(
+            f'signal.{name}.shape = "linear": the velocity of {impact}: take "smooth" or "trapezoid"',
+            ("signals", name),
+        )
+    if signal.form == "sine" and order == 0 and signal.start and signal.start > 0.0 and not signal.rise:
+        speed = (signal.amplitude or 0.0) * (signal.frequency or 0.0)
+        if abs(speed * math.cos(signal.phase or 0.0)) > AT_REST * abs(speed):
+            raise SceneError(
+                f"signal.{name}.start = {signal.start:g}: the velocity of {impact}: give it a rise, a phase "
+                "at which the sine is at rest, as pi/2, or start = 0",
+                ("signals", name),
+            )

@@ -1,0 +1,99 @@
+"""What signals of a scene refuse, and by which words; what they drive is an input no more."""
+
+import pytest
+
+from chain_impact import load_scene
+from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
+from chain_impact.variables.model import Model
+from tests.refusal import refusal
+from tests.simulation.test_signals import ARM
+
+SINE = 'form = "sine"\namplitude = 0.01\nfrequency = 5.0\n'
+RAMP = 'form = "ramp"\nfinal = 0.1\nduration = 0.2\n'
+STEPS = 'form = "steps"\ntimes = [0.0, 0.3]\nvalues = [0.0, 1.0]\n'
+
+
+def refused(*signals, scene=ARM):
+    tables = (f'[signals.{name}]\ninput = "{driven}"\n{numbers}\n' for name, driven, numbers in signals)
+    return refusal(parse_scene, "\n".join([scene, *tables]), "arm.toml")
+
+
+@pytest.mark.parametrize(
+    ("driven", "numbers", "message"),
+    [
+        (
+            "joint[3].torque",
+            SINE,
+            "signal.a.input = 'joint[3].torque' is no input of the scene; the nearest is",
+        ),
+        (
+            "slider.force",
+            SINE,
+            "signal.a.input = 'slider.force' is no input of the scene; inputs.slider_force = true",
+        ),
+        ("base.y", STEPS, 'signal.a.form = "steps": base.y would jump'),
+        ("wall.table.velocity", STEPS, 'signal.a.form = "steps": wall.table.velocity would jump'),
+        ("base.y", RAMP + 'shape = "linear"', 'signal.a.shape = "linear": the velocity of base.y would jump'),
+        ("base.y", SINE + "start = 0.1", "signal.a.start = 0.1: the velocity of base.y would jump"),
+        ("base.vy", SINE + "rise = 0.1", "signal.a.rise = 0.1 must be 0 where base.vy is driven"),
+        ("tip.force.x", SINE + "value = 1.0", "signal.a.value must be left out"),
+        ("tip.force.x", 'form = "sine"\nfrequency = 5.0', "signal.a.amplitude is missing"),
+        ("tip.force.x", STEPS.replace("0.3]", "0.0]", 1), "signal.a.time[2] = 0 must be > 0 [s]"),
+        (
+            "tip.force.x",
+            STEPS.replace("[0.0, 1.0]", "[0.0]"),
+            "signal.a.times and .values must be of one length",
+        ),
+        ("tip.force.x", 'form = "wave"', "signal.a.form (signals.a.form) = 'wave' must be one of"),
+    ],
+)
+def test_a_signal_that_cannot_be_is_refused(driven, numbers, message):
+    assert message in refused(("a", driven, numbers))
+
+
+def test_an_input_is_driven_by_one_signal():
+    told = refused(("a", "base.y", SINE), ("b", "base.vy", SINE))
+    assert "signal.b.input = 'base.vy' must be driven by one signal only: signal.a drives base.y" in told
+    assert "signal.a drives tip.force.x" in refused(("a", "tip.force.x", SINE), ("b", "tip.force.x", STEPS))
+
+
+FILES = {
+    "no time": ("t,tip.force.x\n0,1\n1,2", "the column time is missing; the column t may be meant"),
+    "gap": ("time,tip.force.x\n0,1\n1,", "line 3: tip.force.x is empty"),
+    "back": ("time,tip.force.x\n0,1\n0,2", "line 3: time = 0 must be > 0 [s]"),
+    "text": ("time,tip.force.x\n0,one", "line 2: tip.force.x = 'one' must be a finite number"),
+    "unit": ("time,tip.force.x\n0,1\n5000,2", "time lasts 5000 s, and the run 0.6 s: is it in seconds?"),
+    "other": ("time,tip.force.y\n0,1", "has no column tip.force.x; the nearest is tip.force.y"),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_table_that_cannot_be_is_refused(tmp_path, name):
+    content, message = FILES[name]
+    (tmp_path / "push.csv").write_text(content)
+    text = f'{ARM}\n[signals.a]\ninput = "tip.force.x"\nform = "table"\nfile = "push.csv"\n'
+    (tmp_path / "arm.toml").write_text(text)
+    assert message in refusal(load_scene, tmp_path / "arm.toml")
+    (tmp_path / "push.csv").unlink()
+    assert "signal.a.file = 'push.csv' cannot be read" in refusal(load_scene, tmp_path / "arm.toml")
+
+
+def test_what_is_driven_is_an_output_of_the_same_name():
+    text = f'{ARM}[signals.a]\ninput = ["base.y", "base.x"]\n{SINE}'
+    text += f'[signals.b]\ninput = "joint[1].target_angle"\n{RAMP}'
+    model = Model(parse_scene(text, "arm.toml"))
+    driven = [f"base.{prefix}{axis}" for axis in "yx" for prefix in ("", "v", "a")]
+    driven += ["joint[1].target_angle", "joint[1].target_velocity"]
+    assert not {one.name for one in model.inputs} & {*driven}
+    assert {*driven} <= {one.name for one in model.outputs}
+    numbers = {one.name: one.unit for one in model.parameters if one.name.startswith("signal.")}
+    units = {"signal.a.amplitude": "m", "signal.b.final": "rad", "signal.a.frequency": "Hz"}
+    assert units.items() <= numbers.items()
+    assert "signal.b.amplitude" not in numbers
+
+
+def test_a_scene_with_signals_is_written_and_read_again():
+    scene = parse_scene(f'{ARM}[signals.a]\ninput = "tip.force.x"\n{STEPS}', "arm.toml")
+    assert scene_from_dict(scene_to_dict(scene), "again") == scene
+    changed = scene.with_values({"signal.a.value[2]": 2.5, "signal.a.time[2]": 0.4})
+    assert (changed.signals["a"].times, changed.signals["a"].values) == ((0.0, 0.4), (0.0, 2.5))

@@ -1,0 +1,249 @@
+"""Signals of a scene against the same functions given in Python, their derivatives against differences."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from chain_impact import Chain, simulate
+from chain_impact.scene.scene import load_scene, parse_scene
+
+ARM = """
+name = "Arm"
+gravity = [0.0, -9.81]
+[chain]
+base = "pinned"
+[[chain.links]]
+length = 0.4
+mass = 0.5
+joint_stiffness = 3.0
+joint_damping = 0.2
+[[chain.links]]
+length = 0.3
+mass = 0.4
+joint_stiffness = 2.0
+joint_damping = 0.1
+[[walls]]
+name = "table"
+point = [0.0, -0.75]
+angle = 0.0
+[contact]
+stiffness = 1e5
+restitution = 0.6
+points = [2]
+[inputs]
+joint_torques = true
+joint_targets = true
+tip_force = true
+base_motion = true
+wall_motion = ["table"]
+[initial]
+angles = [-1.2, -0.9]
+[simulation]
+stop_time = 0.6
+step_size = 0.01
+"""
+TORQUE, TARGET, HEIGHT = "joint[2].torque", "joint[1].target_angle", "base.y"
+TABLE, PUSH = "wall.table.displacement", "tip.force.x"
+
+
+def smooth(x):
+    x = min(max(x, 0.0), 1.0)
+    return x**3 * (10.0 - 15.0 * x + 6.0 * x * x)
+
+
+def chirp(time, start=0.1, rise=0.2):
+    s = max(0.0, time - start)
+    return 0.2 + 0.5 * smooth(s / rise) * math.sin(0.3 + 2.0 * math.pi * (5.0 * s + 0.5 * 20.0 * s * s))
+
+
+def trapezoid(time):
+    x = min(max((time - 0.1037) / 0.2913, 0.0), 1.0)
+    if x < 1.0 / 3.0:
+        part = 2.25 * x * x
+    elif x < 2.0 / 3.0:
+        part = 0.25 + 1.5 * (x - 1.0 / 3.0)
+    else:
+        part = 1.0 - 2.25 * (1.0 - x) ** 2
+    return 0.05 * part
+
+
+FORMS = {
+    "constant": (TORQUE, 'form = "constant"\nvalue = 0.4', lambda _: 0.4),
+    "chirp": (
+        PUSH,
+        'form = "sine"\nmean = 0.2\namplitude = 0.5\nfrequency = 5.0\nfrequency_rate = 20.0\nphase = 0.3\n'
+        "start = 0.1\nrise = 0.2",
+        chirp,
+    ),
+    "smooth": (
+        TARGET,
+        'form = "ramp"\ninitial = -1.2\nfinal = -0.3\nstart = 0.1\nduration = 0.3',
+        lambda t: -1.2 + 0.9 * smooth((t - 0.1) / 0.3),
+    ),
+    "linear": (
+        TORQUE,
+        'form = "ramp"\nfinal = 0.7\nstart = 0.15\nduration = 0.2\nshape = "linear"',
+        lambda t: 0.7 * min(max((t - 0.15) / 0.2, 0.0), 1.0),
+    ),
+    "trapezoid": (
+        HEIGHT,
+        'form = "ramp"\nfinal = 0.05\nstart = 0.1037\nduration = 0.2913\nshape = "trapezoid"',
+        trapezoid,
+    ),
+    "steps": (
+        TORQUE,
+        'form = "steps"\ntimes = [0.1, 0.2537, 0.4043]\nvalues = [0.0, 0.8, -0.5]',
+        lambda t: 0.0 if t < 0.2537 else 0.8 if t < 0.4043 else -0.5,
+    ),
+    "shaken": (
+        HEIGHT,
+        'form = "sine"\namplitude = 0.01\nfrequency = 20.0',
+        lambda t: 0.01 * math.sin(40.0 * math.pi * t),
+    ),
+    "table": (
+        TABLE,
+        'form = "sine"\namplitude = 0.01\nfrequency = 8.0\nphase = 1.5707963267948966\nstart = 0.05',
+        lambda t: 0.01 * math.cos(16.0 * math.pi * max(0.0, t - 0.05)),
+    ),
+}
+
+
+def driven(name, extra=""):
+    driven, numbers, _ = FORMS[name]
+    return parse_scene(f'{ARM}{extra}\n[signals.drive]\ninput = "{driven}"\n{numbers}\n', "arm.toml")
+
+
+def rate_of(function):
+    """A function for the derivative, where the function is smooth."""
+    return lambda t: (function(t + 1e-7) - function(t - 1e-7)) / 2e-7
+
+
+def by_python(name, **settings):
+    """The run with the function given in Python."""
+    one, _, function = FORMS[name]
+    inputs = {one: function}
+    if one == TARGET:
+        # 10 x³ − 15 x⁴ + 6 x⁵
+        x = lambda t: min(max((t - 0.1) / 0.3, 0.0), 1.0)  # noqa: E731
+        inputs["joint[1].target_velocity"] = lambda t: 90.0 * (x(t) * (1.0 - x(t))) ** 2
+    return simulate(parse_scene(ARM, "arm.toml"), inputs=inputs, **settings)
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_a_signal_moves_the_chain_as_the_same_function_in_python_does(name):
+    settings = {"tolerance": 1e-12}
+    run, same = simulate(driven(name), **settings), by_python(name, **settings)
+    for output in ("link[1].angle", "link[2].angle", "link[2].angular_velocity", "energy.supplied"):
+        # in a function a kink of a motion is found to within the square root of round-off
+        error = 1e-7 if name == "trapezoid" else 1e-10
+        np.testing.assert_allclose(run[output], same[output], rtol=0.0, atol=error, err_msg=output)
+    np.testing.assert_allclose(run.impacts["onset"], same.impacts["onset"], rtol=0.0, atol=1e-10)
+    one, _, function = FORMS[name]
+    before = [t - 1e-13 for t in run.time]  # at a jump, the value until then
+    np.testing.assert_allclose(run[one], [function(t) for t in before], rtol=0.0, atol=1e-10)
+
+
+NUMBERS = [
+    ("constant", "value"),
+    *(
+        ("chirp", key)
+        for key in ("mean", "amplitude", "frequency", "frequency_rate", "phase", "start", "rise")
+    ),
+    *(("smooth", key) for key in ("initial", "final", "start", "duration")),
+    *(("linear", key) for key in ("final", "start", "duration")),
+    *(("trapezoid", key) for key in ("final", "start", "duration")),
+    *(("steps", key) for key in ("time[2]", "time[3]", "value[1]", "value[2]")),
+    *(("shaken", key) for key in ("mean", "amplitude", "frequency", "phase")),
+    *(("table", key) for key in ("amplitude", "frequency", "mean")),
+]
+
+
+@pytest.mark.parametrize(("name", "key"), NUMBERS)
+def test_derivatives_by_each_number_are_those_of_differences(name, key):
+    scene, parameter, output = driven(name), f"signal.drive.{key}", "link[2].angle"
+    run = simulate(scene, tolerance=1e-12, sensitivities=[parameter])
+    value = scene.values[parameter]
+    step = 1e-5 * max(1.0, abs(value))
+    ends = [
+        simulate(scene.with_values({parameter: value + n * step}), tolerance=1e-13)[output]
+        for n in (-2, -1, 1, 2)
+    ]
+    # of order 4
+    slope = (ends[0] - 8.0 * ends[1] + 8.0 * ends[2] - ends[3]) / (12.0 * step)
+    found = run.sensitivity(output, parameter)
+    np.testing.assert_allclose(found, slope, rtol=0.0, atol=1e-6 * (np.abs(slope).max() + 1e-2))
+
+
+@pytest.mark.parametrize("name", ["steps", "trapezoid", "chirp"])
+def test_the_communication_step_changes_nothing(name):
+    scene = driven(name)
+    fine, rough = Chain(scene), Chain(scene)
+    for k in range(1, 400):
+        fine.step_to(min(0.6, k * 0.0017))
+    rough.step_to(0.6)
+    names = ["link[1].angle", "link[2].angular_velocity", "energy.supplied", FORMS[name][0]]
+    assert fine.get(names).tobytes() == rough.get(names).tobytes()
+
+
+# ---- tables -----------------------------------------------------------------------------------------------
+
+TIMES = np.array([0.0, 0.05, 0.12, 0.2, 0.31, 0.4])
+
+
+def with_table(folder, driven, columns, numbers, scene=ARM):
+    """The arm with a table for some inputs, in a file beside it."""
+    rows = zip(*columns.values(), strict=True)
+    lines = [",".join(columns), *(",".join(map(repr, map(float, row))) for row in rows)]
+    (folder / "drive.csv").write_text("\n".join(lines))
+    inputs = ", ".join(f'"{name}"' for name in driven)
+    text = f'{scene}\n[signals.drive]\ninput = [{inputs}]\nform = "table"\nfile = "drive.csv"\n{numbers}\n'
+    (folder / "arm.toml").write_text(text)
+    return load_scene(folder / "arm.toml")
+
+
+@pytest.mark.parametrize("interpolation", ["hold", "linear"])
+def test_a_table_drives_as_samples_do(tmp_path, interpolation):
+    values = {TORQUE: np.sin(20.0 * TIMES), PUSH: np.cos(9.0 * TIMES)}
+    scene = with_table(tmp_path, values, {"time": TIMES, **values}, f'interpolation = "{interpolation}"')
+    run = simulate(scene, tolerance=1e-12)
+    kind = "follow" if interpolation == "hold" else "linear"
+    inputs = {name: (TIMES, column) for name, column in values.items()}
+    same = simulate(parse_scene(ARM, "x"), tolerance=1e-12, inputs=inputs, interpolation=kind)
+    np.testing.assert_allclose(run["link[2].angle"], same["link[2].angle"], rtol=0.0, atol=1e-10)
+
+
+@pytest.mark.parametrize(("driven", "order"), [("base.y", 0), ("base.vy", 1), ("base.ay", 2)])
+def test_a_base_follows_a_spline_of_its_position_and_integrals_of_the_others(tmp_path, driven, order):
+    times = np.linspace(0.0, 0.6, 25)
+    wave = [0.01 * np.sin(12.0 * times), 0.12 * np.cos(12.0 * times), -1.44 * np.sin(12.0 * times)][order]
+    scene = with_table(tmp_path, [driven], {"time": times, driven: wave}, 'interpolation = "spline"')
+    run = simulate(scene, tolerance=1e-12)
+    spline = CubicSpline(times, wave)
+    for _ in range(order):
+        spline = spline.antiderivative()
+    for name, k in (("base.y", 0), ("base.vy", 1), ("base.ay", 2)):
+        expected = spline(run.time) if k == 0 else spline.derivative(k)(run.time)
+        np.testing.assert_allclose(run[name], expected, rtol=0.0, atol=1e-12 * 10.0**k)
+    np.testing.assert_allclose(run["point[0].y"], run["base.y"], rtol=0.0, atol=1e-15)
+
+
+def test_a_table_repeats_after_its_period(tmp_path):
+    times = np.linspace(0.0, 0.2, 21)[:-1]
+    wave = 0.01 * np.sin(10.0 * math.pi * times)
+    scene = with_table(tmp_path, ["base.y"], {"time": times, "base.y": wave}, "period = 0.2")
+    run = simulate(scene, tolerance=1e-10)
+    spline = CubicSpline([*times, 0.2], [*wave, wave[0]], bc_type="periodic")
+    np.testing.assert_allclose(run["base.y"], spline(run.time % 0.2), rtol=0.0, atol=1e-15)
+    belt = with_table(
+        tmp_path,
+        ["wall.table.belt_speed"],
+        {"time": [0.0, 0.1], "wall.table.belt_speed": [0.0, 1.0]},
+        'period = 0.2\ninterpolation = "hold"',
+    )
+    run = simulate(belt)
+    # 0.1 m in each period
+    np.testing.assert_allclose(
+        run["wall.table.belt_position"][[10, 20, 40, 55]], [0.0, 0.1, 0.2, 0.25], atol=1e-14
+    )
