@@ -70,7 +70,10 @@ def test_the_declared_parts_are_those_with_numbers_in_a_new_instance():
     """A part with parameters that is not declared would have numbers before a run begins."""
     found = set()
     mounted = load_scene("pinned_arm").with_values({"inputs.base_motion": True, "initial.x": 0.1})
-    for scene in (*map(load_scene, model_names()), mounted):
+    push = {"form": "steps", "times": [0.1], "values": [1.0], "input": "base.ay"}
+    level = {"form": "constant", "value": 1.0, "input": "base.ax"}
+    driven = mounted.with_values({"signals": {"push": push, "level": level}})
+    for scene in (*map(load_scene, model_names()), mounted, driven):
         instance = Model(scene).new_instance()[0]
         for part in PARTS:
             if any(number != 0.0 for number in reals(instance[part])):

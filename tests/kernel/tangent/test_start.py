@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS
-from chain_impact.kernel import advance
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.events import handlers
 from chain_impact.kernel.forces import contact, contact_force, contact_law
 from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.initialize import initialize
@@ -197,7 +197,7 @@ def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law,
     assert contact_law.update_laws(d) == OK
     t.work.load.x[:], t.touch.beyond_kink[4], t.step.time = 9.0, 5, 1.0
     told = []
-    monkeypatch.setattr(advance, "recompute_active_set", lambda *arguments: told.append(arguments))
+    monkeypatch.setattr(handlers, "recompute_active_set", lambda *arguments: told.append(arguments))
     starts.reinit_tangent(d, t)
     assert told == [(t,)]
     assert t.step.time == t.step.start == t.step.end == 2.5
