@@ -7,7 +7,10 @@ import numpy as np
 import pytest
 
 from chain_impact import build_fmu, simulate
-from tests.simulation.test_signals import TIMES, TORQUE, with_table
+from chain_impact.fmu.run import record_fmu
+from chain_impact.scene.scene import parse_scene
+from tests.refusal import refusal
+from tests.simulation.test_signals import ARM, TIMES, TORQUE, with_table
 from tests.tiers import needs_compilers
 
 pytestmark = needs_compilers
@@ -31,3 +34,15 @@ def test_an_fmu_drives_itself_to_the_bit_whatever_the_communication_step(tmp_pat
     assert found[names[0]][-1] == simulate(scene.with_values(changed))[names[0]][-1]
     with zipfile.ZipFile(fmu) as files:
         assert not [name for name in files.namelist() if str(tmp_path).encode() in files.read(name)]
+
+
+def test_a_table_drives_an_fmu_on_the_command_line(tmp_path):
+    times, values = [0.0, 0.1, 0.3], [0.0, 1.0, -0.5]
+    (tmp_path / "drive.csv").write_text("time,tip.force.x\n0.0,0.0\n0.1,1.0\n0.3,-0.5\n")
+    scene = parse_scene(ARM, "arm.toml")
+    fmu = build_fmu(scene, tmp_path)
+    found = record_fmu(fmu, inputs=(tmp_path / "drive.csv", None))
+    run = simulate(scene, inputs={"tip.force.x": (times, values)})
+    np.testing.assert_allclose(found.columns["link[2].angle"], run["link[2].angle"], rtol=0.0, atol=1e-7)
+    told = refusal(record_fmu, fmu, inputs=(tmp_path / "drive.csv", "spline"))
+    assert "must be hold or linear" in told

@@ -8,13 +8,16 @@ from pathlib import Path
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
+    add_inputs,
     add_scene,
     add_set,
     add_verb,
     check_outputs,
     complete_scenes,
     ending,
+    inputs_of,
     is_fmu,
+    scene_of_options,
     settings_of,
 )
 from chain_impact.cli.progress import progress, say
@@ -39,6 +42,7 @@ def add(verbs: Verbs) -> None:
     )
     add_scene(verb, "scene or FMU or CSV")
     add_set(verb)
+    add_inputs(verb)
     verb.add_argument(
         "-o",
         "--output",
@@ -109,15 +113,17 @@ def record(options: argparse.Namespace) -> Recording:
     """The recording of a scene, simulated so that its impacts can be seen slowly, of an FMU or of a table."""
     from chain_impact.studies.animate import record_slowly
 
-    settings = settings_of(options.set)
+    settings, inputs = settings_of(options.set), inputs_of(options)
+    if inputs and is_csv(options.source):
+        raise UsageError(f"--inputs {inputs[0]}: {options.source} is a table of a run that is over")
     if is_csv(options.source):
         return read_table(Path(options.source), options.scene, settings)
     if options.scene:
         raise UsageError(f"--scene {options.scene}: only a CSV file needs it; {options.source} has its walls")
     with progress() as advance:
         if is_fmu(options.source):
-            return record_fmu(Path(options.source), settings, advance)
-        scene = with_settings(load_scene(options.source), settings)
+            return record_fmu(Path(options.source), settings, advance, inputs)
+        scene = scene_of_options(options)
         try:
             return record_slowly(scene, options.impact_time, advance)
         except SimulationError as error:

@@ -7,6 +7,7 @@ import argparse
 from chain_impact.cli.options import (
     Verbs,
     add_csv,
+    add_inputs,
     add_plot,
     add_repeated,
     add_scene,
@@ -14,12 +15,10 @@ from chain_impact.cli.options import (
     add_verb,
     check_outputs,
     names_in,
-    settings_of,
+    scene_of_options,
 )
 from chain_impact.cli.progress import progress, say
 from chain_impact.cli.screen import law_table, show
-from chain_impact.scene.scene import load_scene
-from chain_impact.simulation.record_scene import with_settings
 
 
 def add(verbs: Verbs) -> None:
@@ -32,6 +31,7 @@ def add(verbs: Verbs) -> None:
     )
     add_scene(compare, "scene")
     add_set(compare)
+    add_inputs(compare)
     what = "compare these laws only, as hertz,flores; default: all"
     add_repeated(compare, "--laws", "NAMES", what)
     add_plot(compare, "first impact and energy")
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.studies.compare import compare
 
     check_outputs(options.csv, options.plot, inputs=[options.source])
-    scene = with_settings(load_scene(options.source), settings_of(options.set))
+    scene = scene_of_options(options)
     with progress("comparing") as advance:
         comparison = compare(scene, advance, laws=names_in(*options.laws) or None)
     if options.csv:

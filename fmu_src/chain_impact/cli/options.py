@@ -9,12 +9,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chain_impact.scene.models import model_names, scene_path
+from chain_impact.scene.scene import Scene, load_scene
+from chain_impact.scene.signals import with_inputs
+from chain_impact.simulation.record_scene import with_settings
 
 if TYPE_CHECKING:
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
 else:
     Verbs = object  # the class is generic for type checkers only
 
+Inputs = tuple[Path, str | None]
+"""The file of a table of inputs, and the interpolation, None for the usual one."""
+INTERPOLATIONS = ("hold", "linear", "spline")
 DEFAULT_SCENE = "four_link_box"
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -69,6 +75,40 @@ def add_set(command: argparse.ArgumentParser) -> None:
         type="simulation.stop_time={}".format,
         help="end of the simulation, as --set simulation.stop_time=SECONDS",
     )
+
+
+def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] = INTERPOLATIONS) -> None:
+    """Add a table of inputs, and what they are between its rows."""
+    command.add_argument(
+        "--inputs",
+        action=Once,
+        metavar="FILE",
+        type=ending(".csv", ".parquet"),
+        help="drive inputs by a table with the column time [s] and one for each input (csv, parquet)",
+    )
+    command.add_argument(
+        "--interpolation",
+        choices=interpolations,
+        help="what inputs are between the rows; default: spline where base or walls move, else hold",
+    )
+
+
+def scene_of_options(options: argparse.Namespace) -> Scene:
+    """The scene of a command, with its settings and its inputs."""
+    return driven(options.source, options.set, inputs_of(options))
+
+
+def inputs_of(options: argparse.Namespace) -> Inputs | None:
+    """The table of inputs of a command, if it has one, and its interpolation."""
+    if options.inputs is None and options.interpolation is not None:
+        raise UsageError("--interpolation: what is interpolated is a table of inputs: give --inputs FILE too")
+    return None if options.inputs is None else (options.inputs, options.interpolation)
+
+
+def driven(source: str, settings: Sequence[str], inputs: Inputs | None) -> Scene:
+    """A scene with settings ``NAME=VALUE``, and with a table of inputs."""
+    scene = with_settings(load_scene(source), settings_of(settings))
+    return with_inputs(scene, *inputs) if inputs else scene
 
 
 def add_repeated(

@@ -9,17 +9,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chain_impact.cli.options import (
+    Inputs,
     Once,
     UsageError,
     Verbs,
     add_csv,
+    add_inputs,
     add_plot,
     add_repeated,
     add_scene,
     add_set,
     add_verb,
     check_outputs,
+    driven,
     ending,
+    inputs_of,
     is_fmu,
     names_in,
     settings_of,
@@ -53,6 +57,7 @@ def add(verbs: Verbs) -> None:
     )
     add_scene(verb, "scene or FMU")
     add_set(verb)
+    add_inputs(verb)
     add_repeated(
         verb,
         "--sensitivity",
@@ -99,6 +104,7 @@ def run(options: argparse.Namespace) -> int:
         sensitivities=names_in(*options.sensitivity),
         window=window,
         check=options.check,
+        inputs=inputs_of(options),
     )
     if window:
         from matplotlib import pyplot
@@ -131,19 +137,20 @@ def report(
     sensitivities: Sequence[str] = (),
     window: Figure | None = None,
     check: bool = False,
+    inputs: Inputs | None = None,
 ) -> None:
     """Simulate, write the files asked for and print a summary; also of what came before a fault.
 
     The columns are those of the table, by default all. The picture is drawn into a file, into an empty
     window, or both.
     """
-    check_outputs(csv, picture, impacts, inputs=[source])
+    check_outputs(csv, picture, impacts, inputs=[source, *([inputs[0]] if inputs else [])])
     if columns and not csv:
         raise UsageError("--columns (--output): the columns are those of a table: give --csv FILE too")
     tighter = [*settings, tighter_setting(source, settings)] if check else []
     fault = None
     try:
-        recording = record(source, settings, sensitivities)
+        recording = record(source, settings, sensitivities, inputs)
     except RunError as error:
         if error.recording is None:
             raise
@@ -155,11 +162,11 @@ def report(
         recording.save_impacts(impacts)
         say(f"impacts  {impacts}")
     if picture or window:
-        shown = recording if sensitivities or fault else with_rows(recording, source, settings)
+        shown = recording if sensitivities or fault else with_rows(recording, source, settings, inputs)
         draw(shown, picture, window, sensitivities)
     show(summary(recording))
     if check:
-        say(f"check    {difference_text(differences(recording, record(source, tighter)))}")
+        say(f"check    {difference_text(differences(recording, record(source, tighter, inputs=inputs)))}")
     if sensitivities:
         show(sensitivity_tables(recording))
     if fault:
@@ -180,18 +187,22 @@ def draw(
         fill_page(window, recording)
 
 
-def record(source: str, settings: Sequence[str], sensitivities: Sequence[str] = ()) -> Recording:
-    """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``.
+def record(
+    source: str,
+    settings: Sequence[str],
+    sensitivities: Sequence[str] = (),
+    inputs: Inputs | None = None,
+) -> Recording:
+    """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``, and with a table of inputs.
 
     If no ``sensitivities`` are named, they are those that the scene asks for.
     """
-    values = settings_of(settings)
     if sensitivities and is_fmu(source):
         raise UsageError(f"--sensitivity: {source} is an FMU; must be a scene")
     with progress() as advance:
         if is_fmu(source):
-            return record_fmu(Path(source), values, advance)
-        return record_scene(load_scene(source), values, advance, sensitivities or None)
+            return record_fmu(Path(source), settings_of(settings), advance, inputs)
+        return record_scene(driven(source, settings, inputs), {}, advance, sensitivities or None)
 
 
 def tighter_setting(source: str, settings: Sequence[str]) -> str:
@@ -224,7 +235,9 @@ def difference_text(found: Differences) -> str:
     return f"a tenth of the tolerance moves {onsets if found.impacts else ''}{points}{parted}"
 
 
-def with_rows(recording: Recording, source: str, settings: Sequence[str]) -> Recording:
+def with_rows(
+    recording: Recording, source: str, settings: Sequence[str], inputs: Inputs | None = None
+) -> Recording:
     """The recording with as many rows as a picture needs: of a scene, from a run with rows of its own.
 
     Of an FMU there are no others; then it is said.
@@ -238,7 +251,7 @@ def with_rows(recording: Recording, source: str, settings: Sequence[str]) -> Rec
             "what is between them; --set simulation.step_size=… makes more"
         )
         return recording
-    scene = with_settings(load_scene(source), settings_of(settings))
+    scene = driven(source, settings, inputs)
     step = scene.simulation.stop_time / ROWS
     with progress() as advance:
         return simulate(scene, output_step=step, progress=advance)

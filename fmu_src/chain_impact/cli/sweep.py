@@ -10,6 +10,7 @@ from pathlib import Path
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
+    add_inputs,
     add_plot,
     add_repeated,
     add_scene,
@@ -17,11 +18,10 @@ from chain_impact.cli.options import (
     add_verb,
     check_outputs,
     pairs,
+    scene_of_options,
     settings_of,
 )
 from chain_impact.cli.progress import complain, progress, say
-from chain_impact.scene.scene import load_scene
-from chain_impact.simulation.record_scene import with_settings
 
 
 def add(verbs: Verbs) -> None:
@@ -52,6 +52,7 @@ def add(verbs: Verbs) -> None:
         "--seed", type=int, default=0, metavar="N", help="seed of the random samples; default: 0"
     )
     add_set(sweep)
+    add_inputs(sweep)
     what = "add an output to the table, as it is at the end of a run"
     add_repeated(sweep, "--columns", "NAME", what, alias="--output")
     sweep.add_argument(
@@ -84,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
 
     table = Path(options.table)
     check_outputs(table, options.plot, inputs=[options.source])
-    scene = with_settings(load_scene(options.source), settings_of(options.set))
+    scene = scene_of_options(options)
     vary = variations(options.vary, settings_of(options.set))
     if options.plot:
         from chain_impact.studies.sweep.plot import check_picture

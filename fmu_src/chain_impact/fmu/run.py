@@ -23,6 +23,7 @@ from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.names import SLIDER_STOPS, STOPS, fmu_name, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
+from chain_impact.scene.table_file import read_table, samples_of
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
 from chain_impact.variables.variable import UNLESS_SET
@@ -37,6 +38,7 @@ def record_fmu(
     path: str | Path,
     settings: Mapping[str, Any] = MappingProxyType({}),
     progress: Progress | None = None,
+    inputs: tuple[Path, str | None] | None = None,
 ) -> Recording:
     """Simulate an FMU with fmpy, with parameters set by name.
 
@@ -45,6 +47,8 @@ def record_fmu(
         settings: parameter, or ``simulation.stop_time`` or ``simulation.step_size`` instead of those of the
             default experiment → value, or its text; a contact law or a solver method by its name or number.
         progress: called with the fraction done, if given.
+        inputs: the file of a table of inputs, and how its rows are joined: ``hold``, the usual one, or
+            ``linear``. An FMU is given its inputs at communication points.
 
     Raises:
         SceneError: when the file is no FMU of a chain, a name is unknown or a value is no number.
@@ -79,6 +83,7 @@ def record_fmu(
         if variable.causality == "output" and not variable.dimensions
     ]
     check_size(str(path), stop_time, step_size, len(outputs))
+    given = _signals(str(path), variables, *inputs, stop_time) if inputs else None
     values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
     walls, stops = _walls(values), ranges_from(values)
     ends = [stop for stop in SLIDER_STOPS if stop.replace("_", ".") in values]
@@ -117,12 +122,38 @@ def record_fmu(
             output=outputs + derived,
             stop_time=stop_time,
             output_interval=step_size,
+            input=given,
             step_finished=step_finished,
         )
     except RunError as error:
         partial = recording(recorders[0].result()) if recorders else None
         raise RunError(str(error), partial) from None
     return recording(rows)
+
+
+def _signals(
+    source: str, variables: Mapping[str, Any], file: Path, interpolation: str | None, stop: float
+) -> np.ndarray:
+    """The table of inputs as fmpy takes it, which joins its rows by lines: a step has two at one time."""
+    if interpolation == "spline":
+        raise SceneError(
+            f"{source}: interpolation = 'spline' must be hold or linear: an FMU is given its inputs at "
+            "communication points"
+        )
+    times, columns = samples_of(read_table(file), stop)
+    there = [name for name, one in variables.items() if one.causality == "input"]
+    for name in columns:
+        if name not in there:
+            raise UnknownNameError(str(file), name, there, f"no input of {source}")
+    rows = np.zeros(len(times), [("time", np.float64), *((name, np.float64) for name in columns)])
+    rows["time"] = times
+    for name, column in columns.items():
+        rows[name] = column
+    if interpolation == "linear":
+        return rows
+    held = rows.repeat(2)[:-1]
+    held["time"][1::2] = times[1:]
+    return held
 
 
 def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
@@ -142,7 +173,7 @@ def _named(variable: Any, value: float) -> float | str:
 
 def _known(name: str, parameters: Mapping[str, Any], source: str) -> Any:
     if name not in parameters:
-        given = "it is an input: give it over time with fmpy, simulate_fmu(…, input=…)"
+        given = "it is an input: give it over time in a table, --inputs FILE"
         hint = given if input_key(name) else None
         raise UnknownNameError(source, name, [*parameters, *EXPERIMENT], "no parameter", hint)
     return parameters[name]

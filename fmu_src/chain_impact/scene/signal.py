@@ -57,7 +57,10 @@ class Signal:
     )
     file: str | None = quantity("", "table with time and a column for each input", None, matching=TABLE_FILE)
     interpolation: str | None = quantity(
-        "", "of a table; default linear", None, choices=("hold", "linear", "spline")
+        "",
+        "of a table; default: spline for the motion of base and walls, else hold",
+        None,
+        choices=("hold", "linear", "spline"),
     )
     period: float | None = quantity("s", "time after which a table repeats", None, above=0.0)
     samples: Samples | None = field(default=None, metadata=NO_KEY)

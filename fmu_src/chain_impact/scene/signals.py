@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
-from itertools import pairwise
+from itertools import chain, count, pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -104,6 +104,14 @@ def knots_of(signal: Signal) -> int:
     return _KNOTS[signal.form] + 2 * (signal.shape == "trapezoid")
 
 
+def joined_by(signal: Signal, driven: str) -> str:
+    """How the rows of a table for an input are joined: ``hold``, ``linear`` or ``spline``.
+
+    Unless it is said, as samples in Python are: by a spline where base or wall move, as these must not jump.
+    """
+    return signal.interpolation or ("spline" if is_motion(driven) else "hold")
+
+
 def is_closed(signal: Signal) -> bool:
     """Whether the last row of a table that repeats is a period after the first one, which it equals then."""
     times = signal.samples.times if signal.samples else ()
@@ -151,6 +159,31 @@ def with_signals(scene: AnyScene, folder: Path) -> AnyScene:
     return replace(scene, signals=found)
 
 
+def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any:
+    """The scene with one more signal: a table for each input that has a column in a file.
+
+    Args:
+        scene: with these inputs.
+        file: CSV or Parquet, with the column ``time`` [s].
+        interpolation: ``hold``, ``linear`` or ``spline``; by default the usual one of each input.
+
+    Raises:
+        SceneError: when the table cannot drive the scene.
+        OSError: when the file cannot be read.
+    """
+    _, columns = samples_of(read_table(file), scene.simulation.stop_time)
+    inputs, numbered = list(inputs_of(scene)), (f"inputs_{k}" for k in count(2))
+    name = next(one for one in chain(("inputs",), numbered) if one not in scene.signals)
+    for one in columns:
+        if one not in inputs:
+            near, asked = nearest(one, inputs), input_asked(one)
+            hint = f"the nearest is {near}" if near else f"{asked} makes it" if asked else "it has none"
+            raise SceneError(f"{file}: column {one} is no input of {scene.name}; {hint}")
+    table = {"input": list(columns), "form": "table", "file": str(file.absolute())}
+    table |= {"interpolation": interpolation} if interpolation else {}
+    return scene.with_values({("signals", name): table})
+
+
 def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signal:
     """The signal with what its file holds, and the file's whole path."""
     path, where = (folder / (signal.file or "")).absolute(), f"signal.{name}.file = {signal.file!r}"
@@ -166,11 +199,9 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
             near = nearest(one, columns)
             hint = f"; the nearest is {near}" if near else f"; it has {', '.join(columns)}"
             raise SceneError(f"{where} has no column {one}{hint}", ("signals", name, "file"))
-    spline = any(is_motion(one) and family(one)[0] == one for one in signal.input)
     return replace(
         signal,
         file=str(path),
-        interpolation=signal.interpolation or ("spline" if spline else "linear"),
         samples=Samples(times, tuple((one, columns[one]) for one in signal.input)),
     )
 
@@ -297,7 +328,7 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
             ("signals", name, "period"),
         )
     for one, values in samples.columns:
-        if is_closed(signal) and values[-1] != values[0] and signal.interpolation != "hold":
+        if is_closed(signal) and values[-1] != values[0] and joined_by(signal, one) != "hold":
             raise SceneError(
                 f"signal.{name}: {one} = {values[-1]:g} in the last row must be {values[0]:g}, as in the "
                 "first one, a period before it, or be left out",
@@ -308,7 +339,7 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
 def _check_table(name: str, signal: Signal, driven: str, order: int) -> None:
     """Refuse a table whose interpolation lets position or velocity of base or wall jump."""
     needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
-    if signal.form == "table" and needed and signal.interpolation not in needed:
+    if signal.interpolation and needed and signal.interpolation not in needed:
         raise SceneError(
             f'signal.{name}.interpolation = "{signal.interpolation}" must be '
             f"{' or '.join(map(_quoted, needed))} where {driven} is driven: its velocity would jump, which "

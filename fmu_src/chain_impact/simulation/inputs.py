@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +14,7 @@ from chain_impact.kernel.forces.inputs import AT_ONCE, CONTINUES
 from chain_impact.scene.checks import warn
 from chain_impact.scene.names import AXES, Place, input_asked
 from chain_impact.scene.reading import SceneError
+from chain_impact.scene.table_file import TIME, Source, read_table, samples_of
 from chain_impact.simulation.motions import (
     ACCURACY,
     FINELY_RESOLVED,
@@ -30,6 +31,8 @@ from chain_impact.variables.model import Model
 
 Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""
+Given = Mapping[str, Signal] | Source
+"""Inputs by their names, or a table with the column ``time`` and one for each input."""
 Interpolation = Literal["follow", "hold", "linear"]
 """What inputs are between samples and communication points."""
 INTERPOLATIONS = ("follow", "hold", "linear")
@@ -107,12 +110,12 @@ class Drive:
             given["changed"] = AT_ONCE if anew else CONTINUES
 
 
-def drive(model: Model, inputs: Mapping[str, Signal], interpolation: str, times: np.ndarray) -> Drive:
+def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) -> Drive:
     """The inputs for a simulation with some communication points.
 
     Args:
         model: what is driven.
-        inputs: name of an input of the FMU → its signal.
+        inputs: name of an input of the FMU → its signal; or a table of them.
         interpolation: ``follow``, ``hold`` or ``linear``, see ``simulate``.
         times: communication points, increasing, shape (T,) [s]. The inputs act from t = 0 on, wherever the
             first of them is.
@@ -121,6 +124,7 @@ def drive(model: Model, inputs: Mapping[str, Signal], interpolation: str, times:
         SceneError: when a name is no input of the scene, or a signal cannot be one.
     """
     scene = model.scene
+    inputs = _by_name(inputs, scene.simulation.stop_time)
     if interpolation not in INTERPOLATIONS:
         allowed = "must be follow, hold or linear"
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed}")
@@ -132,10 +136,7 @@ def drive(model: Model, inputs: Mapping[str, Signal], interpolation: str, times:
     places = {variable.name: variable.place for variable in model.inputs}
     for name in inputs:
         if name not in places:
-            other = not isinstance(name, str) or name.startswith(("joint", "tip"))
-            how = None if other else input_asked(name)
-            hint = f"{how} makes it" if how else inputs_text(places)
-            raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {hint}")
+            raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {_hint(model, name)}")
     signals = {name: _checked(f"{scene.name}: {name}", signal) for name, signal in inputs.items()}
     channels = channels_of(model) if interpolation != "hold" and run[-1] > 0.0 else []
     given = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
@@ -190,6 +191,23 @@ def drive(model: Model, inputs: Mapping[str, Signal], interpolation: str, times:
         restarts=pieces.jumps | slips | bends,
         slips=slips,
     )
+
+
+def _by_name(inputs: Given, stop: float) -> Mapping[str, Signal]:
+    """Inputs by their names, of a table its columns."""
+    if isinstance(inputs, Mapping) and TIME not in inputs:
+        return cast("Mapping[str, Signal]", inputs)
+    times, columns = samples_of(read_table(cast("Source", inputs)), stop)
+    return {name: (times, values) for name, values in columns.items()}
+
+
+def _hint(model: Model, name: Any) -> str:
+    """What to say of the name of no input."""
+    if name in model.driven:
+        return f"signal.{model.driven[name]} drives it"
+    other = not isinstance(name, str) or name.startswith(("joint", "tip"))
+    how = None if other else input_asked(name)
+    return f"{how} makes it" if how else inputs_text(one.name for one in model.inputs)
 
 
 def channels_of(model: Model) -> list[Channel]:

@@ -22,7 +22,7 @@ from chain_impact.scene.checks import warn
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.simulation.derivatives import DifferentiatedInstance
-from chain_impact.simulation.inputs import Drive, Interpolation, Signal, drive
+from chain_impact.simulation.inputs import Drive, Given, Interpolation, drive
 from chain_impact.simulation.instance import (
     Instance,
     SimulationError,
@@ -45,7 +45,7 @@ def simulate(
     tolerance: float | None = None,
     *,
     output: str | Iterable[str] | None = None,
-    inputs: Mapping[str, Signal] | None = None,
+    inputs: Given | None = None,
     interpolation: Interpolation = "follow",
     sensitivities: Iterable[str] | None = None,
     progress: Progress | None = None,
@@ -85,7 +85,8 @@ def simulate(
             at most ``MOST_BYTES``. The impacts are always all there.
         inputs: name of an input of the scene's FMU, as ``joint[2].torque`` [N·m] or ``tip.force.x`` [N] →
             a number, a function of the time [s], or a pair (times [s], values), each of shape (T,), times
-            increasing. An input that is not named is zero.
+            increasing. An input that is not named is zero. Or a table of samples: a CSV or Parquet file, a
+            table of pandas or polars, or columns, with the column ``time`` and one for each input.
         interpolation: of inputs, ``follow``, ``hold`` or ``linear``.
         sensitivities: parameters and inputs by their names in the FMU, ``*`` as in ``output``: the result
             then has the derivatives of its outputs and impacts with respect to each of them, for
@@ -119,8 +120,8 @@ def simulate(
     others = places.words
     width, columns = len(words), len(words) * (1 + len(varied)) + len(others)
     check_size(scene.name, stop, step, columns)
-    driven = drive(model, inputs or {}, interpolation, _times(stop, step))
-    if inputs:
+    driven = drive(model, {} if inputs is None else inputs, interpolation, _times(stop, step))
+    if driven.places:
         _check_rows(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
     differentiated = DifferentiatedInstance(model, varied, driven) if varied else None
     instance = differentiated or Instance(model, driven, ())

@@ -9,7 +9,7 @@ import numpy as np
 from chain_impact.kernel.chain import signals as kernel
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal import FORMS, SHAPES, Signal
-from chain_impact.scene.signals import Driven, is_closed, is_motion
+from chain_impact.scene.signals import Driven, is_closed, is_motion, joined_by
 from chain_impact.variables.kind import MOTION, MOTIONS
 from chain_impact.variables.listing import inputs_asked
 from chain_impact.variables.shape import shape_of
@@ -80,7 +80,7 @@ def table_of(signal: Signal, driven: Driven, stop: float) -> tuple[np.ndarray, n
     period = signal.period
     if period and not is_closed(signal):
         at, values = np.append(at, at[0] + period), np.append(values, values[0])
-    powers = _interpolated(signal, at, values, moves=is_motion(driven.input), stop=stop)
+    powers = _interpolated(signal, driven.input, at, values, stop)
     if not period:
         # the first value holds before, and the last one from its time on
         held = np.zeros((2, powers.shape[1]))
@@ -99,13 +99,12 @@ def table_of(signal: Signal, driven: Driven, stop: float) -> tuple[np.ndarray, n
     return at, powers, gain if period else 0.0
 
 
-def _interpolated(
-    signal: Signal, at: np.ndarray, values: np.ndarray, *, moves: bool, stop: float
-) -> np.ndarray:
+def _interpolated(signal: Signal, driven: str, at: np.ndarray, values: np.ndarray, stop: float) -> np.ndarray:
     """The coefficients of the polynomials between rows, those of rising powers of the time since each row."""
-    if signal.interpolation == "hold" or len(at) == 1:
+    kind, moves = joined_by(signal, driven), is_motion(driven)
+    if kind == "hold" or len(at) == 1:
         return values[:-1, np.newaxis]
-    if signal.interpolation == "linear":
+    if kind == "linear":
         return np.stack([values[:-1], np.diff(values) / np.diff(at)], axis=1)
     from scipy.interpolate import CubicSpline
 

@@ -94,6 +94,11 @@ class Model:
         return list(inputs(self.scene))
 
     @cached_property
+    def driven(self) -> dict[str, str]:
+        """What the signals of the scene drive: name that an input would have → name of the signal."""
+        return {name: one.signal for one in driven_by(self.scene) for name in one.outputs if name}
+
+    @cached_property
     def outputs(self) -> list[Variable]:
         """The outputs of the FMU, but for derivatives."""
         return list(self._own_outputs.values())
