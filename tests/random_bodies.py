@@ -30,7 +30,7 @@ BALANCE = 300.0  # times the tolerance, of all energy that has been there: an im
 FALL = 10.0  # likewise, by which dissipation may fall between rows
 RESIDUAL = 1e-9  # of the largest generalized force
 DEEP = 1e-9  # m or rad, between a penetration and the place of its point
-WORK = 2e5  # evaluations a second, beyond which a run ends early
+WORK = 5e6  # evaluations a second, beyond which a run ends early
 
 
 def bodies(seed: int) -> Scene:
@@ -111,9 +111,9 @@ def slider_of(draw: Draw) -> dict[str, Any]:
         "rest_position": draw.real(-0.2, 0.2),
         "friction": draw.power(0.1, 5.0) * draw.chance(0.3),
     }
-    for key, sign in (("min", -1.0), ("max", 1.0)):
+    for key, sign, none in (("min", -1.0, 0.1), ("max", 1.0, 0.0)):
         if draw.chance(0.5):
-            found[key] = sign * draw.one((0.0, draw.real(0.02, 0.5)), (0.1, 0.9))
+            found[key] = sign * draw.one((0.0, draw.real(0.02, 0.5)), (none, 1.0 - none))
     return found
 
 
@@ -142,6 +142,8 @@ def walls(draw: Draw, scene: Scene) -> list[dict[str, Any]]:
     places = [(x, y, radius) for point, (x, y, radius) in scene.start.items() if point in may]
     for number in range(draw.whole(1, 3)):
         angle = draw.one((0.0, draw.real(-math.pi, math.pi)))
+        if scene.chain.slider and scene.chain.slider.angle == angle:
+            angle += 0.1  # what is parallel to all that points can do is refused
         nx, ny = -math.sin(angle), math.cos(angle)
         least = min((nx * x + ny * y - radius for x, y, radius in places), default=0.0)
         at = least - draw.one((0.0, draw.power(1e-6, 1e-2), draw.real(0.01, 0.5)), (0.1, 0.1, 0.8))

@@ -409,3 +409,37 @@ def test_dropped_text_is_left_to_the_field_that_it_falls_on(show):
       return !document.body.dispatchEvent(drop);
     }""")
     assert not taken
+
+
+def test_bodies_and_sliders_are_edited_and_points_are_dragged(show, tmp_path):
+    page = show()
+    page.get_by_role("button", name="Edit…").click()
+    edit(page, "link[1].height", "0.1")
+    edit(page, "link[2].center_of_mass_offset", "0.03")
+    page.get_by_role("button", name="Add a point of a link").click()
+    edit(page, "point[9].name", "heel")
+    edit(page, "point[9].link", "2")
+    edit(page, "point[9].y", "0.08")
+    edit(page, "point[9].link", "7")
+    assert refusal(page) == "Not taken: the link of a point = 7 must be 1 to 4."
+    scene = downloaded(page, tmp_path)
+    heel = scene.chain.sites[4]
+    assert [scene.chain.links[0].shape, heel[0], heel[1].y, heel[1].name] == ["box", 1, 0.08, "heel"]
+    assert scene.chain.links[1].center_of_mass_offset == 0.03
+    assert_same_motion(page, scene)
+    grip = page.get_by_role("button", name="Point 9: arrow keys move it on its link")
+    grip.press("Shift+ArrowUp")
+    moved = page.evaluate("chainImpact.parameters['link[2].point[1].y']")
+    assert moved != 0.08
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Remove point 9").click()
+    edit(page, "link[1].height", "")
+    page.get_by_role("combobox", name="Base").select_option("slider")
+    edit(page, "slider.max", "0.2")
+    edit(page, "slider.angle", "0.5")
+    scene = downloaded(page, tmp_path)
+    assert (scene.chain.base, scene.chain.slider.max, scene.chain.sites) == ("slider", 0.2, ())
+    assert_same_motion(page, scene)
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("combobox", name="Base").select_option("free")
+    assert downloaded(page, tmp_path).chain.slider is None

@@ -55,8 +55,8 @@ def explore(
     """Write a page that simulates a scene with the parameters that its reader chooses, or show it.
 
     The page has the compiled kernel in it, and gives the numbers of ``simulate``. It is one file, which needs
-    nothing else. Its reader can change all parameters, and add or remove links, walls and stops. Inputs are
-    constant, also those that signals drive; the base and the walls keep their places.
+    nothing else. Its reader can change all parameters, and add or remove links, points, walls and stops.
+    Inputs are constant, also those that signals drive; the base and the walls keep their places.
 
     Args:
         scene: a scene, or what ``load_scene`` takes.

@@ -1,5 +1,7 @@
 // Bodies for the eye: the outlines of links with points, and the line of a base on a slider. Pictures do the same.
 
+import { discOf } from "./view.js";
+
 const ROUND = 24; // corners of the polygon that is drawn for a circle
 const TICK = 0.06; // of the size of what is drawn: the mark of a stop, and half the carriage's length
 const AHEAD = 0.12; // of that size, how far a line without a stop goes on
@@ -24,14 +26,6 @@ function outlineOf(discs) {
     [x + radius * Math.cos((2 * Math.PI * k) / ROUND), y + radius * Math.sin((2 * Math.PI * k) / ROUND)]));
   rims.sort(([x0, y0], [x1, y1]) => x0 - x1 || y0 - y1);
   return [...halfHull(rims), ...halfHull(rims.reverse())];
-}
-
-/** Where a point of a link is, along the link and to the left of it, and its radius [m]; corners of a box follow from it. */
-export function discOf({ link, entry, corner }, valueOf) {
-  const of = `link[${link + 1}]`;
-  if (!corner) return ["x", "y", "radius"].map((key) => valueOf(`${of}.point[${entry + 1}].${key}`));
-  const [length, half] = [valueOf(`${of}.length`), valueOf(`${of}.height`) / 2];
-  return [corner % 2 ? 0 : length, corner > 2 ? half : -half, valueOf("contact.radius")];
 }
 
 /** The links with points, each with its outline along it and to the left of it; other ends than `touching` have no radius. */

@@ -1,12 +1,14 @@
-// The dialog in which links, walls and stops are added and removed, and scene files are opened.
+// The dialog in which links, points, walls and stops are added and removed, and scene files are opened.
 
 import { numberText } from "./changes.js";
 import { find, make } from "./dom.js";
 import { contentsOf } from "./outside.js";
-import { movablePoints, stopsOf } from "./scene_file.js";
+import { movablePoints, sitesOf, stopsOf } from "./scene_file.js";
 import { STOPS } from "./view.js";
 
 const BOX = { x_min: "left", x_max: "right", y_min: "floor", y_max: "ceiling" };
+const SLIDER = { angle: "Slider: angle, rad", mass: "Mass, kg", friction: "Friction, N", min: "Stop from, m", max: "Stop to, m" };
+const CORNERS = 4; // of a box, which the file leaves out
 const BELOW = 0.5; // of the longest link: a new wall is so far below the chain
 
 /** The text of a file as the contents of a scene file; an error names the line. */
@@ -29,6 +31,7 @@ export class Editor {
       this.dialog.showModal();
     });
     find("add-link").addEventListener("click", () => this.#change(addLink));
+    find("add-point").addEventListener("click", () => this.#change(addPoint));
     find("add-wall").addEventListener("click", () => this.#change(addWall));
     find("edit-base").addEventListener("change", ({ target }) => this.#change((file) => setBase(file, target.value)));
     find("edit-choose").addEventListener("click", () => find("edit-file").click());
@@ -88,8 +91,17 @@ export class Editor {
   #draw() {
     const { scene: { file } } = this.changes;
     find("edit-base").value = file.chain.base;
-    const heads = ["Link", "Length, m", "Mass, kg", "Stop from, rad", "Stop to, rad", ""];
+    const heads = ["Link", "Length, m", "Mass, kg", "Offset, m", "Box height, m", "Stop from, rad", "Stop to, rad", ""];
     fillTable(find("edit-links"), heads, file.chain.links.map((link, k) => this.#linkRow(file, link, k)));
+    const own = sitesOf(file).map((site, s) => [site, s]).filter(([{ corner }]) => !corner);
+    fillTable(find("edit-points"), ["Point", "Link", "Along, m", "Left, m", "Radius, m", "Name", ""], own.map(([site, s]) => this.#pointRow(file, site, s)));
+    find("edit-points").hidden = own.length === 0;
+    const { slider } = file.chain;
+    find("edit-slider").hidden = !slider;
+    if (slider) {
+      fillTable(find("edit-slider"), Object.values(SLIDER), [Object.keys(SLIDER).map((key) =>
+        this.#field(`slider.${key}`, slider[key], (value, all) => setOrRemove(all.chain.slider, key, value)))]);
+    }
     fillTable(find("edit-box"), Object.values(BOX).map((text) => `${text}, m`), [Object.keys(BOX).map((key) =>
       this.#field(`box.${key}`, file.box[key], (value, all) => setBox(all, key, value)))]);
     fillTable(find("edit-walls"), ["Wall", "x, m", "y, m", "Angle, rad", ""], file.walls.map((wall, k) => this.#wallRow(wall, k)));
@@ -101,7 +113,19 @@ export class Editor {
     const field = (key) => this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setOfLink(all, k, key, value));
     const stops = k === 0 && base === "free" ? ["", ""] : STOPS.map(field);
     const remover = links.length > 1 ? this.#remover(`link ${k + 1}`, (all) => removeLink(all, k)) : "";
-    return [`${k + 1}`, field("length"), field("mass"), ...stops, remover];
+    return [`${k + 1}`, ...["length", "mass", "center_of_mass_offset", "height"].map(field), ...stops, remover];
+  }
+
+  /** The fields of a point of a link; its link can be another one. */
+  #pointRow(file, site, s) {
+    const { link, entry } = site;
+    const label = `point[${file.chain.links.length + 1 + s}]`;
+    const pointOf = (all) => ownPoint(all, link, entry);
+    const of = this.#field(`${label}.link`, link + 1, (value, all) => moveToLink(all, link, entry, value));
+    const fields = ["x", "y", "radius"].map((key) => this.#field(`${label}.${key}`, site[key], (value, all) => setOrRemove(pointOf(all), key, value)));
+    const name = this.#field(`${label}.name`, site.name || undefined, (value, all) => setOrRemove(pointOf(all), "name", value));
+    const remover = this.#remover(`point ${file.chain.links.length + 1 + s}`, (all) => removePoint(all, link, entry));
+    return [`${file.chain.links.length + 1 + s}`, of, ...fields, name, remover];
   }
 
   #wallRow({ name, point, angle }, k) {
@@ -116,7 +140,7 @@ export class Editor {
 
   /** A field for a number, or an angle in text; nothing in it stands for no value. */
   #field(name, value, set) {
-    const field = make("input", { value: value === undefined ? "" : numberText(value), autocomplete: "off" });
+    const field = make("input", { value: typeof value === "number" ? numberText(value) : (value ?? ""), autocomplete: "off" });
     field.setAttribute("aria-label", name);
     field.addEventListener("change", () => {
       const text = field.value.trim();
@@ -146,18 +170,49 @@ function setOrRemove(table, key, value) {
 }
 
 function setOfLink(file, k, key, value) {
-  setOrRemove(file.chain.links[k], key, value);
+  const link = file.chain.links[k];
+  setOrRemove(link, key, value);
+  if (key === "height") setOrRemove(link, "shape", value === undefined ? undefined : "box");
   if (!stopsOf(file).length) file.stops = {}; // the law of stops goes with the last of them
 }
 
-/** What a free base cannot have goes; so does what a pinned one cannot. */
+/** A point of a link, by its place among the points, of which the first ones are the corners of a box. */
+function ownPoint({ chain: { links } }, link, entry) {
+  return links[link].points[entry - (links[link].shape ? CORNERS : 0)];
+}
+
+function removePoint({ chain: { links } }, link, entry) {
+  links[link].points.splice(entry - (links[link].shape ? CORNERS : 0), 1);
+}
+
+function moveToLink(file, link, entry, number) {
+  const { chain: { links } } = file;
+  if (!links[number - 1]) throw new RangeError(`the link of a point = ${number} must be 1 to ${links.length}`);
+  const point = ownPoint(file, link, entry);
+  removePoint(file, link, entry);
+  links[number - 1].points.push(point);
+}
+
+/** A point beside the middle of the last link, to its left. */
+function addPoint({ chain: { links } }) {
+  const { length, points } = links.at(-1);
+  points.push({ x: length / 2, y: length / 10 });
+}
+
+/** What a base of another kind cannot have goes. */
 function setBase(file, base) {
   file.chain.base = base;
+  if (base !== "slider") {
+    delete file.chain.slider;
+    delete file.initial.slider_velocity;
+    file.inputs.slider_force = false;
+  }
   if (base === "free") {
     STOPS.forEach((stop) => setOfLink(file, 0, stop, undefined));
     file.inputs.base_motion = false;
   } else {
     file.initial.velocity = [0, 0];
+    if (base === "slider") file.inputs.base_motion = false;
   }
   keepPoints(file);
 }
@@ -171,7 +226,7 @@ function keepPoints(file) {
 /** Another link behind the last one, equal to it and in line with it. */
 function addLink({ chain: { links }, initial, contact }) {
   const tip = links.length;
-  links.push({ ...links.at(-1) });
+  links.push(structuredClone(links.at(-1)));
   if (tip === 1) STOPS.forEach((stop) => delete links[tip][stop]); // which are those of the angle from +x
   [initial.angles, initial.angular_velocities].forEach((list) => list.push(list.at(-1)));
   if (contact.points?.includes(tip)) contact.points.push(tip + 1);

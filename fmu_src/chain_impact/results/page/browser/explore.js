@@ -12,7 +12,7 @@ import { showKnobs, showList } from "./knobs.js";
 import { GridMap } from "./map.js";
 import { describe } from "./model.js";
 import { changesIn, commandOf, contentsOf, csvOf, hashOf, pictureOf, save, tomlText } from "./outside.js";
-import { complete } from "./scene_file.js";
+import { asWritten, complete } from "./scene_file.js";
 import { unpacked } from "./unpacked.js";
 
 const WAITING = 120; // ms after which what is shown is greyed
@@ -119,7 +119,7 @@ function show(scene, text) {
 /** Open a scene of some contents of a file; an error says what is wrong with them. */
 function open(contents) {
   const whole = complete(contents, kit);
-  show(describe(kit, whole, [`${whole.name}.toml`]), tomlText(whole, kit.keys));
+  show(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole), kit.keys));
 }
 
 /** Name and description of the scene, and the inputs that it has in vain. */

@@ -50,6 +50,9 @@ export class Ghosts {
       if (!recording || recording === shown) continue;
       const frame = recording.frameAt(clock.time);
       const places = Array.from({ length: recording.links + 1 }, (_, point) => scene.camera.place(...recording.pointAt(frame, point)));
+      recording.bodiesAt(frame).forEach((corners) => {
+        scene.behind.polygon(corners.map((place) => scene.camera.place(...place))).addClass(`ghost ${kind}`).fill("none");
+      });
       scene.behind.polyline(places).addClass(`ghost ${kind}`).fill("none");
       scene.behind.circle(8).center(...places.at(-1)).addClass(`ghost-tip ${kind}`);
     }

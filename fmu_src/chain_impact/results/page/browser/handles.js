@@ -1,7 +1,7 @@
 // The start taken by hand: joints, arrows of velocity and walls, which are dragged while the clock shows the start.
 
 import { roomWithin } from "./room.js";
-import { wallsAt } from "./view.js";
+import { discOf, wallsAt } from "./view.js";
 
 const ARROW_TIME = 0.1; // s: an arrow is as long as the way at its velocity in this time …
 const LONGEST = 0.2; // … unless one would be longer than this part of the view
@@ -12,6 +12,7 @@ const MOST_DECIMALS = 15;
 const STEPS_OF_KEYS = [4, 24]; // pixels that an arrow key moves a grip, alone and with Shift
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const SPOKEN = {
+  site: (index) => `Point ${index}: arrow keys move it on its link`,
   joint: (index) => `Point ${index}: arrow keys move it`,
   velocity: (index) => `Velocity of point ${index}: arrow keys change it`,
   wall: (name) => `Wall ${name}: arrow keys move it`,
@@ -103,11 +104,28 @@ export class Handles {
       const from = screen(point);
       this.#arrow(group, from, wayTo(from, screen(tipOf(point, velocity[k], time))), k);
     });
+    this.#sites(place).forEach(({ number, at }) => {
+      group.circle(13).center(...screen(at)).addClass("joint-ring");
+      group.circle(GRIP).center(...screen(at)).addClass("grip").attr(gripFor("site", number));
+    });
     place.forEach((point, k) => {
       group.circle(15).center(...screen(point)).addClass("joint-ring");
       group.circle(GRIP).center(...screen(point)).addClass("grip").attr(gripFor("joint", k));
     });
     if (held) this.element.querySelector(`[data-grip="${held}"]`)?.focus({ preventScroll: true });
+  }
+
+  /** The points of links that can be moved, and where they are at the start [m]; corners of boxes go with their links. */
+  #sites(place) {
+    const { scene } = this.changes;
+    return scene.sites.flatMap((site, s) => {
+      if (site.corner) return [];
+      const [x, y] = discOf(site, (name) => this.#value(name));
+      const angle = this.#value(`initial.angle[${site.link + 1}]`);
+      const [c, sin] = [Math.cos(angle), Math.sin(angle)];
+      const [x0, y0] = place[site.link];
+      return [{ number: scene.links + 1 + s, site, at: [x0 + c * x - sin * y, y0 + sin * x + c * y] }];
+    });
   }
 
   /** The arrow of a velocity, at the end of a stem in its direction; `way` is its length on the screen. */
@@ -189,6 +207,17 @@ export class Handles {
     const angle = Math.atan2(y - y0, x - x0);
     const turns = Math.round((this.#value(name) - angle) / (2 * Math.PI));
     return { [name]: byHand(angle + 2 * Math.PI * turns, this.#pixel / this.#value(`link[${k}].length`)) };
+  }
+
+  /** A point of a link moves on it. */
+  site([x, y], number) {
+    const { place } = this.#start;
+    const { site: { link, entry } } = this.#sites(place).find((one) => one.number === Number(number));
+    const angle = this.#value(`initial.angle[${link + 1}]`);
+    const [dx, dy] = wayTo(place[link], [x, y]);
+    const along = { x: dx * Math.cos(angle) + dy * Math.sin(angle), y: dy * Math.cos(angle) - dx * Math.sin(angle) };
+    return Object.fromEntries(Object.entries(along).map(([key, value]) =>
+      [`link[${link + 1}].point[${entry + 1}].${key}`, byHand(value, this.#pixel)]));
   }
 
   /** The arrow of the base sets its velocity, that of another joint the angular velocity of the link before it. */

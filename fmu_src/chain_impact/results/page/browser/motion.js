@@ -1,10 +1,10 @@
 // A motion to be shown, from two runs. The first finds the impacts, the second has rows at the frames, which are close in
 // time where it is shown slowly. Rows do not change the solution.
 
-import { bodiesOf, discOf, railOf } from "./bodies.js";
+import { bodiesOf, railOf } from "./bodies.js";
 import { contactsOf, framesOf, timesOf } from "./frames.js";
 import { rowTimes } from "./kernel.js";
-import { STOPS, pointText, viewOf, wallsAt } from "./view.js";
+import { STOPS, discOf, pointText, viewOf, wallsAt } from "./view.js";
 
 const IMPACT_TIME = 0.6; // s on the screen that an impact takes
 const PARTS = 100; // of the first run, between which it can be stopped

@@ -1,6 +1,7 @@
 // Out of the page: the command that repeats a motion, a link, the scene file, tables and pictures.
 
 import { numberText } from "./changes.js";
+import { asWritten } from "./scene_file.js";
 
 /** A word of a command as a shell takes it: in double quotes, which those of Windows take too, where they do. */
 function quoted(word) {
@@ -33,7 +34,7 @@ export function contentsOf(changes) {
     const { place, items } = changes.parameters.get(name);
     if (place) put(file, place, items.length ? items[value - 1][0] : value);
   }
-  return file;
+  return asWritten(file);
 }
 
 /** The contents of a scene file as TOML, without what its keys have by default. */

@@ -85,6 +85,18 @@ export class Recording {
     return [this.x, this.y].map((all) => this.between(all, frame, point, this.pointCount));
   }
 
+  /** The corners of the bodies at a frame [m]: the links with points, and the carriage of a slider. */
+  bodiesAt(frame) {
+    const links = this.bodies.map(([link, corners]) => {
+      const [[x0, y0], [x1, y1]] = [link - 1, link].map((point) => this.pointAt(frame, point));
+      const length = Math.hypot(x1 - x0, y1 - y0) || 1;
+      const [c, s] = [(x1 - x0) / length, (y1 - y0) / length];
+      return corners.map(([along, left]) => [x0 + c * along - s * left, y0 + s * along + c * left]);
+    });
+    const [x, y] = this.pointAt(frame, 0);
+    return this.rail ? [...links, this.rail.carriage.map(([dx, dy]) => [x + dx, y + dy])] : links;
+  }
+
   /** The walls where they are at a frame, name → normal and offset [m]. */
   wallsAt(frame) {
     const moved = this.moved.map(([name, values]) => {

@@ -76,10 +76,9 @@ export class Scene {
     this.lines = lines.flatMap((range) => ["link-edge", "link"].map((kind) =>
       [range, this.links.polyline().addClass(kind).fill("none")]));
     this.discs = radius > 0 ? touching.map(([point, own]) => [point, own, this.circles.circle().addClass("disc")]) : [];
-    this.outlines = bodies.map(([link, corners]) => [link, corners, this.bodies.polygon().addClass("body")]);
-    this.carriage = rail ? this.bodies.polygon().addClass("carriage") : null;
+    this.outlines = [...bodies.map(() => "body"), ...(rail ? ["carriage"] : [])].map((kind) => this.bodies.polygon().addClass(kind));
     this.names = Array.from({ length: links <= NUMBERED ? pointCount : 0 }, (_, point) =>
-      this.numbers.plain(names.get(point) ?? String(point)).addClass("point-number"));
+      this.numbers.plain(names.get(point) ?? String(point)).addClass(point > links ? "point-number of-site" : "point-number"));
     const shown = links < MANY_LINKS ? Array.from({ length: links + 1 }, (_, point) => point) : [0, links];
     this.dots = shown.map((point) => {
       const kind = point === links ? "tip" : "joint";
@@ -152,11 +151,11 @@ export class Scene {
     const all = Array.from({ length: recording.pointCount }, (_, point) => camera.place(...recording.pointAt(frame, point)));
     const places = all.slice(0, recording.links + 1);
     this.lines.forEach(([range, line]) => line.plot(places.slice(...range)));
-    this.#drawBodies(frame);
+    recording.bodiesAt(frame).forEach((corners, k) => this.outlines[k].plot(this.#places(corners)));
     this.dots.forEach(([point, dot]) => dot.center(...all[point]));
     this.discs.forEach(([point, , disc]) => disc.center(...all[point]));
     this.names.forEach((name, point) => {
-      const [x, y] = point <= recording.links ? besideChain(places, point) : all[point].map((at) => at + 0.7 * BESIDE);
+      const [x, y] = point <= recording.links ? besideChain(places, point) : all[point].map((at) => at + 0.6 * BESIDE);
       name.attr({ x, y: y + 4 });
     });
     if (recording.moved.length) this.#drawRoom(frame);
@@ -166,19 +165,6 @@ export class Scene {
     this.#drawRings(frame);
     this.#drawArrows(frame);
     this.#drawLoads(frame);
-  }
-
-  /** The outlines of links with points, and the carriage of a slider. */
-  #drawBodies(frame) {
-    const at = (point) => this.recording.pointAt(frame, point);
-    this.outlines.forEach(([link, corners, shape]) => {
-      const [[x0, y0], [x1, y1]] = [at(link - 1), at(link)];
-      const length = Math.hypot(x1 - x0, y1 - y0) || 1;
-      const [c, s] = [(x1 - x0) / length, (y1 - y0) / length];
-      shape.plot(this.#places(corners.map(([along, left]) => [x0 + c * along - s * left, y0 + s * along + c * left])));
-    });
-    const [x, y] = at(0);
-    this.carriage?.plot(this.#places(this.recording.rail.carriage.map(([dx, dy]) => [x + dx, y + dy])));
   }
 
   #drawTrace(frame, tip) {

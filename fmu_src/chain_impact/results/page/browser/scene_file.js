@@ -148,6 +148,16 @@ function setBodies({ chain }, data) {
   delete chain.slider;
 }
 
+/** The contents of a complete scene as a file has them: boxes without their corners. */
+export function asWritten(file) {
+  const found = structuredClone(file);
+  found.chain.links.filter(({ height }) => height !== undefined).forEach((link) => {
+    link.shape = "box";
+    link.points = link.points.filter(({ corner }) => !corner);
+  });
+  return found;
+}
+
 /** The angles of links and walls in place of what else tells them. */
 function setAngles({ initial, chain, walls }) {
   if (initial.joint_angles && initial.angles) refuse("initial", "has both angles and joint_angles; must have one of them");

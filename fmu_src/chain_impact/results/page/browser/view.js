@@ -18,6 +18,14 @@ const PIN_LINES = [
   ...[-0.7, -0.35, 0, 0.35].map((x) => [[x, 0.65], [x + 0.25, 1]]),
 ];
 
+/** Where a point of a link is, along the link and to the left of it, and its radius [m]; corners of a box follow from it. */
+export function discOf({ link, entry, corner }, valueOf) {
+  const of = `link[${link + 1}]`;
+  if (!corner) return ["x", "y", "radius"].map((key) => valueOf(`${of}.point[${entry + 1}].${key}`));
+  const [length, half] = [valueOf(`${of}.length`), valueOf(`${of}.height`) / 2];
+  return [corner % 2 ? 0 : length, corner > 2 ? half : -half, valueOf("contact.radius")];
+}
+
 /** What follows from other values by a rule: the sum of the products of some of them over a number. */
 export function sumOf({ terms, divisor }, valueOf) {
   const products = terms.map((factors) => factors.reduce((found, factor) => found * valueOf(factor), 1) / divisor);
