@@ -33,7 +33,7 @@ SHOWN = {
     "siconos_stick": ("Siconos, ImpactingStick", "angular velocity", "energy"),
     "glocker_rod": ("Glocker 1995; cardillo", "slide on", "leaves"),
     "stewart_rod": ("Stewart & Trinkle 1996", "impulse"),
-    "rocking_block": ("Housner 1963", "e = 0.1", "extrapolated"),
+    "rocking_block": ("Housner 1963", "e = 0.1", "extrapolated", "quarter period"),
     "ball_between_walls": ("Siconos, BouncingBallED-TwoContacts", "2 s", "5 s"),
     "ball_stays": ("Siconos, BouncingBallED-withRestingContact", "time", "force"),
     "ball_on_a_spring": ("Siconos, BouncingBallTS-CompliantContact", "height"),

@@ -23,6 +23,7 @@ from tests.coulomb_impact import extrapolated, stiff_limit
 from tests.coulomb_problems import Table
 from tests.derivatives import differentiate
 from tests.figures import Figure, Problem, problem, run
+from tests.housner import quarter_period, simulated_quarter_period
 from tests.reference import exact_damping_factor
 
 SOFT, STIFF = 1e12, 1e13  # N/m^(3/2), of impacts
@@ -202,6 +203,9 @@ def rocking_block(tolerance: float) -> Problem:
         unpublished("other corner hits: time [s]", exact.onset, onset, 1e-8),
         *figures,
         Figure(quantity, None, exact.published, plastic, 3e-7),
+        unpublished(
+            "quarter period on a rigid floor [s]", quarter_period(), simulated_quarter_period(tolerance), 1e-9
+        ),
     ]
     return problem("rocking_block", result, figures)
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from chain_impact import load_scene, simulate
-from tests.housner import BLOCK, quarter_period, small_quarter_period
+from tests.housner import BLOCK, quarter_period, simulated_quarter_period, small_quarter_period
 
 
 def test_the_rocking_block_is_the_rectangle_of_the_closed_forms():
@@ -16,6 +16,10 @@ def test_the_rocking_block_is_the_rectangle_of_the_closed_forms():
     assert [link.length / 2, link.center_of_mass_offset] == [BLOCK.half_width, BLOCK.half_height]
     assert tilt == pytest.approx(BLOCK.tilt, rel=1e-15)
     assert link.inertia == pytest.approx(link.mass * BLOCK.reach**2 / 3, rel=1e-15)
+
+
+def test_the_quarter_period_of_the_rocking_block_is_that_of_the_exact_equation_on_a_rigid_floor():
+    assert simulated_quarter_period(1e-12) == pytest.approx(quarter_period(), abs=1e-11)
 
 
 def test_the_quarter_period_of_the_rocking_block_is_that_of_housner():
