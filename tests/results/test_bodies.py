@@ -116,6 +116,8 @@ def test_points_are_told_by_their_names_and_sliders_as_such(cart):
     assert [impact["what"] for impact in data(run)["impacts"]] == told
     assert data(run)["pointNames"] == [(3, "heel"), (4, "toe")]
     assert "slider  slider_max" in str(cart)
+    few = simulate(cart.scene, 0.5, output=["slider.position"])
+    assert few.toucher(few.impacts[0]) == "slider"
 
 
 @needs_interop

@@ -104,7 +104,11 @@ def meanings(recording: Recording) -> Iterator[str]:
     hit = {recording.wall_names[row["wall"]] for row in hits}
     if hit:
         last = recording.link_count
-        others = f" to {last}; from {last + 1} on the points of links" if recording.sites.size else ""
+        others = (
+            f" to {last}; from {last + 1} on the points of links"
+            if max(row["point"] for row in hits) > last
+            else ""
+        )
         yield f"point    0 is the first end of the chain, 1 the end of its first link, and so on{others}"
     if sides := [f"{wall} is the {side}" for wall, side in SIDES.items() if wall in hit]:
         yield f"wall     {', '.join(sides)}"

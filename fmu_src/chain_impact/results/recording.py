@@ -221,7 +221,9 @@ class Recording:
     def toucher(self, impact: np.void) -> str:
         """What touches in an impact: "point 2", "point 5 (heel)"; at a stop "joint 2" or "slider"."""
         wall = self.wall_names[impact["wall"]]
-        of_slider = self.rail is not None and wall in SLIDER_STOPS
+        of_slider = wall in SLIDER_STOPS and (
+            "slider.angle" in self.parameters or "slider.position" in self.columns
+        )
         stop = wall if of_slider or self.is_stop(impact["wall"]) else ""
         return what(int(impact["point"]), stop, self.point_names)
 

@@ -299,7 +299,7 @@ def test_a_long_list_ends_with_how_many_more_there_are(open_page):
     page = open_page("about:blank", begins=False)
     page.set_content(f"<script>{program(PLAYER)}</script>")
     made = """(count) => {
-      const impact = (k) => ({ onset: k / count, point: 1, what: "point 1", wall: "y_min", speed: 1, peak: 2 });
+      const impact = (k) => ({ onset: k / count, what: "point 1", wall: "y_min", speed: 1, peak: 2 });
       const element = document.body.appendChild(document.createElement("div"));
       const impacts = Array.from({ length: count }, (_, k) => impact(k));
       new ImpactList(element, () => {}).show({ impacts });
