@@ -31,7 +31,8 @@ from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_poin
 from chain_impact.kernel.rows.geometry import WALLS, at_joint, lever, link_of, normal, tangent
 from chain_impact.kernel.status import counted_work, uncount_work
 
-# of a step, between the samples of the forces in its joints: in an implicit one they may rise and fall often
+# Intervals between the samples of the forces in joints in a step: in an implicit one they may rise and fall
+# often.
 INTERVALS, IMPLICIT_INTERVALS = 8, 32
 NEARLY = 0.95  # a parabola through three samples estimates the square of a peak to this fraction
 

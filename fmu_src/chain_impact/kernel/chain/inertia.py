@@ -60,8 +60,8 @@ def corner_of_box(number, length, height):
     return length if number % 2 == 0 else 0.0 * length, -0.5 * height if number <= 2 else 0.5 * height
 
 
-# Of a link's length: a centre of mass nearer to a joint than this counts as lying there. The inertia of the
-# link about the joint, proportional to the square of this distance, is then no more than round-off.
+# The distance from a joint up to which a centre of mass counts as lying there, over the link's length. The
+# inertia about the joint, proportional to its square, is then no more than round-off.
 NEAR = 1e-8
 
 

@@ -30,7 +30,8 @@ from chain_impact.kernel.chain.sites import clear_link_moments
 from chain_impact.kernel.chain.slider import slide_along, slider_damping, slider_stiffness, wanted_force
 from chain_impact.kernel.chain.state import ANGLES, omega_at
 
-# Of the limit of a torque, and of the moments whose difference a spring has: an excess that is round-off.
+# The largest excess that is round-off: over the limit of a torque, and over the moments whose difference is a
+# spring's.
 EXCESS, ROUND_OFF = 1e-12, 1e-14
 
 

@@ -85,8 +85,9 @@ def locate_at(d, theta):
     locate_points(d, d.work.y)
 
 
-RESOLUTION = 1e-15  # of a link length: if φ bends less, the bend is round-off, and no interval is halved
-# s. Events closer in time than this are one event: symmetric chains touch at several points at once.
+# The largest bend of φ that is round-off, over a link length: no interval is halved for it.
+RESOLUTION = 1e-15
+# The largest time between events that are one [s]: symmetric chains touch at several points at once.
 SIMULTANEOUS = 1e-12
 QUIET, SPLIT, CROSSES = 0, 1, 2
 

@@ -15,9 +15,9 @@ from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
 from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_change, time_rate_of
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, speed_bound
 
-# rad. If a link turns more in a step, the estimate of the interpolant's remainder fails.
+# The largest turn of a link in a step [rad] for which the estimate of the interpolant's remainder holds.
 SMALL_TURN = 1.0
-# Fraction of the range of the Bernstein coefficients: a margin for round-off and the estimated remainder.
+# The margin for round-off and the estimated remainder, over the range of the Bernstein coefficients.
 MARGIN = 0.05
 # δ̇/v₀ at which v₀, latched (fixed) at the onset of the contact, is latched again. Gravity adds a thousandth
 # after the onset of an impact; at 2 the usual laws have at most 1 + 2λ times their elastic force.

@@ -34,12 +34,12 @@ from chain_impact.kernel.rows.geometry import any_sticking, tangential_accelerat
 from chain_impact.kernel.rows.limits import share_within_limits
 from chain_impact.kernel.status import count_evaluations
 
-# Of the largest acceleration, gravity and a link length per second squared: a sliding element at rest that
-# accelerates by no more against its direction, or by no more than twice what sticks does, keeps sliding. If
-# others hold it, that is an error.
+# The largest acceleration against its direction with which a sliding element at rest keeps sliding, over the
+# largest acceleration, gravity and a link length per second squared; or twice what sticks accelerates. If
+# others hold the element, it is an error.
 AGAINST = 1e-9
-# Of a link length per second: what sticks or has just stopped may have a speed of this size, by errors at
-# loose tolerances. With a larger one it slides.
+# The largest speed of what sticks or has just stopped, over a link length per second: an error at a loose
+# tolerance. With a larger speed it slides.
 MISLOCATED = 1e-3
 
 

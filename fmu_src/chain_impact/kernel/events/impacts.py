@@ -65,12 +65,13 @@ from chain_impact.kernel.rows.geometry import clearance, fastest_of_all
 # Fraction of the smallest speed that rebounds: slower points do not separate, because bounces that each have
 # a fraction of the speed of the last would accumulate in a finite time (Zeno behaviour).
 STICK = 1e-3
-NEAR = 1e-12  # of a link length: a point so near to a wall takes part in an impact
-GAIN = 1e-9  # relative to all that an impact moves: a larger error of energy or speed is not round-off
-# Of a link length: the clearance given to a point that is released, so that round-off does not make it touch
-# again. It is a hundred times round-off.
+NEAR = 1e-12  # the largest clearance of a point that takes part in an impact, over a link length
+GAIN = 1e-9  # the largest error of energy or speed that is round-off, over all that an impact moves
+# The clearance given to a point that is released, over a link length: a hundred times round-off, so that
+# round-off does not make it touch again.
 RELEASE_GAP = 1e-13
-FALL = 10.0 * RELEASE_GAP  # of a link length: what weight and dry friction move no further is coming to rest
+# The largest way that weight and dry friction move what is coming to rest, over a link length.
+FALL = 10.0 * RELEASE_GAP
 
 
 def handle_impact(d):

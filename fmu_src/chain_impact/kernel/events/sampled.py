@@ -51,16 +51,15 @@ from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
 from chain_impact.kernel.status import count_evaluations
 
-# Samples of a step in which a stage has shown an event, its end included. Of a new latch there are fewer: if
-# a short excess is missed, v₀ stays as it was.
+# Samples of a step in which a stage has shown an event, its end included. A new latch has fewer: if a short
+# excess is missed, v₀ stays as it was.
 SAMPLES, FEW_SAMPLES = 8, 4
-# Relative to the chain's mass times (gravity + one link length per s²): a smaller pull is round-off.
+# The largest pull that is round-off, over the chain's mass times (gravity + one link length per s²).
 PULL = 1e-11
-SHORT = 1e-9  # s. A shorter step is not refused for the sake of a release.
-# Of a link length per second: a tangential speed that is rest.
-AT_REST = 1e-12
-# Of the limit of friction, and of the weight of a link that falls and turns by 1 rad per second squared: an
-# excess of the static friction that is round-off.
+SHORT = 1e-9  # the shortest step [s] that is refused for the sake of a release
+AT_REST = 1e-12  # the largest tangential speed that is rest, over a link length per second
+# The largest excess of static friction that is round-off, over the limit of friction and the weight of a link
+# that falls and turns by 1 rad per second squared.
 EXCESS = 1e-10
 
 

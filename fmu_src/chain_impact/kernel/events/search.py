@@ -40,15 +40,16 @@ from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
-# Of a link length: an onset is located to round-off, some 1e-15. One found deeper than this is an error of
-# the step; at K = 1e12 N/m^1.5 it would add 1e-11 J.
+# The largest depth at which an onset may be found, over a link length. Onsets are located to round-off, some
+# 1e-15: a deeper one is an error of the step; at K = 1e12 N/m^1.5 it would add 1e-11 J.
 DEEP = 1e-9
-# Fraction of a step: a crossing so early has to agree with the Taylor polynomial at the start of the step,
-# whose third-order remainder is relatively 1e-9 there. The interpolant of a stiff step can err by more.
+# The part of a step in which a crossing has to agree with the Taylor polynomial at its start, whose remainder
+# of third order is relatively 1e-9 there. The interpolant of a stiff step can err by more.
 EARLY = 1e-3
-# Fraction of a step: the largest distance from an onset to the end of the step repeated to land on it.
+# The largest distance from an onset to the end of the step that is repeated to land on it, over that step.
 LANDED = 1e-2
-# Of the time: ten times the shortest step that time resolves, as a try may be a tenth of the last one.
+# The shortest step that is refused, over the time: ten times what time resolves, as the next try may be a
+# tenth.
 RESOLVED = 4e-15
 
 

@@ -18,7 +18,9 @@ from chain_impact.kernel.rows.geometry import at_joint, lever
 # Relative increment of penetration and speed for the central differences of a user's law: about the cube root
 # of round-off, where the errors of truncation and of round-off are equal.
 DIFFERENCE = 1e-5
-TURNED = 0.3  # of v₀ √tolerance: this changes the impulse by a tenth of the tolerance
+# The largest rate δ̇ at which a contact counts as turned, over v₀ √tolerance. A rate of this size changes the
+# impulse by a tenth of the tolerance.
+TURNED = 0.3
 
 
 def power(depth, exponent):

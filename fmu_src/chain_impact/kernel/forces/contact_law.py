@@ -35,8 +35,8 @@ from chain_impact.kernel.status import (
     refuse_candidate,
 )
 
-# Of a link length: how deep a point may be in a wall without being in contact. Its force would be K δⁿ, 1e-10
-# N for K = 1e8; and the round-off of positions is some 1e-15. Without it, every step of a point that slides
+# The depth in a wall up to which a point is not in contact, over a link length. It leaves out a force K δⁿ,
+# of 1e-10 N at K = 1e8; round-off of positions is some 1e-15. Without it, every step of a point that slides
 # along a wall at zero clearance would be searched for an onset.
 HARMLESS = 1e-12
 USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with one

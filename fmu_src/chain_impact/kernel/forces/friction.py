@@ -23,7 +23,8 @@ Contacts.
 from chain_impact.kernel.rows.geometry import add_along, tangent, tangential_position, tangential_rate
 
 STICKS, NO_FRICTION = 0, 2  # modes; ±1 slides along ±t
-NOT_HELD = 1e-13  # of a link length: a larger distance from an anchor, after a projection, is not round-off
+# The largest distance from an anchor after a projection that is round-off, over a link length.
+NOT_HELD = 1e-13
 
 
 def may_rub(d, c):

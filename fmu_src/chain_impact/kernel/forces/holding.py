@@ -42,15 +42,16 @@ from chain_impact.kernel.rows.geometry import (
     tangential_rate,
 )
 
-# Of a link length: a point that no projection brings nearer to its rigid wall has no room there.
+# The largest distance from a rigid wall that a projection may leave, over a link length. A point that stays
+# further away has no room there.
 SQUEEZE = 1e-6
-# Of a link length: a point that rises less before it falls again has not left. Its clearance could not be
-# distinguished from round-off, and its next onset could not be located.
+# The least height that a point rises when it leaves, over a link length. A lower one could not be told from
+# round-off, and the next onset could not be located.
 RISE = 1e-14
 # The largest plausible correction of a coordinate, in rad or link lengths, over the tolerance plus the error
 # of a clearance in link lengths.
 MISPLACED = 10.0
-# Over the mean mass of a link: the impedance with which stiff contacts resist the projection of what sticks.
+# The impedance with which stiff contacts resist the projection of what sticks, over the mean mass of a link.
 RESISTANCE = 1e3
 
 

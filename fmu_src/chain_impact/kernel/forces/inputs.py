@@ -34,14 +34,14 @@ from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
 DEGREE = 9  # the highest degree of the polynomials
 AT_ONCE, CONTINUES = 1, 2  # given.changed: re-initialize; or the inputs continue without a jump
-# Of the speeds given, times the time between two communication points: a difference from the distance between
-# them that the step explains, beside the change of speed.
+# The largest difference between a given distance and that of the given speeds, over the speeds times the time
+# between two communication points. A larger one is a jump of the position.
 UNEXPLAINED = 0.05
-TOUCH_OFF = 1e-9  # of a link length: a distance that needs no explanation
-# Of the largest position, in the time of a step: a change of the acceleration that is round-off.
+TOUCH_OFF = 1e-9  # the distance, over a link length, up to which a position is no jump whatever the speeds
+# The largest change of an acceleration that is round-off, over the largest position per squared step.
 SAME = 1e-14
 SLOW_CHANGE = 0.5  # `change_rate` of a cubic, over 1/h: its sixth derivative is 0
-LANDED = 4e-15  # of the time: a step that ends at most this much after a piece counts as ending with it
+LANDED = 4e-15  # the largest time from the end of a piece to a step that ends with it, over the time
 
 
 def apply_inputs(d):

@@ -63,21 +63,21 @@ OF_A_STEP = 3.0
 # then they add up to 230 in 100,000 steps. A run that exceeds this ends with an error status.
 OF_A_WINDOW = 100.0
 WINDOW = 1.0  # s, the same as for the work limit
-GAIN = 0.1  # of the available energy: what the errors of all steps together may add
-# Of the available energy: what a step may add beyond GAIN, so that round-off does not stop a run. When these
-# additions reach another GAIN, the run ends.
+GAIN = 0.1  # what the errors of all steps together may add, over the available energy
+# What a step may add beyond GAIN, over the available energy, so that round-off does not stop a run. When
+# these additions reach another GAIN, the run ends.
 SLIP = 1e-8
 # The allowed loss by errors of all steps (over the tolerance, as OF_A_STEP), and in how many seconds it is
 # allowed again. In 3360 random scenes this limits steps in 3 % of the runs, most of them with stiff springs.
 LOSS, LASTING = OF_A_STEP, 10.0
-NOTABLE = 0.1  # of the loss allowed to a step: a smaller loss has no effect on the size of the next step
+NOTABLE = 0.1  # the least loss that limits the next step, over the loss allowed to a step
 # A tolerance above which the first step of a run, whose size is a guess, can be as long as half a turn of a
 # link, with a correct end by chance.
 LOOSE = 1e-4
 # Rotation of a link in a step [rad] beyond which the dense output, if the step has one, is checked.
 LONG_TURN = 1.0
 INTERPOLATED = 10.0  # times the allowed change of a step: allowed at its middle, where the order is lower
-ROUND_OFF = 1e-15  # of the energies, and of each force times the coordinates of its point, in a step
+ROUND_OFF = 1e-15  # round-off in a step, over the energies and each force times the coordinates of its point
 
 
 def start_balance(d, time):

@@ -74,7 +74,7 @@ FORETOLD = (1.2, 2.0, 3.0)
 # error estimate and the projection onto the clearances take four real solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
 BEYOND = 1.04  # times the predicted time to the end of a contact, whose error is some hundredths
-LEFT = 1e-3  # of a step: a contact that ends within it has practically no force left
+LEFT = 1e-3  # the part of a step within which a contact that ends has practically no force left
 FADED = 3.0  # time constants of a fast motion: the first step after an event at a tolerance of 1
 WITH_START = (0.0, *NODES)
 

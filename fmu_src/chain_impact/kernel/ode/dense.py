@@ -19,7 +19,7 @@ DENSE_COEFFICIENTS = len(POWERS)
 FAST = 20
 # Guesses after which no number is left within a bracket of width 1, or it is narrower than any resolution.
 TRIES = FAST + 64
-RESOLUTION = 1e-15  # of a step: the accuracy of the fraction θ that belongs to a time
+RESOLUTION = 1e-15  # the accuracy of the fraction θ of a step that belongs to a time
 
 
 def next_guess(low, high, guess, tries):
@@ -116,8 +116,8 @@ def rate_bounds_along(step, j, nx, ny):
     return value, slope / step.size
 
 
-COURSE_SAMPLES = 16  # of the dense output of a step
-# Of each kind: its name, how many places it has among all, and the rate at its i-th place where the rate of
+COURSE_SAMPLES = 16  # samples of the dense output of a step
+# For each kind: its name, how many places it has among all, and the rate at its i-th place where the rate of
 # the state was evaluated just now. The record has room for all of them (record/contacts.py), and the impulses
 # of the walls come first.
 QUADRATURES = (

@@ -21,7 +21,7 @@ from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_accel
 from chain_impact.kernel.status import count_evaluations
 
 ORDER = 8
-STEP_STAGES = 12  # of the step; stage 12 is the rate at its end, stages 13 to 15 are for the dense output
+STEP_STAGES = 12  # how many stages a step has; the last is the rate at its end, 13 to 15 are for dense output
 
 # fmt: off
 # row i: the point of stage i is y + h Σ_j A[i][j] k_j
@@ -94,7 +94,7 @@ LAST = STEP_STAGES  # the stage at the end of the step
 # length to the end: the prediction has an error of some hundredths. Otherwise the step covers at most half of
 # this length, so that no tiny step remains.
 BEYOND, STRETCH = 1.04, 1.2
-# Of a step: a contact that ends within it has practically no force left, and its penetration may be
+# The part of a step within which a contact that ends has practically no force left: its penetration may be
 # round-off. The search for events finds its end, and a step up to there could be lost in the time.
 LEFT = 1e-6
 HALVE = 50.0  # an error that makes the next try of a method of order 8 half as long

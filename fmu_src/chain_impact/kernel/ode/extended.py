@@ -231,9 +231,9 @@ def solve_complex(d, s, pair, x, y, size):
         x[j], y[j] = own.x[j].real, own.x[j].imag
 
 
-# Of a penetration: the allowed difference in a step between the coordinates and the clearance integrated with
-# them. A larger value gives the interpolant of the state an error of this size; a smaller one limits the step
-# where links turn on a stiff wall.
+# The largest difference in a step between the clearance of the coordinates and the one that is integrated
+# with them, over the penetration. A larger value gives the interpolant of the state an error of this size; a
+# smaller one limits the step where links turn on a stiff wall.
 APART = 0.03
 
 

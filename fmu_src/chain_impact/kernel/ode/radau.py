@@ -25,7 +25,7 @@ from chain_impact.kernel.functions import sequence
 
 ORDER = 9
 RADAU_STAGES = 5
-PAIRS = 2  # of complex eigenvalues
+PAIRS = 2  # how many pairs of complex eigenvalues
 
 # fmt: off
 NODES = (0.05710419611451768, 0.2768430136381238, 0.5835904323689168, 0.8602401356562195,
@@ -82,7 +82,7 @@ LEFT_Q = tuple(
     for one in LEFT
 )
 ITERATIONS = 10  # at most: a slower iteration costs more than shorter steps
-ENOUGH = 0.1  # of the tolerance: the error that the iteration may leave
+ENOUGH = 0.1  # the error that the iteration may leave, over the tolerance
 DIVERGES = 0.95  # θ above which the iteration is given up
 FARTHEST = 1e20  # times the tolerance: the iteration fails if a correction is larger
 # θ/(1 − θ) of the last step predicts that of the next, as max(θ/(1 − θ), TRUST)^POWER to be cautious

@@ -52,19 +52,20 @@ from chain_impact.kernel.status import count_other_work, work_exceeded
 # residual, D grows by the factor STIFFER, up to STIFFEST times that mass; beyond it the residual is only
 # round-off.
 STIFFEST, STIFFER, SLOW = 1e12, 1e3, 0.1
-# As a share of 1/(mean mass of a link). If W of a point is less, as near a toggle position, it has lost
-# digits, and the iteration is used instead.
+# The least W that one constraint alone is solved with, over 1/(mean mass of a link). A smaller one, as near a
+# toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
-ROUND_OFF = 1e-15  # of the largest motion: a residual that is accepted
+ROUND_OFF = 1e-15  # the largest residual that is accepted, over the largest motion
 FADED = 1e-100  # m, m/s or m/s²: a residual whose square may underflow, as of a chain that has come to rest
-# Of the squared tolerance and the largest motion: what sticks may keep a motion of this size. The impulses
-# against one that can hardly be held would end the sticking, again and again.
+# The largest motion that what sticks may keep, over the squared tolerance times the largest motion. Impulses
+# against a smaller one, which can hardly be held, would end the sticking again and again.
 NEGLIGIBLE = 0.1
-SIGN_TOLERANCE = 1e-12  # of the largest value: a wrong sign within it does not change the active set
+SIGN_TOLERANCE = 1e-12  # a value of wrong sign that does not change the active set, over the largest value
 # Pivots of all violated candidates at once that may fail to reduce their number, before only one at a time is
 # changed, which terminates in every case but takes more pivots.
 MAX_STALLED_PIVOTS = 3
-# Of the impedance of what sticks with the largest limit: with less, the residual would fall too slowly.
+# The least impedance of what sticks, over that with the largest limit. With a smaller one, the residual falls
+# too slowly.
 LEAST_SHARE = 1e-2
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3  # d.rigid.unsolved
 ROUNDS = 30  # plus 4 for each candidate: a bound on the pivots, far above any number that was observed

@@ -12,7 +12,7 @@ import numpy as np
 
 from chain_impact.kernel.record.fields import GIVEN
 
-LEAST_RATE = 1e-300  # of a value in a second: 1 over a smaller one may overflow
+LEAST_RATE = 1e-300  # the least rate [1/s] that has a reciprocal: 1 over a smaller one may overflow
 DIRECTIONS = 4  # carried by one instance of dual numbers; more directions need several instances
 
 

@@ -16,9 +16,8 @@ from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 from chain_impact.kernel.tangent.duals import carried, reciprocal, value
 
-# Of the last step: the time over which a rate is found by differences.
-DIFFERENCE = 1e-3
-NEWTON_ITERATIONS = 2  # of Newton's method for a delay: the error of differences is squared
+DIFFERENCE = 1e-3  # the time over which a rate is found by differences, over the last step
+NEWTON_ITERATIONS = 2  # iterations for a delay: each squares the error of differences
 
 
 def lasted(t):

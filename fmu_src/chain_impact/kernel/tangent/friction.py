@@ -39,14 +39,16 @@ from chain_impact.kernel.tangent.trust import (
     mark_untrusted,
 )
 
-# Times the tolerance, of the limit of friction: a difference from it that the errors of a run may have.
+# The largest difference of a force from the limit of friction by errors of a run, over the limit times the
+# tolerance.
 OPEN = 100.0
-# Of the largest derivative: a difference between those of two times that are one.
+# The largest difference between the derivatives of two times that are one, over the largest derivative.
 APART = 1e-5
-# Times the excess of the force at which the end of sticking is found: a limit of friction that a contact
-# which begins has at first.
+# The largest limit of friction that a contact has at its beginning, over the excess of the force at which the
+# end of sticking is found.
 FIRST = 1000.0
-# Of the largest derivative: the most that a run may leave open. A fit to a place at rest needs some percent.
+# The most that a run may leave open, over the largest derivative: a fit to a place at rest needs some
+# percent.
 LEFT_OPEN = 1e-2
 STOPPED = 2  # as ``element.undecided``: it sticks from its onset on, where its speed has derivatives
 

@@ -151,13 +151,13 @@ def copy_modes(d, t):
             t.drive.chosen[i] = d.drive.mode[i]
 
 
-ENOUGH = 0.01  # of the tolerance: the largest last correction of the derivatives, relative to them
+ENOUGH = 0.01  # the largest last correction of the derivatives, relative to them and over the tolerance
 # The least correction has to fall by this factor within so many iterations. It may rise in between, as its
 # direction changes. A correction that does not fall is round-off up to this relative value, else a failure.
 FALLS, STALLED, ROUND_OFF = 0.7, 10, 1e-6
 MOST = 100  # iterations: a θ of .8 reduces the error to some 1e-10
-# Of the speed that the limits of static friction could give in the step: derivatives of the state that are
-# less, with respect to what changes these limits only, are round-off.
+# The largest derivatives of the state by what changes limits of static friction only that are round-off, over
+# the derivative of the speed that these limits could give in the step.
 LEAST = 1e-3
 FAR_OFF = 1e300  # the relative correction if the derivatives are zero
 

@@ -17,7 +17,7 @@ from chain_impact.kernel.tangent.duals import carried, reciprocal, value, varies
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 
 DIFFERENCE = 1e-3  # relative step in an argument of a user's law, for its slopes by differences
-ITERATIONS = 3  # of the forces of constraints
+ITERATIONS = 3  # how often the forces of constraints are iterated
 
 
 def power(depth, exponent):
