@@ -160,7 +160,7 @@ def test_check_estimates_the_errors_by_a_second_run(run, source):
     (line,) = [line for line in said.splitlines() if line.startswith("check ")]
     runs = [simulate("four_link_box", 0.6, tolerance=tolerance) for tolerance in (1e-7, 1e-8)]
     found = differences(*runs)
-    for text in (f"{found.onset:.1e} s", "(2 impacts)", f"{found.position:.1e} m (point {found.point} at"):
+    for text in (f"{found.onset:.1e} s", "(2 impacts)", f"{found.position:.1e} m ({found.point} at"):
         assert text in line
     assert "\ncheck " not in run("simulate", source, "--stop-time", "0.6")[1]
 
