@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from chain_impact.results.animate import AnimationError as AnimationError
     from chain_impact.results.impacts import IMPACT_DTYPE as IMPACT_DTYPE, impacts_of as impacts_of
     from chain_impact.results.page.explore import explore as explore
+    from chain_impact.results.ranking import Effect as Effect, Ranking as Ranking
     from chain_impact.results.recording import Recording as Recording
     from chain_impact.results.result import Result as Result
     from chain_impact.results.sensitivity import Sensitivities as Sensitivities
@@ -58,6 +59,7 @@ _MODULES = {
     "results.animate": ("AnimationError",),
     "results.impacts": ("IMPACT_DTYPE", "impacts_of"),
     "results.page.explore": ("explore",),
+    "results.ranking": ("Effect", "Ranking"),
     "results.recording": ("Recording",),
     "results.result": ("Result",),
     "results.sensitivity": ("Sensitivities",),

@@ -93,3 +93,17 @@ def test_the_window_shows_them(run, monkeypatch):
     run("simulate", "rod_drop", "--stop-time", "0.5", "--sensitivity", "gravity.y", "--show")
     assert shown == [window.get_suptitle()]
     assert "changes with 1 parameter" in shown[0]
+
+
+def test_rank_orders_all_parameters_and_draws_bars(run, here):
+    code, said, errors = run("simulate", "pinned_arm", "--rank", "peak_force", "--plot", "bars.png")
+    assert (code, errors) == (0, "")
+    _, _, told = said.partition("PinnedArm  peak_force = 1015.53 N")
+    rows = told.splitlines()
+    assert [row.split()[0] for row in rows[3:5]] == ["initial.angle[1]", "contact.exponent"]
+    assert "without effect: link[1].joint_rest_angle" in told
+    assert (here / "bars.png").stat().st_size > 10_000
+    few = run("simulate", "pinned_arm", "--rank", "energy.total", "--sensitivity", "contact.*")[1]
+    assert "contact.restitution" in few
+    assert "gravity" not in few
+    assert run("simulate", "a.fmu", "--rank", "peak_force")[0] == 2

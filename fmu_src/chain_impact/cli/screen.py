@@ -15,7 +15,7 @@ from chain_impact.cli.progress import out, say
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import phase_cells
 from chain_impact.results.summary import LISTED, energy_lines, impact_list, load_lines
-from chain_impact.results.text import plural
+from chain_impact.results.text import Table as TextTable, plural
 from chain_impact.scene.tables import Box
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import (
@@ -84,18 +84,24 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     if listed < count:
         impacts += f", {listed} listed: an FMU shows only the latest in a communication step"
     yield f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}"
-    for part in impact_list(recording, LISTED):
-        if isinstance(part, str):
-            yield f"{part}; --impacts FILE writes all"
-            continue
-        table = table_of(part.head)
-        for row in part.rows:
-            table.add_row(*row)
-        yield table
+    for part in tabulated(impact_list(recording, LISTED)):
+        yield f"{part}; --impacts FILE writes all" if isinstance(part, str) else part
     yield from meanings(recording)
     yield from stick_slip_table(recording)
     yield from load_lines(recording)
     yield from energy_lines(recording.energies)
+
+
+def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
+    """Lines, and tables of texts as tables of the screen."""
+    for part in parts:
+        if isinstance(part, str):
+            yield escape(part)
+            continue
+        table = table_of(part.head)
+        for row in part.rows:
+            table.add_row(*map(escape, row))
+        yield table
 
 
 def meanings(recording: Recording) -> Iterator[str]:

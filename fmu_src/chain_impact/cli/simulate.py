@@ -29,9 +29,10 @@ from chain_impact.cli.options import (
     settings_of,
 )
 from chain_impact.cli.progress import complain, progress, say
-from chain_impact.cli.screen import sensitivity_tables, show, summary
+from chain_impact.cli.screen import sensitivity_tables, show, summary, tabulated
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import record_fmu
+from chain_impact.results.ranking import Ranking
 from chain_impact.results.recording import Recording
 from chain_impact.results.tables import SUFFIXES
 from chain_impact.results.text import plural
@@ -64,6 +65,14 @@ def add(verbs: Verbs) -> None:
         "NAMES",
         "also find the derivatives with respect to these parameters, and draw them in place of the motion: "
         "contact.stiffness,link[*].mass",
+    )
+    verb.add_argument(
+        "--rank",
+        action=Once,
+        metavar="WHAT",
+        help="order parameters and inputs by the effect of 1 %% more on peak_force, max_penetration, "
+        "joint_force, impact[2].peak_force (counted as listed) or an output at the end, and draw the "
+        "effects; --sensitivity names fewer of them",
     )
     verb.add_argument("--show", action="store_true", help="open a window with the picture")
     add_plot(verb, "motion, energy and impacts")
@@ -102,6 +111,7 @@ def run(options: argparse.Namespace) -> int:
         impacts=options.impacts,
         columns=names_in(*options.columns),
         sensitivities=names_in(*options.sensitivity),
+        rank=options.rank,
         window=window,
         check=options.check,
         inputs=inputs_of(options),
@@ -135,6 +145,7 @@ def report(
     impacts: Path | None = None,
     columns: Sequence[str] = (),
     sensitivities: Sequence[str] = (),
+    rank: str | None = None,
     window: Figure | None = None,
     check: bool = False,
     inputs: Inputs | None = None,
@@ -148,9 +159,9 @@ def report(
     if columns and not csv:
         raise UsageError("--columns (--output): the columns are those of a table: give --csv FILE too")
     tighter = [*settings, tighter_setting(source, settings)] if check else []
-    fault = None
+    fault, ranking = None, ranking_of(source, settings, rank, sensitivities, inputs) if rank else None
     try:
-        recording = record(source, settings, sensitivities, inputs)
+        recording = record(source, settings, () if rank else sensitivities, inputs)
     except RunError as error:
         if error.recording is None:
             raise
@@ -161,13 +172,18 @@ def report(
     if impacts:
         recording.save_impacts(impacts)
         say(f"impacts  {impacts}")
-    if picture or window:
+    if ranking:
+        draw_ranking(ranking, picture, window)
+    elif picture or window:
         shown = recording if sensitivities or fault else with_rows(recording, source, settings, inputs)
         draw(shown, picture, window, sensitivities)
     show(summary(recording))
     if check:
         say(f"check    {difference_text(differences(recording, record(source, tighter, inputs=inputs)))}")
-    if sensitivities:
+    if ranking:
+        say("")
+        show(tabulated(ranking.parts()))
+    elif sensitivities:
         show(sensitivity_tables(recording))
     if fault:
         raise fault
@@ -185,6 +201,27 @@ def draw(
         say(f"picture  {picture}")
     if window:
         fill_page(window, recording)
+
+
+def draw_ranking(ranking: Ranking, picture: Path | None, window: Figure | None) -> None:
+    """Draw a ranking into a file and a window, where there are these."""
+    if picture:
+        ranking.plot(picture)
+        say(f"picture  {picture}")
+    if window:
+        ranking.fill(window)
+
+
+def ranking_of(
+    source: str, settings: Sequence[str], what: str, parameters: Sequence[str], inputs: Inputs | None
+) -> Ranking:
+    """The ranking of some parameters of a scene, by default of all, from a run with two rows."""
+    if is_fmu(source):
+        raise UsageError(f"--rank: {source} is an FMU; must be a scene")
+    scene = driven(source, settings, inputs)
+    rows = {"simulation.step_size": scene.simulation.stop_time}
+    with progress() as advance:
+        return record_scene(scene, rows, advance, parameters or ["*"]).ranking(what)
 
 
 def record(

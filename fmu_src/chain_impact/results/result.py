@@ -13,6 +13,7 @@ from chain_impact.results.course import Rerun
 from chain_impact.results.equality import equal
 from chain_impact.results.joint_stops import JointRange, ranges_of
 from chain_impact.results.pictured import Pictured
+from chain_impact.results.ranking import Ranking, ranking_of
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.stick_slip import NO_PHASES
 from chain_impact.results.text import as_html, as_text
@@ -232,6 +233,24 @@ class Result(Pictured):
             UnknownNameError: when the result has no derivatives of that name.
         """
         return self._derivatives.of_impacts(quantity, parameter)
+
+    def ranking(self, quantity: str) -> Ranking:
+        """Parameters and inputs in the order of their effect on a quantity, the largest first.
+
+        The effect is that of 1 % of the parameter, or of 0.01 of its unit where its value is 0, to first
+        order.
+
+        Args:
+            quantity: the largest of the run, by its name in a sweep: ``peak_force`` and ``max_penetration``
+                at walls, ``stop.peak_moment`` and ``stop.max_penetration`` at stops of joints,
+                ``joint_force`` in joints, where the scene asks for loads; that of one impact,
+                ``impact[2].peak_force``, counted from 1 as in ``impacts``; or an output at the end.
+
+        Raises:
+            SceneError: when there is no such quantity, or the run does not have it.
+            UnknownNameError: when ``simulate`` was asked for no derivatives.
+        """
+        return ranking_of(self, self._derivatives, quantity)
 
     @property
     def sensitivity_limits(self) -> tuple[str, ...]:

@@ -93,7 +93,7 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
     stop, point = result.is_stop(impact["wall"]), result.toucher(impact).removeprefix("point ")
     units = [speed_unit(stop), "ms", *(("N·m", "N·m·s") if stop else ("N", "N·s"))]
     speed, duration = f"{impact['impact_speed']:.4f}", 1e3 * (impact["end"] - impact["onset"])
-    values = (speed, _peak(duration), _peak(impact["peak_force"]), _digits(impact["impulse"]))
+    values = (speed, _peak(duration), _peak(impact["peak_force"]), digits(impact["impulse"]))
     joint = (_peak(impact["joint_force"]), str(impact["joint"] or NONE))
     loads = joint if result.knows_joint_forces else ()
     cells = [f"{one} {unit}" if result.stops else one for one, unit in zip(values, units, strict=True)]
@@ -103,11 +103,11 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
 
 
 def _peak(value: float) -> str:
-    """A peak force or a duration as ``_digits``; a dash for an impulse, which has none and is stored as 0."""
-    return _digits(value) if value else NONE
+    """A peak force or a duration as ``digits``; a dash for an impulse, which has none and is stored as 0."""
+    return digits(value) if value else NONE
 
 
-def _digits(value: float) -> str:
+def digits(value: float) -> str:
     """A number in four digits, without an exponent below a million; a dash where there is none."""
     if np.isnan(value):
         return NONE

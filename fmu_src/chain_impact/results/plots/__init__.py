@@ -1,5 +1,6 @@
 """Pictures of a recording. `plot` writes a file; what it draws with serves other pictures, too."""
 
+from chain_impact.results.plots.bars import bars_size, fill_bars
 from chain_impact.results.plots.changes import fill_sensitivities
 from chain_impact.results.plots.impact import SIZE as IMPACT_SIZE, draw_loop, fill_impact
 from chain_impact.results.plots.motion import draw_chain
@@ -10,6 +11,7 @@ from chain_impact.results.plots.style import styled
 
 __all__ = [
     "IMPACT_SIZE",
+    "bars_size",
     "check_alone",
     "draw_chain",
     "draw_loop",
@@ -17,6 +19,7 @@ __all__ = [
     "drawn",
     "fill",
     "fill_axes",
+    "fill_bars",
     "fill_impact",
     "fill_sensitivities",
     "plot",

@@ -81,10 +81,14 @@ def relative_changes(recording: Recording, found: Sensitivities, outputs: Sequen
 
 
 def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
-    """How each parameter is drawn: those that matter most in colours, others in grey."""
+    """How each parameter is drawn: those that matter most in colours, others in grey.
+
+    A parameter without effect has no colour.
+    """
     names = list(found.parameters)
     order = np.argsort(-relative.max(axis=0), kind="stable")
-    told, others = set(order[: len(PALETTE)]), sorted(order[len(PALETTE) :])
+    told = {k for k in order[: len(PALETTE)] if relative[:, k].max() > NOTHING}
+    others = sorted(set(order) - told)
     colours, looks = iter(PALETTE), []
     for k, name in enumerate(names):
         if k in told:

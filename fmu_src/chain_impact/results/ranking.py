@@ -1,0 +1,285 @@
+"""Parameters and inputs in the order of their effect on one quantity."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from chain_impact.results.recording import Recording
+from chain_impact.results.sensitivity import PART, Sensitivities
+from chain_impact.results.summary import digits
+from chain_impact.results.tables import IMPACT_UNITS, STOP_UNITS
+from chain_impact.results.text import Table, as_html, as_text, plural
+from chain_impact.scene.names import nearest
+from chain_impact.scene.reading import SceneError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+LARGEST = {
+    "peak_force": ("peak_force", False),
+    "max_penetration": ("max_penetration", False),
+    "stop.peak_moment": ("peak_force", True),
+    "stop.max_penetration": ("max_penetration", True),
+}
+"""Name of the largest of the run, as sweeps have it → field of ``Result.impacts``, and whether at stops."""
+JOINT_FORCE = "joint_force"
+DURATION = "duration"  # of an impact, its end less its onset [s]
+OF_FMU = {"time": "onset", "speed": "impact_speed"}
+"""Names of the FMU's ``impact[j]`` that are other ones in ``Result.impacts``."""
+NOTHING = 1e-12  # of the quantity: a smaller effect is round-off
+DRAWN = 16  # bars, at most
+ADDED = "*"  # marks a parameter to which something is added, as it is 0
+
+
+class Effect(NamedTuple):
+    """What a small change of one parameter does to the quantity.
+
+    Attributes:
+        parameter: or an input, by the name in the FMU.
+        value: of the parameter, in its ``unit``.
+        unit: of the parameter.
+        step: the change in words: "1 %", or "0.01 N.m" where the value is 0.
+        change: of the quantity with that step, to first order, in the quantity's unit.
+        derivative: of the quantity with respect to the parameter.
+    """
+
+    parameter: str
+    value: float
+    unit: str
+    step: str
+    change: float
+    derivative: float
+
+    @property
+    def told(self) -> str:
+        """The value with its unit; of 0 with the step, as that is no part of it: "0 + 0.01 N.m"."""
+        return f"{self.value:.6g} {self.unit}".rstrip() if self.value else f"0 + {self.step}"
+
+
+@dataclass(frozen=True, repr=False)
+class Ranking:
+    """Parameters and inputs in the order of their effect on a quantity, the largest effect first.
+
+    Attributes:
+        source: the name of the scene.
+        quantity: its name.
+        value: in its ``unit``.
+        unit: of the quantity.
+        where: which impact, joint or time the quantity is of.
+        effects: of the parameters that have one.
+        without: the parameters without an effect.
+        unknown: those whose derivative cannot be trusted; ``limits`` says why.
+        limits: sentences, as ``Result.sensitivity_limits``.
+    """
+
+    source: str
+    quantity: str
+    value: float
+    unit: str
+    where: str
+    effects: tuple[Effect, ...]
+    without: tuple[str, ...]
+    unknown: tuple[str, ...]
+    limits: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        """The effects as a table."""
+        return as_text(self.parts())
+
+    def _repr_html_(self) -> str:
+        """The same in a notebook."""
+        return as_html(self.parts())
+
+    def share(self, effect: Effect) -> float:
+        """The change over the size of the quantity; NaN where that is 0."""
+        return effect.change / abs(self.value) if self.value else np.nan
+
+    def parts(self) -> Iterator[str | Table]:
+        """What is told: lines, and the table of the effects."""
+        told = f" {self.unit}" if self.unit else ""
+        yield f"{self.source}  {self.quantity} = {self.value:.6g}{told} ({self.where})"
+        yield "effect   of 1 % of each parameter, or of what is added to 0, to first order"
+        if self.effects:
+            change = f"effect, {self.unit}" if self.unit else "effect"
+            yield Table(
+                ("parameter", "value", change, "in %", "derivative"),
+                [
+                    (
+                        effect.parameter,
+                        effect.told,
+                        f"{effect.change:+.3g}",
+                        f"{100.0 * self.share(effect):+.2g}" if self.value else "—",
+                        f"{effect.derivative:.4g}",
+                    )
+                    for effect in self.effects
+                ],
+            )
+        if self.without:
+            yield f"without effect: {', '.join(self.without)}"
+        if self.unknown:
+            yield f"not known: {', '.join(self.unknown)}"
+        yield from (f"limit    {limit}" for limit in self.limits)
+
+    def plot(
+        self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float] | None = None
+    ) -> Figure | None:
+        """Draw the largest effects as bars, to the right where the quantity grows with the parameter.
+
+        Args:
+            path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned.
+            size: width and height [inches].
+
+        Raises:
+            ValueError: when a page cannot have the size, or has no room for what is drawn.
+            OSError: when the file cannot be written.
+        """
+        from chain_impact.results import plots
+
+        return plots.drawn(self.fill, path, size, plots.bars_size(min(len(self.effects), DRAWN)))
+
+    def fill(self, page: Figure) -> None:
+        """Draw the bars on an empty page."""
+        from chain_impact.results import plots
+
+        percent = f"{100.0 * PART:g} %"
+        shown, unit = self.effects[:DRAWN], f" {self.unit}" if self.unit else ""
+        added = [effect.value == 0.0 for effect in shown]
+        more = len(self.effects) - len(shown)
+        told = [
+            self.where,
+            f"{ADDED} + {PART:g} of its unit, as it is 0" if any(added) else "",
+            f"{more} smaller effects are left out" if more else "",
+            f"{plural(len(self.without), 'parameter')} without effect" if self.without else "",
+            f"of {len(self.unknown)} it is not known" if self.unknown else "",
+        ]
+        plots.fill_bars(
+            page,
+            title=f"{self.source}: effect of + {percent} on {self.quantity} = {digits(self.value)}{unit}",
+            conditions="; ".join(filter(None, told)),
+            names=[
+                effect.parameter + (f" {ADDED}" if zero else "")
+                for effect, zero in zip(shown, added, strict=True)
+            ],
+            values=[effect.change for effect in shown],
+            told=[
+                f"{100.0 * self.share(effect):+.2g} %" if self.value else f"{effect.change:+.2g}"
+                for effect in shown
+            ],
+            label=f"change of {self.quantity}" + (f" [{self.unit}]" if self.unit else ""),
+        )
+
+
+def ranking_of(recording: Recording, found: Sensitivities, quantity: str) -> Ranking:
+    """Rank the parameters of a recording with derivatives.
+
+    Args:
+        recording: with impacts and outputs.
+        found: its derivatives.
+        quantity: see ``Result.ranking``.
+
+    Raises:
+        SceneError: when there is no such quantity, or the run does not have it.
+    """
+    value, unit, where, slopes, size = _quantity(recording, found, quantity)
+    names, units = list(found.parameters), found.units
+    changes = slopes * np.array([found.step(name) for name in names])
+    known = np.isfinite(changes)
+    nothing = known & (np.abs(changes) <= NOTHING * size)
+    order = [k for k in np.argsort(-np.abs(np.where(known, changes, 0.0)), kind="stable") if known[k]]
+    effects = tuple(
+        Effect(
+            names[k],
+            found.parameters[names[k]],
+            units[names[k]].removeprefix("1"),
+            found.step_text(names[k]),
+            float(changes[k]),
+            float(slopes[k]),
+        )
+        for k in order
+        if not nothing[k]
+    )
+    without, unknown = (tuple(np.array(names)[rows].tolist()) for rows in (nothing, ~known))
+    return Ranking(
+        recording.name, quantity, value, unit, where, effects, without, unknown, tuple(found.limits)
+    )
+
+
+_Found = tuple[float, str, str, np.ndarray, float]
+"""Value, unit, which one it is, derivatives of shape (P,), and the size that round-off is measured by."""
+
+
+def _quantity(recording: Recording, found: Sensitivities, name: str) -> _Found:
+    if name in LARGEST:
+        field, at_stops = LARGEST[name]
+        return _largest(recording, found, name, field, at_stops=at_stops)
+    if name == JOINT_FORCE:
+        return _joint_force(recording, found)
+    if at := re.fullmatch(r"impact\[(\d+)\]\.(\w+)", name):
+        return _of_impact(recording, found, int(at[1]), OF_FMU.get(at[2], at[2]))
+    if name not in found.columns:
+        known = (*LARGEST, JOINT_FORCE, *found.columns)
+        near = nearest(name, known)
+        hint = (
+            f"the nearest is {near}" if near else f"must be an output, {', '.join((*LARGEST, JOINT_FORCE))}"
+        )
+        raise SceneError(
+            f"{recording.name}: {name} is no quantity that can be ranked; {hint}, or impact[n].…"
+        )
+    return _of_output(recording, found, name)
+
+
+def _largest(recording: Recording, found: Sensitivities, name: str, field: str, *, at_stops: bool) -> _Found:
+    """The largest of all impacts at walls, or at stops of joints."""
+    values = np.where(recording.at_stops == at_stops, recording.impacts[field], np.nan)
+    if not np.nanmax(values, initial=0.0) > 0.0:
+        place = "a stop of a joint" if at_stops else "a wall"
+        raise SceneError(
+            f"{recording.name}: {name} is 0: nothing presses against {place}, or by impulses only"
+        )
+    return _of_impact(recording, found, int(np.nanargmax(values)) + 1, field)
+
+
+def _of_impact(recording: Recording, found: Sensitivities, number: int, field: str) -> _Found:
+    """A quantity of one impact, counted from 1."""
+    impacts, slopes = recording.impacts, found.impact_slopes
+    if not 1 <= number <= len(impacts):
+        raise SceneError(f"{recording.name}: there is no impact {number}; there are {len(impacts)}")
+    if field not in slopes and field != DURATION:
+        known = ", ".join((*slopes, DURATION))
+        raise SceneError(f"{recording.name}: impact[{number}].{field} has no derivatives; must be {known}")
+    impact = impacts[number - 1]
+    if field == DURATION:
+        value, slope = impact["end"] - impact["onset"], slopes["end"] - slopes["onset"]
+    else:
+        value, slope = impact[field], slopes[field]
+    units = IMPACT_UNITS | (STOP_UNITS if recording.is_stop(impact["wall"]) else {})
+    wall = recording.wall_names[impact["wall"]]
+    where = f"impact {number}, {recording.toucher(impact)} at {wall}, t = {impact['onset']:.6g} s"
+    return float(value), units.get(field, "s"), where, slope[number - 1], abs(float(value))
+
+
+def _joint_force(recording: Recording, found: Sensitivities) -> _Found:
+    """The largest force in any joint."""
+    names = [name for name in found.columns if re.fullmatch(r"joint\[\d+\]\.peak_force", name)]
+    if not names:
+        raise SceneError(
+            f"{recording.name}: joint_force needs the forces in joints: outputs.loads must be true, and "
+            "output=…, if it is given, must have joint[*].peak_force"
+        )
+    name = max(names, key=lambda one: recording.columns[one][-1])
+    value, unit, _, slope, size = _of_output(recording, found, name)
+    return value, unit, f"{name.split('.')[0]}, the largest of the run", slope, size
+
+
+def _of_output(recording: Recording, found: Sensitivities, name: str) -> _Found:
+    """An output at the end."""
+    values = recording.columns[name]
+    size = max(abs(float(values[-1])), float(np.ptp(values)))
+    where = f"at the end, t = {recording.time[-1]:g} s"
+    return float(values[-1]), found.units[name], where, found.slopes[-1, found.columns[name]], size

@@ -1,0 +1,101 @@
+"""Parameters in the order of their effect on a quantity."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from chain_impact import SceneError, UnknownNameError, load_scene, simulate
+from chain_impact.results.ranking import ranking_of
+from tests.stops import knee
+
+NAMES = ("contact.*", "link[2].mass", "link[2].joint_rest_angle", "initial.*", "joint[1].torque")
+
+
+@pytest.fixture(scope="module")
+def result():
+    """An arm with the loads of its joints; without springs, rest angles have no effect."""
+    return simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}), sensitivities=NAMES)
+
+
+def test_parameters_stand_in_the_order_of_their_effect_and_those_without_apart(result):
+    found = result.ranking("peak_force")
+    assert found.value == result.impacts["peak_force"].max()
+    sizes = [abs(effect.change) for effect in found.effects]
+    assert sizes == sorted(sizes, reverse=True)
+    assert found.without == ("link[2].joint_rest_angle", "initial.y")  # the wall is upright
+    assert found.effects[0].parameter == "initial.angle[1]"
+    assert {effect.parameter for effect in found.effects} | {*found.without} == {
+        *result.sensitivities.parameters
+    }
+    # F ∝ K^(1/(1+n)): 2/5 of the stiffness's change by Hertz's exponent, where nothing else is changed
+    (stiffness,) = (effect for effect in found.effects if effect.parameter == "contact.stiffness")
+    assert found.share(stiffness) == pytest.approx(0.01 * 2 / 5, rel=0.01)
+    derivative = result.impact_sensitivity("peak_force", "contact.stiffness")[0]
+    assert stiffness.derivative == derivative
+    assert stiffness.change == 0.01 * stiffness.value * derivative
+
+
+def test_effects_are_those_of_a_run_with_one_percent_more(result):
+    scene = result.scene
+    for quantity, value in (
+        ("joint_force", lambda run: run.impacts["joint_force"].max()),
+        ("impact[1].duration", lambda run: run.impacts["end"][0] - run.impacts["onset"][0]),
+        ("impact[1].speed", lambda run: run.impacts["impact_speed"][0]),
+        ("point[2].x", lambda run: run["point[2].x"][-1]),
+    ):
+        found = result.ranking(quantity)
+        assert found.value == pytest.approx(value(result), rel=1e-12)
+        (effect,) = (one for one in found.effects if one.parameter == "link[2].mass")
+        step = 1e-4 * effect.value
+        runs = [simulate(scene.with_values({"link[2].mass": effect.value + way * step})) for way in (-1, 1)]
+        slope = (value(runs[1]) - value(runs[0])) / (2.0 * step)
+        assert effect.derivative == pytest.approx(slope, rel=1e-3), quantity
+
+
+def test_a_ranking_shows_itself_in_80_columns_and_as_bars_to_both_sides(result, tmp_path):
+    found = result.ranking("peak_force")
+    head, _, *rows = repr(found).splitlines()
+    assert head.startswith("PinnedArm  peak_force = 1015.53 N (impact 1, point 2 at x_max")
+    assert max(map(len, rows[:-1])) <= 80
+    assert rows[-1] == "without effect: link[2].joint_rest_angle, initial.y"
+    assert "0 + 0.01 N.m " in next(row for row in rows if row.startswith("joint[1].torque"))
+    assert "<table>" in found._repr_html_()
+    found.plot(tmp_path / "bars.svg")
+    for size in (None, (84 / 25.4, 4.5)):
+        (axes,) = found.plot(size=size).axes
+        bars = [bar.get_width() for bar in axes.patches]
+        assert bars == [effect.change for effect in found.effects]
+        assert min(bars) < 0.0 < max(bars)
+
+
+def test_at_stops_the_moment_is_ranked():
+    result = simulate(knee(), stop_time=0.8, sensitivities="stop.*")
+    found = result.ranking("stop.peak_moment")
+    assert (found.unit, found.value) == ("N.m", result.impacts["peak_force"][result.at_stops].max())
+    with pytest.raises(SceneError, match="max_penetration is 0: nothing presses against a wall"):
+        result.ranking("max_penetration")
+
+
+def test_what_cannot_be_ranked_is_refused(result):
+    for name, told in {
+        "peak_forc": "peak_forc is no quantity that can be ranked; the nearest is peak_force",
+        "impact[2].peak_force": "there is no impact 2; there are 1",
+        "impact[1].peak": r"impact\[1\].peak has no derivatives; must be onset, ",
+    }.items():
+        with pytest.raises(SceneError, match=told):
+            result.ranking(name)
+    plain = simulate("pinned_arm", stop_time=0.6, sensitivities="gravity.y")
+    with pytest.raises(SceneError, match=r"outputs\.loads must be true"):
+        plain.ranking("joint_force")
+    with pytest.raises(UnknownNameError, match=r"simulate\(scene, sensitivities="):
+        simulate("pinned_arm", stop_time=0.1).ranking("peak_force")
+
+
+def test_what_cannot_be_trusted_is_not_known(result):
+    found = result.sensitivities
+    lost = {name: np.full_like(slopes, np.nan) for name, slopes in found.impact_slopes.items()}
+    ranking = ranking_of(result, replace(found, impact_slopes=lost), "peak_force")
+    assert ranking.effects == ranking.without == ()
+    assert ranking.unknown == tuple(found.parameters)
+    assert "not known: contact.stiffness" in repr(ranking)
