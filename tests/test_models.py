@@ -93,6 +93,7 @@ REGRESSION_ERROR = {
 CO_SIMULATED = {
     "controlled_arm": {"inputs.csv", "controller.py", "co_simulation.py", "masters.py"},
     "carried_arm": {"carriage.py", "co_simulation.py"},
+    "cart_pole": {"balancer.py", "co_simulation.py"},
 }
 BODIES = {"cart_pole", "hopper", "rocking_block", "thrown_brick"}  # tests/test_body_models.py, _motions.py
 DRIVEN = {"bouncing_table", "shaken_pendulum", "stick_slip_belt"}

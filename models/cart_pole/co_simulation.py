@@ -1,0 +1,62 @@
+"""Co-simulate the cart and the controller that balances its pole, two FMUs.
+
+``python models/cart_pole/co_simulation.py`` builds both FMUs and writes a table and a picture. The masters
+are those of the controlled arm.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "controlled_arm"))
+from masters import MASTERS, build, co_simulate  # noqa: E402
+
+STOP_TIME, STEP = 4.0, 5e-3  # s
+
+
+def main():
+    """Build, co-simulate, write the table and the picture."""
+    from chain_impact import Recording
+
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("-o", "--output", type=Path, default=Path("build"), help="folder; build by default")
+    parser.add_argument(
+        "--target", default="native", choices=("native", "pythonfmu"), help="kind of the cart"
+    )
+    parser.add_argument("--master", default="fmpy", choices=MASTERS, help="what runs both; fmpy by default")
+    parser.add_argument("--step", type=float, default=STEP, help="communication step [s]; 5e-3 by default")
+    parser.add_argument("--plot", help="a picture of cart, pole and force")
+    arguments = parser.parse_args()
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    fmus = build(HERE, HERE / "balancer.py", "Balancer", arguments.output, arguments.target)
+    columns = co_simulate(fmus, STOP_TIME, arguments.step, arguments.master)
+    time = columns.pop("time")
+    Recording("CartPole", time, columns).save_csv(arguments.output / "CartPole.csv")
+    if arguments.plot:
+        draw(arguments.plot, time, columns)
+    for name in ("slider.position", "link[1].angle", "impact.count"):
+        print(f"{name:<20}{columns[name][-1]:.6f}")
+
+
+def draw(path, time, columns):
+    """Draw the places of cart and pole, and the force."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8, 5.2), layout="constrained")
+    place, tilt, force = figure.subplots(3, 1, sharex=True)
+    place.plot(time, columns["slider.position"])
+    place.axhline(0.4, color="grey", linewidth=1.0)
+    place.set_ylabel("place [m]")
+    tilt.plot(time, [math.degrees(angle) - 90.0 for angle in columns["link[1].angle"]])
+    tilt.set_ylabel("pole from upright [deg]")
+    force.plot(time, columns["slider.force"])
+    force.set(xlabel="time [s]", ylabel="force [N]")
+    figure.savefig(path, dpi=160)
+
+
+if __name__ == "__main__":
+    main()

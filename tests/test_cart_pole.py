@@ -1,0 +1,39 @@
+"""The co-simulation of a cart with a pole and of the controller that balances it."""
+
+import csv
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from chain_impact import Chain, load_scene
+from chain_impact.scene.models import models_folder
+
+FOLDER = models_folder() / "cart_pole"
+STEP, ROWS = 5e-3, 801  # s
+
+
+@pytest.mark.full("builds two FMUs")
+def test_the_controller_balances_the_pole_also_as_the_cart_hits_its_stop(tmp_path):
+    """The same as a chain that a loop steps with the same gains."""
+    options = ["-o", tmp_path, "--plot", tmp_path / "cart.png"]
+    subprocess.run([sys.executable, FOLDER / "co_simulation.py", *options], check=True)
+    assert (tmp_path / "cart.png").stat().st_size > 10_000
+    with (tmp_path / "CartPole.csv").open(newline="") as file:
+        names, *rows = csv.reader(file)
+    columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+    assert columns["impact.count"][-1] == 1
+    assert abs(columns["link[1].angle"][-1] - np.pi / 2) < 1e-3
+    assert abs(columns["slider.position"][-1]) < 1e-2
+    gains = {"slider.position": 20.0, "link[1].angle": -83.7}
+    gains |= {"slider.velocity": 18.2, "link[1].angular_velocity": -16.3}
+    chain, angles, force = Chain(load_scene("cart_pole")), [], 0.0
+    for _ in range(ROWS):
+        state = {name: chain.get(name) for name in gains}
+        angles.append(state["link[1].angle"])
+        chain.set("slider.force", force)
+        # what is sampled at the start of a step acts from its end
+        force = sum(gain * state[name] for name, gain in gains.items()) + 83.7 * np.pi / 2
+        chain.step(STEP)
+    np.testing.assert_allclose(columns["link[1].angle"], angles, rtol=0.0, atol=1e-6)
