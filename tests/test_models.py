@@ -3,12 +3,11 @@
 ``python -m tests.test_models`` writes the reference results anew: every output of a model at a
 tolerance of 1e-12, each 0.02 s or more often, in models/<model>/reference.csv. Where a controller drives a
 model, the inputs that it has set in a co-simulation are written before, to models/<model>/inputs.csv. Where a
-base or a wall moves, models/<model>/motion.py says how; tests/test_driven_models.py has their sources.
+base or a wall moves, tests/test_driven_models.py has an independent model.
 """
 
 import csv
 import functools
-import runpy
 import subprocess
 import sys
 import tempfile
@@ -123,18 +122,10 @@ def reference(model):
 
 def inputs_of(model):
     """What drives a model, as ``simulate`` takes it."""
-    if model in DRIVEN:
-        return dict(motion_of(model)["INPUTS"])
     if "inputs.csv" not in CO_SIMULATED.get(model, ()):
         return {}
     time, columns = table(model, "inputs.csv")
     return {name: (time, values) for name, values in columns.items()}
-
-
-@functools.cache
-def motion_of(model):
-    """What the file motion.py of a model defines."""
-    return runpy.run_path(str(models_folder() / model / "motion.py"))
 
 
 def coordinates(columns, links):
@@ -200,7 +191,7 @@ def test_every_model_has_its_files():
     for model in model_names():
         files = {file.name for file in (models_folder() / model).iterdir() if file.is_file()}
         more = set().union(*(of.get(model, ()) for of in (CO_SIMULATED, CONVERTED, MEASURED)))
-        assert files == {SCENE_FILE, "reference.csv"} | more | ({"motion.py"} if model in DRIVEN else set())
+        assert files == {SCENE_FILE, "reference.csv"} | more
         assert (DOCS / f"{model}.md").is_file()
 
 

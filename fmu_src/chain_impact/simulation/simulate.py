@@ -65,7 +65,7 @@ def simulate(
 
     A motion of the base or a wall is followed with its derivatives. Samples of its position or velocity are
     joined by a cubic spline unless by lines, as it must not jump. What is given of it beside its position is
-    only compared. With ``hold`` it is followed as by an FMU (docs/mount.md).
+    only compared. With ``hold`` it is followed as by an FMU (docs/drive.md).
 
     The first sample acts before its time, too, and the last one until the end. A row of the result has the
     accelerations and forces that the inputs until then cause, as an importer sees them that reads the FMU

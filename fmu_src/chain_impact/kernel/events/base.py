@@ -10,7 +10,7 @@ from chain_impact.kernel.chain.motion import move
 from chain_impact.kernel.events.crossing import given_bounds
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.ode.dense import TRIES, fraction
-from chain_impact.kernel.ode.last_step import truncate_step
+from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense, truncate_step
 from chain_impact.kernel.rows.geometry import BEYOND, base_clearance, faces_base
 from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, count_other_work, refuse_base, work_exceeded
 
@@ -23,6 +23,7 @@ def end_at_base(d):
             reached = meeting(d, c, reached)
     if reached < d.step.end:
         drop_events(d)
+        ensure_dense(d, SOLVER)
         truncate_step(d, fraction(d, reached))
     locate_points(d, d.step.state_end)
 

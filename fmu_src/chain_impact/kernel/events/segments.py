@@ -11,12 +11,19 @@ from chain_impact.kernel.events.handlers import renew_modes
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.forces.inputs import LANDED, ensure_inputs, limit_to
 from chain_impact.kernel.ode.dense import commit_quadratures, fraction
-from chain_impact.kernel.ode.last_step import evaluate_start, reset_step, supply, truncate_step
+from chain_impact.kernel.ode.last_step import (
+    SOLVER,
+    ensure_dense,
+    evaluate_start,
+    reset_step,
+    supply,
+    truncate_step,
+)
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
 CONTINUES, BENDS, JUMPS = 0, 1, 2  # what is driven has no jump; it has one; the speed of a belt has one
-# Of the values on both sides, of velocities with what accelerations add in a second: a smaller difference is
-# round-off.
+# Of the values on both sides, of their change in a second, and of a link length or the energy of the chain
+# that moves by one in a second: a smaller difference is round-off.
 SAME = 1e-9
 
 
@@ -38,6 +45,7 @@ def end_at_segment(d):
     end = first_end(d)
     if end < d.step.end - LANDED * abs(d.step.end):
         drop_events(d)
+        ensure_dense(d, SOLVER)
         truncate_step(d, fraction(d, end))
         locate_points(d, d.step.state_end)
 
@@ -56,17 +64,17 @@ def check_segments(d):
             begin_next(d, j)
             after, rate_after, bend_after = signal_at(d, j, d.step.end)
             set_segment(d, j, k, lap)
-            belt, most = d.motion.belt[d.signal.index[j]], abs(rate) + abs(rate_after)
-            if not (
-                belt or (same(before, after, most) and same(rate, rate_after, abs(bend) + abs(bend_after)))
-            ):
+            size = d.model.size
+            jumps = not same(before, after, abs(rate) + abs(rate_after) + size)
+            jumps = jumps or not same(rate, rate_after, abs(bend) + abs(bend_after) + size)
+            if jumps and not d.motion.belt[d.signal.index[j]]:
                 return SIGNAL_JUMPS
     return OK
 
 
-def same(before, after, rate):
-    """Whether two numbers are equal up to round-off, of a signal with such a ``rate``."""
-    return abs(after - before) <= SAME * (abs(before) + abs(after) + rate)
+def same(before, after, scale):
+    """Whether two numbers are equal up to round-off, where numbers of a ``scale`` are usual."""
+    return abs(after - before) <= SAME * (abs(before) + abs(after) + scale)
 
 
 def begin_next(d, j):
@@ -115,11 +123,13 @@ def begin_segment(d, j):
     locate_points(d, y)
     ensure_inputs(d, y)
     supply(d, energy_balance(d, y) - energy)
+    size = d.model.size
     if d.signal.input[j] != CHANNEL:
-        return CONTINUES if same(before, after, abs(rate) + abs(rate_after)) else BENDS
-    if d.motion.belt[d.signal.index[j]] and not same(rate, rate_after, abs(bend) + abs(bend_after)):
+        # torques, forces and angles alike
+        return CONTINUES if same(before, after, abs(rate) + abs(rate_after) + d.model.energy) else BENDS
+    if d.motion.belt[d.signal.index[j]] and not same(rate, rate_after, abs(bend) + abs(bend_after) + size):
         return JUMPS
-    return CONTINUES if same(bend, bend_after, abs(rate) + abs(rate_after)) else BENDS
+    return CONTINUES if same(bend, bend_after, abs(rate) + abs(rate_after) + size) else BENDS
 
 
 def shift_start(_d, _delay):
