@@ -130,4 +130,6 @@ def test_a_wall_between_the_polynomial_and_the_solution_is_undecided():
             step.offsets = [arb(-0.5 * (top + highest))]
             assert certify(step)[0] == [UNDECIDED]
             looked += 1
-    assert looked >= 5
+        if looked == 5:
+            return
+    pytest.fail(f"{looked} walls of 60 were between the polynomial and the solution")

@@ -5,7 +5,7 @@ import pytest
 from tests.derivative_scenes import link, start, table
 from tests.random_derivatives import KINDS, check, compare
 
-FEW, MANY = 2, 40
+FEW, MANY = 2, 16
 MASS = ["link[1].mass"]
 
 
@@ -71,5 +71,5 @@ def test_random_scenes(kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_more_random_scenes(kind):
     found = {seed: check(kind, seed) for seed in range(FEW, FEW + MANY)}
-    assert sum(one.rows for one in found.values()) > 10_000
+    assert sum(one.rows for one in found.values()) > 5_000
     assert {seed: one.wrong[:3] for seed, one in found.items() if one.wrong} == {}

@@ -34,7 +34,7 @@ from tests.random_scenes import (
 )
 from tests.search import verdict, verdicts
 
-BLOCK = 250  # seeds
+BLOCK = 150  # seeds
 BLOCKS = [range(first, first + BLOCK) for first in range(0, 6 * BLOCK, BLOCK)]
 BLOCKS += [range(first, first + BLOCK) for first in (SLANTED, SPRUNG, FOLDED, TAUT, STOPPED, UNEVEN)]
 BLOCKS += [range(first, first + BLOCK) for first in (RUBBED, DRIVEN)]
