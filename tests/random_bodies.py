@@ -26,7 +26,7 @@ from tests.body_model import BodyModel
 from tests.random_scenes import Draw
 
 ROWS = 40  # at which a run is looked at
-BALANCE = 300.0  # times the tolerance, of all energy that has been there: an imbalance beyond it is a finding
+BALANCE = 1000.0  # times the tolerance, of all energy: an imbalance beyond it is a finding
 FALL = 10.0  # likewise, by which dissipation may fall between rows
 RESIDUAL = 1e-9  # of the largest generalized force
 DEEP = 1e-9  # m or rad, between a penetration and the place of its point

@@ -15,6 +15,14 @@ def test_random_bodies_keep_the_laws_of_physics(seeds):
     assert not found
 
 
+def test_a_peak_after_a_change_of_friction_is_found():
+    """A force that falls rises again as a joint and a contact begin to slide: its second peak is higher."""
+    run = simulate(bodies(6).with_values({"solver.method": "explicit"}), 0.1, output_step=1e-5)
+    first = run.impacts[0]
+    rows = run.time <= first["end"]
+    assert first["peak_force"] == pytest.approx(run["contact[9].w0.force"][rows].max(), rel=1e-5)
+
+
 def test_a_wrong_acceleration_and_a_lost_energy_are_found():
     run = simulate(bodies(3), output_step=0.01)
     assert not wrong_motion(run) + wrong_energy(run)

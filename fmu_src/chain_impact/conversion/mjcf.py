@@ -101,7 +101,7 @@ class _Reader:
             planes=[] if not self.contacts.works else list(self.contacts.planes(own)),
             tables=(self.carried or {}).get("tables", {}),
             first_link=(self.carried or {}).get("first_link", {}),
-            points=(self.carried or {}).get("points", ()),
+            link_tables=(self.carried or {}).get("bodies", ()),
             notes=[] if own else [*notes, *flag_notes(self.mujoco, model)],
             differences=self.differences,
         )

@@ -13,7 +13,7 @@ from chain_impact.conversion.differences import Difference, Effect, few, line, l
 from chain_impact.conversion.flat import TINY, Plan, near, plan_of
 from chain_impact.conversion.joints import Chosen, Moving, NoChainError, above, chosen_joints
 from chain_impact.conversion.robot import Body, Joint, Robot
-from chain_impact.conversion.walls import walls_of
+from chain_impact.conversion.walls import Walls
 from chain_impact.scene.reading import UnknownNameError
 
 DIGITS = 14  # of the numbers of a scene: what follows is round-off, as the files of robots have fewer
@@ -93,11 +93,11 @@ class _Conversion:
         base, start = self._base(places[0], gravity)
         links[0] |= self.robot.first_link if self.chosen.base == "free" else {}
         began = start["position"], angles
-        walls, points, differences = walls_of(
+        walls, points, differences = Walls(
             self.robot, self.chosen, self.plan, self.parts, places=places, start=began
-        )
-        for i, tables in enumerate(self.robot.points or points):
-            links[i] |= {"points": tables} if tables else {}
+        ).made()
+        bodies = self.robot.link_tables or [{"points": tables} if tables else {} for tables in points]
+        links = [link | body for link, body in zip(links, bodies, strict=True)]
         data = {
             "name": self.robot.name,
             **{key: value for key, value in self.robot.tables.items() if not isinstance(value, dict)},

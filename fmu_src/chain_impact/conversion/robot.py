@@ -146,7 +146,7 @@ class Robot:
         planes: walls.
         tables: tables of a scene that the file carries.
         first_link: what link 1 has as a joint, which has no effect where the base is free.
-        points: tables of the points of each link that the file carries.
+        link_tables: what the file carries of the points and the shape of each link, as a scene file has it.
         notes: how the file was read, a sentence each.
         differences: what of the file no scene can hold.
     """
@@ -157,6 +157,6 @@ class Robot:
     planes: Sequence[Plane] = ()
     tables: dict[str, Any] = field(default_factory=dict)
     first_link: dict[str, float] = field(default_factory=dict)
-    points: Sequence[list[dict[str, Any]]] = ()
+    link_tables: Sequence[dict[str, Any]] = ()
     notes: Sequence[str] = ()
     differences: Sequence[Difference] = ()

@@ -18,6 +18,7 @@ WRITTEN = ("name", "gravity", "chain", "box", "walls", "initial")
 """What of a scene the elements of MJCF hold."""
 HINGE = "0 -1 0"  # the plane of the motion is x–z, in which MuJoCo's pictures have z upwards
 LEAST_INERTIA = 2e-15  # kg·m², which MuJoCo asks for
+BODY = ("shape", "height", "points")  # keys of a link
 LEAST_RADIUS = 1e-4  # of the longest link, of points, which have none in MuJoCo
 LARGEST_STEP = 2e-3  # s, MuJoCo's usual one
 JOINT_KEYS = {
@@ -54,7 +55,7 @@ def mjcf_of(scene: Scene) -> tuple[str, list[str]]:
     carried = {
         "tables": tables,
         "first_link": _of_the_joint(scene.chain.links[0]) if free else {},
-        "points": [link.get("points", []) for link in whole["chain"]["links"]],
+        "bodies": [{key: link[key] for key in BODY if key in link} for link in whole["chain"]["links"]],
     }
     SubElement(SubElement(root, "custom"), "text", name=CARRIED, data=json.dumps(carried))
     world = SubElement(root, "worldbody")

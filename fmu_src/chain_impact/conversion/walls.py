@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,18 +22,11 @@ Points = list[dict[str, Any]]
 """The tables of the points of a link."""
 
 
-def walls_of(
-    robot: Robot,
-    chosen: Chosen,
-    plan: Plan,
-    parts: Sequence[list[int]],
-    *,
-    places: Sequence[np.ndarray],
-    start: tuple[Sequence[float], Sequence[float]],
-) -> tuple[dict[str, Any], list[Points], list[Difference]]:
-    """The tables of a scene that walls need, the points of each link, and what touches otherwise.
+@dataclass
+class Walls:
+    """Makes walls; collects what touches otherwise.
 
-    Args:
+    Attributes:
         robot: its planes and shapes are read.
         chosen: its joints.
         plan: the plane of the motion.
@@ -40,30 +34,22 @@ def walls_of(
         places: of the joints and the tip in the plane, before any joint moves [m].
         start: position of the base [m] and angles of the links [rad] at the start.
     """
-    return _Walls(robot, chosen, plan, parts, places=places, start=start).run()
 
+    robot: Robot
+    chosen: Chosen
+    plan: Plan
+    parts: Sequence[list[int]]
+    places: Sequence[np.ndarray]
+    start: tuple[Sequence[float], Sequence[float]]
+    differences: list[Difference] = field(default_factory=list)
+    walls: list[tuple[str, np.ndarray, np.ndarray]] = field(default_factory=list)
 
-class _Walls:
-    """Makes walls; collects what is left out."""
+    def __post_init__(self) -> None:
+        """Note the link of each body."""
+        self.owner = {b: i for i, part in enumerate(self.parts) for b in part}
 
-    def __init__(
-        self,
-        robot: Robot,
-        chosen: Chosen,
-        plan: Plan,
-        parts: Sequence[list[int]],
-        *,
-        places: Sequence[np.ndarray],
-        start: tuple[Sequence[float], Sequence[float]],
-    ) -> None:
-        self.start = start
-        self.robot, self.chosen, self.plan, self.parts, self.places = robot, chosen, plan, parts, places
-        self.owner = {b: i for i, part in enumerate(parts) for b in part}
-        self.differences: list[Difference] = []
-        self.walls: list[tuple[str, np.ndarray, np.ndarray]] = []
-
-    def run(self) -> tuple[dict[str, Any], list[Points], list[Difference]]:
-        """The tables, and what is left out."""
+    def made(self) -> tuple[dict[str, Any], list[Points], list[Difference]]:
+        """The tables of a scene that walls need, the points of each link, and what touches otherwise."""
         box: dict[str, float] = {}
         walls: list[dict[str, Any]] = []
         materials: dict[str, dict[str, float]] = {}

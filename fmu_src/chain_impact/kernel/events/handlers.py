@@ -31,6 +31,7 @@ from chain_impact.kernel.events.saturation import choose_saturation
 from chain_impact.kernel.forces.contact import (
     clear_loads,
     cross_kink,
+    expect_peaks,
     list_touching,
     relatch,
     set_kink_sides,
@@ -117,7 +118,10 @@ def apply_events(d):
         begin_flight(d)
     else:
         choose_size(d, onset, goes_on)
-    return jumped or rigid or d.friction.used != 0 or d.model.limited != 0
+    changed = d.friction.used != 0 or d.model.limited != 0
+    if changed:
+        expect_peaks(d)
+    return jumped or rigid or changed
 
 
 def renew_modes(d, jumped):

@@ -133,6 +133,12 @@ def set_rates(d, c, speed, force_rate):
     d.touch.speed[c], d.touch.force_rate[c] = speed, force_rate
 
 
+def expect_peaks(d):
+    """Search the next step for peaks of all forces: those that fell may rise, as modes may have changed."""
+    for k in range(d.touch.compliant_count):
+        d.touch.force_rate[d.touch.active_index[k]] = 1.0
+
+
 def set_extremes(d, c, peak_force, max_penetration):
     """Set the peak force [N] and the largest penetration [m] of candidate c so far."""
     d.touch.peak_force[c], d.touch.max_penetration[c] = peak_force, max_penetration
