@@ -7,7 +7,17 @@ be wrong: it leads to a fault status, never to an access outside the record.
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.advance import advance, must_reinit, reinit
-from chain_impact.kernel.chain.signals import CHANNEL, RAMP, SINE, TIP_FORCE, TORQUE, TRAPEZOID
+from chain_impact.kernel.chain.signals import (
+    CHANNEL,
+    CONSTANT,
+    DEGREE as DEGREE_OF_SIGNALS,
+    RAMP,
+    SINE,
+    TABLE,
+    TIP_FORCE,
+    TORQUE,
+    TRAPEZOID,
+)
 from chain_impact.kernel.events.contact_log import collect, update_to_output_time
 from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.friction_modes import clear_changes
@@ -95,6 +105,7 @@ def signals_within_bounds(d):
         most = 1 if own.input[j] == TIP_FORCE else most
         fits = fits and within(own.input[j], TORQUE, CHANNEL) and within(own.index[j], 0, most)
         fits = fits and within(own.source[j], 0, d.signals - 1) and within(own.order[j], 0, 2)
+        fits = fits and within(own.form[j], CONSTANT, TABLE) and within(own.degree[j], 0, DEGREE_OF_SIGNALS)
         fits = fits and within(own.first[j], 0, own.last[j]) and within(own.last[j], 0, d.knots - 1)
         fits = fits and within(own.segment[j], own.first[j], own.last[j])
         if fits:

@@ -18,7 +18,8 @@ SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # signal.shape, of a ramp
 # signal.input: what is driven; `signal.index` tells of which joint, component or channel
 TORQUE, TARGET, TARGET_VELOCITY, TIP_FORCE = 0, 1, 2, 3
 SLIDER_FORCE, SLIDER_TARGET, SLIDER_TARGET_VELOCITY, CHANNEL = 4, 5, 6, 7
-DEGREE = 7  # of the polynomials: a smooth ramp of an acceleration has the degree 5 and is integrated twice
+RAMP_DEGREE, SPLINE_DEGREE = 5, 3
+DEGREE = RAMP_DEGREE + 2  # of the polynomials, at most: a ramp of an acceleration is integrated twice
 TAU = 2.0 * math.pi
 # the largest slope and curvature of ``smooth``
 STEEPEST, ROUNDEST = 1.875, 5.7735027
@@ -26,13 +27,13 @@ STEEPEST, ROUNDEST = 1.875, 5.7735027
 
 def signal_at(d, j, time):
     """Value, rate and second derivative of signal j at a ``time`` [s], by its present segment."""
-    own, knot, k = d.signal, d.knot, d.signal.segment[j]
+    own, knot, k, degree = d.signal, d.knot, d.signal.segment[j], d.signal.degree[j]
     x = since_knot(d, j, time)
-    u, v, half_a = knot.powers[k, DEGREE], 0.0 * x, 0.0 * x
-    for p in range(1, DEGREE + 1):
+    u, v, half_a = knot.powers[k, degree], 0.0 * x, 0.0 * x
+    for p in range(1, degree + 1):
         half_a = half_a * x + v
         v = v * x + u
-        u = u * x + knot.powers[k, DEGREE - p]
+        u = u * x + knot.powers[k, degree - p]
     a = 2.0 * half_a
     if own.form[j] == SINE and k > own.first[j]:
         su, sv, sa = sine_at(d, j, time)
@@ -81,10 +82,10 @@ def signal_bounds(d, j):
     half = 0.5 * (d.step.end - d.step.start)
     x = since_knot(d, j, d.step.start + half)
     rate, bend, power = 0.0 * x, 0.0 * x, 1.0
-    for n in range(1, DEGREE + 1):
+    for n in range(1, own.degree[j] + 1):
         # c′ = u⁽ⁿ⁾/n! in the middle of the step
         c, weight = knot.powers[k, n] + 0.0 * x, 1.0 + 0.0 * x
-        for p in range(n + 1, DEGREE + 1):
+        for p in range(n + 1, own.degree[j] + 1):
             weight *= x * (p / (p - n))
             c += weight * knot.powers[k, p]
         rate += n * abs(c) * power
@@ -166,6 +167,9 @@ def derive_signals(d, time):
         i, k = own.source[j], own.first[j]
         own.begin[j] = 0.0
         own.size[j], own.angle[j] = own.amplitude[i], own.phase[i]
+        own.degree[j] = own.order[j] + (RAMP_DEGREE if own.form[j] == RAMP else 0)
+        if own.form[j] == TABLE:
+            own.degree[j] = own.order[j] + SPLINE_DEGREE
         if own.form[j] == CONSTANT:
             set_level(d, k, time, own.value[i])
         elif own.form[j] == SINE:

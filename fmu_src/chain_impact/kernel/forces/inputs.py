@@ -19,6 +19,7 @@ import math
 
 from chain_impact.kernel.chain.motion import move
 from chain_impact.kernel.chain.signals import (
+    CHANNEL,
     SLIDER_FORCE,
     SLIDER_TARGET,
     SLIDER_TARGET_VELOCITY,
@@ -154,6 +155,8 @@ def set_driven(d, time):
     own = d.inputs
     for j in range(d.signals):
         driven, i = d.signal.input[j], d.signal.index[j]
+        if driven == CHANNEL:
+            continue
         u, rate, _ = signal_at(d, j, time)
         if driven == TORQUE:
             own.joint_torque[i] = u

@@ -37,6 +37,7 @@ def signal_dtype(signals: int) -> np.dtype:
         ("final", REAL, (signals,)),
         ("duration", REAL, (signals,)),  # s
         # derived
+        ("degree", INTEGER, (signals,)),  # of its polynomials, at most
         ("size", REAL, (signals,)),  # amplitude of the sine, or of its integral …
         ("angle", REAL, (signals,)),  # rad, … and its phase
         ("begin", REAL, (signals,)),  # m, added to an integral: where a base is at the start
