@@ -64,7 +64,7 @@ class Joint:
 
 @dataclass(frozen=True, kw_only=True)
 class Shape:
-    """What of a body can touch, or is only seen.
+    """A shape of a body, which touches or is only seen.
 
     Attributes:
         kind: as ``capsule``.

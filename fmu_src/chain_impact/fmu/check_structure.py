@@ -57,7 +57,7 @@ class Structure:
                 yield Finding(f"{target!r} must be {what}", attribute=place)
 
     def findings(self) -> Iterator[Finding]:
-        """Unknowns that are missing, that are none, twice or not in order, and what they depend on."""
+        """Unknowns that are missing, superfluous, listed twice or not in order, and wrong dependencies."""
         known, derivatives = self.known, set(self.listed(DERIVATIVES))
         states = {known[one].attributes.get("derivative", "") for one in derivatives} - {""}
         outputs = {one for one in known if known[one].causality == "output"}

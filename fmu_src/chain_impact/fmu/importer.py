@@ -1,7 +1,6 @@
-"""fmpy as the importer of an FMU, in a process that is left as it was found.
+"""fmpy as the importer of an FMU, which changes neither the streams nor the working folder of the process.
 
-Several threads may run FMUs at once, so nothing that belongs to the whole process is changed for a run:
-neither its streams nor its working folder.
+Several threads may run FMUs at once.
 """
 
 from __future__ import annotations

@@ -31,9 +31,9 @@ FILE = "resources/chain_impact_reference.csv"
 EXACT = 1e-12  # tolerance of the reference
 ROWS = 100  # communication steps of the scene's time, about
 SHORTER = 10  # a part of the scene's time that is tried, when the results can be relied on in no more of it
-# A chain amplifies an error with each impact. The table ends before the scene's own tolerance leads
-# farther from the reference than LARGEST, or that tolerance, of the largest value of a unit. Tolerated is
-# MARGIN times as far as it led until there, and at least LEAST of that value.
+# A chain amplifies an error with each impact. The table ends where a run at the scene's own tolerance differs
+# from the reference by more than LARGEST, or than the tolerance, times the largest value of a unit. A user's
+# result may differ MARGIN times as much as that run did until there, and at least by LEAST times that value.
 LARGEST, MARGIN, LEAST = 1e-5, 10.0, 1e-9
 CLOSE = 1e-4  # of a step: nearer to the begin or the end of a contact, nothing is compared
 MOST_WORK = 2_000_000  # evaluations of the equations of motion, times links: about 0.2 s

@@ -1,4 +1,6 @@
-"""An FMU's binary on trial: ``python -m chain_impact.fmu.trial FMU REPORT BINARY``, a process of its own.
+"""A test run of an FMU's binary, in a process of its own.
+
+``python -m chain_impact.fmu.trial FMU REPORT BINARY`` runs it.
 
 The report is a file, as an FMU may print what it likes. It has a line of JSON for each call before it is
 made, for each finding and for the reference results, so that who reads it knows in which call the process
@@ -228,7 +230,7 @@ def main() -> None:
             elif text:
                 tell(finding=asdict(Finding(text, FILE)))
         tell(call=COMPLETE)
-    os._exit(0)  # what an FMU does as its host ends is not on trial
+    os._exit(0)  # what an FMU does when its process ends is not tested
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """The outputs at the communication point.
 
-What an importer sets acts at once on accelerations, forces and what sticks. It moves neither the motion nor
-what has been summed up until now, such as impulses: these outputs stay as they are until the next step.
+What an importer sets acts at once on accelerations, forces and what sticks. It changes neither the state nor
+integrals, such as impulses: these outputs stay as they are until the next step.
 """
 
 from chain_impact.kernel import hooks

@@ -72,7 +72,7 @@ STATUS_TEXT = {
     WALL_JUMPS: "a wall is given another displacement without the velocity that leads there, as a jump would "
     "be an impact of unknown strength: give its velocity, too",
     BASE_BEYOND_WALL: "the pinned base is beyond a wall: base and wall must not move through each other",
-    NO_ROOM: "rigid walls that move leave no room for what is between them: let them stop before, or take a "
+    NO_ROOM: "rigid walls that move have squeezed the chain between them: let them stop before, or take a "
     "law with a force",
     SIGNAL_JUMPS: "a signal lets the velocity of the base or of a wall jump, which would be an impact of "
     "unknown strength: let it rise or begin smoothly",

@@ -31,7 +31,7 @@ ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "supplied", "total"
 class Result(Pictured):
     """What happened in a simulation: a recording with its scene.
 
-    It is what was simulated, so ``dataclasses.replace`` can change nothing of it.
+    A result cannot be changed: ``dataclasses.replace`` refuses it.
 
     ``result["point[4].x"]`` is an output over time, shape (T,), by its name in the FMU; ``result["time"]`` is
     the time. A name with ``*``, which stands for any text, gives a dict of all that are like it:

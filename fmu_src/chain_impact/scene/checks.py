@@ -1,4 +1,4 @@
-"""What a scene must be that no key can tell alone, and what is allowed but may be meant otherwise."""
+"""Checks of a scene across several keys, and warnings of valid values that are probably mistakes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
 
 
 def check(scene: Contents) -> None:
-    """Refuse what no key can tell alone; an angle that may be meant in degrees is said, too."""
+    """Check what several keys give together, and warn of angles that may be meant in degrees."""
     try:
         check_together(scene)
         check_stops(scene)

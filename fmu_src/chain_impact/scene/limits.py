@@ -32,7 +32,7 @@ class Limits(TypedDict, total=False):
     entries: tuple[int, int]  # of a list, how many at least and at most
     or_true: bool  # of a list of names: true stands for all, and is read as the name *
     or_one: bool  # of a list: a single value stands for a list of it
-    file_only: bool  # stands for other values in a file; None in a scene
+    file_only: bool  # a short form of other keys, which is replaced by them when a file is read
     extended_by: str  # key of a file whose name is one more choice: of the same table, or "table.key"
 
 

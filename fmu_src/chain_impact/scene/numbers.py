@@ -1,6 +1,6 @@
-"""Numbers of a scene on which little else depends: they are changed with the checks of what depends on them.
+"""The quick way of ``with_values``: numbers of a scene that only a few checks depend on.
 
-To read a whole scene anew takes longer than a short simulation.
+Reading a whole scene anew takes longer than a short simulation.
 """
 
 from __future__ import annotations

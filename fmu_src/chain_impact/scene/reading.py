@@ -48,7 +48,7 @@ def as_typed(names: Iterable[Any]) -> Iterator[None]:
 
 
 class SceneWarning(UserWarning):
-    """What is allowed in a scene, but may be meant otherwise, by its values or by its motion: one line."""
+    """A value or a motion of a scene that is valid, but probably a mistake: one line."""
 
 
 class UnknownNameError(SceneError, KeyError):

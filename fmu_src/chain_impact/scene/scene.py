@@ -35,7 +35,7 @@ SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Scene(Contents):
-    """All that a simulation needs. Made, and validated, by the functions of this module."""
+    """All that a simulation needs; ``load_scene``, ``parse_scene`` and ``scene_from_dict`` check it."""
 
     @property
     def derived(self) -> dict[str, str]:

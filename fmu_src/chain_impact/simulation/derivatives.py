@@ -1,9 +1,9 @@
 """Runs that carry the derivatives of all they give with respect to some parameters.
 
 Beside the instance lie instances of dual numbers, each with the derivatives in a few directions
-(kernel/tangent/). A derivative with respect to a parameter is for all other parameters of the FMU held; its
-unit is that of the quantity over that of the parameter. Where it does not exist, or cannot be trusted, it is
-NaN, and a sentence says from when on, and why.
+(kernel/tangent/). A derivative with respect to a parameter is a partial derivative: all other parameters of
+the FMU are constant. Its unit is the quantity's over the parameter's. Where it does not exist, or cannot be
+trusted, it is NaN, and a sentence says from when on, and why.
 """
 
 from __future__ import annotations

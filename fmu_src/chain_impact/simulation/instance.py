@@ -59,7 +59,7 @@ def fault_text(status: int, place: str) -> str:
 
 
 class Rows(Protocol):
-    """What a run fills, row by row.
+    """The output buffer of a run, filled row by row.
 
     Attributes:
         at_once: rows that are filled between two calls of the run's ``progress``, at most.

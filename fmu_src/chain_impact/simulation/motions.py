@@ -189,8 +189,8 @@ def refuse_jumps(
 def joined(pieces: Pieces, columns: np.ndarray) -> Pieces:
     """Pieces of motions, in some columns, that meet with equal positions and velocities, up to round-off.
 
-    What takes the small differences at the start of a piece away is (1 − r)⁸ (s + (8 s + v) r), with r from 0
-    to 1 in the piece. A jump of the speed of a belt stays.
+    A correction (1 − r)⁸ (s + (8 s + v) r), with r from 0 to 1 in the piece, takes away the small differences
+    at its start. A jump of the speed of a belt stays.
     """
     ends = [derivatives(pieces, order)[:, :, columns] for order in range(2)]
     x0, x1 = (((at - pieces.middle) * pieces.scale)[1:, np.newaxis] for at in (pieces.start, pieces.end))

@@ -90,8 +90,9 @@ def simulate(
         interpolation: of inputs, ``follow``, ``hold`` or ``linear``.
         sensitivities: parameters and inputs by their names in the FMU, ``*`` as in ``output``: the result
             then has the derivatives of its outputs and impacts with respect to each of them, for
-            ``Result.sensitivity``. The motion is the same, bit for bit. That with respect to an input is for
-            a constant added to it. By default they are those of the scene's ``outputs.sensitivities``.
+            ``Result.sensitivity``. The motion is the same, bit for bit. The derivative with respect to an
+            input is for a constant added to it. By default they are those of the scene's
+            ``outputs.sensitivities``.
         progress: called with the fraction done, if given.
 
     Warns:

@@ -1,7 +1,7 @@
-"""The model: a scene compiled once into what all others ask for.
+"""The model: data that are derived from a scene once, and kept.
 
-That is its candidates, the variables of its FMU by name, their places in the instance record
-(kernel/record/), and new instances with its parameters in their places.
+It has the candidates, the variables of the FMU by name, their places in the instance record
+(kernel/record/), and makes new instances with the parameters of the scene in their places.
 """
 
 from __future__ import annotations

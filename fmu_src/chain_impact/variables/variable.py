@@ -117,8 +117,8 @@ class Variable:
     def feedthrough(self) -> bool:
         """Whether an input acts at once, without passing through a state.
 
-        True of accelerations, but of what is held, and of forces and their peaks: those of rigid walls hold
-        against a torque, and so does what sticks by dry friction. True also of the derivatives of all these.
+        This holds for forces and their peaks, for accelerations of what can move, and for their derivatives.
+        Rigid walls and dry friction answer to a torque at once with a force.
         """
         return self.kind.at_once and not self.held
 

@@ -152,7 +152,7 @@ def given_restitution(d, c):
 def given_friction(d, c):
     """The given coefficients of sliding and of static friction of candidate c; a stop has none.
 
-    The static one is 0 if it is that of sliding, as where a wall has its own sliding friction only.
+    A static coefficient of 0 means the one of sliding, as where a wall has its own sliding friction only.
     """
     if d.candidate.stop[c] != 0:
         return 0.0, 0.0

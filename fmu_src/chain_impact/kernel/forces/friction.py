@@ -33,10 +33,7 @@ def may_rub(d, c):
 
 
 def joint_of(d, e):
-    """The index of the joint of element e, which is none of the candidates; 0 is the joint of link 1.
-
-    N is the slider.
-    """
+    """The index of the joint of element e, an element of a joint; 0 is the joint of link 1, N the slider."""
     return e - d.candidates
 
 
@@ -180,7 +177,7 @@ def keep_static_forces(d):
 
 
 def keep_anchors(d):
-    """Move the anchors of what sticks to the located points where these could not be moved to them.
+    """Set the anchors of what sticks to the located points where the projection has missed them.
 
     Such motions can hardly be held (constraints.py), and to correct them in each step would do work.
     """

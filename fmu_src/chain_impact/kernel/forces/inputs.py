@@ -5,7 +5,7 @@
 `given.course` holds the next piece and `inputs.course` the present one; u₀ of the next piece is not in
 `given.course` but in `given` itself. Inputs of order 0 are constant, and no polynomial is evaluated.
 
-What moves by itself (chain/motion.py) has all its coefficients in `motion.course`, those in use in
+Prescribed motions (chain/motion.py) have all their coefficients in `motion.course`, those in use in
 `moved.course`. They are set with the course of the other inputs, or, if `motion.follows`, they follow what is
 given at the communication points: position s, velocity v and acceleration a at a time t₀. The step to the
 next one, at t₁ = t₀ + h, is a cubic. It begins with the present position and velocity, and ends with those of

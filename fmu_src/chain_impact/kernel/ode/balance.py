@@ -67,8 +67,8 @@ GAIN = 0.1  # what the errors of all steps together may add, over the available 
 # What a step may add beyond GAIN, over the available energy, so that round-off does not stop a run. When
 # these additions reach another GAIN, the run ends.
 SLIP = 1e-8
-# The allowed loss by errors of all steps (over the tolerance, as OF_A_STEP), and in how many seconds it is
-# allowed again. In 3360 random scenes this limits steps in 3 % of the runs, most of them with stiff springs.
+# The loss by errors of all steps that is allowed in LASTING seconds, over the tolerance as OF_A_STEP. In 3360
+# random scenes this limits steps in 3 % of the runs, most of them with stiff springs.
 LOSS, LASTING = OF_A_STEP, 10.0
 NOTABLE = 0.1  # the least loss that limits the next step, over the loss allowed to a step
 # A tolerance above which the first step of a run, whose size is a guess, can be as long as half a turn of a

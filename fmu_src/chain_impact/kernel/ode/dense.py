@@ -194,7 +194,7 @@ def set_quadrature_stage_at_end(d, i):
 
 
 def settle_impulses(d):
-    """Correct the impulses of the last step, which has its final end, that have fallen: no wall pulls.
+    """Keep the impulses of walls from falling in the last step, which has its final end: no wall pulls.
 
     The quadrature of a step has weights of both signs, so that the error of a force that is close to 0 can
     exceed it: such an impulse stays as it was. Where points that a rigid wall holds all but coincide, only

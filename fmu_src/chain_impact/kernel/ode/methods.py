@@ -43,7 +43,8 @@ RINGS, LASTS = 0.1, 20.0
 LONGER, NOT_STIFF = 2.5, 5.0
 STABLE = 4.0  # hρ of the explicit step to begin a flight with: two thirds of what is stable
 # The part of the explicit method's first step in an impact with which joints are compared. Explicit steps of
-# an impact cost so much less than implicit ones that joints must be far stiffer than it to favour these.
+# an impact cost so much less than implicit ones that only joints far stiffer than the contact favour implicit
+# ones.
 IMPACT = 0.1
 # The number of steps in a row that must favour the other method: with fewer the method would change in the
 # compression of an impact.

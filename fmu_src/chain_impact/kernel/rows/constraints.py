@@ -20,10 +20,10 @@ What sticks by dry friction (friction.py) is a constraint too, of its tangential
 active set: an equality. Of the possible solutions for dependent constraints the iteration finds the one with
 the least Σ p²/D. So with D in proportion to the limits of friction the sticking elements share their load in
 that proportion. Motions that can hardly be held, as one that changes the length of a straight chain on a
-floor, are left free: the forces that hold them could have any size. What is negligible of them is left
-without the forces of the iteration, too, which could exceed the limits. In between, where D W is about 1, the
-forces are those after a given number of iterations: a smooth function of the state. If the progress of the
-residual decided on the number, forces would jump by a part of it within a step.
+floor, are left free: the forces that hold them could have any size. A negligible motion of such a kind gets
+no force from the iteration either, as its force could exceed the limits. In between, where D W is about 1,
+the forces are those after a given number of iterations: a smooth function of the state. If the progress of
+the residual decided on the number, forces would jump by a part of it within a step.
 """
 
 import math
@@ -148,7 +148,7 @@ def iterate(d, scale, impedance):
 
 
 def leave_free(d, share):
-    """Take away a share of the impulses against what is left: where D W ≪ 1 that is D m of each iteration."""
+    """Remove a share of the impulses against motions that are left free: D m of each iteration if D W ≪ 1."""
     own = d.rigid
     for k in range(constraint_rows(d)):
         own.impulse[k] -= share * SWEEPS * own.impedance[k] * own.residual[k]

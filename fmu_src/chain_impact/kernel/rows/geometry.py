@@ -266,7 +266,7 @@ def link_of(d, c):
 
 
 def lever(d, c):
-    """The length [m] by which speeds, forces and masses of candidate c are those of an angle; of a wall 1."""
+    """The lever arm [m] that turns the clearance of a stop into an angle; 1 at a wall."""
     return d.model.size if at_joint(d, c) else 1.0
 
 

@@ -36,8 +36,8 @@ class Design:
     Attributes:
         variations: what is varied, in the order of the columns.
         samples: how many; None for a grid, all combinations, in which the last parameter changes first.
-        sampling: of the samples.
-        seed: of the samples.
+        sampling: how samples are drawn.
+        seed: random seed of the samples.
     """
 
     variations: tuple[Variation, ...]
