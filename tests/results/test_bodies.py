@@ -9,6 +9,7 @@ from chain_impact.results.page.recorded import data
 from chain_impact.results.plots.over_time import point_groups
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import place_of
+from chain_impact.results.view import size_of
 from chain_impact.scene.bodies import outline, outlines_of, placed
 from chain_impact.scene.scene import scene_from_dict
 from tests import bodies
@@ -136,6 +137,16 @@ def test_what_sticks_is_marked_where_it_is():
     axes = cart.plot(kind="motion").axes[0]
     mark = next(line for line in axes.lines if line.get_label() == "sticks")
     np.testing.assert_allclose(mark.get_xydata(), cart.points[-1:, 0])
+
+
+def test_numbers_of_impacts_at_the_stops_of_a_slider_stand_beyond_their_marks(cart):
+    axes = cart.plot(panels=["motion"]).axes[0]
+    marks = [line[1:] for line in (cart.rail.lines(cart.points[:, 0], size_of(cart))[1:])]
+    numbers = [text for text in axes.texts if text.get_text()[:1].isdigit()]
+    assert len(numbers) == 2
+    for text in numbers:
+        away = min(np.hypot(*(np.array(text.xy) - mark[0])) for mark in marks)
+        assert away < 1e-6
 
 
 def test_a_page_has_bodies_and_the_line_of_a_slider(run):

@@ -27,6 +27,8 @@ from chain_impact.results.plots.style import (
 )
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import JOINT
+from chain_impact.results.view import size_of
+from chain_impact.scene.bodies import TICK
 
 STRONG = 6  # poses at impacts, at most: those at the highest speeds
 FAINT = 80  # evenly spaced poses behind them
@@ -191,18 +193,27 @@ def number_rings(axes: Axes, recording: Recording) -> None:
         shown = hits if len(hits) <= LISTED + 1 else hits[:LISTED]
         text = ", ".join(str(hit + 1) for hit in sorted(shown))
         more = f" +{len(hits) - len(shown)}" if len(hits) > len(shown) else ""
-        outward = _outward(recording, recording.impacts[hits[0]])
-        labels.append(Label(text + more, spot, outward, str(hits[0] + 1)))
+        place, outward = _label_place(recording, recording.impacts[hits[0]], spot)
+        labels.append(Label(text + more, place, outward, str(hits[0] + 1)))
     place_labels(axes, labels, fontsize="small", color=INK)
 
 
-def _outward(recording: Recording, impact: np.void) -> tuple[float, float]:
-    """The direction into the wall that was hit; at a stop that across the link."""
+def _label_place(
+    recording: Recording, impact: np.void, spot: tuple[float, float]
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Where a label of an impact at a spot begins, and its direction: into the wall that was hit.
+
+    At the stop of a joint that is across the link; at the stop of a slider the label is beyond the mark.
+    """
     if recording.is_stop(impact["wall"]):
         x, y = touching_place(recording.pose_at(impact["onset"]), impact["point"])[1]
-        return float(y), float(-x)
+        return spot, (float(y), float(-x))
     nx, ny = recording.wall_of(impact).normal
-    return -nx, -ny
+    if recording.toucher(impact) != "slider":
+        return spot, (-nx, -ny)
+    across = (-ny, nx) if nx >= 0.0 else (ny, -nx)
+    reach = TICK * size_of(recording)
+    return (spot[0] + reach * across[0], spot[1] + reach * across[1]), across
 
 
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
