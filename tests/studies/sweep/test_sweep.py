@@ -54,6 +54,10 @@ def check(scene, row, varied, outputs=()):
         assert row[name] == max(result.impacts[name][~stops], default=0.0), name
     for name, column in zip(FORCES, AT_STOPS if scene.chain.stops else (), strict=False):
         assert row[column] == max(result.impacts[name][stops], default=0.0), column
+    if scene.outputs.loads:
+        peaks = result["joint[*].peak_force"].values()
+        largest = max(peak[-1] for peak in peaks)  # of a fault in the last row before it
+        assert row["joint_force"] == largest or (fault and row["joint_force"] > largest)
     assert row["impact.count"] == len(result.impacts)
     for name, count in result.statistics.items():
         assert row[f"solver.{name}"] == count, name
@@ -170,6 +174,18 @@ def test_contacts_at_stops_have_columns_of_their_own():
     assert (found["stop.peak_moment"] > 0.0).all()
     assert found["peak_force"].tolist() == [0.0, max(found["peak_force"])]
     assert not set(AT_STOPS) & set(sweep(short(), {"gravity.y": [-9.81]}).names)
+
+
+def test_a_scene_with_loads_has_the_largest_force_in_a_joint(tmp_path):
+    """In joint 2 or in joint 1, as the arm is turned; also in a run that faults, and in the table's file."""
+    scene = with_values(short("pinned_arm"), {"outputs.loads": True})
+    vary = {"contact.stiffness": "1e5:1e9:3:log", "initial.angle[2]": [-2.1, 0.0, 2e9]}
+    found = sweep(scene, vary, outputs=["joint[2].peak_force"])
+    assert {check(scene, row, vary, ["joint[2].peak_force"]) for row in found.table} >= {"ok"}
+    assert (found["joint_force"] > found["joint[2].peak_force"]).any()
+    found.save(tmp_path / "loads.csv")
+    assert "max_penetration,joint_force,time" in (tmp_path / "loads.csv").read_text(encoding="utf-8")
+    assert "joint_force" not in sweep(short("pinned_arm"), {"gravity.y": [-9.81]}).names
 
 
 def test_peaks_of_rigid_stops_and_of_a_run_that_cannot_start():

@@ -31,6 +31,8 @@ STOP_PEAKS: dict[str, Place] = {
     "stop.max_penetration": ("peaks", "rotation"),
 }
 """The same at stops of joints [N·m], [rad], in a scene with stops."""
+JOINT_FORCE = "joint_force"
+"""The largest force in any joint [N], in a scene with loads."""
 ENDED = "time"  # s, where a run ended
 STATUS = "solver.status"
 
@@ -71,11 +73,19 @@ class Job:
         return {name: found[name] for name in wanted}
 
     @property
+    def loads(self) -> dict[str, Variable]:
+        """What ``joint_force`` is the largest of: name → output, in a scene with loads."""
+        known = self.model.outputs_by_name
+        names = (f"joint[{n}].peak_force" for n in range(1, len(self.scene.chain.links) + 1))
+        return {name: known[name] for name in names if name in known}
+
+    @property
     def dtype(self) -> np.dtype:
         """The row of one run."""
         kinds = {"integer": np.int64, "real": np.float64}
         columns = [(name, kinds[variable.type]) for name, variable in self.columns.items()]
-        return np.dtype([*((name, np.float64) for name in (*self.peaks, ENDED)), *columns])
+        largest = (*self.peaks, *((JOINT_FORCE,) if self.loads else ()), ENDED)
+        return np.dtype([*((name, np.float64) for name in largest), *columns])
 
 
 def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequence[str]) -> Job:
@@ -114,9 +124,11 @@ class Runner:
         self._kernel = kernel_for(job.scene, derivatives=bool(varied))
         self._instance = model.new_instance(varied)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
-        self._columns = job.columns
+        self._columns, self._loads = job.columns, job.loads
         # to follow impulses of walls takes time: it is done for the columns that have them only
-        looked_at = {part for column in self._columns.values() for part in column.place}
+        looked_at = {
+            part for column in (*self._columns.values(), *self._loads.values()) for part in column.place
+        }
         if "latest" not in looked_at:
             self._instance["latest"]["kept"] = 0
             self._instance["quadrature"]["wanted"] = bool(looked_at & {"impulse", "friction", "load"})
@@ -127,7 +139,11 @@ class Runner:
             *job.peaks.values(),
             ("step", "time"),
             *(variable.place for variable in self._columns.values()),
+            *(variable.place for variable in self._loads.values()),
         ]
+        kept = [(name, self._dtype[name]) for name in self._dtype.names or () if name != JOINT_FORCE]
+        loads = [(f"load[{joint}]", np.dtype(float)) for joint in range(len(self._loads))]
+        self._words = np.dtype([*kept, *loads])
         self._output_indices = np.array([word_index(layout, place) for place in places], np.int64)
 
     def run(self, values: np.ndarray, wanted: Callable[[], bool] = lambda: True) -> np.ndarray:
@@ -147,7 +163,7 @@ class Runner:
         stops = np.full(len(values), self._job.scene.simulation.stop_time)
         if () in self._job.varied:
             stops = np.ascontiguousarray(values[:, self._job.varied.index(())], np.float64)
-        rows = np.zeros(len(values), self._dtype)
+        rows = np.zeros(len(values), self._words)
         done, continuing = 0, 0
         while done < len(rows):
             if not wanted():
@@ -167,6 +183,17 @@ class Runner:
             continuing = 1
         # the last step before a fault may end beyond the stop time
         rows["time"] = np.minimum(rows["time"], stops)
+        return self._told(rows)
+
+    def _told(self, words: np.ndarray) -> np.ndarray:
+        """The rows of the table from what the kernel wrote, which ends with the loads of each joint."""
+        rows = words
+        if self._loads:
+            rows = np.zeros(len(words), self._dtype)
+            for name in rows.dtype.names or ():
+                rows[name] = words[name] if name != JOINT_FORCE else 0.0
+            for joint in range(len(self._loads)):
+                np.maximum(rows[JOINT_FORCE], words[f"load[{joint}]"], out=rows[JOINT_FORCE])
         self._forget_unknown(rows)
         return rows
 

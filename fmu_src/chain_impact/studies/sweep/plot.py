@@ -76,6 +76,7 @@ QUANTITIES = (
         told="peak moment of stops {:.3g} to {:.3g} N·m",
     ),
     Quantity("stop.max_penetration", "largest rotation beyond a stop [rad]"),
+    Quantity("joint_force", "largest force in a joint [kN]", 1e-3),
     Quantity("impact.count", "impacts"),
     Quantity("energy.dissipated", "energy dissipated [J]"),
 )

@@ -41,6 +41,7 @@ class Sweep(Runs):
       contact, and a force of 0 for an impulse.
     - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]: the same at stops of joints, in a scene
       with stops.
+    - ``joint_force`` [N]: the largest over joints and time, in a scene with ``outputs.loads``.
     - ``time`` [s]: where the run ended: the stop time, or earlier after a fault.
     - ``impact.count``, ``energy.kinetic`` and so on, ``solver.steps`` and so on, and the outputs that were
       asked for: as the FMU has them at the end.
