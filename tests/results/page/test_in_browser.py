@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from chain_impact import cli, explore, load_scene, simulate
+from chain_impact import cli, explore, load_scene, simulate, sweep
 from tests.results.page.conftest import DESK, PHONE, until, until_told
 from tests.tiers import needs_browser
 
@@ -472,7 +472,15 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     page = show("rod_drop", MAP)
     page.get_by_role("button", name="Map…").click()
     outputs = page.locator("#map-output option").evaluate_all("options => options.map(({ value }) => value)")
-    assert outputs == ["impact.count", "impact.last_time", "energy.total", "point[1].x", "point[1].y"]
+    largest = ["peak_force", "max_penetration"]
+    assert outputs == [
+        "impact.count",
+        "impact.last_time",
+        *largest,
+        "energy.total",
+        "point[1].x",
+        "point[1].y",
+    ]
     for low, high in (("", "1"), ("2", "3")):
         page.locator("#map-x-from").fill(low)
         page.locator("#map-x-to").fill(high)
@@ -502,6 +510,22 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     colours = page.evaluate("""new Set(new Uint32Array(document.getElementById('map-canvas')
       .getContext('2d').getImageData(0, 0, 41, 41).data.buffer)).size""")
     assert colours > 3
+
+
+def test_a_map_shows_the_largest_forces_of_a_sweep(show):
+    values = {"outputs.loads": True, "simulation.stop_time": 0.55}
+    scene, page = load_scene("pinned_arm").with_values(values), show("pinned_arm", values)
+    page.get_by_role("button", name="Map…").click()
+    for axis, name in (("x", "contact.restitution"), ("y", "contact.stiffness")):
+        page.locator(f"#map-{axis}-name").select_option(name)
+    for output in ("peak_force", "joint_force"):
+        page.locator("#map-output").select_option(output)
+        draw_map(page)
+        head, *rows = saved(page, "Map as CSV").read_text().splitlines()
+        assert head == f"contact.restitution,contact.stiffness,{output}"
+        e, stiffness, value = map(float, rows[-1].split(","))
+        found = sweep(scene, {"contact.restitution": [e], "contact.stiffness": [stiffness]})
+        assert found[output][0] == value
 
 
 def test_a_run_that_a_scene_would_refuse_has_no_colour(show):

@@ -59,6 +59,14 @@ PLACES: dict[str, Place] = {
 }
 """What of a record is no parameter, and depends on what a scene has."""
 
+PEAKS = {
+    "peak_force": "force",
+    "max_penetration": "penetration",
+    "stop.peak_moment": "moment",
+    "stop.max_penetration": "rotation",
+}
+"""The largest of a run, by its name in a sweep → its place among ``peaks`` in the record."""
+
 
 def kit(scene: Scene) -> dict[str, Any]:
     """All of it, as JSON can hold it, for the contact laws of a scene."""
@@ -201,6 +209,7 @@ def _layout() -> dict[str, Any]:
             "room": [*_affine(lambda record: record["finished"]["point"].shape[0]), 0],
             "fields": {name: words(("finished", name, 0)) for name in LOG_DTYPE.names or ()},
         },
+        "peaks": {name: words(("peaks", part)) for name, part in PEAKS.items()},
         "changes": words(("changes", "count")),
         "active": words(("touch", "active_count")),
         "statistics": {name: words(("statistics", name)) for name in statistics},

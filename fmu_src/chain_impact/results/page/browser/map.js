@@ -50,6 +50,20 @@ function rangeOf({ low, high }, value) {
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
 
+/** An output by its name, if the scene has it; its value is the largest of some words of the record. */
+function outputsLike({ columns }, name) {
+  return columns.filter((one) => one.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
+}
+
+/** The largest of a run, by the names of a sweep: at walls, at stops of joints, and in joints. */
+function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks } }) {
+  const atWalls = contactPoints.length || sliderStops.length ? { peak_force: "N", max_penetration: "m" } : {};
+  const atStops = stops.length ? { "stop.peak_moment": "N.m", "stop.max_penetration": "rad" } : {};
+  const found = Object.entries({ ...atWalls, ...atStops }).map(([name, unit]) => ({ name, unit, integer: false, words: [peaks[name]] }));
+  const loads = columns.filter(({ name }) => /^joint\[\d+\]\.peak_force$/.test(name)).map(({ word }) => word);
+  return loads.length ? [...found, { name: "joint_force", unit: "N", integer: false, words: loads }] : found;
+}
+
 export class GridMap {
   #engines = []; // those that are at work
   #read; // the run that a finger has pointed at
@@ -85,14 +99,13 @@ export class GridMap {
     if (this.shown) this.#drawScales();
   }
 
-  /** The outputs that a map can have: those of the whole and of the tip. */
+  /** What a map can show: the largest forces and depths, and outputs at the end, of the whole and of the tip. */
   get #outputs() {
     const { scene } = this.changes;
     const tip = `point[${scene.links}]`;
-    return ["impact.count", "impact.last_time", "energy.total", `${tip}.x`, `${tip}.y`].flatMap((name) => {
-      const column = scene.columns.find((one) => one.name === name);
-      return column ? [{ ...column, label: titleOf(name, unitText(column.unit)) }] : [];
-    });
+    const first = ["impact.count", "impact.last_time"].flatMap((name) => outputsLike(scene, name));
+    const last = ["energy.total", `${tip}.x`, `${tip}.y`].flatMap((name) => outputsLike(scene, name));
+    return [...first, ...largestOf(scene), ...last].map((one) => ({ ...one, label: titleOf(one.name, unitText(one.unit)) }));
   }
 
   /** Offer what the scene has; the map of another scene goes. */
@@ -165,7 +178,7 @@ export class GridMap {
   /** Simulate the rows of a map, each in the next worker that is free: there is one for each processor. */
   async #simulate(shown) {
     const { names, axes, values, output } = shown;
-    const words = [this.changes.scene.layout.status, output.word];
+    const words = [this.changes.scene.layout.status, ...output.words];
     let next = 0;
     const work = async (engine) => {
       while (next < POINTS) {
@@ -193,9 +206,9 @@ export class GridMap {
     const { output, found } = this.shown;
     const integers = new BigInt64Array(rows.buffer);
     for (let column = 0; column < POINTS; column += 1) {
-      const [status, value] = [2 * column, 2 * column + 1];
+      const status = (1 + output.words.length) * column;
       const index = row * POINTS + column;
-      const given = output.integer ? Number(integers[value]) : rows[value];
+      const given = Math.max(...output.words.map((_, k) => (output.integer ? Number(integers[status + 1 + k]) : rows[status + 1 + k])));
       found[index] = integers[status] === 0n && this.#isAllowed(index) ? given : null;
     }
     this.shown.rows += 1;
