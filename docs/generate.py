@@ -26,7 +26,7 @@ from chain_impact.scene.limits import Derived, allowed, without_none
 from chain_impact.scene.names import AXES, INPUTS_OF
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import load_scene, scene_keys
-from chain_impact.variables.kind import ALWAYS, LINE, Kind
+from chain_impact.variables.kind import ALWAYS, LINE, OF_SIGNALS, Kind
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import METHODS, PARAMETERS
@@ -164,11 +164,16 @@ def variable_patterns() -> str:
             alike.setdefault(key, []).append(kind)
         lines = []
         for (meaning, _), kinds in alike.items():
-            columns = ([kind.pattern for kind in kinds], [kind.unit for kind in kinds])
+            columns = ([kind.pattern for kind in kinds], [_unit(kind) for kind in kinds])
             names, units = ([code(one) for one in dict.fromkeys(column) if one] for column in columns)
             lines.append((", ".join(names), ", ".join(units), meaning))
         sections.append(f"### {title}\n\n{table(('name', 'unit', 'meaning'), lines)}")
     return "\n\n".join(sections)
+
+
+def _unit(kind: Kind) -> str:
+    """The unit of a kind; numbers of signals have the unit of the input."""
+    return "of the input" if kind.of in OF_SIGNALS and kind.unit == "1" else kind.unit
 
 
 WHERE = {

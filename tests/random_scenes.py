@@ -20,6 +20,7 @@ from chain_impact.kernel.chain.inertia import loose_links
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.scene import SOLVER_METHODS, Scene, scene_from_dict, with_values
+from chain_impact.scene.signals import inputs_of
 from chain_impact.simulation.instance import Instance
 from tests.problems import GRAVITY, build
 from tests.turned import turned
@@ -34,7 +35,8 @@ LONG = 6 * 10**6  # more links than others,
 HARSH = 7 * 10**6  # all that is hard, and the default limit of work (``python -m tests.search`` only),
 STOPPED = 8 * 10**6  # stops in joints, walls of different materials, and often springs,
 RUBBED = 9 * 10**6  # dry friction at walls and in joints, and often stops,
-DRIVEN = 10 * 10**6  # drives in joints: armatures, servos, limits of torque; and dry friction or stops.
+DRIVEN = 10 * 10**6  # drives in joints: armatures, servos, limits of torque; and dry friction or stops,
+SIGNALLED = 11 * 10**6  # and signals that drive torques and targets.
 MOST_LINKS, LONG_LINKS = 10, (11, 60)
 HARD_WORK = 2e4  # evaluations, for a scene that asks for much, …
 DRY_WORK = 2e5  # … and for one with dry friction that does not
@@ -558,6 +560,39 @@ def driven_of(seed: int) -> Scene:
     return driven(draw.one((upright, stopped_of, rubbed_of), (0.5, 0.2, 0.3))(seed), draw)
 
 
+def signalled(scene: Scene, draw: Draw) -> Scene:
+    """The scene with signals of all forms for some torques, of the sizes of ``drive``, and targets."""
+    scene = with_values(scene, {"inputs.joint_torques": True})
+    torques, _ = drive(scene, 0)
+    stop, signals = scene.simulation.stop_time, {}
+    for name in inputs_of(scene):
+        # who checks loads takes the force at the tip as it is given
+        if not draw.chance(0.4) or name.startswith("tip"):
+            continue
+        joint = int(name[6 : name.index("]")]) - 1
+        size = draw.real(0.1, 1.0) if "target" in name else abs(torques[joint])
+        start, duration = stop * draw.real(0.0, 0.6), stop * draw.power(0.01, 0.5)
+        signals[f"drive_{len(signals)}"] = {
+            "input": [name],
+            **draw.one(
+                (
+                    {"form": "constant", "value": size},
+                    {"form": "sine", "amplitude": size, "frequency": draw.power(1.0, 100.0) / stop}
+                    | {"start": start, "rise": duration * draw.chance(0.5), "phase": draw.real(0.0, 6.0)},
+                    {"form": "ramp", "final": size, "start": start, "duration": duration}
+                    | {"shape": draw.one(("smooth", "linear", "trapezoid"))},
+                    {"form": "steps", "times": [0.0, start + 1e-3 * stop], "values": [0.0, size]},
+                )
+            ),
+        }
+    return with_values(scene, {("signals",): signals})
+
+
+def signalled_of(seed: int) -> Scene:
+    """A chain whose inputs signals drive, with all that chains with drives have."""
+    return signalled(driven_of(seed), Draw(seed, 11))
+
+
 _KINDS: dict[int, Callable[[int], Scene]] = {
     0: upright,
     SLANTED: lambda seed: slanted(upright(seed), Draw(seed, 2)),
@@ -570,4 +605,5 @@ _KINDS: dict[int, Callable[[int], Scene]] = {
     STOPPED: stopped_of,
     RUBBED: rubbed_of,
     DRIVEN: driven_of,
+    SIGNALLED: signalled_of,
 }

@@ -76,6 +76,7 @@ def impacts(frequency, count):
     return np.array(found)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("frequency", [4.1, 4.7, 5.3, 6.2, 7.9])
 def test_four_hundred_impacts_are_those_in_closed_form(frequency):
     exact = impacts(frequency, IMPACTS)

@@ -23,6 +23,7 @@ from tests.random_scenes import (
     LENGTH,
     LONG,
     RUBBED,
+    SIGNALLED,
     SLANTED,
     SPRUNG,
     STOPPED,
@@ -37,7 +38,7 @@ from tests.search import verdict, verdicts
 BLOCK = 150  # seeds
 BLOCKS = [range(first, first + BLOCK) for first in range(0, 6 * BLOCK, BLOCK)]
 BLOCKS += [range(first, first + BLOCK) for first in (SLANTED, SPRUNG, FOLDED, TAUT, STOPPED, UNEVEN)]
-BLOCKS += [range(first, first + BLOCK) for first in (RUBBED, DRIVEN)]
+BLOCKS += [range(first, first + BLOCK) for first in (RUBBED, DRIVEN, SIGNALLED)]
 BLOCKS.append(range(LONG, LONG + BLOCK // 2))
 
 

@@ -160,6 +160,7 @@ NUMBERS = [
 ]
 
 
+@pytest.mark.full("more cases", but=8)
 @pytest.mark.parametrize(("name", "key"), NUMBERS)
 def test_derivatives_by_each_number_are_those_of_differences(name, key):
     scene, parameter, output = driven(name), f"signal.drive.{key}", "link[2].angle"

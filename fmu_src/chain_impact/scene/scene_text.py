@@ -43,6 +43,9 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
         ranges = [f"joint {joint} {_range(low, high)}" for joint, (low, high) in ends]
         ranges = ranges if len(ranges) <= LISTED else [*ranges[: LISTED - 2], "…", ranges[-1]]
         yield "stops", f"{law}, e = {stops.restitution:g}, {stiffness}; {', '.join(ranges)}"
+    if scene.signals:
+        driven = (f"{', '.join(one.input)} by a {one.form}" for one in scene.signals.values())
+        yield "signals", "; ".join(driven)
     yield "start", f"base at {_listed(start.position)} m, angles {_listed(start.angles)} rad"
     solver = f"method {scene.solver.method}, tolerance {scene.solver.tolerance:g}"
     yield "run", f"{run.stop_time:g} s in steps of {run.step_size:g} s; {solver}"

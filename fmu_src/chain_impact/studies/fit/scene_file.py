@@ -33,10 +33,14 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
         text = tomlkit.dumps(scene_to_dict(scene))
     else:
         text = updated(text_of(Path(like)), scene, str(Path(like)))
+    moved = like is not None and Path(like).parent.resolve() != path.parent.resolve()
     if law and cache.holds(Path(law)):
-        text = _with_law_file(text, _copied(Path(law), path.parent))
-    elif law and like is not None and Path(like).parent.resolve() != path.parent.resolve():
-        text = _with_law_file(text, os.path.relpath(law, path.parent))
+        text = _with_file(text, ("contact", "law_file"), _copied(Path(law), path.parent))
+    elif law and moved:
+        text = _with_file(text, ("contact", "law_file"), os.path.relpath(law, path.parent))
+    for name, signal in scene.signals.items():
+        if signal.file and moved:
+            text = _with_file(text, ("signals", name, "file"), os.path.relpath(signal.file, path.parent))
     with written_whole(path) as fresh:
         fresh.write_text(text, encoding="utf-8")
 
@@ -61,10 +65,13 @@ def _copied(law: Path, folder: Path) -> str:
     return law.name
 
 
-def _with_law_file(text: str, file: str) -> str:
-    """The text with the path of the law's file from another folder."""
+def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
+    """The text with the path of a file, at a key, from another folder."""
     document: Any = tomlkit.parse(text)
-    _set(document["contact"], "law_file", file)
+    table = document
+    for step in key[:-1]:
+        table = table[step]
+    _set(table, key[-1], file)
     return str(tomlkit.dumps(document))
 
 
