@@ -175,9 +175,8 @@ def _reader(kind: Kind, path: Place) -> Callable[[Scene], list[Any]]:
             return values
         if not (kind.derived and scene.derived_places):
             return values + values
-        derived = frozenset(scene.derived_places)
         paths = [(*path[:split], i, *path[split + 1 :]) for i in range(len(values))] if AT in path else [path]
-        return values + [DERIVED if at in derived else one for at, one in zip(paths, values, strict=True)]
+        return values + _given(scene, paths, values)
 
     return read
 
@@ -192,11 +191,17 @@ def _site_reader(kind: Kind) -> Callable[[Scene], list[Any]]:
         values = [getattr(site, str(key)) for _, site in sites]
         if not kind.given:
             return values
-        derived = frozenset(scene.derived_places)
-        places = [("chain", "links", i, "points", j, key) for (i, j), _ in sites]
-        return values + [DERIVED if at in derived else one for at, one in zip(places, values, strict=True)]
+        return values + _given(
+            scene, [("chain", "links", i, "points", j, key) for (i, j), _ in sites], values
+        )
 
     return read
+
+
+def _given(scene: Scene, paths: Sequence[Place], values: Sequence[Any]) -> list[Any]:
+    """The values at some paths, but of what is derived that it is."""
+    derived = frozenset(scene.derived_places)
+    return [DERIVED if path in derived else value for path, value in zip(paths, values, strict=True)]
 
 
 def _getter(path: Place) -> Callable[[Any], Any]:
