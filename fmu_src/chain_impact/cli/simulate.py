@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,10 +33,13 @@ from chain_impact.cli.progress import complain, progress, say
 from chain_impact.cli.screen import sensitivity_tables, show, summary, tabulated
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import record_fmu
+from chain_impact.results.curves import Curves, curves_of
 from chain_impact.results.ranking import Ranking
 from chain_impact.results.recording import Recording
+from chain_impact.results.result import Result
 from chain_impact.results.tables import SUFFIXES
 from chain_impact.results.text import plural
+from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.scene.tables import Solver
 from chain_impact.simulation.record_scene import RunError, record_scene, value_of, with_settings
@@ -76,6 +80,15 @@ def add(verbs: Verbs) -> None:
     )
     verb.add_argument("--show", action="store_true", help="open a window with the picture")
     add_plot(verb, "motion, energy and impacts")
+    add_repeated(
+        verb,
+        "--curves",
+        "NAMES",
+        "draw these outputs over time in place of the motion: contact[*].y_min.force,point[4].x",
+    )
+    verb.add_argument(
+        "--around", action=Once, metavar="N", type=int, help="draw the curves around impact N, as listed"
+    )
     add_csv(verb, "the outputs over time")
     add_repeated(
         verb,
@@ -112,6 +125,8 @@ def run(options: argparse.Namespace) -> int:
         columns=names_in(*options.columns),
         sensitivities=names_in(*options.sensitivity),
         rank=options.rank,
+        curves=names_in(*options.curves),
+        around=options.around,
         window=window,
         check=options.check,
         inputs=inputs_of(options),
@@ -146,6 +161,8 @@ def report(
     columns: Sequence[str] = (),
     sensitivities: Sequence[str] = (),
     rank: str | None = None,
+    curves: Sequence[str] = (),
+    around: int | None = None,
     window: Figure | None = None,
     check: bool = False,
     inputs: Inputs | None = None,
@@ -158,6 +175,7 @@ def report(
     check_outputs(csv, picture, impacts, inputs=[source, *([inputs[0]] if inputs else [])])
     if columns and not csv:
         raise UsageError("--columns (--output): the columns are those of a table: give --csv FILE too")
+    check_curves(curves, around, drawn=bool(picture or window), others=bool(rank or sensitivities))
     tighter = [*settings, tighter_setting(source, settings)] if check else []
     fault, ranking = None, ranking_of(source, settings, rank, sensitivities, inputs) if rank else None
     try:
@@ -174,6 +192,8 @@ def report(
         say(f"impacts  {impacts}")
     if ranking:
         draw_ranking(ranking, picture, window)
+    elif curves:
+        draw_curves(recording, curves_in(recording, source, curves, around), picture, window)
     elif picture or window:
         shown = recording if sensitivities or fault else with_rows(recording, source, settings, inputs)
         draw(shown, picture, window, sensitivities)
@@ -210,6 +230,44 @@ def draw_ranking(ranking: Ranking, picture: Path | None, window: Figure | None) 
         say(f"picture  {picture}")
     if window:
         ranking.fill(window)
+
+
+def check_curves(curves: Sequence[str], around: int | None, *, drawn: bool, others: bool) -> None:
+    """Refuse curves that nothing draws, or that are drawn beside something else."""
+    if curves and not drawn:
+        raise UsageError("--curves: curves are drawn: give --plot FILE or --show too")
+    if curves and others:
+        raise UsageError("--curves: a picture has curves or derivatives; leave out --rank and --sensitivity")
+    if around is not None and not curves:
+        raise UsageError(
+            f"--around {around}: only curves are drawn around an impact; give --curves NAMES too"
+        )
+
+
+def curves_in(recording: Recording, source: str, names: Sequence[str], around: int | None) -> Curves:
+    """The curves of some outputs of a scene or an FMU."""
+    try:
+        if isinstance(recording, Result):
+            return recording.curves(names, around)
+        units = {one.name: one.unit or "" for one in read_fmu(Path(source)).modelVariables}
+        return curves_of(recording, names, units, around=around)
+    except ValueError as error:
+        raise error if isinstance(error, SceneError) else UsageError(str(error)) from None
+
+
+def draw_curves(recording: Recording, curves: Curves, picture: Path | None, window: Figure | None) -> None:
+    """Draw curves into a file and a window, where there are these."""
+    from chain_impact.results.plots import curves_size, drawn, fill_curves
+
+    fill_page = partial(fill_curves, recording=recording, curves=curves)
+    try:
+        if picture:
+            drawn(fill_page, picture, usual=curves_size(curves))
+            say(f"picture  {picture}")
+        if window:
+            fill_page(window)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
 
 
 def ranking_of(

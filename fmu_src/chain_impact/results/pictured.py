@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.results.course import Rerun, course_of
+from chain_impact.results.curves import Curves, curves_of
 from chain_impact.results.pacing import impact_ends
 from chain_impact.results.recording import Recording
 from chain_impact.results.sensitivity import Sensitivities
@@ -45,9 +46,12 @@ class Pictured(Recording):
         kind: str | None = None,
         size: Sequence[float] | None = None,
         panels: str | Sequence[str] = (),
+        curves: str | Sequence[str] = (),
+        around: int | None = None,
+        title: str | None = "",
         ax: Any = None,
     ) -> Any:
-        """Draw motion, energy and impacts.
+        """Draw motion, energy and impacts, or any outputs over time.
 
         The picture shows the rows of this result and nothing between them: with a coarse ``output_step``
         a path is straight from row to row. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates
@@ -61,27 +65,47 @@ class Pictured(Recording):
             kind: the only panel, in place of ``panels``.
             size: width and height [inches]. On a page narrower than 6 inches the motion is above the rest.
             panels: which of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all there are.
+            curves: outputs by their names in the FMU, ``*`` for any text, to draw in place of the panels:
+                ``["contact[*].y_min.force", "point[4].y"]``, those of each unit in a panel. The run is
+                repeated with more rows within impacts.
+            around: the number of an impact, from 1, around which the curves are drawn.
+            title: over the picture, in place of what happened; None for none.
             ax: axes of matplotlib to draw into, as many as panels, by default ``motion`` alone; they are
                 returned.
 
         Raises:
-            ValueError: when there is no panel of a name, a page is smaller than 2 by 2 inches or too small
-                for what is drawn, or axes are given with a file or a size.
+            ValueError: when there is no panel of a name, no impact of a number, a page is smaller than 2 by 2
+                inches or too small for what is drawn, or axes are given with a file or a size.
             UnknownNameError: when ``simulate(output=…)`` left out what is drawn.
             OSError: when the file cannot be written.
         """
         from chain_impact.results import plots  # a second to load, so not at the top
 
+        if curves:
+            found = self.curves([curves] if isinstance(curves, str) else curves, around)
+            if ax is None:
+                fill = partial(plots.fill_curves, recording=self, curves=found, title=title)
+                return plots.drawn(fill, path, size, plots.curves_size(found))
+            plots.check_alone(path, size)
+            plots.fill_curve_axes(np.ravel(ax).tolist(), self, found)
+            return ax
+        if around is not None:
+            raise ValueError(f"around = {around!r}: only curves are drawn around an impact")
         self._all("kinetic")  # refused here, if it was left out
         given = [name for name, one in (("kind", kind), ("panels", panels)) if one]
         if len(given) > 1:
             raise ValueError(f"kind = {kind!r} and panels = {panels!r}: one of them must be left out")
         shown = [kind] if kind else [panels] if panels and isinstance(panels, str) else panels
         if ax is None:
-            return plots.drawn(partial(plots.fill, recording=self, panels=shown), path, size)
+            return plots.drawn(partial(plots.fill, recording=self, panels=shown, title=title), path, size)
         plots.check_alone(path, size)
         plots.fill_axes(ax, self, shown or ["motion"])
         return ax
+
+    def curves(self, names: Sequence[str], around: int | None = None) -> Curves:
+        """Outputs over time as ``plot(curves=…)`` draws them, with many times within impacts."""
+        units = {variable.name: variable.unit for variable in self.model.outputs}
+        return curves_of(self, names, units, around=around, model=self.model, rerun=self.rerun)
 
     def plot_impact(
         self,

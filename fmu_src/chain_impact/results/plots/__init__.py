@@ -2,6 +2,7 @@
 
 from chain_impact.results.plots.bars import bars_size, fill_bars
 from chain_impact.results.plots.changes import fill_sensitivities
+from chain_impact.results.plots.curves import curves_size, fill_curve_axes, fill_curves
 from chain_impact.results.plots.impact import SIZE as IMPACT_SIZE, draw_loop, fill_impact
 from chain_impact.results.plots.motion import draw_chain
 from chain_impact.results.plots.overview import fill, fill_axes, plot
@@ -13,6 +14,7 @@ __all__ = [
     "IMPACT_SIZE",
     "bars_size",
     "check_alone",
+    "curves_size",
     "draw_chain",
     "draw_loop",
     "draw_walls",
@@ -20,6 +22,8 @@ __all__ = [
     "fill",
     "fill_axes",
     "fill_bars",
+    "fill_curve_axes",
+    "fill_curves",
     "fill_impact",
     "fill_sensitivities",
     "plot",

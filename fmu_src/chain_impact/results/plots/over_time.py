@@ -107,9 +107,9 @@ def rubbing_places(recording: Recording) -> list[str]:
     return sorted(total, key=lambda place: -total[place])
 
 
-def mark_impacts(axes: Axes, recording: Recording) -> None:
-    """A line at each impact."""
-    onsets = recording.impacts["onset"]
+def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0) -> None:
+    """A line at each impact; ``start`` is where the axis of time has its zero, ``factor`` its unit [1/s]."""
+    onsets = factor * (recording.impacts["onset"] - start)
     axes.vlines(onsets, 0.0, 1.0, PALE, linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform())
 
 

@@ -42,16 +42,18 @@ NUMBERS = {"motion": number_rings, "impacts": number_impacts}
 
 
 @styled()
-def fill(page: Figure, recording: Recording, panels: Sequence[str] = ()) -> None:
+def fill(page: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
     """Draw panels of PANELS on an empty page, by default all that the recording has.
 
-    On a wide page the motion is on the left of what is drawn over time, else above it.
+    On a wide page the motion is on the left of what is drawn over time, else above it. The title is what
+    happened if it is ""; if it is None, there is none.
 
     Raises:
         ValueError: when there is no panel of a name.
     """
     shown = chosen(recording, panels)
-    headline(page, message(recording), conditions(recording))
+    if title is not None:
+        headline(page, title or message(recording), conditions(recording))
     found = axes_of(page, recording, shown)
     for name, axes in found.items():
         if name in shown:

@@ -1,0 +1,118 @@
+"""Any outputs over time: a panel for each unit, and a line at each impact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from chain_impact.results.curves import Curves
+from chain_impact.results.plots.message import conditions, message
+from chain_impact.results.plots.motion import ABOVE
+from chain_impact.results.plots.over_time import mark_impacts
+from chain_impact.results.plots.style import FULL, PALETTE, WIDE, headline, styled
+from chain_impact.results.recording import Recording
+from chain_impact.results.text import plural
+
+DASHES = ("-", "--", ":")
+MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8  # curves in a panel, and panels
+PANEL, AROUND = 1.9, 1.1  # inches, the height of a panel, and what is above and below all of them
+SIDE = 8  # curves, at most, whose names stand beside a panel
+
+
+def curves_size(curves: Curves) -> tuple[float, float]:
+    """The usual size of the page [inches]."""
+    return FULL, max(3.4, AROUND + PANEL * len(curves.panels))
+
+
+def check_curves(curves: Curves) -> None:
+    """Refuse more than can be told apart.
+
+    Raises:
+        ValueError: when there is nothing, or too much to draw.
+    """
+    panels = curves.panels
+    if len(panels) > MOST_PANELS:
+        raise ValueError(f"curves: {len(panels)} units need as many panels; must be <= {MOST_PANELS}")
+    for names in panels:
+        if len(names) > MOST:
+            unit = curves.units[names[0]]
+            raise ValueError(f"curves: {len(names)} outputs in {unit or 'no unit'}; must be <= {MOST}")
+
+
+@styled()
+def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
+    """Draw the curves on an empty page; the title is that of the run if it is "", and there is none if None.
+
+    Raises:
+        ValueError: when there is too much to draw.
+    """
+    check_curves(curves)
+    if title is not None:
+        headline(page, title or message(recording), told(recording, curves))
+    panels = curves.panels
+    grid = page.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
+    draw_all(list(grid), recording, curves)
+    for axes in grid[:-1]:
+        axes.set_xlabel("")
+    page.align_ylabels()
+
+
+def told(recording: Recording, curves: Curves) -> str:
+    """Which impact is seen, and the conditions."""
+    if not curves.number:
+        return conditions(recording)
+    impact = recording.impacts[curves.number - 1]
+    wall = recording.wall_names[impact["wall"]]
+    return f"impact {curves.number}, {recording.toucher(impact)} at {wall}; {conditions(recording)}"
+
+
+@styled({})
+def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves) -> None:
+    """Draw each panel into axes that are there.
+
+    Raises:
+        ValueError: when there are not as many axes as panels, or there is too much to draw.
+    """
+    check_curves(curves)
+    count = len(curves.panels)
+    if len(given) != count:
+        raise ValueError(f"ax: there are {len(given)} axes for {plural(count, 'unit')} of curves")
+    draw_all(given, recording, curves)
+
+
+def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None:
+    """Draw a panel into each of some axes."""
+    start, factor, label = 0.0, 1.0, "time [s]"
+    if curves.onset is not None:
+        start, factor = curves.onset, 1e3
+        label = f"time after the onset at {curves.onset:.6f} s [ms]"
+    time = factor * (curves.time - start)
+    for axes, names in zip(grid, curves.panels, strict=True):
+        mark_impacts(axes, recording, start, factor)
+        for k, name in enumerate(names):
+            look = DASHES[k // len(PALETTE)]
+            axes.plot(time, curves.values[name], look, color=PALETTE[k % len(PALETTE)], label=name)
+        axes.set_ylabel(axis_label(names, curves.units[names[0]]))
+        axes.set_xlim(time[0], time[-1])
+        axes.set_xlabel(label)
+        axes.margins(y=0.08)
+        name_curves(axes, len(names))
+
+
+def axis_label(names: Sequence[str], unit: str) -> str:
+    """The last part of all names, if they have the same, with the unit."""
+    last = {name.rpartition(".")[2] for name in names}
+    shared = last.pop() if len(last) == 1 else ""
+    return f"{shared} [{unit}]".lstrip() if unit else shared
+
+
+def name_curves(axes: Axes, count: int) -> None:
+    """Name the curves beside their panel where there is room, else above it."""
+    page = axes.get_figure(root=True)
+    if page is not None and page.get_figwidth() >= WIDE and count <= SIDE:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), handlelength=1.4)
+        return
+    across = 4 if page is not None and page.get_figwidth() >= WIDE else 1
+    axes.legend(**ABOVE, ncols=across, handlelength=1.4)

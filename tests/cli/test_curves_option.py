@@ -1,0 +1,23 @@
+"""`chain-impact simulate --curves`."""
+
+
+def test_curves_are_drawn_into_a_file(run, here):
+    asked = ("simulate", "pinned_arm", "--stop-time", "0.6", "--curves", "contact[*].x_max.force")
+    code, said, errors = run(*asked, "--curves", "point[2].x,energy.total", "--plot", "curves.svg")
+    assert (code, errors) == (0, "")
+    assert "picture  curves.svg" in said
+    told = (here / "curves.svg").read_text(encoding="utf-8")
+    for name in ("contact[2].x_max.force", "point[2].x", "energy.total"):
+        assert name in told
+    assert run(*asked, "--around", "1", "--plot", "near.svg")[0] == 0
+    assert "time after the onset at" in (here / "near.svg").read_text(encoding="utf-8")
+    for more, text in (
+        (("--around", "2", "--plot", "a.svg"), "around = 2 must be 1 to 1"),
+        ((), "give --plot FILE or --show too"),
+        (("--plot", "a.svg", "--rank", "peak_force"), "curves or derivatives"),
+        (("--plot", "a.svg", "--curves", "*"), "must be <= "),
+    ):
+        code, _, errors = run(*asked, *more)
+        assert code == 2
+        assert text in errors
+    assert not (here / "a.svg").exists()
