@@ -21,7 +21,7 @@ def asked(line, folder):
     return [word.rstrip() for word in answer.read_text(encoding="utf-8").splitlines()]
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize(
     ("line", "words"),
     [
@@ -30,6 +30,16 @@ def asked(line, folder):
         ("chain-impact info mine", ["mine.toml"]),
         ("chain-impact animate mine.csv --scene rod_d", ["rod_drop"]),
         ("chain-impact sweep --sampl", ["--samples", "--sampling"]),
+        ("chain-impact simulate pinned_arm --set contact.re", ["contact.restitution="]),
+        ("chain-impact simulate --set contact.model=newt", ["contact.model=newton_impact"]),
+        ("chain-impact compare --laws flores,hert", ["flores,hertz"]),
+        (
+            "chain-impact simulate pinned_arm --curves energy.total,point[2].vx",
+            [r"energy.total,point\[2\].vx"],
+        ),
+        ("chain-impact simulate pinned_arm --rank joint_f", ["joint_force"]),
+        ("chain-impact sweep --vary contact.rad", ["contact.radius="]),
+        ("chain-impact simulate nowhere.toml --set contact.re", []),
     ],
 )
 def test_the_shell_is_told_what_can_stand_there(line, words, tmp_path):

@@ -11,6 +11,8 @@ import matplotlib as mpl
 import pytest
 from matplotlib import pyplot
 
+from chain_impact import model_names
+from chain_impact.cli import parser
 from chain_impact.extras import MissingExtraError
 
 SCENES = {"half": "name = ", "name": 'name = "A"', "zero": "\0", "links": 'name = "[/]"\n[chain]\nlinks = 3'}
@@ -137,10 +139,14 @@ def test_validate_of_a_zip_without_a_description(run, files, name):
     assert re.fullmatch(missing, said)
 
 
-def test_the_command_alone_shows_the_help(run):
+def test_the_command_alone_shows_first_steps_that_can_be_typed(run):
     code, said, errors = run()
     assert (code, errors) == (2, "")
-    assert said == run("--help")[1]
+    steps = [re.split(r" {2,}", line.strip())[0] for line in said.splitlines() if line.startswith("  ")]
+    assert len(steps) == 3
+    for step in steps:
+        assert parser().parse_args(step.split()[1:]).source in model_names()
+    assert "chain-impact --help" in said
 
 
 @pytest.mark.parametrize(

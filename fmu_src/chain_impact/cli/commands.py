@@ -25,7 +25,7 @@ from chain_impact.cli import (
     validate,
 )
 from chain_impact.cli.options import UsageError
-from chain_impact.cli.progress import complain, out
+from chain_impact.cli.progress import complain, out, say
 from chain_impact.compilation.errors import BuildError
 from chain_impact.extras import MissingExtraError
 from chain_impact.results.animate import AnimationError
@@ -38,6 +38,13 @@ REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another
     (EROFS, EACCES, EPERM), "ask for the right to use it, or choose another place"
 )
 """What to do when a file cannot be written: number of an error → a clause."""
+FIRST_STEPS = """chain-impact simulates planar chains that hit walls. First steps:
+
+  chain-impact simulate pinned_arm --plot arm.png   simulate a model: impacts, peak forces, a picture
+  chain-impact explore pinned_arm                   change it by hand in the browser
+  chain-impact build pinned_arm                     make its FMU
+
+All commands: chain-impact --help. All models: chain-impact info --list models."""
 VERBS = (build, simulate, animate, explore, compare, sweep, fit, convert, info, validate, cache, completion)
 
 
@@ -48,7 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     completion.answer(grammar)
     options = grammar.parse_args(arguments)
     if options.run is None:
-        grammar.print_help()
+        say(FIRST_STEPS)
         return 2
     out.quiet = options.quiet and not options.only_prints
     try:

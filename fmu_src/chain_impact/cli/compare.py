@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from chain_impact.cli.completers import complete, laws
 from chain_impact.cli.options import (
     Verbs,
     add_csv,
@@ -33,7 +34,7 @@ def add(verbs: Verbs) -> None:
     add_set(compare)
     add_inputs(compare)
     what = "compare these laws only, as hertz,flores; default: all"
-    add_repeated(compare, "--laws", "NAMES", what)
+    complete(add_repeated(compare, "--laws", "NAMES", what), laws, listed=True)
     add_plot(compare, "first impact and energy")
     add_csv(compare, "the table")
     compare.set_defaults(run=run)

@@ -6,6 +6,7 @@ import argparse
 from itertools import chain
 from pathlib import Path
 
+from chain_impact.cli.completers import complete, differentiable
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
@@ -60,7 +61,9 @@ def add(verbs: Verbs) -> None:
         help="a CSV file for each data set, or several of the same run: motion.csv,impacts.csv",
     )
     for option in REPEATED:
-        add_repeated(fit, *option)
+        named = add_repeated(fit, *option)
+        if "=" not in option[1]:
+            complete(named, differentiable, listed=True)
     fit.add_argument(
         "--columns", metavar="NAMES", help="use these columns only, * for any text: point[4].*; default: all"
     )

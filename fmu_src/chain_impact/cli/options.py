@@ -8,6 +8,7 @@ from errno import ENOENT
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chain_impact.cli.completers import DEFAULT_SCENE, complete, settings
 from chain_impact.scene.models import model_names, scene_path
 from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.scene.signals import with_inputs
@@ -21,7 +22,6 @@ else:
 Inputs = tuple[Path, str | None]
 """The file of a table of inputs, and the interpolation, None for the usual one."""
 INTERPOLATIONS = ("hold", "linear", "spline")
-DEFAULT_SCENE = "four_link_box"
 PICTURES = (".png", ".svg", ".pdf")
 
 
@@ -54,19 +54,19 @@ def add_scene(command: argparse.ArgumentParser, what: str) -> None:
 def complete_scenes(argument: argparse.Action) -> None:
     """Let a shell complete models, and files and folders that can be scenes (cli/completion.py)."""
 
-    def complete(prefix: str, **_: object) -> list[str]:
+    def completer(prefix: str, **_: object) -> list[str]:
         from argcomplete.completers import FilesCompleter
 
         files = FilesCompleter(("toml", "fmu", "csv"))(prefix)
         return [*(name for name in model_names() if name.startswith(prefix)), *files]
 
-    vars(argument)["completer"] = complete  # where argcomplete looks for it
+    vars(argument)["completer"] = completer  # where argcomplete looks for it
 
 
 def add_set(command: argparse.ArgumentParser) -> None:
     """Add ``--set``, and a short form of one."""
     what = "set a value by a name that `info` lists"
-    add_repeated(command, "--set", "NAME=VALUE", what)
+    complete(add_repeated(command, "--set", "NAME=VALUE", what), settings, valued=True)
     command.add_argument(
         "--stop-time",
         action="append",
@@ -113,10 +113,10 @@ def driven(source: str, settings: Sequence[str], inputs: Inputs | None) -> Scene
 
 def add_repeated(
     command: argparse.ArgumentParser, option: str, metavar: str, what: str, *, alias: str | None = None
-) -> None:
+) -> argparse.Action:
     """Add an option that can be given several times, and perhaps has a second name."""
     names = [option, *([alias] if alias else [])]
-    command.add_argument(
+    return command.add_argument(
         *names, action="append", default=[], metavar=metavar, help=f"{what}; can be repeated"
     )
 

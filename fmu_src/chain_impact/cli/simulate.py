@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from chain_impact.cli.completers import complete, differentiable, outputs, rankable
 from chain_impact.cli.options import (
     Inputs,
     Once,
@@ -63,14 +64,15 @@ def add(verbs: Verbs) -> None:
     add_scene(verb, "scene or FMU")
     add_set(verb)
     add_inputs(verb)
-    add_repeated(
+    named = add_repeated(
         verb,
         "--sensitivity",
         "NAMES",
         "also find the derivatives with respect to these parameters, and draw them in place of the motion: "
         "contact.stiffness,link[*].mass",
     )
-    verb.add_argument(
+    complete(named, differentiable, listed=True)
+    ranked = verb.add_argument(
         "--rank",
         action=Once,
         metavar="WHAT",
@@ -78,25 +80,28 @@ def add(verbs: Verbs) -> None:
         "joint_force, impact[2].peak_force (counted as listed) or an output at the end, and draw the "
         "effects; --sensitivity names fewer of them",
     )
+    complete(ranked, rankable)
     verb.add_argument("--show", action="store_true", help="open a window with the picture")
     add_plot(verb, "motion, energy and impacts")
-    add_repeated(
+    named = add_repeated(
         verb,
         "--curves",
         "NAMES",
         "draw these outputs over time in place of the motion: contact[*].y_min.force,point[4].x",
     )
+    complete(named, outputs, listed=True)
     verb.add_argument(
         "--around", action=Once, metavar="N", type=int, help="draw the curves around impact N, as listed"
     )
     add_csv(verb, "the outputs over time")
-    add_repeated(
+    named = add_repeated(
         verb,
         "--columns",
         "NAMES",
         "columns of the table: point[*].x,energy.total; default: all",
         alias="--output",
     )
+    complete(named, outputs, listed=True)
     verb.add_argument(
         "--impacts",
         action=Once,

@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+from chain_impact.cli.completers import complete, outputs, parameters
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
@@ -33,7 +34,7 @@ def add(verbs: Verbs) -> None:
         "pinned_arm --vary contact.restitution=0.1:0.9:9 -o runs.csv",
     )
     add_scene(sweep, "scene")
-    sweep.add_argument(
+    varied = sweep.add_argument(
         "--vary",
         action="append",
         default=[],
@@ -41,6 +42,7 @@ def add(verbs: Verbs) -> None:
         help="vary a parameter: 0.1,0.5 or 0.1:0.9:9 (nine values) or 1e6:1e9:4:log, with --samples also "
         "0.1:0.9 or 1e6:1e9:log; can be repeated, then all combinations are run",
     )
+    complete(varied, parameters, valued=True)
     sweep.add_argument("--samples", type=int, metavar="N", help="run N samples in place of all combinations")
     sweep.add_argument(
         "--sampling",
@@ -54,7 +56,7 @@ def add(verbs: Verbs) -> None:
     add_set(sweep)
     add_inputs(sweep)
     what = "add an output to the table, as it is at the end of a run"
-    add_repeated(sweep, "--columns", "NAME", what, alias="--output")
+    complete(add_repeated(sweep, "--columns", "NAME", what, alias="--output"), outputs)
     sweep.add_argument(
         "--scheduler",
         metavar="ADDRESS",
