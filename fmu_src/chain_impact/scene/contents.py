@@ -81,7 +81,7 @@ class Contents:
     @property
     def may_touch(self) -> bool:
         """Whether a point may touch a wall, if there is one that it can reach."""
-        if self.chain.slider is None and not self.chain.sites:
+        if self.chain.slider is None and not any(link.points for link in self.chain.links):
             return bool(self.contact.points)
         planes = self.half_planes.values()
         points = self.touching_points

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -124,7 +125,8 @@ def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) ->
         SceneError: when a name is no input of the scene, or a signal cannot be one.
     """
     scene = model.scene
-    inputs = _by_name(inputs, scene.simulation.stop_time)
+    if not isinstance(inputs, Mapping) or TIME in inputs:
+        inputs = _columns(cast("Source", inputs), scene.simulation.stop_time)
     if interpolation not in INTERPOLATIONS:
         allowed = "must be follow, hold or linear"
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed}")
@@ -193,11 +195,9 @@ def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) ->
     )
 
 
-def _by_name(inputs: Given, stop: float) -> Mapping[str, Signal]:
-    """Inputs by their names, of a table its columns."""
-    if isinstance(inputs, Mapping) and TIME not in inputs:
-        return cast("Mapping[str, Signal]", inputs)
-    times, columns = samples_of(read_table(cast("Source", inputs)), stop)
+def _columns(table: Source, stop: float) -> Mapping[str, Signal]:
+    """The columns of a table of inputs, by the names of these."""
+    times, columns = samples_of(read_table(table), stop)
     return {name: (times, values) for name, values in columns.items()}
 
 
@@ -333,6 +333,8 @@ def _called(what: str, function: Callable[[float], Any], time: float) -> float:
         raise SceneError(
             f"{what}: the function raised {type(error).__name__} at t = {time:.9g} s: {error}"
         ) from error
+    if type(value) is float and math.isfinite(value):
+        return value
     number = _numbers(value)
     if number is None or number.shape or not np.isfinite(number):
         raise SceneError(f"{what}: the function returned {value!r} at t = {time:.9g} s, not a finite number")

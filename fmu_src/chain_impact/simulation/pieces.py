@@ -27,6 +27,8 @@ Sampled = Callable[[np.ndarray], np.ndarray]
 CHECKED_TIMES = 2000  # in a run, at which every function is called: what is shorter can be missed
 POINTS = 16  # values of a piece
 SHORTEST = 4e-13  # of the run: a piece so short is dropped
+ALIKE = 1e-6  # of a length: lengths that differ by less are equal
+FAR = 4.0  # of the last piece: a longer interval is halved before a fit is tried
 NOISE = 4  # pieces in a row that hold jumps: a function that is nowhere smooth
 FINE = 1 / 65536  # of the run: a function with pieces so short is hardly smooth in pieces
 CALLS = 15_000  # times in a run at which functions are called for fine pieces, jumps and kinks
@@ -121,22 +123,27 @@ class Pieces:
         largest = sizes.sum(axis=1).max(axis=0, initial=0.0)
         return np.where(largest > 0.0, largest, 1.0)
 
+    @cached_property
+    def _changes(self) -> tuple[np.ndarray, np.ndarray]:
+        """The order of each piece, and how fast it changes: (|u⁽ᵐ⁾|/|u|)^(1/m) at the middle, shape (P,)."""
+        count = self.powers.shape[1]
+        used = self.powers.any(axis=2) * np.arange(count)
+        shares = (np.abs(self.powers) / self._largest).max(axis=2, initial=0.0)
+        rates = [(math.factorial(m) * shares[:, m]) ** (1.0 / m) for m in range(1, count)]
+        return used.max(axis=1, initial=0), np.max(rates, axis=0, initial=0.0) + np.zeros(len(used))
+
     def settings(self, at: int) -> dict[str, float]:
         """What the record of a course has of a piece, but for the powers."""
-        powers = self.powers[at]
-        order = int(np.flatnonzero(powers.any(axis=1)).max(initial=0))
-        if order == 0:
+        order, rate = self._changes
+        if order[at] == 0:
             return {"order": 0, "change_rate": 0.0}
-        # how fast it changes: (|u⁽ᵐ⁾|/|u|)^(1/m) at the middle
-        shares = (np.abs(powers) / self._largest).max(axis=1)
-        rate = max((math.factorial(m) * shares[m]) ** (1.0 / m) for m in range(1, order + 1))
         return {
-            "order": order,
+            "order": order[at],
             "middle": self.middle[at],
             "scale": self.scale[at],
             # the step that ends with the piece shall not end before it by round-off
             "until": self.end[at] + 4.0 * np.spacing(self.end[at]),
-            "change_rate": self.scale[at] * rate,
+            "change_rate": self.scale[at] * rate[at],
         }
 
 
@@ -191,6 +198,8 @@ class Follower:
         self._accuracy = np.maximum(accuracy, ROUND_OFF)
         self._calls_left = CALLS
         self._refused = np.zeros(len(self._scale), dtype=int)  # fits that each function has prevented
+        self._last: Piece | None = None
+        self._failed = math.inf  # s, length of the last interval that was halved
 
     def pieces(self, start: float, end: float) -> list[Piece]:
         """Pieces of the functions between two times [s], as few as halving and joining find.
@@ -245,23 +254,35 @@ class Follower:
     def _join(self, found: list[Piece], piece: Piece) -> None:
         """Append a piece, as one with the last if that can be."""
         meets = bool(found) and found[-1].end == piece.start
-        both = self._fitted(found[-1].start, piece.end) if meets else None
+        both = (
+            self._fitted(found[-1].start, piece.end) if meets and not self._alike(found[-1], piece) else None
+        )
         if both is None:
             found.append(piece)
         else:
             found[-1] = both
+        self._last = found[-1]
+
+    def _alike(self, one: Piece, other: Piece) -> bool:
+        """Whether two pieces are halves of what no piece fits, or as long as such halves."""
+        halves = np.array([one.end - one.start, other.end - other.start, 0.5 * self._failed])
+        return bool(np.ptp(halves) <= ALIKE * halves[0])
 
     def _parted(self, start: float, end: float) -> Iterator[Piece | None]:
         """Pieces in order; None for what is too short to matter."""
         if end - start <= self._shortest:
             yield None
             return
-        fitted = self._fitted(start, end)
+        last, middle = self._last, 0.5 * (start + end)
+        far = last is not None and end - start > FAR * (last.end - last.start)
+        fitted = None if far else self._fitted(start, end)
         if fitted is not None:
             yield fitted
             return
-        middle = 0.5 * (start + end)
-        before, after = self._break(start, end) or (middle, middle)
+        # what goes on from a piece that is not simple is not simple, so no break is found
+        simple = last is None or last.end != start or not last.powers[SIMPLE + 1 :].any()
+        before, after = (self._break(start, end) if simple and not far else None) or (middle, middle)
+        self._failed = end - start
         for part in itertools.pairwise((start, before, after, end)):
             if part[0] < part[1]:
                 yield from self._parted(*part)
