@@ -93,7 +93,7 @@ def _add_variables_2(root: Element, model: Model) -> None:
     for reference, (variable, value) in enumerate(zip(variables, values_of(model), strict=True)):
         node = SubElement(nodes, "ScalarVariable", attributes_of(variable, reference))
         rate = rate_of(variable)
-        derivative = {"derivative": indices[rate]} if rate else {}
+        derivative = {"derivative": indices[rate]} if rate in indices else {}
         SubElement(node, variable.type.capitalize(), value | derivative)
     structure = SubElement(root, "ModelStructure")
     outputs, unknowns = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
@@ -111,7 +111,7 @@ def _add_variables_3(root: Element, model: Model) -> None:
 
     def add(variable: Variable, reference: int, value: dict[str, str], places: dict[Place, int]) -> Element:
         rate = rate_of(variable)
-        derivative = {"derivative": str(places[rate])} if rate else {}
+        derivative = {"derivative": str(places[rate])} if rate in places else {}
         attributes = attributes_of(variable, reference) | value | derivative
         return SubElement(nodes, TYPES[variable.type], attributes)
 
@@ -239,7 +239,10 @@ def values_of(model: Model) -> list[dict[str, str]]:
 
 def rate_of(variable: Variable) -> Place | None:
     """The place of the variable that this one is the derivative of, if any."""
-    record, _, *index = variable.place
+    record, field, *index = variable.place
+    if field == "signal":  # what a signal drives has its derivatives beside it, by their order
+        row, order = index
+        return (record, field, row, order - 1) if order else None
     return (record, variable.kind.rate_of, *index) if variable.kind.rate_of else None
 
 
