@@ -291,7 +291,7 @@ def test_a_kernel_that_is_loaded_is_not_looked_for_again(monkeypatch):
     assert simulate("rod_drop").outputs.tobytes() == before.tobytes()
 
 
-@pytest.mark.parametrize(("names", "most", "returns"), [(None, 58, 31), (("contact.stiffness",), 97, 171)])
+@pytest.mark.parametrize(("names", "most", "returns"), [(None, 58, 33), (("contact.stiffness",), 97, 171)])
 def test_the_way_from_a_scene_to_its_result_is_short(names, most, returns):
     """Functions of the package that it calls, and how often one is in another file than the last."""
     scene, root = load_scene("four_link_box"), str(Path(chain_impact.__file__).parent)
