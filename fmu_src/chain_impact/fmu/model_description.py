@@ -241,7 +241,7 @@ def rate_of(variable: Variable) -> Place | None:
     """The place of the variable that this one is the derivative of, if any."""
     record, field, *index = variable.place
     if field == "signal":  # what a signal drives has its derivatives beside it, by their order
-        row, order = index
+        row, order = map(int, index)
         return (record, field, row, order - 1) if order else None
     return (record, variable.kind.rate_of, *index) if variable.kind.rate_of else None
 
