@@ -46,3 +46,25 @@ def test_a_table_drives_an_fmu_on_the_command_line(tmp_path):
     np.testing.assert_allclose(found.columns["link[2].angle"], run["link[2].angle"], rtol=0.0, atol=1e-7)
     told = refusal(record_fmu, fmu, inputs=(tmp_path / "drive.csv", "spline"))
     assert "must be hold or linear" in told
+
+
+def test_what_is_driven_is_told_to_be_the_derivative_of_what_comes_before_it(tmp_path):
+    text = (
+        ARM
+        + """
+[signals.run]
+input = "wall.table.belt_speed"
+form = "constant"
+value = 0.5
+[signals.shake]
+input = "base.y"
+form = "sine"
+amplitude = 0.01
+frequency = 5.0
+"""
+    )
+    fmu = build_fmu(parse_scene(text, "arm.toml"), tmp_path, target="native")
+    variables = {one.name: one for one in fmpy.read_model_description(str(fmu)).modelVariables}
+    assert variables["base.vy"].derivative is variables["base.y"]
+    assert variables["base.ay"].derivative is variables["base.vy"]
+    assert variables["wall.table.belt_speed"].derivative is None

@@ -240,9 +240,8 @@ def values_of(model: Model) -> list[dict[str, str]]:
 def rate_of(variable: Variable) -> Place | None:
     """The place of the variable that this one is the derivative of, if any."""
     record, field, *index = variable.place
-    if field == "signal":  # what a signal drives has its derivatives beside it, by their order
-        row, order = map(int, index)
-        return (record, field, row, order - 1) if order else None
+    if field == variable.kind.rate_of == "signal":
+        return (*variable.place[:-1], int(index[-1]) - 1)
     return (record, variable.kind.rate_of, *index) if variable.kind.rate_of else None
 
 

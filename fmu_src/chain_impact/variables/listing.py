@@ -81,7 +81,9 @@ def _driven(shape: Shape) -> Iterator[Variable]:
     for kind, element, known in _each(INPUTS, shape) if shape.signals else ():
         place = shape.of_signals.get(kind.name.format_map(known))
         if place is not None:
-            output = replace(kind, causality="output", place=("output", "signal", *place))
+            row, order = place
+            rate_of = "signal" if order > 0 and shape.signals[row].outputs[order - 1] else ""
+            output = replace(kind, causality="output", place=("output", "signal", *place), rate_of=rate_of)
             yield Variable.of(output, element, known)
 
 
