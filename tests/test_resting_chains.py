@@ -8,7 +8,7 @@ import pytest
 from chain_impact import simulate
 from tests.resting_chains import FOUND, NAN, OPEN, PARAMETERS, WRONG, check, thrown
 
-FEW, MANY = 4, 24
+FEW, MANY = 4, 60
 MOST_OPEN = 1e-2  # of the largest derivative, that a run may leave open
 
 

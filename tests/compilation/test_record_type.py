@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.compilation.affine import Affine, affine
+from chain_impact.compilation.affine import COUNTS, Affine, affine
 from chain_impact.compilation.record_type import TABLES
 from chain_impact.kernel.chain import response
 from chain_impact.kernel.entry import observe_now, trajectory
@@ -71,7 +71,7 @@ def test_what_has_to_do_with_candidates_and_elements_comes_last():
     assert TABLE["touch", "active_count"].offset.per_candidate == 0
     for path in ("touch", "law", "search", "finished"):
         assert TABLE[path,].offset.per_element == 0
-    moving = (("motion",), ("moved",), ("shift",), ("site",))
+    moving = (("motion",), ("moved",), ("shift",), ("site",), ("signal",), ("knot",))
     for place, field in TABLE.items():
         if place[:1] not in ((), ("output",), ("transmitted",), *moving):
             assert (field.offset.per_load, field.size.per_load) == (0, 0)
@@ -79,8 +79,8 @@ def test_what_has_to_do_with_candidates_and_elements_comes_last():
 
 def test_a_size_that_is_not_affine_is_refused():
     with pytest.raises(ValueError, match="49"):
-        affine([25, 36, 25, 25, 25, 25, 25, 49])
-    assert affine([25, 36, 25, 25, 25, 25, 25, 47]) == Affine(-30, 11, 0, 0, 0, 0, 0)
+        affine([25, 36, *[25] * (len(COUNTS) - 1), 49])
+    assert affine([25, 36, *[25] * (len(COUNTS) - 1), 47]) == Affine(-30, 11, *[0] * (len(COUNTS) - 1))
 
 
 def chain():

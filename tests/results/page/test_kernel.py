@@ -1,5 +1,7 @@
 """The page's worker: the bits of `simulate()` and `sweep()`, the frames of an animation, what it refuses."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -51,7 +53,7 @@ def assert_same_bits(found, result):
 
 @pytest.mark.parametrize("model", model_names())
 def test_every_output_of_every_model_has_the_bits_of_simulate(kernel, model):
-    scene = load_scene(model)
+    scene = replace(load_scene(model), signals={})  # they drive nothing in the page
     assert_same_bits(kernel(scene), simulate(scene))
 
 

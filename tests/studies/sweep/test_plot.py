@@ -93,7 +93,8 @@ def test_a_scene_with_stops_has_panels_for_them():
     outputs = ["point[2].x", "point[2].y", "joint[2].stop_moment", "impact.last_time"]
     page = drawn(sweep(knee(), {"stop.restitution": "0.2,0.5,0.8"}, outputs=outputs))
     labels = [axes.get_ylabel() for axes in page.axes]
-    assert labels[:6] == [quantity.label for quantity in QUANTITIES]
+    # without loads nothing is known of joints
+    assert labels[:6] == [quantity.label for quantity in QUANTITIES if quantity.column != "joint_force"]
     assert len(labels) == 6 + len(outputs)
     assert "kN, peak moment of stops" in page.get_suptitle()
 

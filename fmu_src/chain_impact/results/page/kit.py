@@ -115,7 +115,13 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
     found = _value(item, rule)
     if rest:
         length = "links" if rule["per_link"] else None if ... in rest else 1 + len(rest)
-        found = {"kind": "list", "length": length, "each": found, "orTrue": rule["or_true"]}
+        found = {
+            "kind": "list",
+            "length": length,
+            "each": found,
+            "orTrue": rule["or_true"],
+            "orOne": rule["or_one"],
+        }
     default = rule["default"]
     if isinstance(default, Derived):
         # what is derived from no other value is a number that stops have, or a zero for each link

@@ -66,7 +66,8 @@ class ContentsReader {
     return value;
   }
 
-  #list(given, { kind, keys, entries, each, length, orTrue }, path) {
+  #list(asked, { kind, keys, entries, each, length, orTrue, orOne }, path) {
+    const given = orOne && typeof asked === "string" ? [asked] : asked;
     if (orTrue && typeof given === "boolean") return given ? ["*"] : [];
     if (!Array.isArray(given)) refuse(path, `= ${quotedValue(given)} must be a list`);
     const wanted = length === "links" ? this.links : length;
