@@ -6,13 +6,12 @@ are those of the controlled arm.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "controlled_arm"))
-from masters import MASTERS, build, co_simulate  # noqa: E402
+from masters import run  # noqa: E402
 
 STOP_TIME, STEP = 2.0, 1e-3  # s
 
@@ -21,16 +20,15 @@ def main():
     """Build, co-simulate, write the table and the picture."""
     from chain_impact import Recording
 
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("-o", "--output", type=Path, default=Path("build"), help="folder; build by default")
-    parser.add_argument("--target", default="native", choices=("native", "pythonfmu"), help="kind of the arm")
-    parser.add_argument("--master", default="fmpy", choices=MASTERS, help="what runs both; fmpy by default")
-    parser.add_argument("--step", type=float, default=STEP, help="communication step [s]; 1e-3 by default")
-    parser.add_argument("--plot", help="a picture of the carriage and the force in its joint")
-    arguments = parser.parse_args()
-    arguments.output.mkdir(parents=True, exist_ok=True)
-    fmus = build(HERE, HERE / "carriage.py", "Carriage", arguments.output, arguments.target)
-    columns = co_simulate(fmus, STOP_TIME, arguments.step, arguments.master)
+    arguments, _, columns = run(
+        __doc__,
+        HERE,
+        plant="arm",
+        slave=(HERE / "carriage.py", "Carriage"),
+        stop_time=STOP_TIME,
+        step=STEP,
+        plot="a picture of the carriage and the force in its joint",
+    )
     time = columns.pop("time")
     Recording("CarriedArm", time, columns).save_csv(arguments.output / "CarriedArm.csv")
     if arguments.plot:

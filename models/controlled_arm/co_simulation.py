@@ -6,13 +6,12 @@ masters libcosim and Ecos need the packages of the extra ``masters``.
 
 from __future__ import annotations
 
-import argparse
 import csv
 from pathlib import Path
 
 import fmpy
 import numpy as np
-from masters import MASTERS, build, co_simulate
+from masters import run
 
 HERE = Path(__file__).parent
 STOP_TIME, STEP = 2.0, 1e-3  # s
@@ -98,26 +97,16 @@ def draw(path, columns, parameters):
 
 def main():
     """Build, co-simulate, write the table and the picture."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "-o", "--output", default="build", help="folder for what is written; build by default"
+    arguments, fmus, columns = run(
+        __doc__,
+        HERE,
+        plant="arm",
+        slave=(HERE / "controller.py", "JointController"),
+        stop_time=STOP_TIME,
+        step=STEP,
+        plot="the picture; ControlledArm.png in the folder by default",
     )
-    parser.add_argument("--target", default="native", choices=("native", "pythonfmu"), help="kind of the arm")
-    parser.add_argument("--master", default="fmpy", choices=MASTERS, help="what runs both; fmpy by default")
-    parser.add_argument("--step", type=float, default=STEP, help="communication step [s]; 1e-3 by default")
-    parser.add_argument("--plot", help="the picture; ControlledArm.png in the folder by default")
-    arguments = parser.parse_args()
-    folder = Path(arguments.output)
-    folder.mkdir(parents=True, exist_ok=True)
-    fmus = build(HERE, HERE / "controller.py", "JointController", folder, arguments.target)
-    try:
-        columns = co_simulate(fmus, STOP_TIME, arguments.step, arguments.master)
-    except ImportError as error:
-        from chain_impact.extras import how_to_install
-
-        parser.error(f"--master {arguments.master}: {error}; {how_to_install('masters')}")
-    except ValueError as error:
-        parser.error(f"--step: {error}")
+    folder = arguments.output
     save_csv(folder / "ControlledArm.csv", columns)
     draw(arguments.plot or folder / "ControlledArm.png", columns, start_values(fmus))
     for name in ("joint[1].torque", "joint[2].torque", "contact[2].x_max.force", "point[2].y"):

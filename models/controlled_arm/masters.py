@@ -3,13 +3,15 @@
 FMUs are connected where an output and an input have one name. At each communication point every output goes
 to its input, then all FMUs take the next step: the order of the FMUs does not matter (Jacobi's scheme).
 
-``build`` makes the FMUs of a scene and of a slave in Python; ``co_simulate`` runs them with a master.
+``build`` makes the FMUs of a scene and of a slave in Python; ``co_simulate`` runs them with a master; ``run``
+does both for a script, with the options of its command line.
 A master takes the paths of the FMUs and the communication points, equally spaced from 0, shape (T,) [s], and
 returns all outputs that are numbers at these, real ones and integers: name → array of shape (T,).
 """
 
 from __future__ import annotations
 
+import argparse
 import ctypes
 import importlib.metadata
 import shutil
@@ -207,3 +209,41 @@ def co_simulate(fmus, stop_time, step, master="fmpy"):
     """
     time = np.arange(round(stop_time / step) + 1) * step
     return {"time": time, **MASTERS[master](fmus, time)}
+
+
+def run(doc, scene, *, plant, slave, stop_time, step, plot):
+    """Build the FMUs of a scene and of a slave, and co-simulate them, as the command line of a script asks.
+
+    Args:
+        doc: the docstring of the script, whose first line tells what it does.
+        scene: the folder of the scene's model.
+        plant: what the scene is of, as the command's help calls it.
+        slave: the script of the slave and its class.
+        stop_time: in s.
+        step: the communication step by default [s].
+        plot: what the option of this name is for.
+
+    Returns:
+        The arguments of the command line, the paths of both FMUs, and what ``co_simulate`` returns.
+    """
+    parser = argparse.ArgumentParser(description=doc.splitlines()[0])
+    parser.add_argument("-o", "--output", type=Path, default=Path("build"), help="folder; build by default")
+    parser.add_argument(
+        "--target", default="native", choices=("native", "pythonfmu"), help=f"kind of the {plant}"
+    )
+    parser.add_argument("--master", default="fmpy", choices=MASTERS, help="what runs both; fmpy by default")
+    parser.add_argument(
+        "--step", type=float, default=step, help=f"communication step [s]; {step:g} by default"
+    )
+    parser.add_argument("--plot", help=plot)
+    arguments = parser.parse_args()
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    fmus = build(scene, *slave, arguments.output, arguments.target)
+    try:
+        return arguments, fmus, co_simulate(fmus, stop_time, arguments.step, arguments.master)
+    except ImportError as error:
+        from chain_impact.extras import how_to_install
+
+        parser.error(f"--master {arguments.master}: {error}; {how_to_install('masters')}")
+    except ValueError as error:
+        parser.error(f"--step: {error}")
