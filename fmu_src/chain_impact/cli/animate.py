@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from chain_impact.cli.completers import is_fmu
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
@@ -16,7 +17,6 @@ from chain_impact.cli.options import (
     complete_scenes,
     ending,
     inputs_of,
-    is_fmu,
     scene_of_options,
     settings_of,
 )

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from chain_impact.cli.options import UsageError, Verbs, add_scene, add_verb, is_fmu
+from chain_impact.cli.completers import is_fmu
+from chain_impact.cli.options import UsageError, Verbs, add_scene, add_verb
 from chain_impact.cli.progress import progress, say
 from chain_impact.cli.simulate import report
 from chain_impact.scene.scene import load_scene

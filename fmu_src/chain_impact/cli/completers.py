@@ -55,13 +55,15 @@ def complete(
     vars(argument)["completer"] = completer  # where argcomplete looks for it
 
 
+def is_fmu(source: str) -> bool:
+    """Whether the source is meant to be an FMU."""
+    return source.lower().endswith(".fmu")
+
+
 def settings(source: str) -> Offer:
     """What ``--set`` takes."""
-    if source.lower().endswith(".fmu"):
-        from chain_impact.fmu.importer import read_fmu
-
-        held = read_fmu(Path(source)).modelVariables
-        return Offer([one.name for one in held if one.causality == "parameter"])
+    if is_fmu(source):
+        return _of_fmu(source, "parameter")
     from chain_impact.scene.scene import load_scene
 
     scene = load_scene(source)
@@ -83,11 +85,8 @@ def differentiable(source: str) -> Offer:
 
 def outputs(source: str) -> Offer:
     """Outputs, those of an FMU too."""
-    if source.lower().endswith(".fmu"):
-        from chain_impact.fmu.importer import read_fmu
-
-        held = read_fmu(Path(source)).modelVariables
-        return Offer([one.name for one in held if one.causality == "output"])
+    if is_fmu(source):
+        return _of_fmu(source, "output")
     return Offer(_model(source).outputs_by_name)
 
 
@@ -103,6 +102,13 @@ def laws(source: str) -> Offer:
     from chain_impact.scene.scene import load_scene
 
     return Offer(load_scene(source).law_names)
+
+
+def _of_fmu(source: str, causality: str) -> Offer:
+    """The variables of an FMU with a causality."""
+    from chain_impact.fmu.importer import read_fmu
+
+    return Offer([one.name for one in read_fmu(Path(source)).modelVariables if one.causality == causality])
 
 
 def _model(source: str) -> Any:

@@ -9,7 +9,8 @@ from typing import Any
 
 from rich.markup import escape
 
-from chain_impact.cli.options import Verbs, add_scene, add_verb, is_fmu
+from chain_impact.cli.completers import is_fmu
+from chain_impact.cli.options import Verbs, add_scene, add_verb
 from chain_impact.cli.progress import out, say
 from chain_impact.cli.screen import show, variable_table
 from chain_impact.fmu.importer import read_fmu

@@ -155,11 +155,6 @@ def ending(*suffixes: str) -> Callable[[str], Path]:
     return file
 
 
-def is_fmu(source: str) -> bool:
-    """Whether the source is meant to be an FMU."""
-    return source.lower().endswith(".fmu")
-
-
 def settings_of(texts: Sequence[str]) -> dict[str, str]:
     """Name → value of every ``--set NAME=VALUE``."""
     return dict(name_and_value("--set", text, "contact.stiffness=1e9") for text in texts)

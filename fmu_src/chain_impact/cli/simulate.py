@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chain_impact.cli.completers import complete, differentiable, outputs, rankable
+from chain_impact.cli.completers import complete, differentiable, is_fmu, outputs, rankable
 from chain_impact.cli.options import (
     Inputs,
     Once,
@@ -26,7 +26,6 @@ from chain_impact.cli.options import (
     driven,
     ending,
     inputs_of,
-    is_fmu,
     names_in,
     settings_of,
 )
