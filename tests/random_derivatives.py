@@ -26,6 +26,7 @@ from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
 from chain_impact.simulation.instance import SimulationError
 from tests.problems import of_law
 from tests.random_scenes import Draw
+from tests.resting_chains import shares_left_open
 
 SIZES = (1e-6, 5e-6)  # of the differences, relative to the parameter
 AGREE = 3e-3  # of a derivative: differences of both sizes that are nearer to each other have one limit
@@ -249,9 +250,8 @@ def left_open(result: Result) -> float:
 
     With friction it is at least APART: what is less is not told.
     """
-    told = [limit.split("off by ")[1].split()[0] for limit in result.sensitivity_limits if "off by" in limit]
     untold = APART if any(name.endswith("friction_impulse") for name in result.columns) else 0.0
-    return max(map(float, told), default=untold)
+    return max(shares_left_open(result), default=untold)
 
 
 def differ(slopes: Any, one: Any, other: Any, floor: Any, told: Any) -> tuple[np.ndarray, np.ndarray]:

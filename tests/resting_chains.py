@@ -77,6 +77,12 @@ def rests(scene: Scene, result: Result) -> bool:
     return all(abs(result[name][-1]) < RESTS for name in rates)
 
 
+def shares_left_open(result: Result) -> list[float]:
+    """The shares of the largest derivative by which a run says that its derivatives may be off."""
+    told = [limit for limit in result.sensitivity_limits if "off by " in limit]
+    return [float(limit.split("off by ")[1].split()[0]) for limit in told]
+
+
 def check(seed: int) -> list[str]:
     """What the derivatives at rest are with respect to each of the parameters."""
     scene = thrown(seed)
