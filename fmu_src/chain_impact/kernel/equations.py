@@ -102,7 +102,7 @@ def rotor_energy(d, y):
 
 def state_rate(d, y, rate):
     """Set rate = f(y), for the active contacts and the present inputs."""
-    # in free flight no point is located and no force evaluated
+    # in free flight no point is located, no wall moved and no force evaluated
     if d.touch.active_count > 0 or d.model.driven or d.friction.count > 0:
         locate_points(d, y)
         located_rate(d, y, rate)

@@ -312,8 +312,13 @@ class Inputs:
     @property
     def any(self) -> bool:
         """Whether there are inputs."""
-        moves = self.base_motion or bool(self.wall_motion)
-        return any((self.joint_torques, self.joint_targets, self.slider_force, self.tip_force, moves))
+        return self.on_chain or bool(self.wall_motion)
+
+    @property
+    def on_chain(self) -> bool:
+        """Whether there are inputs that act on a chain in flight: others than the motion of walls."""
+        asked = (self.joint_torques, self.joint_targets, self.slider_force, self.tip_force, self.base_motion)
+        return any(asked)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

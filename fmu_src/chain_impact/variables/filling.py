@@ -129,7 +129,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     if pairs:
         d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
     model["pinned"] = scene.chain.has_base_joint
-    model["driven"], model["followed"] = scene.inputs.any, scene.inputs.joint_targets
+    model["driven"], model["followed"] = scene.inputs.on_chain, scene.inputs.joint_targets
     _fill_motion(d, scene, pairs)
 
     fill_signals(d, scene)

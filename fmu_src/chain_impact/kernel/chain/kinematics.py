@@ -4,34 +4,15 @@ Vectors of all places are records with ``x, y``, shape (2N+1+P,). The first N + 
 The next N are those of the joints 1…N, which scenes with stops use: their x is the joint's own angle
 θ_i − θ_{i−1} at a lever arm, the longest link, and their y is 0. So a stop is to all other modules what a
 wall is to a point. The last P places are the sites (chain/sites.py).
-
-The cosines and sines of all angles are computed at once and without branches, three times cheaper than the C
-library's, which would take half the time of a right-hand side. They are the same on every machine, so results
-do not depend on its C library. Their errors are below 2e-16, see tests/kernel/chain/test_sincos.py.
 """
 
 import math
 
+from chain_impact.kernel.chain.angles import LARGEST, cosine_and_sine
 from chain_impact.kernel.chain.motion import move_with
 from chain_impact.kernel.chain.sites import accelerate_sites, clear_sites, place_sites, turn_sites
 from chain_impact.kernel.chain.state import ANGLES, omega_at, velocity_at
 from chain_impact.kernel.functions import inlined
-
-LARGEST = 1e6  # rad; beyond it the reduction loses digits
-TWO_OVER_PI = 0.6366197723675814
-# π/2 in two parts, the first of 33 bits, so that any multiple by k < 2²⁰ is exact (after Cody & Waite 1980)
-HALF_PI_1, HALF_PI_2 = 1.5707963267341256, 6.077100506506192e-11
-# best approximations on |r| ≤ π/4: sin r = r + r³ S(r²), cos r = 1 − r²/2 + r⁴ C(r²), by Remez's exchange
-# fmt: off
-S = (-0.166666666666666, 0.008333333333316473, -0.00019841269825928324,
-     2.75573125428654e-06, -2.505059994965131e-08, 1.58885695564513e-10)
-C = (0.0416666666666666, -0.0013888888888874133, 2.480158728948765e-05,
-     -2.75573143539534e-07, 2.0875723499343115e-09, -1.1359659812851872e-11)
-# fmt: on
-
-
-# adding and subtracting it rounds to an integer, as doubles of its size have no fraction
-ROUND = 1.5 * 2.0**52
 
 
 def polar(radius, y, first, horizontal, vertical):
@@ -78,24 +59,6 @@ def in_reach(y, first, count):
     for i in range(count):
         total += abs(y[first + i])
     return total < LARGEST
-
-
-@inlined
-def cosine_and_sine(angle):
-    """The cosine and sine of an angle below LARGEST."""
-    # φ = k π/2 + r
-    k = (angle * TWO_OVER_PI + ROUND) - ROUND
-    r = (angle - k * HALF_PI_1) - k * HALF_PI_2
-    # the quarter turns k mod 4, from −2 to 2
-    turns = k - 4.0 * ((0.25 * k + ROUND) - ROUND)
-    t = r * r
-    t2 = t * t
-    s = r + r * t * ((S[0] + t * S[1]) + t2 * ((S[2] + t * S[3]) + t2 * (S[4] + t * S[5])))
-    c = 1.0 - (0.5 * t - t2 * ((C[0] + t * C[1]) + t2 * ((C[2] + t * C[3]) + t2 * (C[4] + t * C[5]))))
-    # p = cos(turns π/2) and q = sin(turns π/2) are polynomials in turns, exact in floating point
-    u = turns * turns
-    p, q = 1.0 - u * (7.0 - u) * (1.0 / 6.0), turns * (4.0 - u) * (1.0 / 3.0)
-    return p * c - q * s, p * s + q * c
 
 
 def locate_points(d, y):

@@ -13,6 +13,8 @@ velocity and acceleration never disagree. The integral of a sine is a sine again
 
 import math
 
+from chain_impact.kernel.chain.angles import direction
+
 CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # signal.form
 SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # signal.shape, of a ramp
 # signal.input: what is driven; `signal.index` tells of which joint, component or channel
@@ -60,7 +62,7 @@ def sine_at(d, j, time):
     s = time - own.start[i]
     phase = own.angle[j] + TAU * s * (own.frequency[i] + 0.5 * own.frequency_rate[i] * s)
     rate, chirp = TAU * (own.frequency[i] + own.frequency_rate[i] * s), TAU * own.frequency_rate[i]
-    sine, cosine = math.sin(phase), math.cos(phase)
+    cosine, sine = direction(phase)
     a = own.size[j]
     u, v, w = a * sine, a * rate * cosine, a * (chirp * cosine - rate * rate * sine)
     if own.segment[j] == own.first[j] + 1 and own.rise[i] > 0.0:
@@ -210,7 +212,8 @@ def derive_sine(d, i, k):
     """The knots of a sine with the numbers in row i, from knot k on: before its start, its rise, then."""
     own = d.signal
     rises = own.rise[i] > 0.0
-    before = own.mean[i] + (0.0 if rises else own.amplitude[i] * math.sin(own.phase[i]))
+    _, sine = direction(own.phase[i])
+    before = own.mean[i] + (0.0 if rises else own.amplitude[i] * sine)
     set_level(d, k, own.start[i], before)
     set_level(d, k + 1, own.start[i], own.mean[i])
     set_level(d, k + 2, own.start[i] + own.rise[i], own.mean[i])

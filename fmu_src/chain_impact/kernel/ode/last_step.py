@@ -13,6 +13,7 @@ from chain_impact.kernel.chain.kinematics import (
     note_points_elsewhere,
     place_points,
 )
+from chain_impact.kernel.chain.motion import move_with
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, time_at
 from chain_impact.kernel.equations import located_rate, state_rate
 from chain_impact.kernel.forces.friction import keep_anchors
@@ -209,6 +210,8 @@ def find_rate(d, located):
     keep_end_rates(d)
     if d.candidates > 0:
         if not touching:
+            if d.channels > 0:
+                move_with(d, y)
             place_points(d, y)
         accelerate_points(d, y, rate)
         note_points_at_end(d)

@@ -36,7 +36,7 @@ def model_dtype(links: int) -> np.dtype:
         ("joint_max", REAL, (links,)),  # rad, … and ∞ where there is none
         ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
         ("pinned", INTEGER),  # 1: link 1 hangs in a joint at the base, which cannot move or slides
-        ("driven", INTEGER),  # 1: there are inputs
+        ("driven", INTEGER),  # 1: inputs act on the chain in flight
         ("followed", INTEGER),  # 1: all joints have servos, whose targets are inputs
         ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
         # derived at initialization

@@ -6,7 +6,7 @@ derivatives. It returns the same value, or one that changes the values of the ru
 
 import math
 
-from chain_impact.kernel.chain import joints, kinematics
+from chain_impact.kernel.chain import angles, joints, kinematics
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import friction_modes, saturation, segments
 from chain_impact.kernel.forces import contact_force, holding, user_law
@@ -38,11 +38,17 @@ def polar(radius, y, first, horizontal, vertical):
     for i in range(len(radius)):
         phi = y[first + i]
         if near:
-            cosine, sine = kinematics.cosine_and_sine(value(phi))
+            cosine, sine = angles.cosine_and_sine(value(phi))
         else:
             cosine, sine = math.cos(value(phi)), math.sin(value(phi))
         horizontal[i] = radius[i] * carried(cosine, -sine, phi)
         vertical[i] = radius[i] * carried(sine, cosine, phi)
+
+
+def direction(angle):
+    """The cosine and sine of an angle: likewise."""
+    cosine, sine = angles.direction(value(angle))
+    return carried(cosine, -sine, angle), carried(sine, cosine, angle)
 
 
 def resists(constant):
@@ -143,6 +149,7 @@ RULES = {
     saturation.choose_saturation: choose_saturation,
     dense.fraction: fraction,
     segments.shift_start: shift_start,
+    angles.direction: direction,
     kinematics.polar: polar,
     joints.resists: resists,
 }

@@ -4,7 +4,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.kinematics import LARGEST, copy, cosine_and_sine, in_reach, polar
+from chain_impact.kernel.chain.angles import LARGEST, cosine_and_sine
+from chain_impact.kernel.chain.kinematics import copy, in_reach, polar
 from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.simulation.instance import Instance
 from tests.kernel_calls import initialize
