@@ -41,3 +41,23 @@ def test_settings_are_in_the_page_and_in_its_command(run, here):
     assert (file["contact"]["restitution"], file["simulation"]["stop_time"]) == (0.4, 0.5)
     changes = ["--set", "contact.restitution=0.4", "--set", "simulation.stop_time=0.5"]
     assert data["command"] == ["rod_drop", *changes]
+
+
+def test_a_table_of_inputs_is_in_the_page_and_in_its_command(run, here):
+    (here / "push.csv").write_text("time,joint[2].torque\n0.0,0.5\n0.4,0.0\n")
+    given = ["--inputs", "push.csv", "--interpolation", "linear"]
+    assert run("explore", "pinned_arm", "-o", "a.html", *given)[0] == 0
+    text = (here / "a.html").read_text(encoding="utf-8")
+    data = data_of(text)
+    assert data["command"] == ["pinned_arm", *given]
+    assert data["file"]["signals"]["inputs"] == {
+        "input": ["joint[2].torque"],
+        "form": "table",
+        "file": "push.csv",
+        "interpolation": "linear",
+    }
+    assert str(here) not in text
+    code, _, errors = run("explore", "rod_drop", "--inputs", "push.csv", "-o", "b.html")
+    assert code != 0
+    assert "joint[2].torque" in errors
+    assert not (here / "b.html").exists()

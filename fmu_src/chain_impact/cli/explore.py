@@ -6,10 +6,18 @@ import argparse
 import sys
 from pathlib import Path
 
-from chain_impact.cli.options import Verbs, add_scene, add_set, add_verb, check_outputs, ending, settings_of
+from chain_impact.cli.options import (
+    Verbs,
+    add_inputs,
+    add_scene,
+    add_set,
+    add_verb,
+    check_outputs,
+    driven,
+    ending,
+    inputs_of,
+)
 from chain_impact.cli.progress import progress, say
-from chain_impact.scene.scene import load_scene
-from chain_impact.simulation.record_scene import with_settings
 from chain_impact.system import has_screen
 
 DEFAULT = Path("explore.html")
@@ -25,6 +33,7 @@ def add(verbs: Verbs) -> None:
     )
     add_scene(verb, "scene")
     add_set(verb)
+    add_inputs(verb)
     verb.add_argument(
         "-o",
         "--output",
@@ -41,8 +50,12 @@ def run(options: argparse.Namespace) -> int:
 
     file = options.output or DEFAULT
     check_outputs(file, inputs=[options.source])
-    scene = with_settings(load_scene(options.source), settings_of(options.set))
+    inputs = inputs_of(options)
+    scene = driven(options.source, options.set, inputs)
     command = [options.source, *(word for setting in options.set for word in ("--set", setting))]
+    if inputs:
+        given = {"--inputs": str(inputs[0]), "--interpolation": inputs[1]}
+        command += [word for option, value in given.items() if value for word in (option, value)]
     with progress("writing") as advance:
         explore(scene, file, command=command)
         advance(1.0)

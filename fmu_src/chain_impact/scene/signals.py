@@ -20,14 +20,15 @@ from chain_impact.scene.signal import FORMS, Samples, Signal
 from chain_impact.scene.table_file import read_table, samples_of
 
 Numbers = tuple[float, ...]
-_REQUIRED: dict[str, tuple[str, ...]] = {
+REQUIRED: dict[str, tuple[str, ...]] = {
     "constant": ("value",),
     "sine": ("amplitude", "frequency"),
     "ramp": ("final", "duration"),
     "steps": ("times", "values"),
     "table": ("file",),
 }
-_OTHER: dict[str, dict[str, Any]] = {
+"""Form → its keys that must be given."""
+OTHER: dict[str, dict[str, Any]] = {
     "constant": {},
     "sine": {"mean": 0.0, "frequency_rate": 0.0, "phase": 0.0, "start": 0.0, "rise": 0.0},
     "ramp": {"initial": 0.0, "start": 0.0, "shape": "smooth"},
@@ -35,7 +36,7 @@ _OTHER: dict[str, dict[str, Any]] = {
     "table": {"interpolation": None, "period": None},
 }
 """Form → its keys that may be missing, and what they are then."""
-_KNOTS = {"constant": 1, "sine": 3, "ramp": 3}
+KNOTS = {"constant": 1, "sine": 3, "ramp": 3}
 """Form → how many polynomials it takes; a ramp in the shape of a trapezoid two more."""
 _UNITS = {
     "joint[{n}].torque": "N.m",
@@ -101,7 +102,7 @@ def knots_of(signal: Signal) -> int:
     if signal.samples is not None:
         count = len(signal.samples.times)
         return count - is_closed(signal) if signal.period else count + 1
-    return _KNOTS[signal.form] + 2 * (signal.shape == "trapezoid")
+    return KNOTS[signal.form] + 2 * (signal.shape == "trapezoid")
 
 
 def joined_by(signal: Signal, driven: str) -> str:
@@ -215,20 +216,20 @@ def _read(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, 
 
 def _completed(name: str, signal: Signal) -> Signal:
     """The signal with its defaults; a key that its form does not have is refused, and one that is missing."""
-    keys, what = (*_REQUIRED[signal.form], *_OTHER[signal.form]), f"signal.{name}"
+    keys, what = (*REQUIRED[signal.form], *OTHER[signal.form]), f"signal.{name}"
     if not name.isidentifier():
         needed = "letters, digits and _, not beginning with a digit"
         raise SceneError(f"{what}: the name must be {needed}", ("signals", name))
     for form in FORMS:
-        for key in (*_REQUIRED[form], *_OTHER[form]):
+        for key in (*REQUIRED[form], *OTHER[form]):
             if key not in keys and getattr(signal, key) is not None:
                 needed = f'form = "{signal.form}" has {", ".join(keys)}'
                 place = ("signals", name, key)
                 raise SceneError(f"{what}.{key} must be left out: {needed}", place)
-    for key in _REQUIRED[signal.form]:
+    for key in REQUIRED[signal.form]:
         if getattr(signal, key) is None:
             raise SceneError(f'{what}.{key} is missing: form = "{signal.form}" needs it', ("signals", name))
-    missing = {key: value for key, value in _OTHER[signal.form].items() if getattr(signal, key) is None}
+    missing = {key: value for key, value in OTHER[signal.form].items() if getattr(signal, key) is None}
     return replace(signal, **missing)
 
 

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain import signals as kernel
+from chain_impact.scene.names import Place
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal import FORMS, SHAPES, Signal
 from chain_impact.scene.signals import Driven, is_closed, is_motion, joined_by
-from chain_impact.variables.kind import MOTION, MOTIONS
+from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import inputs_asked
 from chain_impact.variables.shape import shape_of
 
@@ -24,8 +25,11 @@ _DRIVEN = {
     "slider_target_velocity": kernel.SLIDER_TARGET_VELOCITY,
 }
 """Where the record has an input that is given → its number in the kernel."""
-_NUMBERS = ("value", "mean", "amplitude", "frequency", "frequency_rate", "phase")
-_TIMES = ("start", "rise", "initial", "final", "duration")
+NUMBERS = (
+    *("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
+    *("start", "rise", "initial", "final", "duration"),
+)
+"""The keys of signals that are numbers, 0 in the record where a form does not have them."""
 
 
 def fill_signals(d: Any, scene: Scene) -> None:
@@ -37,21 +41,15 @@ def fill_signals(d: Any, scene: Scene) -> None:
     first, knot = dict[str, int](), 0
     for j, one in enumerate(shape.signals):
         signal = scene.signals[one.signal]
-        part, field, *index = places[one.input]
+        own["input"][j], index = acting(places[one.input])
         own["form"][j] = FORMS.index(signal.form)
         own["source"][j] = first.setdefault(one.signal, j)
         own["first"][j] = own["segment"][j] = knot
         knot += one.knots
         own["last"][j] = knot - 1
-        own["index"][j] = index[0] if index else 0
-        if part == MOTION:
-            own["input"][j] = kernel.CHANNEL
-            # the channel of a belt is its travel
-            own["order"][j] = MOTIONS.index(str(field))
-        else:
-            own["input"][j] = _DRIVEN[str(field)]
+        own["index"][j], own["order"][j] = index, one.order
         own["shape"][j] = SHAPES.index(signal.shape or SHAPES[0])
-        for key in (*_NUMBERS, *_TIMES):
+        for key in NUMBERS:
             own[key][j] = getattr(signal, key) or 0.0
         if signal.form == "steps":
             rows = slice(own["first"][j], knot)
@@ -61,6 +59,12 @@ def fill_signals(d: Any, scene: Scene) -> None:
             times, powers, own["gain"][j] = table_of(signal, one, scene.simulation.stop_time)
             own["period"][j] = signal.period or 0.0
             d["knot"]["time"][rows], d["knot"]["powers"][rows, : powers.shape[1]] = times, powers
+
+
+def acting(place: Place) -> tuple[int, str | int]:
+    """What the kernel calls an input with a place in the record: its number, and the index behind it."""
+    part, field, *index = place
+    return kernel.CHANNEL if part == MOTION else _DRIVEN[str(field)], index[0] if index else 0
 
 
 def table_of(signal: Signal, driven: Driven, stop: float) -> tuple[np.ndarray, np.ndarray, float]:

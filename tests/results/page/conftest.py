@@ -34,7 +34,7 @@ RUN = """async ({ module, file, kit, values, stop, step }) => {
 }"""
 
 
-SCENE = ("unpacked", "changes", "scene_file", "model")
+SCENE = ("unpacked", "changes", "signals", "scene_file", "model")
 """The modules that make a scene of a file, beside those of the worker."""
 COMPILED = """
 const modules = new Map();

@@ -1,9 +1,9 @@
 """Scenes that the page makes itself: of files that are opened, and of what is edited in its dialog."""
 
 import json
+import re
 import tomllib
 from copy import deepcopy
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ import tomlkit
 from chain_impact import SceneError, load_scene, model_names, simulate
 from chain_impact.scene.models import scene_path
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
+from chain_impact.scene.signals import with_inputs
 from chain_impact.variables.model import Model
 from tests import random_scenes
 from tests.results.page.conftest import page_contents, until, until_told
@@ -54,7 +55,7 @@ def assert_as_python(found, scene):
 def test_the_file_of_every_model_makes_the_record_of_its_scene(worker, model):
     """With its counts of links, angles in degrees and of joints, normals and defaults."""
     text = scene_path(model).read_text(encoding="utf-8")
-    scene = replace(load_scene(model), signals={})  # they drive nothing in the page
+    scene = load_scene(model)
     assert_as_python(made(worker, scene, text), scene)
 
 
@@ -101,6 +102,48 @@ links = false
 def test_a_file_with_everything_makes_the_record_of_its_scene(worker):
     scene = parse_scene(WRITTEN, "written.toml")
     assert_as_python(made(worker, scene, WRITTEN), scene)
+
+
+@pytest.mark.parametrize("seed", range(0, 40, 4))
+def test_signals_of_a_random_scene_are_in_its_record(worker, seed):
+    scene = random_scenes.scene(random_scenes.SIGNALLED + seed)
+    assert_as_python(made(worker, scene, contents=scene_to_dict(scene)), scene)
+
+
+def test_the_page_has_the_tables_of_its_scene_and_no_others(worker, tmp_path):
+    (tmp_path / "ways.csv").write_text("time,base.vx,base.y\n0.0,0,0\n0.2,0.1,0.02\n0.5,0,0.01\n")
+    scene = with_inputs(load_scene("shaken_pendulum").with_values({("signals",): {}}), tmp_path / "ways.csv")
+    contents = page_contents(scene)["file"]
+    assert contents["signals"]["inputs"]["file"] == "ways.csv"
+    assert_as_python(made(worker, scene, contents=contents), scene)
+    for key, other in (("file", "roads.csv"), ("interpolation", "linear"), ("period", 0.5)):
+        changed = deepcopy(contents)
+        changed["signals"]["inputs"][key] = other
+        with pytest.raises(Exception, match=r"signals.inputs.file = .* the page does not have this table"):
+            made(worker, scene, contents=changed)
+
+
+SHAKE = {"input": ["base.y"], "form": "sine", "amplitude": 0.01, "frequency": 20.0}
+STEPS = {"input": "base.ax", "form": "steps", "times": [0.0], "values": [1.0]}
+STRANGE_SIGNALS = [
+    (SHAKE | {"value": 1.0}, 'signals.own.value must be left out: form = "sine" has amplitude'),
+    ({"input": ["base.x"], "form": "ramp", "final": 1.0}, "signals.own.duration is missing"),
+    (SHAKE | {"input": ["joint[1].torque"]}, "is no input of the scene; it has base.x, "),
+    (SHAKE | {"input": ["base.vy"]}, "must be driven by one signal only: signals.shake drives base.y"),
+    (STEPS | {"input": ["base.ax", "base.x"]}, "inputs of one unit: base.ax is in m/s2, base.x in m"),
+    (STEPS | {"input": ["base.ax", "base.ax"]}, "signals.own drives base.x"),
+    (STEPS | {"times": [0.0, 0.1]}, "must be of one length > 0, not 2 and 1"),
+    (STEPS | {"times": [0.1, 0.1], "values": [1.0, 2.0]}, "signals.own.times[2] = 0.1 must be > 0.1"),
+]
+
+
+@pytest.mark.parametrize(("signal", "sentence"), STRANGE_SIGNALS, ids=lambda case: str(case)[:40])
+def test_a_signal_that_cannot_be_is_refused(worker, signal, sentence):
+    scene = load_scene("shaken_pendulum")
+    contents = scene_to_dict(scene)
+    contents["signals"]["own"] = signal
+    with pytest.raises(Exception, match=re.escape(sentence)):
+        made(worker, scene, contents=contents)
 
 
 BODIES = {

@@ -14,6 +14,7 @@ import pytest
 from PIL import Image
 
 from chain_impact import cli, explore, load_scene, simulate, sweep
+from chain_impact.variables.model import Model
 from tests.results.page.conftest import DESK, PHONE, until, until_told
 from tests.tiers import needs_browser
 
@@ -277,6 +278,30 @@ def test_motions_of_the_base_and_of_walls_are_told_to_stay(show):
     assert show("rod_drop").locator("#inputs").is_hidden()
     told = show("shaken_pendulum").locator("#inputs")
     assert "These inputs keep their start values here: base.x" in told.inner_text()
+
+
+def test_signals_drive_the_page_with_a_slider_for_each_number_and_a_chart(show):
+    page = show("bouncing_table", {"simulation.stop_time": 1.0})
+    assert page.locator("#inputs-over-time dt").all_inner_texts() == ["wall.y_min.displacement"]
+    assert page.evaluate(PIXELS, ["inputs-over-time", "input-1"]) > 200
+    scene = load_scene("bouncing_table").with_values({"simulation.stop_time": 1.0})
+    changed = {"signal.table.amplitude": 0.004, "signal.table.phase": 1.0}
+    knob = page.get_by_role("slider", name=re.compile("table.*amplitude"))
+    assert knob.is_visible()
+    knob.press("ArrowRight")
+    until(page, "chainImpact.parameters['signal.table.amplitude'] > 0.00323038")
+    page.evaluate("(changed) => chainImpact.show(changed)", changed)
+    until_told(page, f"{len(simulate(scene.with_values(changed)).impacts)} impacts")
+    page.locator("#scrub").fill("0.5")
+    shown = 0.004 * np.sin(1.0 + 2.0 * np.pi * 10.0 * 0.5)
+    told = page.locator("#inputs-over-time dd").inner_text().split("\u202f")
+    assert float(told[0]) == pytest.approx(shown, rel=1e-2)
+    assert told[1] == "m"
+    assert page.evaluate("chainImpact.scene") == "BouncingTable"
+    names = {
+        name for name in page.evaluate("Object.keys(chainImpact.parameters)") if name.startswith("signal")
+    }
+    assert names == {name for name in Model(scene).parameter_paths if name.startswith("signal")}
 
 
 def test_a_torque_and_a_target_are_set_by_a_slider_as_simulate_takes_them(show):

@@ -1,7 +1,5 @@
 """The page's worker: the bits of `simulate()` and `sweep()`, the frames of an animation, what it refuses."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -9,6 +7,7 @@ from chain_impact import SceneError, SimulationError, load_scene, model_names, s
 from chain_impact.kernel import status
 from chain_impact.results.impacts import LOG_DTYPE
 from chain_impact.results.view import framed, pin_mark, radius_of
+from chain_impact.scene.signals import with_inputs
 from chain_impact.studies.animate import record_slowly
 from tests.compilation.test_browser import SINH
 from tests.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
@@ -34,6 +33,11 @@ CHANGES = [
     ("sliding_rod", {"contact.friction": 0.35, "wall.ramp.friction": 0.05}),
     ("kneed_leg", {"stop.stiffness": 1e4, "stop.restitution": 0.8, "link[3].joint_max": 0.05}),
     ("thrown_brick", {"link[1].length": 0.3, "link[1].height": 0.15, "link[1].mass": 3.0}),
+    (
+        "bouncing_table",
+        {"signal.table.amplitude": 0.004, "signal.table.rise": 0.2, "signal.table.phase": 1.0},
+    ),
+    ("stick_slip_belt", {"signal.belt.value": 0.05, "signal.press.duration": 0.15}),
     ("steel_bar", {"contact.radius": 1e-5, "link[2].joint_damping": 0.1}),
 ]
 
@@ -53,7 +57,7 @@ def assert_same_bits(found, result):
 
 @pytest.mark.parametrize("model", model_names())
 def test_every_output_of_every_model_has_the_bits_of_simulate(kernel, model):
-    scene = replace(load_scene(model), signals={})  # they drive nothing in the page
+    scene = load_scene(model)
     assert_same_bits(kernel(scene), simulate(scene))
 
 
@@ -69,6 +73,13 @@ def test_changed_parameters_give_the_bits_of_the_changed_scene(kernel, model, ch
     changed = scene.with_values(changes)
     values = {name: numbers(changed).get((name, value), value) for name, value in changes.items()}
     assert_same_bits(kernel(scene, values), simulate(changed))
+
+
+def test_a_table_drives_the_page_to_the_bits_of_simulate(kernel, tmp_path):
+    (tmp_path / "ways.csv").write_text("time,base.vx,base.y\n0.0,0,0\n0.2,0.1,0.02\n0.5,0,0.01\n")
+    scene = load_scene("shaken_pendulum").with_values({("signals",): {}, ("simulation", "stop_time"): 0.7})
+    scene = with_inputs(scene, tmp_path / "ways.csv")
+    assert_same_bits(kernel(scene), simulate(scene))
 
 
 @pytest.mark.parametrize("stop_time", [0.406, 1.69])

@@ -6,7 +6,6 @@ import base64
 import os
 import zlib
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +30,7 @@ MODULES = (
     *PLAYER,
     *(
         "unpacked",
+        "signals",
         "scene_file",
         "model",
         "changes",
@@ -56,7 +56,7 @@ def explore(
 
     The page has the compiled kernel in it, and gives the numbers of ``simulate``. It is one file, which needs
     nothing else. Its reader can change all parameters, and add or remove links, points, walls and stops.
-    Inputs are constant, also those that signals drive; the base and the walls keep their places.
+    Inputs that no signal drives are constant; a base and walls that no signal drives keep their places.
 
     Args:
         scene: a scene, or what ``load_scene`` takes.
@@ -99,9 +99,11 @@ def page(scene: Scene, command: Sequence[str]) -> str:
 
 def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
     """What the page makes its scene of: the contents of its file, and what it needs to know of all scenes."""
-    # no signal drives anything in the page
-    still = replace(scene, signals={})
-    return {"file": scene_to_dict(still), "kit": kit(scene), "command": list(command)}
+    file = scene_to_dict(scene)
+    for signal in file.get("signals", {}).values():
+        if "file" in signal:  # without the folders of this machine
+            signal["file"] = Path(signal["file"]).name
+    return {"file": file, "kit": kit(scene), "command": list(command)}
 
 
 def packed(content: bytes) -> str:

@@ -19,17 +19,21 @@ import numpy as np
 
 from chain_impact.compilation.affine import COUNTS, SAMPLES, affine
 from chain_impact.kernel.chain.inertia import DERIVED
+from chain_impact.kernel.chain.signals import DEGREE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
+from chain_impact.kernel.record.signals import signal_dtype
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.results.impacts import LOG_DTYPE
 from chain_impact.results.joint_stops import OPEN
+from chain_impact.results.page.signals import kit_of_signals
 from chain_impact.scene.limits import Derived, allowed, keys, without_none
 from chain_impact.scene.names import AT, Place
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.kind import ALWAYS, MOTION, OF_SIGNALS, Block, Kind, filled
+from chain_impact.variables.driving import acting
+from chain_impact.variables.kind import ALWAYS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
@@ -56,6 +60,9 @@ PLACES: dict[str, Place] = {
     "impulses": ("quadrature", "wanted"),
     **{f"wall_{key}": ("walls", key, AT) for key in ("restitution", "friction", "static_friction")},
     "stop_law": ("stops", "law"),
+    **{f"signal_{key}": ("signal", key, AT) for key in signal_dtype(1).names or ()},
+    **{f"knot_{key}": ("knot", key, AT) for key in ("given_time", "given_value", "time")},
+    **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(DEGREE + 1)},
 }
 """What of a record is no parameter, and depends on what a scene has."""
 
@@ -76,15 +83,15 @@ def kit(scene: Scene) -> dict[str, Any]:
         "keys": _keys(Scene),
         "lawFile": scene.contact.law_file,
         "laws": [_law(name) for name in scene.law_names],
-        "parameters": [
-            _group(block, partial(_parameter, choices)) for block in PARAMETERS if block.of not in OF_SIGNALS
-        ],
-        "inputs": [_group(block, partial(_parameter, choices)) for block in inputs],
-        "still": [_group(block, _named) for block in INPUTS if block not in inputs],
+        "parameters": [_group(block, partial(_parameter, choices)) for block in PARAMETERS],
+        "inputs": [_group(block, lambda kind: _parameter(choices, kind) | _driven(kind)) for block in inputs],
+        "still": [_group(block, _driven) for block in INPUTS if block not in inputs],
         "times": [
             _parameter(choices, kind) | {"high": LONGEST, "word": None, "given": None} for kind in EXPERIMENT
         ],
         "outputs": [_group(block, _output) for block in OUTPUTS],
+        "signals": kit_of_signals(scene),
+        "driven": [words(("output", "signal", AT, order)) for order in range(3)],
         "places": {name: {"word": words(place), "real": _is_real(place)} for name, place in PLACES.items()},
         "size": [*_affine(lambda record: record.itemsize // WORD), 0],
         "layout": _layout(),
@@ -147,6 +154,11 @@ def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any
 def _named(kind: Kind) -> dict[str, Any]:
     """The name of a variable, and the conditions for it."""
     return {"name": kind.name, "when": kind.when}
+
+
+def _driven(kind: Kind) -> dict[str, Any]:
+    """An input as a signal drives it."""
+    return _named(kind) | {"unit": kind.unit, "acts": acting(kind.place)}
 
 
 def _output(kind: Kind) -> dict[str, Any]:

@@ -119,7 +119,7 @@ function show(scene, text) {
 /** Open a scene of some contents of a file; an error says what is wrong with them. */
 function open(contents) {
   const whole = complete(contents, kit);
-  show(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole), kit.keys));
+  show(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole, kit.signals.other), kit.keys));
 }
 
 /** Name and description of the scene, and the inputs that it has in vain. */

@@ -1,6 +1,12 @@
 // Numbers as text.
 
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
+const UNITS = [["exponent", "ⁿ"], ["^", ""], ["m/s2", "m/s²"], ["kg.m2", "kg\u202fm²"], [".", "\u202f"]];
+
+/** A unit as it is written on the page; nothing of a pure number. */
+export function unitText(unit) {
+  return unit === "1" ? "" : UNITS.reduce((text, [from, to]) => text.replaceAll(from, to), unit);
+}
 
 /** A number with so many digits that count. */
 export function digits(value, count = 3) {

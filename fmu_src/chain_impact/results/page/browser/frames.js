@@ -20,9 +20,9 @@ export function contactsOf(impacts, stop) {
 }
 
 /** The simulated times of the frames, and how many there are in a second on the screen. */
-export function timesOf(contacts, start, stop, pointCount, impactTime) {
+export function timesOf(contacts, start, stop, pointCount, impactTime, rate) {
   const most = Math.min(MOST_FRAMES, Math.max(FEWEST_FRAMES, Math.floor(COORDINATES / (2 * pointCount))));
-  return frameTimes(start, stop, slowSpans(contacts), impactTime, most);
+  return frameTimes(start, stop, slowSpans(contacts), impactTime, most, rate);
 }
 
 /** For each time the row before it, and how far it is on the way to the next one. */

@@ -2,6 +2,7 @@
 
 import { make } from "./dom.js";
 import { numberText } from "./changes.js";
+import { unitText } from "./format.js";
 
 /** The parameters with a knob: name, label, and the ends of its slider. */
 const KNOBS = [
@@ -17,11 +18,11 @@ const KNOBS = [
   { name: "simulation.stop_time", label: "Stop time", spread: 3 },
 ];
 const STEPS = 400; // of a slider
-const UNITS = [["exponent", "ⁿ"], ["^", ""], ["m/s2", "m/s²"], ["kg.m2", "kg\u202fm²"], [".", "\u202f"]];
+const TRIVIAL = ["mean", "frequency_rate", "phase", "initial", "start", "rise"]; // of a signal: 0 unless the scene gives them
 
-/** A unit as it is written on the page; nothing of a pure number. */
-export function unitText(unit) {
-  return unit === "1" ? "" : UNITS.reduce((text, [from, to]) => text.replaceAll(from, to), unit);
+/** A name that may be broken behind its parts. */
+function breakable(name) {
+  return name.replaceAll(/(\.|_)/g, "$1\u200b");
 }
 
 /** Change something; a field whose value is refused is marked, and its row says why. */
@@ -145,6 +146,28 @@ function inputKnobs({ scene, starts }) {
   });
 }
 
+/** The ends of the slider of a number of a signal, by its key, its value and the values of those beside it in the signal. */
+function endsOfSignal(key, value, beside, stop) {
+  if (key === "phase") return [-Math.PI, Math.PI];
+  if (["start", "rise", "duration", "time"].includes(key)) return [0, Math.max(stop, 2 * value)];
+  if (key === "frequency" && value > 0) return [0, 3 * value];
+  const size = Math.max(...beside.map(Math.abs)) || 1;
+  return key === "frequency_rate" ? [-size / stop, size / stop] : [key === "amplitude" ? 0 : -2 * size, 2 * size];
+}
+
+/** The knobs of the signals: of what their forms need, and of what else the scene gives. All numbers are in the list. */
+function signalKnobs({ scene, starts }) {
+  const parts = scene.parameters.flatMap(({ name }) => {
+    const [, signal, key] = /^signal\.(\w+)\.(\w+)/.exec(name) ?? [];
+    return signal ? [{ name, signal, key, value: starts[name] }] : [];
+  });
+  const alike = (key) => (["frequency", "frequency_rate"].includes(key) ? ["frequency"] : ["value", "mean", "amplitude", "initial", "final"]);
+  return parts.filter(({ key, value }) => value !== 0 || !TRIVIAL.includes(key)).map(({ name, signal, key, value }) => {
+    const beside = parts.filter((one) => one.signal === signal && alike(key).includes(one.key)).map((one) => one.value);
+    return { name, label: breakable(name.slice("signal.".length)), ends: endsOfSignal(key, value, beside, starts["simulation.stop_time"]) };
+  });
+}
+
 /** The knobs that the scene has; where walls have their own friction or restitution, one for each of them. */
 function knobsOf(changes) {
   const { parameters, scene } = changes;
@@ -161,7 +184,7 @@ function knobsOf(changes) {
 export function showKnobs(element, changes) {
   let knobs;
   const fill = () => {
-    knobs = knobsOf(changes).map((entry) => knob(changes, entry));
+    knobs = [...signalKnobs(changes), ...knobsOf(changes)].map((entry) => knob(changes, entry));
     element.replaceChildren(...knobs.map(({ row }) => row));
   };
   const refresh = () => knobs.forEach((one) => one.refresh());
@@ -202,7 +225,7 @@ export function showList(details, changes) {
 function listRow(changes, parameter) {
   const { name, unit, text, allowed } = parameter;
   const { field, refresh } = valueField(changes, parameter);
-  const words = make("span", { className: "parameter-name", title: `${text}; ${allowed}` }, name.replaceAll(/(\.|_)/g, "$1\u200b"));
+  const words = make("span", { className: "parameter-name", title: `${text}; ${allowed}` }, breakable(name));
   const row = make("div", { className: "parameter" }, words, resetButton(changes, name, field), field,
     make("small", { textContent: unitText(unit) }), refusal());
   return {

@@ -3,7 +3,7 @@
 import { find } from "./dom.js";
 import { numberText } from "./changes.js";
 import { pictureOf, save } from "./outside.js";
-import { unitText } from "./knobs.js";
+import { unitText } from "./format.js";
 
 const RIM = 2; // pixels around the run that the keyboard is at
 const POINTS = 41; // in each direction

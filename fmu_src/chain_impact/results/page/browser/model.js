@@ -1,6 +1,7 @@
 // A scene as the page works with it: its variables and its record, from the contents of its file and the templates of
 // `kit.py`.
 
+import { checkDriven, drivenBy, drivenPlaces, putSignals, signalElements } from "./signals.js";
 import { movablePoints, sitesOf, sliderStopsOf, stopsOf, wallsOf } from "./scene_file.js";
 import { STOPS, pointText, sumOf, wallsAt } from "./view.js";
 
@@ -33,7 +34,7 @@ function keepsDistance({ chain: { slider, links }, walls }, sites, point, name) 
 }
 
 /** What a scene has, that its variables and its record depend on. */
-function partsOf(file, { boxWalls }) {
+function partsOf(file, { boxWalls, signals }) {
   const { chain: { base, links, slider }, walls, contact, inputs, outputs } = file;
   const count = links.length;
   const [points, stops, there] = [contact.points ?? movablePoints(file), stopsOf(file), wallsOf(file)];
@@ -58,8 +59,9 @@ function partsOf(file, { boxWalls }) {
     ...stops.map(([joint, stop]) => [joint, wallNames.indexOf(stop)]),
     ...sliderStops.map((stop) => [0, wallNames.indexOf(stop)]),
   ];
+  const driven = drivenBy(file, signals);
   const hasFriction = rubs || rubbing.length > 0 || slider?.friction > 0;
-  const isDriven = anyInput(inputs) || slider?.force_limit !== undefined || links.some((link) => link.joint_torque_limit !== undefined);
+  const isDriven = anyOnChain(inputs) || inputs.wall_motion.length > 0 || slider?.force_limit !== undefined || links.some((link) => link.joint_torque_limit !== undefined);
   const facts = {
     ...flags(inputs, "inputs"),
     ...flags(outputs, "outputs"),
@@ -79,11 +81,11 @@ function partsOf(file, { boxWalls }) {
     outputs.loads ? count + wallNames.length : 0,
     2 * inputs.base_motion + 2 * moving.length,
     sites.length,
-    0,
-    0,
-  ]; // no signals
+    driven.length,
+    driven.reduce((sum, { knots }) => sum + knots, 0),
+  ];
 
-  return { file, points, sites, mayTouch, sliderStops, stops, there, wallNames, pairs, candidates, rubbing, hasFriction, moving, joints, facts, sizes };
+  return { file, driven, points, sites, mayTouch, sliderStops, stops, there, wallNames, pairs, candidates, rubbing, hasFriction, moving, joints, facts, sizes };
 }
 
 /** The values of a table under their dotted keys. */
@@ -120,6 +122,11 @@ function elementsOf({ file, sites, sliderStops, stops, there, wallNames, pairs, 
   };
 }
 
+/** Where the record has an input, as `acting` of `driving.py` tells it: the number of its kind, and its index. */
+function actingOf({ acts: [number, index], element: { at } }) {
+  return [number, { "{at}": at, "{next}": at + 1 }[index] ?? index];
+}
+
 /** A template with what it is of filled in. */
 function filled(text, { n, of, name }) {
   return text.replaceAll("{n}", n).replaceAll("{of}", of).replaceAll("{name}", name).replaceAll("{before}", n > 1 ? `link ${n - 1}` : "the base");
@@ -153,12 +160,13 @@ function valuesOf(file, rows) {
   return values;
 }
 
-function anyInput({ joint_torques: torques, joint_targets: targets, slider_force: slider, tip_force: tip, base_motion: base, wall_motion: walls }) {
-  return torques || targets || slider || tip || base || walls.length > 0;
+/** Whether inputs act on a chain in flight: others than the motion of walls. */
+function anyOnChain({ joint_torques: torques, joint_targets: targets, slider_force: slider, tip_force: tip, base_motion: base }) {
+  return torques || targets || slider || tip || base;
 }
 
-/** The record of the scene, not initialized. */
-function recordOf(kit, parts, rows, values) {
+/** The record of the scene, not initialized; `asked` are its inputs by their names, whether signals drive them or not. */
+function recordOf(kit, parts, rows, values, asked) {
   const { file, sizes, candidates, pairs, sites, sliderStops, stops, hasFriction, moving, wallNames, mayTouch, facts } = parts;
   const { inputs, outputs, chain } = file;
   const bytes = new Uint8Array(placeOf(kit.size, sizes) * BYTES);
@@ -181,13 +189,14 @@ function recordOf(kit, parts, rows, values) {
   stops.forEach(([, stop], k) => put("candidate_stop", stop === STOPS[0] ? 1 : -1, pairs.length + k));
   sliderStops.forEach((stop, k) => put("candidate_stop", stop === "slider_min" ? 2 : -2, pairs.length + stops.length + k));
   put("pinned", Number(chain.base !== "free"));
-  put("driven", Number(anyInput(inputs)));
+  put("driven", Number(anyOnChain(inputs)));
   put("followed", Number(inputs.joint_targets));
   put("base_moves", Number(inputs.base_motion));
   put("follows", 1);
   const first = 2 * inputs.base_motion;
   moving.forEach((_, k) => put("belt", 1, first + 2 * k + 1));
   each("channel", candidates.map(([, wall]) => (moving.includes(wallNames[wall]) ? first + 2 * moving.indexOf(wallNames[wall]) : -1)));
+  putSignals(parts.driven, kit.signals, (input) => actingOf(asked.get(input)), put);
   put("kept", outputs.impacts);
   put("impulses", Number(outputs.contacts || outputs.impacts > 0 || outputs.loads || (hasFriction && outputs.energies)));
   ["wall_restitution", "wall_friction", "wall_static_friction"].forEach((name) =>
@@ -238,27 +247,38 @@ export function describe(kit, file, command) {
   const { sizes, stops, wallNames, there, facts } = parts;
   const pointNames = parts.sites.flatMap(({ name }, s) => (name ? [[sizes[0] + 1 + s, name]] : []));
   const elements = elementsOf(parts);
-  const all = (groups) => instances(groups, elements, facts);
-  const rows = all(kit.parameters);
+  const all = (groups) => instances(groups, elements, facts).filter(({ has }) => has);
+  const [moving, given] = [all(kit.still), all(kit.inputs)];
+  const asked = new Map([...given, ...moving].map((row) => [row.name, row]));
+  const units = new Map([...asked].map(([name, { unit }]) => [name, unit]));
+  checkDriven(parts.driven, units);
+  const places = drivenPlaces(parts.driven);
+  const isFree = ({ name }) => !places.has(name);
+  const rows = instances(kit.parameters, { ...elements, ...signalElements(parts.driven, units) }, facts);
   const values = valuesOf(file, rows);
-  const record = recordOf(kit, parts, rows, values);
+  const record = recordOf(kit, parts, rows, values, asked);
   const reals = new Float64Array(record.buffer);
   const shown = rows.filter(({ name, has, trivial }) => has && values.has(name) && values.get(name).number !== trivial);
   const names = new Set(shown.map(({ name }) => name));
-  const inputs = all(kit.inputs)
-    .filter(({ has }) => has)
+  const inputs = given
+    .filter(isFree)
     .map((row) => ({ ...row, number: reals[placeOf(row.word, sizes, row.element.at)] }));
   const parameter = ({ name, element, given, givenIf, word, rule, number, of, path, has, when, trivial, missing, ...row }) => {
     const { steps = null, derived, number: start = number } = values.get(name) ?? {};
     const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
     const place = word ? placeOf(given && facts[givenIf] ? given : word, sizes, element.at) : -1;
-    return { ...row, name, place: steps, word: place, text: filled(row.text, element), start, derived: follows };
+    const unit = row.unit === "1" ? element.unit ?? row.unit : row.unit; // numbers of a signal have that of what it drives
+    return { ...row, name, unit, place: steps, word: place, text: filled(row.text, element), start, derived: follows };
   };
   const times = kit.times.map((row) => ({ ...row, element: {} }));
   valuesOf(file, times).forEach((value, name) => values.set(name, value));
-  const columns = all(kit.outputs)
-    .filter(({ has }) => has)
-    .map(({ name, unit, word, integer, element }) => ({ name, unit, word: placeOf(word, sizes, element.at), integer }));
+  const driven = [...asked.values()].filter((row) => !isFree(row)).map(({ name, unit }) => {
+    const [row, order] = places.get(name);
+    return { name, unit, word: placeOf(kit.driven[order], sizes, row), integer: false };
+  });
+  const columns = [...driven, ...all(kit.outputs)
+    .map(({ name, unit, word, integer, element }) => ({ name, unit, word: placeOf(word, sizes, element.at), integer }))];
+  const named = new Set(parts.driven.map(({ input }) => input));
   return {
     name: file.name,
     file,
@@ -277,7 +297,10 @@ export function describe(kit, file, command) {
     record,
     layout: placesOf(kit.layout, sizes),
     inputs: inputs.map(({ name }) => name),
-    still: all(kit.still).filter(({ has }) => has).map(({ name }) => name),
+    still: moving.filter(isFree).map(({ name }) => name),
+    forms: kit.signals.other,
+    driven: driven.filter(({ name }) => named.has(name)),
+    moved: driven.filter(({ name }) => /^wall\..*\.displacement$/.test(name)),
     parameters: [...shown, ...inputs, ...times].map(parameter),
     columns,
     drawn: drawnOf(kit, parts, columns),

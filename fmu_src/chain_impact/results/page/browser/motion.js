@@ -4,10 +4,14 @@
 import { bodiesOf, railOf } from "./bodies.js";
 import { contactsOf, framesOf, timesOf } from "./frames.js";
 import { rowTimes } from "./kernel.js";
+import { FRAME_RATE } from "./pacing.js";
 import { STOPS, discOf, pointText, viewOf, wallsAt } from "./view.js";
 
 const IMPACT_TIME = 0.6; // s on the screen that an impact takes
 const PARTS = 100; // of the first run, between which it can be stopped
+const ROWS_OF_INPUTS = 2000; // of the first run where signals drive inputs
+const GOLDEN = (Math.sqrt(5) - 1) / 2;
+const FRAMES_OF_A_PERIOD = 16; // of the fastest sine that drives an input, at least
 const ALONE = 1e-3; // of the size of the motion: a smaller radius is not drawn
 
 /** The impacts of a run as a recording has them. */
@@ -54,17 +58,20 @@ export function* motion(kernel, values) {
   };
   const stop = valueOf("simulation.stop_time");
   const began = performance.now();
-  const first = yield* half(kernel.run(values, rowTimes(stop, stop / PARTS), [], 1), 0);
+  const { driven } = scene;
+  const firstTimes = driven.length ? unevenTimes(stop, ROWS_OF_INPUTS) : rowTimes(stop, stop / PARTS);
+  const first = yield* half(kernel.run(values, firstTimes, driven, Math.ceil(firstTimes.length / PARTS)), 0);
   const spent = performance.now() - began;
   const end = first.status === 0 ? stop : Math.min(first.reached, stop);
   const { status, place, reached, statistics, impacts } = first;
   const ending = { status, place, reached, statistics, impacts, spent };
   if (first.time.length === 0 || !(end > 0)) return { ...ending, parts: null };
   const contacts = contactsOf(listed(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
-  const { times, frameRate } = timesOf(contacts, 0, end, scene.drawn.points.length, IMPACT_TIME);
+  const { times, frameRate } = timesOf(contacts, 0, end, scene.drawn.points.length, IMPACT_TIME, frameRateOf(scene, valueOf, stop));
   const { points, energies, touches, loads } = scene.drawn;
   const ofTouches = touches.flatMap(({ force, depth, friction, sticking }) => [force, depth, friction, sticking]);
-  const words = [...points.flat(), ...Object.values(energies), ...ofTouches, ...loads.flatMap((force) => [force.x, force.y])]
+  const { moved } = scene;
+  const words = [...moved.map(({ word }) => word), ...points.flat(), ...Object.values(energies), ...ofTouches, ...loads.flatMap((force) => [force.x, force.y])]
     .filter((word) => word !== null);
   const { time, columns } = yield* half(kernel.run(values, times, words.map((word) => ({ word }))), 0.5);
   if (time.length < 2) return { ...ending, parts: null };
@@ -94,6 +101,7 @@ export function* motion(kernel, values) {
     loads: loads.map(({ joint, x: along, y: up }) => ({ joint, x: column(along), y: column(up) })),
     contacts,
     walls,
+    moved: Object.fromEntries(moved.map(({ name, word }) => [name.split(".")[1], column(word)])),
     stops: rangesOf(scene, valueOf),
     radius: largest > ALONE * size ? largest : 0,
     touching,
@@ -102,7 +110,25 @@ export function* motion(kernel, values) {
     rail: railOf(Array.from(time, (_, row) => [x, y].map((all) => all[row * points.length])), size, valueOf),
     pinned: scene.pinned,
   };
-  return { ...ending, parts: framesOf(rows, { times: time, frameRate }) };
+  const inputs = { time: first.time, curves: driven.map(({ name, unit }, k) => ({ name, unit, values: first.columns[k] })) };
+  return { ...ending, parts: { ...framesOf(rows, { times: time, frameRate }), inputs } };
+}
+
+/** How many frames there are in a second on the screen: so many that the sines that drive inputs are seen. */
+function frameRateOf({ parameters }, valueOf, stop) {
+  const sines = parameters.flatMap(({ name }) => /^signal\.\w+\.frequency$/.test(name)
+    ? [Math.max(Math.abs(valueOf(name)), Math.abs(valueOf(name) + stop * valueOf(`${name}_rate`)))] : []);
+  return Math.max(FRAME_RATE, FRAMES_OF_A_PERIOD * Math.max(0, ...sines));
+}
+
+/**
+ * Increasing times from 0 to the end, one in each of equal parts, at uneven places there: at even times a fast oscillation
+ * could look like a slow one, or like none.
+ */
+function unevenTimes(stop, count) {
+  const times = Float64Array.from({ length: count + 1 }, (_, k) => ((k + ((k * GOLDEN) % 1)) * stop) / count);
+  times[count] = stop;
+  return times;
 }
 
 function* half(run, from) {

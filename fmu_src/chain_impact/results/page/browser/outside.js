@@ -9,16 +9,26 @@ function quoted(word) {
   return /[$`"\\!%]/.test(word) ? `'${word.replaceAll("'", "'\\''")}'` : `"${word}"`;
 }
 
-/** The command that gives the same motion: inputs are given in Python only. */
+/** The command that gives the same motion: constant inputs are given in Python only. */
 export function commandOf(changes) {
   const { inputs, command: [source, ...settings] } = changes.scene;
   const [given, others] = [true, false].map((wanted) => changes.texts().filter(([name]) => inputs.includes(name) === wanted));
   const set = others.flatMap(([name, text]) => ["--set", `${name}=${text}`]);
   if (!given.length) return ["chain-impact", "simulate", source, ...settings, ...set].map(quoted).join(" ");
-  const pairs = [...settings, ...set].filter((word) => word !== "--set").map((word) => word.split(/=(.*)/s));
-  const scene = `load_scene(${JSON.stringify(source)}).with_values(${dictionary(pairs)})`;
+  const after = (option) => [...settings, ...set].filter((_, k, words) => words[k - 1] === option);
+  const pairs = after("--set").map((word) => word.split(/=(.*)/s));
+  const scene = `load_scene(${JSON.stringify(source)}).with_values(${dictionary(pairs)})${tableOf(changes.scene.file, after("--inputs"))}`;
   const program = `from chain_impact import load_scene, simulate; print(simulate(${scene}, inputs=${dictionary(given)}))`;
   return ["python", "-c", program].map(quoted).join(" ");
+}
+
+/** What adds the table of a command to its scene in Python: the last signal of the page's file is made of it. */
+function tableOf({ signals }, [path]) {
+  if (!path) return "";
+  const [name, { input, interpolation }] = Object.entries(signals).at(-1);
+  const joined = interpolation ? `, "interpolation": ${JSON.stringify(interpolation)}` : "";
+  const file = `__import__("os").path.abspath(${JSON.stringify(path)})`;
+  return `.with_values({("signals", "${name}"): {"input": ${JSON.stringify(input)}, "form": "table", "file": ${file}${joined}}})`;
 }
 
 /** Names and texts as Python has them. */
@@ -34,7 +44,7 @@ export function contentsOf(changes) {
     const { place, items } = changes.parameters.get(name);
     if (place) put(file, place, items.length ? items[value - 1][0] : value);
   }
-  return asWritten(file);
+  return asWritten(file, changes.scene.forms);
 }
 
 /** The contents of a scene file as TOML, without what its keys have by default. */

@@ -5,7 +5,7 @@
 const RAMP = 0.05; // s
 const LONGEST = 0.1; // s
 const SHORTEST = 1e-4; // s
-const FRAME_RATE = 60; // in a second on the screen
+export const FRAME_RATE = 60; // in a second on the screen
 const FLIGHT_STEP = 1 / 240; // s
 const SLOW_SPEED = 0.05; // of the fastest impact
 const SLOW_COUNT = 100; // impacts
@@ -36,8 +36,8 @@ function interpolated(wanted, places, values) {
   });
 }
 
-/** The simulated times of frames that follow each other evenly on the screen, and how many there are in a second. */
-export function frameTimes(start, stop, spans, impactTime, most) {
+/** The simulated times of frames that follow each other evenly on the screen, and how many there are in a second: a `rate`, if there are not too many. */
+export function frameTimes(start, stop, spans, impactTime, most, rate = FRAME_RATE) {
   const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, SHORTEST), LONGEST)]) : [];
   const places = between(start, stop, 2 + Math.min(Math.floor((stop - start) / FLIGHT_STEP), 2 * most));
   for (const [onset, end] of shown) {
@@ -56,7 +56,7 @@ export function frameTimes(start, stop, spans, impactTime, most) {
     screen[k] = screen[k - 1] + ((grid[k] - grid[k - 1]) * (slowness[k] + slowness[k - 1])) / 2;
   }
   const whole = screen[screen.length - 1];
-  const count = Math.min(most, 2 + Math.floor(whole * FRAME_RATE));
+  const count = Math.min(most, 2 + Math.floor(whole * rate));
   const times = interpolated(between(0, whole, count), screen, grid);
   [times[0], times[count - 1]] = [start, stop];
   return { times: Float64Array.from(times), frameRate: (count - 1) / whole };

@@ -1,6 +1,6 @@
 // The player: the parts of the page that show a recording, and the loop that draws them.
 
-import { EnergyChart, ForceChart } from "./charts.js";
+import { EnergyChart, ForceChart, InputCharts } from "./charts.js";
 import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
 import { find } from "./dom.js";
@@ -22,6 +22,8 @@ export class Player {
     this.panels = [
       [({ energies }) => Object.keys(energies).length > 0, find("energy").closest("section"),
         new EnergyChart(find("energy"), find("energies"), (time) => this.clock.seek(time))],
+      [({ inputs }) => inputs?.curves.length > 0, find("inputs-over-time").closest("section"),
+        new InputCharts(find("inputs-over-time"), (time) => this.clock.seek(time))],
       [({ forces }) => forces.length > 0, find("force").closest("section"),
         new ForceChart(find("force"), find("close-what"), find("over"))],
     ];

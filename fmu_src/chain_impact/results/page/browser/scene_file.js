@@ -1,6 +1,7 @@
 // The contents of a scene file, complete and checked by the rules of its keys, as `kit.py` has them. The kernel refuses
 // what only the numbers together can tell.
 
+import { completeSignals, signalsAsWritten } from "./signals.js";
 import { SLIDER_STOPS, STOPS } from "./view.js";
 
 const IN_DEGREES = { rad: "deg", "rad/s": "deg/s" };
@@ -126,6 +127,7 @@ export function complete(data, kit) {
   setBodies(file, data);
   setAngles(file);
   setStops(file, kit.keys.stops.keys);
+  completeSignals(file.signals, kit.signals);
   checkContents(file, kit.boxWalls);
   file.outputs.sensitivities = []; // the page has no derivatives
   return file;
@@ -149,9 +151,10 @@ function setBodies({ chain }, data) {
   delete chain.slider;
 }
 
-/** The contents of a complete scene as a file has them: boxes without their corners. */
-export function asWritten(file) {
+/** The contents of a complete scene as a file has them: boxes without their corners, signals without what their `forms` have. */
+export function asWritten(file, forms) {
   const found = structuredClone(file);
+  found.signals = signalsAsWritten(found.signals, forms);
   found.chain.links.filter(({ height }) => height !== undefined).forEach((link) => {
     link.shape = "box";
     link.points = link.points.filter(({ corner }) => !corner);

@@ -1,0 +1,52 @@
+"""What the page knows of signals: the keys of their forms, and the tables of its scene."""
+
+from __future__ import annotations
+
+import base64
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chain_impact.scene.scene import Scene
+from chain_impact.scene.signal import FORMS, SHAPES
+from chain_impact.scene.signals import KNOTS, OTHER, REQUIRED, driven_by
+from chain_impact.variables.driving import NUMBERS, table_of
+
+
+def kit_of_signals(scene: Scene) -> dict[str, Any]:
+    """All of it, as JSON can hold it."""
+    return {
+        "forms": FORMS,
+        "shapes": SHAPES,
+        "numbers": NUMBERS,
+        "required": REQUIRED,
+        "other": OTHER,
+        "knots": KNOTS,
+        "tables": {name: _table(scene, name) for name, one in scene.signals.items() if one.form == "table"},
+    }
+
+
+def _table(scene: Scene, name: str) -> dict[str, Any]:
+    """A table: its file, and the polynomials of each input that it drives."""
+    signal, columns = scene.signals[name], {}
+    for one in driven_by(scene):
+        if one.signal == name:
+            times, powers, gain = table_of(signal, one, scene.simulation.stop_time)
+            columns[one.input] = {
+                "knots": len(times),
+                "times": _packed(times),
+                "powers": [_packed(column) for column in powers.T],
+                "gain": gain,
+            }
+    return {
+        "file": Path(signal.file or "").name,
+        "interpolation": signal.interpolation,
+        "period": signal.period,
+        "columns": columns,
+    }
+
+
+def _packed(numbers: np.ndarray) -> str:
+    """Numbers as text: the page can read all of their digits."""
+    return base64.b64encode(numbers.astype("<f8").tobytes()).decode("ascii")
