@@ -252,6 +252,21 @@ def element_margin(d, e, theta):
     return d.element.limit[e] - abs(d.element.force[e]) + resolution_of(d, e)
 
 
+def has_come_near(d):
+    """Whether the modes that end with the last step, repeated to end there, have come nearer to their ends.
+
+    A long implicit step has an interpolant that errs: it can show an end that a shorter step does not have.
+    Without half of the way, such ends would follow each other without end.
+    """
+    near = True
+    for i in range(d.friction.count):
+        e = d.element.index[i]
+        if d.element.event[e]:
+            near = near and element_margin(d, e, 1.0) <= 0.5 * element_margin(d, e, 0.0)
+    locate_at(d, 1.0)
+    return near
+
+
 find_mode_change = search_for(element_margin, has_changed, mark_changes, ELEMENTS)
 
 

@@ -26,13 +26,14 @@ from chain_impact.kernel.events.exclusion import (
     remember_clearances,
     suspect_all,
 )
-from chain_impact.kernel.events.marks import END, NONE, ONSET, mark
+from chain_impact.kernel.events.marks import END, NONE, ONSET, mark, pending_changes
 from chain_impact.kernel.events.sampled import (
     find_kink,
     find_mode_change,
     find_relatch,
     find_release,
     find_saturation,
+    has_come_near,
 )
 from chain_impact.kernel.ode.control import FAR_OFF, IMPLICIT, accepted, refuse
 from chain_impact.kernel.ode.dense import interpolate, interpolate_component
@@ -156,6 +157,9 @@ def onset_fraction(d):
     or far from an onset. θ is −1, the end, without an onset or in a step that time hardly resolves.
     """
     if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
+        return -1.0
+    if pending_changes(d) and not has_come_near(d):
+        refuse(d, FAR_OFF)
         return -1.0
     late, _ = onset_lateness(d, d.step.state_end)
     if late == -math.inf:
