@@ -17,15 +17,30 @@ def command_line() -> str:
     """The help of every command."""
     whole = cli.parser()
     verbs = next(action.choices for action in whole._actions if isinstance(action.choices, dict))
-    blocks = [_help(whole)]
-    blocks += [f"## {name}\n\n{_help(verb)}" for name, verb in verbs.items()]
+    having: dict[str, list[str]] = {}  # rows of an argument or option → the commands that have it
+    for name, verb in verbs.items():
+        for rows in _all_rows(verb):
+            having.setdefault(rows, []).append(name)
+    several: dict[str, list[str]] = {}  # commands → the rows of the options that they have in common
+    for rows, names in having.items():
+        if len(names) > 1:
+            several.setdefault(", ".join(names), []).append(rows)
+    common = "\n".join("\n".join([f"{names}:", *rows]) for names, rows in several.items())
+    blocks = [_block(_usage(whole), *_all_rows(whole)), f"## Options of several commands\n\n{_block(common)}"]
+    for name, verb in verbs.items():
+        own = [rows for rows in _all_rows(verb) if len(having[rows]) == 1]
+        blocks.append(f"## {name}\n\n{_block(_usage(verb), *own)}")
     return "\n\n".join(blocks)
 
 
-def _help(parser: ArgumentParser) -> str:
+def _block(*lines: str) -> str:
+    return "\n".join(["```text", *lines, "```"])
+
+
+def _all_rows(parser: ArgumentParser) -> list[str]:
+    """The rows of each argument and option that the page does not say once for all."""
     actions = [action for action in parser._actions if action.dest not in SHARED]
-    rows = [row for action in actions for row in _rows(parser, action)]
-    return "\n".join(["```text", _usage(parser), *rows, "```"])
+    return [rows for action in actions if (rows := "\n".join(_rows(parser, action)))]
 
 
 def _usage(parser: ArgumentParser) -> str:

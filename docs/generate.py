@@ -26,7 +26,7 @@ from chain_impact.scene.limits import Derived, allowed, without_none
 from chain_impact.scene.names import AXES, INPUTS_OF
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import load_scene, scene_keys
-from chain_impact.variables.kind import ALWAYS, LINE, OF_SIGNALS, Kind
+from chain_impact.variables.kind import ALWAYS, LINE, Kind
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import METHODS, PARAMETERS
@@ -80,7 +80,10 @@ def scene_reference() -> str:
             rule = entry.metadata
             meaning, _, missing = _of_the_joint(rule["description"]).partition("; if missing: ")
             default = missing or _default(rule["default"])
-            rows.append((code(name), default, _allowed(entry.type, rule), meaning))
+            if default == AS_IN_CONTACT:  # so are what is allowed and the meaning
+                rows.append((code(name), default, "", ""))
+            else:
+                rows.append((code(name), default, _allowed(entry.type, rule), meaning))
     blocks = []
     for section, rows in sections.items():
         if rows:
@@ -91,13 +94,14 @@ def scene_reference() -> str:
 
 
 SHORT = 5  # words of a meaning
+AS_IN_CONTACT = "as in [contact]"  # default of keys that [contact] has, too
 
 
 def _joined(rows: Iterable[Sequence[str]]) -> Iterable[Sequence[str]]:
     """Rows of a table of keys, in one where they follow each other with short meanings and equal values."""
     for _, group in groupby(rows, lambda row: (row[1:3], len(row[3].split()) > SHORT and row[0])):
         keys, defaults, values, meanings = zip(*group, strict=True)
-        yield ", ".join(keys), defaults[0], values[0], ", ".join(meanings)
+        yield ", ".join(keys), defaults[0], values[0], ", ".join(filter(None, meanings))
 
 
 def _of_the_joint(description: str) -> str:
@@ -115,7 +119,7 @@ def _default(default: Any) -> str:
     if default is dataclasses.MISSING:
         return "required"
     if default is None:
-        return "none"
+        return ""
     if isinstance(default, Derived):
         return default.text.replace("*", "·")
     if isinstance(default, bool):
@@ -127,6 +131,8 @@ def _default(default: Any) -> str:
 
 def _allowed(kind: Any, rule: Any) -> str:
     kind = without_none(kind)
+    if kind is bool:  # the default shows it
+        return ""
     item, *rest = get_args(kind) or (kind,)
     text = _readable(allowed(item, rule))
     if get_origin(kind) is not tuple:
@@ -139,10 +145,12 @@ def _allowed(kind: Any, rule: Any) -> str:
 
 def _readable(text: str) -> str:
     if all(f'"{law}"' in text for law in CONTACT_LAWS):
-        return "the id of a [contact law](contact_laws.md#the-laws)"
+        return "a [law](contact_laws.md#the-laws)"
+    text = text.replace("letters, digits and _, not beginning with a digit", "a name")
     text = re.sub(r'"(\w+)"', r'`"\1"`', text.partition(", and no name")[0])
     text = re.sub(r"^a finite number (?=[<>])|^one of | without control characters$", "", text)
-    text = text.replace("a finite number", "a number").replace("a whole number", "an integer")
+    text = text.replace("a finite number [", "[").replace("a finite number", "a number")
+    text = text.replace("a whole number", "an integer")
     return text.replace(">=", "≥").replace("<=", "≤").replace(" and ≤", ", ≤")
 
 
@@ -154,28 +162,24 @@ def variable_patterns() -> str:
     known = {_of_the_joint(entry.metadata["description"]) for _, entry in scene_keys() if entry.metadata}
     sections = []
     for title, table_of in (("Parameters", PARAMETERS), ("Inputs", INPUTS), ("Outputs", OUTPUTS)):
-        alike: dict[tuple[str, str], list[Kind]] = {}
+        alike: dict[str, list[Kind]] = {}
         for kind in (kind for of_one_element in table_of for kind in of_one_element.kinds):
             meaning = _meaning(kind)
-            unit = kind.unit if meaning in known else ""  # one row for each unit of these
+            is_key = meaning in known and bool(kind.unit)
             where = next((WHERE[condition] for condition in kind.when if condition in WHERE), "")
             tunable = "; tunable" if kind.tunable == ALWAYS else ""
-            key = ("scene key" if unit else meaning) + where + tunable, unit
-            alike.setdefault(key, []).append(kind)
+            alike.setdefault((SCENE_KEY if is_key else meaning) + where + tunable, []).append(kind)
         lines = []
-        for (meaning, _), kinds in alike.items():
-            columns = ([kind.pattern for kind in kinds], [_unit(kind) for kind in kinds])
+        for meaning, kinds in alike.items():
+            columns = ([kind.pattern for kind in kinds], [kind.unit for kind in kinds])
             names, units = ([code(one) for one in dict.fromkeys(column) if one] for column in columns)
+            units = [] if meaning.startswith(SCENE_KEY) else units  # the scene file has them
             lines.append((", ".join(names), ", ".join(units), meaning))
         sections.append(f"### {title}\n\n{table(('name', 'unit', 'meaning'), lines)}")
     return "\n\n".join(sections)
 
 
-def _unit(kind: Kind) -> str:
-    """The unit of a kind; numbers of signals have the unit of the input."""
-    return "of the input" if kind.of in OF_SIGNALS and kind.unit == "1" else kind.unit
-
-
+SCENE_KEY = "scene key"  # meaning of parameters that the page of the scene file explains
 WHERE = {
     "contact_friction": "; with dry friction",
     "friction": "; with dry friction",
@@ -220,6 +224,12 @@ ALIKE = {
     "angle and angular velocity, relative to the link before": (
         *("joint[i].angle", "joint[i].angular_velocity"),
     ),
+    "position along the line, 0 at the start, velocity and acceleration": (
+        *("slider.position", "slider.velocity", "slider.acceleration"),
+    ),
+    "position that the spring of the slider follows, and velocity that the damper follows": (
+        *("slider.target_position", "slider.target_velocity"),
+    ),
     "dry friction along t = (n_y, -n_x), and its impulse since the start": (
         *("contact[k].<wall>.friction_force", "contact[k].<wall>.friction_impulse"),
     ),
@@ -259,8 +269,8 @@ def walls() -> str:
 
 def statuses() -> str:
     """The status codes of the solver; the remedies stand in the messages themselves."""
-    rows = ((str(n), code(STATUS_NAME[n]), text.split(":")[0]) for n, text in STATUS_TEXT.items())
-    return table(("code", "in sweeps", "meaning"), rows)
+    rows = ((f"{n} {code(STATUS_NAME[n])}", text.split(":")[0]) for n, text in STATUS_TEXT.items())
+    return table(("status", "meaning"), rows)
 
 
 # ---- contact laws, command line -------------------------------------------------------------------------
@@ -274,15 +284,15 @@ def contact_laws() -> str:
     return "\n\n".join(
         [
             "### The Hunt–Crossley family",
-            table(("", "id", "law", "λ(e)", "within 5 % for"), map(_law_row, family)),
+            table(("id", "law", "λ(e)", "within 5 % for"), map(_law_row, family)),
             "### Other powers of the penetration in the damping",
-            table(("", "id", "law", "f(e)", "within 5 % for"), map(_law_row, others)),
+            table(("id", "law", "f(e)", "within 5 % for"), map(_law_row, others)),
             table(
                 ("id", "force, where not cut off at 0", "damping d", "exponent n"),
                 ((code(law.id), law.force, law.damping, f"{law.exponent:g}") for law in others),
             ),
             "### Rigid walls",
-            table(("", "id", "law", "f(e)", "within 5 % for"), map(_law_row, rigid)),
+            table(("id", "law", "f(e)", "within 5 % for"), map(_law_row, rigid)),
         ]
     )
 
@@ -290,8 +300,7 @@ def contact_laws() -> str:
 def _law_row(law: ContactLaw) -> Sequence[str]:
     accurate = _accurate(law.accurate_from, law.accurate_to)
     return (
-        str(law.number),
-        code(law.id),
+        f"{law.number} {code(law.id)}",
         f"{law.source}. {law.limits}",
         law.formula,
         accurate.replace(" ", "\N{NO-BREAK SPACE}"),
