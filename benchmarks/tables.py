@@ -94,12 +94,11 @@ def sweeps() -> str:
     """What a run of a sweep takes, and how two workers share the work."""
     results = common.load("sweep")["results"]
     micro = results["CPU microseconds a run"]
-    one, two, four, loop = (digits(micro[name]["median"]) for name in micro)
+    one, _, four, loop = (digits(micro[name]["median"]) for name in micro)
     faster = results["times as fast as one worker"]["2"]["median"]
     return run("sweep") + (
-        f"A run takes {one} µs of CPU time with one worker, {two} µs with two and {four} µs with four; a "
-        f"loop over `simulate()` takes {loop} µs for each. Two workers do {faster:.2f} times the work of "
-        "one in the same time. The rows of any number of workers are the same bytes."
+        f"A run takes {one} µs of CPU time with one worker and {four} µs with four; in a loop over "
+        f"`simulate()` it takes {loop} µs. Two workers do {faster:.2f} times the work of one in the same time."
     )
 
 
@@ -197,10 +196,10 @@ def proven() -> str:
     )
     return (
         f"**{found['proven']:.1f} % of the steps of {count} models** are proven at a tolerance of {AIM:g}, "
-        f"{of_those:.1f} % of those whose equations the certificate has. Of {scenes} random scenes, many of "
-        f"them extreme, {random['proven']:.0f} % of the steps are proven. {faults or 'None'} of the {proofs} "
-        "proofs contradicts its run. An accurate solution shows whether an undecided candidate hides a "
-        f"contact: none does, but {open_ones} of {undecided} are in steps without such a solution."
+        f"{of_those:.1f} % of those whose equations the certificate has, and {random['proven']:.0f} % of those of "
+        f"{scenes} random scenes, many of them extreme. {faults or 'None'} of the {proofs} proofs contradicts its "
+        "run. By an accurate solution no undecided candidate hides a contact; "
+        f"{open_ones} of {undecided} have no such solution."
     )
 
 

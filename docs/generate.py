@@ -34,7 +34,6 @@ from chain_impact.variables.shape import OF_STOPS
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests.asked_elsewhere import QUESTIONS
 from tests.fmu.planted_faults import FAULTS, FOUND, WHOLE
 
 DOCS = Path(__file__).parent
@@ -393,18 +392,6 @@ def _interval(one: dict[str, float] | None) -> str:
     return "–" if one is None else f"{round(one['value'], 6):.3g} ± {one['±']:.2g}"
 
 
-def asked_elsewhere() -> str:
-    """Public questions to other programs, with our figure; a test compares it with the closed form."""
-    rows = []
-    for one in QUESTIONS:
-        links = (
-            f"[{thread.partition('/')[2]}](https://github.com/{thread.replace('#', '/issues/')})"
-            for thread in one.threads
-        )
-        rows.append((", ".join(links), one.asked, one.scene, f"{round(one.ours(), 12) + 0.0:.7g}"))
-    return table(("thread", "asked or seen", "our scene, and a figure of it", "ours"), rows)
-
-
 TABLES = {
     function.__name__: function
     for function in (
@@ -418,7 +405,6 @@ TABLES = {
         command_line,
         measured_impacts,
         measured_arm,
-        asked_elsewhere,
     )
 }
 

@@ -1,7 +1,6 @@
 """Public questions to other programs: what they ask, our scene, a closed form and our figure.
 
-docs/asked_elsewhere.md has them as a table. The programs ask for more than planar chains can do; where a
-scene is not that of the question, it has what the question is about. Units are SI.
+Where the scene of a question is no planar chain, ours has what the question is about. Units are SI.
 """
 
 from __future__ import annotations
