@@ -98,7 +98,8 @@ def sweeps() -> str:
     faster = results["times as fast as one worker"]["2"]["median"]
     return run("sweep") + (
         f"A run takes {one} µs of CPU time with one worker and {four} µs with four; in a loop over "
-        f"`simulate()` it takes {loop} µs. Two workers do {faster:.2f} times the work of one in the same time."
+        f"`simulate()` it takes {loop} µs. "
+        f"In the same time two workers do {faster:.2f} times the work of one."
     )
 
 
@@ -196,9 +197,9 @@ def proven() -> str:
     )
     return (
         f"**{found['proven']:.1f} % of the steps of {count} models** are proven at a tolerance of {AIM:g}, "
-        f"{of_those:.1f} % of those whose equations the certificate has, and {random['proven']:.0f} % of those of "
-        f"{scenes} random scenes, many of them extreme. {faults or 'None'} of the {proofs} proofs contradicts its "
-        "run. By an accurate solution no undecided candidate hides a contact; "
+        f"{of_those:.1f} % where the certificate has the equations. In {scenes} random scenes, many of them "
+        f"extreme, {random['proven']:.0f} % are proven. {faults or 'None'} of the {proofs} proofs "
+        "contradicts its run. By an accurate solution no undecided candidate hides a contact; "
         f"{open_ones} of {undecided} have no such solution."
     )
 
