@@ -62,6 +62,11 @@ GENERAL = 0
 """In place of a number of links: a kernel for any number of links and for all that few scenes have, such as
 walls that move, points of links, a slider, or signals. The other kernels do without these at no cost."""
 _FEW = tuple(f"chain_{name}" for name in ("channels", "sites", "signals", "knots", "skewed", "slides"))
+_SIZES = ("chain_links", "chain_candidates", "chain_elements", "chain_loads", *_FEW)
+"""The functions for the numbers at the start of a record, in their order there."""
+Sizes = int | tuple[int, ...] | None
+"""What a kernel is for: a number of links, None for any, GENERAL for any with all features; or all numbers at
+the start of a record, for scenes of these very sizes."""
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
 # A number that the instance holds does not change while the kernel works on it, and is of a sensible size.
@@ -116,25 +121,25 @@ _LEFT_OPEN = re.compile(rf"^(declare|define) (?=[^\n]*@({'|'.join([*LAW, *HOOKS]
 _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
-def complete(module: str, links: int | None, registers: str = REGISTERS) -> str:
+def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
     """A lowered kernel with what it leaves open.
 
     Args:
         module: the kernel in LLVM's language, as lower.py writes it.
-        links: the number of links that it is for, from which the sizes of a record follow; None for any, and
-            GENERAL for any with all features.
+        sizes: what it is for.
         registers: the functions that set the floating-point registers: declared, as the C interface has them,
             or those that do nothing.
     """
-    name = "chain_links"
-    sizes = CONSTANT.format(name=name, number=links) if links else HELD.format(name=name, word=0)
-    for word, held in enumerate(("chain_candidates", "chain_elements", "chain_loads"), 1):
-        sizes += HELD.format(name=held, word=word)
-    for word, held in enumerate(_FEW, 4):
-        whole = links == GENERAL
-        sizes += HELD.format(name=held, word=word) if whole else CONSTANT.format(name=held, number=0)
+    if isinstance(sizes, tuple):
+        fixed = dict(zip(_SIZES, sizes, strict=True))
+    else:
+        fixed = dict.fromkeys(() if sizes == GENERAL else _FEW, 0) | ({"chain_links": sizes} if sizes else {})
+    prelude = "".join(
+        CONSTANT.format(name=name, number=fixed[name]) if name in fixed else HELD.format(name=name, word=word)
+        for word, name in enumerate(_SIZES)
+    )
     hidden = _LEFT_OPEN.sub(r"\1 hidden ", module)  # private to a library, and called without a table
-    return _DECLARED_ABOVE.sub("", hidden) + sizes + registers
+    return _DECLARED_ABOVE.sub("", hidden) + prelude + registers
 
 
 def lower(module: Path, what: str, law: Path | None = None) -> None:
@@ -159,7 +164,7 @@ def lower(module: Path, what: str, law: Path | None = None) -> None:
     _check(done)
 
 
-def compile_part(module: str, compiled: Path, platform: str, what: str, links: int | None) -> None:
+def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: Sizes) -> None:
     """Compile a lowered part of a kernel, KERNEL or DERIVATIVES. What it leaves open, ``link`` adds.
 
     Args:
@@ -167,23 +172,24 @@ def compile_part(module: str, compiled: Path, platform: str, what: str, links: i
         compiled: the file to write; others are put beside it.
         platform: of ``ZIG_TARGETS``.
         what: the part.
-        links: the number of links that it is for, as for ``complete``.
+        sizes: what it is for.
 
     Raises:
         BuildError: when the compiler fails.
     """
     kernel = compiled.with_name("kernel.ll")
-    kernel.write_text(complete(module, links))
-    flags = ["-c", *_tuning(what, links)]
+    kernel.write_text(complete(module, sizes))
+    flags = ["-c", *_tuning(what, sizes)]
     if "windows" not in ZIG_TARGETS[platform][0]:  # whose code is always so
         flags.append("-fPIC")
     _zig(platform, compiled, kernel, flags=flags)
 
 
-def _tuning(what: str, links: int | None) -> tuple[str, ...]:
-    """What makes a part of a kernel for so many links faster."""
+def _tuning(what: str, sizes: Sizes) -> tuple[str, ...]:
+    """What makes a part of a kernel for these sizes faster."""
     if what == DERIVATIVES:
         return ()
+    links = sizes[0] if isinstance(sizes, tuple) else sizes
     return (*INLINE_MORE, *SCALAR) if links == 1 else INLINE_MORE
 
 

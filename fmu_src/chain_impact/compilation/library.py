@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from chain_impact.compilation import browser, cache, compilers, ready
-from chain_impact.compilation.compilers import DERIVATIVES, KERNEL
+from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, Sizes
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.law_file import LawError, UserLaw, read_law
 from chain_impact.progress import log_once
@@ -19,7 +19,7 @@ PREPARING = {"win64": 3.0}  # s, in which zig makes what it links with; on other
 
 
 def kernel_library(
-    links: int,
+    links: Sizes,
     platform: str = HOST,
     law_file: str = "",
     *,
@@ -28,7 +28,7 @@ def kernel_library(
     """Return the shared library for chains of N ``links``.
 
     Args:
-        links: number of links N, or GENERAL for a scene with what few scenes have.
+        links: number of links N, GENERAL for a scene with what few scenes have, or all sizes of a scene.
         platform: of ``compilers.ZIG_TARGETS``.
         law_file: the file of a user's law that the kernel shall have, if any.
         derivatives: whether it shall carry derivatives.

@@ -15,7 +15,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from chain_impact.compilation import browser, cache, compilers
-from chain_impact.compilation.compilers import DERIVATIVES, GENERAL, KERNEL
+from chain_impact.compilation.compilers import DERIVATIVES, GENERAL, KERNEL, Sizes
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import COMPILERS, PACKAGE, fingerprint
 from chain_impact.extras import how_to_install
@@ -36,6 +36,11 @@ PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
 """Kind of library → what is compiled and linked for it."""
 
 
+def has_compilers() -> bool:
+    """Whether all compilers are installed."""
+    return all(find_spec(name) is not None for name in COMPILERS)
+
+
 def require_compilers(purpose: str) -> None:
     """Refuse what needs compilers that are not installed.
 
@@ -53,12 +58,12 @@ def for_release() -> bool:
     return os.environ.get(RELEASE) == "1"
 
 
-def exact(links: int, kind: str = KERNEL) -> int | None:
-    """The number of links that a kernel for a chain of ``links`` is compiled for here; None for any.
+def exact(wanted: Sizes, kind: str = KERNEL) -> Sizes:
+    """What a kernel for a chain of some links is compiled for here; None for any number of them.
 
-    GENERAL stays what it is.
+    GENERAL and all sizes of a scene stay what they are.
     """
-    return links if links in sizes(kind, for_release()) else None
+    return wanted if isinstance(wanted, tuple) or wanted in sizes(kind, for_release()) else None
 
 
 def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
@@ -67,10 +72,13 @@ def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
     return SIZES if release and kind == KERNEL else (None, GENERAL)
 
 
-def library_name(links: int | None, platform: str, law: str = "", what: str = KERNEL) -> str:
-    """The file name of a kernel for a number of links, or for any; with a user's law, if that has a name."""
+def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL) -> str:
+    """The file name of a kernel for some sizes; with a user's law, if that has a name."""
     suffix = compilers.ZIG_TARGETS[platform][1]
-    size = {None: "any", GENERAL: "general"}.get(links, str(links))
+    if isinstance(wanted, tuple):
+        size = "_".join(map(str, wanted))
+    else:
+        size = {None: "any", GENERAL: "general"}.get(wanted, str(wanted))
     return "-".join(filter(None, (what, size, law, platform))) + suffix
 
 
@@ -79,9 +87,9 @@ def find(name: str) -> Path | None:
     return FOLDER / name if _usable() and (FOLDER / name).is_file() else None
 
 
-def best(links: int, platform: str, what: str) -> Path | None:
-    """The ready kernel of a kind for this number of links, or else for any."""
-    sizes = (links,) if links == GENERAL else (links, None)
+def best(wanted: Sizes, platform: str, what: str) -> Path | None:
+    """The ready kernel of a kind for these sizes, or else for any number of links."""
+    sizes = (wanted,) if wanted == GENERAL or isinstance(wanted, tuple) else (wanted, None)
     return next(filter(None, (find(library_name(size, platform, what=what)) for size in sizes)), None)
 
 
@@ -102,13 +110,13 @@ def _usable() -> bool:
     return mark.is_file() and mark.read_text() == fingerprint()
 
 
-def compiled(links: int | None, platform: str, what: str, text: Callable[[], str]) -> Path:
+def compiled(wanted: Sizes, platform: str, what: str, text: Callable[[], str]) -> Path:
     """A compiled part of a kernel, from the cache.
 
     If it is not there, it is compiled from ``text``, which returns what is lowered.
     """
-    name = Path(library_name(links, platform, what=what)).with_suffix(".o").name
-    make = functools.partial(compilers.compile_part, platform=platform, what=what, links=links)
+    name = Path(library_name(wanted, platform, what=what)).with_suffix(".o").name
+    make = functools.partial(compilers.compile_part, platform=platform, what=what, sizes=wanted)
     return cache.made(name, lambda file: make(text(), file))
 
 

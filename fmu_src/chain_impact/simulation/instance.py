@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from chain_impact.compilation.compilers import Sizes
 from chain_impact.compilation.library import kernel_library
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.progress import Progress, silent
@@ -331,17 +332,22 @@ def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndar
     return order, named(found[order], walls)
 
 
-_loaded: dict[tuple[int, bool, str | None], ctypes.CDLL] = {}
-"""The kernels without a law of the user's: number of links, derivatives, cache folder → kernel."""
+_loaded: dict[tuple[Sizes, bool, str | None], ctypes.CDLL] = {}
+"""The kernels without a law of the user's: what they are for, derivatives, cache folder → kernel."""
 
 
-def kernel_for(scene: Scene, *, derivatives: bool) -> ctypes.CDLL:
+def kernel_for(scene: Scene, *, derivatives: bool, sizes: tuple[int, ...] | None = None) -> ctypes.CDLL:
     """The kernel for a scene; what is loaded is not looked for again.
+
+    Args:
+        scene: what it is for.
+        derivatives: whether it carries derivatives.
+        sizes: the numbers at the start of its record, for a kernel that has no others.
 
     Raises:
         BuildError: when it cannot be compiled.
     """
-    links, law = kernel_size(scene), scene.contact.law_file
+    links, law = sizes or kernel_size(scene), scene.contact.law_file
     # who names another folder for kernels means those in it
     known = (links, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
     if not law and known in _loaded:
@@ -350,6 +356,11 @@ def kernel_for(scene: Scene, *, derivatives: bool) -> ctypes.CDLL:
     if not law:
         _loaded[known] = kernel
     return kernel
+
+
+def sizes_of(block: np.ndarray) -> tuple[int, ...]:
+    """The numbers at the start of a record, without the number of tangents."""
+    return tuple(block.view(np.int64)[: SIZES - 1].tolist())
 
 
 def load_kernel(library: Path) -> ctypes.CDLL:

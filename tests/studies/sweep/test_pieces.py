@@ -11,6 +11,7 @@ import pytest
 
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, with_values
+from chain_impact.simulation import instance
 from chain_impact.studies.sweep.design import grid
 from chain_impact.studies.sweep.job import Runner, job_of
 from chain_impact.studies.sweep.pieces import (
@@ -96,6 +97,29 @@ def test_the_kernel_pauses_within_a_second():
     with pytest.raises(CancelledError):
         runner.run(design.values(0, 15000), wanted)
     assert len(calls) == 2
+
+
+@pytest.mark.full("compiles a kernel")
+@pytest.mark.parametrize("model", ["bouncing_table", "rod_drop"])
+def test_a_kernel_for_the_sizes_of_a_scene_gives_the_same_bits(model):
+    scene = load_scene(model)
+    variations = variations_of(scene, {"contact.restitution": "0.3:0.7:100"})
+    job, values = job_of(scene, variations, ()), grid(variations, scene.name).values(0, 100)
+    assert Runner(job, own=True).run(values).tobytes() == Runner(job).run(values).tobytes()
+
+
+@pytest.mark.parametrize(("runs", "own"), [(9, False), (10, True)])
+def test_a_sweep_of_many_runs_asks_for_a_kernel_of_its_own(monkeypatch, runs, own):
+    asked = []
+
+    def kernel_for(scene, *, derivatives, sizes):
+        asked.append(sizes)
+        return instance.kernel_for(scene, derivatives=derivatives)
+
+    monkeypatch.setattr("chain_impact.studies.sweep.job.kernel_for", kernel_for)
+    monkeypatch.setattr("chain_impact.studies.sweep.sweep.OWN_KERNEL_FROM", 10)
+    sweep(SCENE, {"contact.restitution": f"0.3:0.7:{runs}"})
+    assert asked[0] == ((4, 20, 0, 0, 0, 0, 0, 0, 0, 0) if own else None)
 
 
 def test_who_stops_listening_gets_all_threads_back():

@@ -17,7 +17,7 @@ from chain_impact.kernel.status import OK
 from chain_impact.scene.names import SENSITIVITY, Place
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
-from chain_impact.simulation.instance import kernel_for
+from chain_impact.simulation.instance import kernel_for, sizes_of
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.model import Model, model_of
@@ -113,16 +113,21 @@ def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequ
 class Runner:
     """Runs blocks of a job in the kernel, in one thread: it has one instance to work with."""
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, *, own: bool = False) -> None:
         """Load or compile the kernel.
+
+        Args:
+            job: what is run.
+            own: whether the kernel is for scenes of these very sizes: it gives the same bits, in less time.
 
         Raises:
             BuildError: when the kernel cannot be compiled.
         """
         asks = any(name.startswith(SENSITIVITY) for name in job.columns)
         model, varied = job.model, job.model.varied if asks else []
-        self._kernel = kernel_for(job.scene, derivatives=bool(varied))
         self._instance = model.new_instance(varied)
+        sizes = sizes_of(self._instance) if own and not varied else None
+        self._kernel = kernel_for(job.scene, derivatives=bool(varied), sizes=sizes)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns, self._loads = job.columns, job.loads
         # to follow impulses of walls takes time: it is done for the columns that have them only

@@ -7,7 +7,6 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExec
 from functools import partial
 from threading import Event
 
-from chain_impact.studies.sweep.job import Runner
 from chain_impact.studies.sweep.work import Made, Span, Work
 from chain_impact.system import LISTEN
 
@@ -105,7 +104,7 @@ def run_in_threads(work: Work, spans: Sequence[Span], threads: int) -> Generator
         OSError: when a file cannot be written.
     """
     if spans:
-        Runner(work.job)  # compiles the kernel, here
+        work.runner()  # compiles the kernel, here
     enough = Event()
     with ThreadPoolExecutor(threads) as pool:
         try:

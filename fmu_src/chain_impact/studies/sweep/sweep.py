@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.compilation.ready import has_compilers
 from chain_impact.progress import Progress, log, silent
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.cluster import run_on_cluster
@@ -22,6 +23,10 @@ from chain_impact.studies.sweep.variation import Values, variations_of
 from chain_impact.studies.sweep.work import Span, Work, columns_of
 from chain_impact.system import cores
 from chain_impact.variables.model import Model
+
+# Runs from which on a kernel is compiled for the sizes of the scene. That takes some 15 s, once; runs of a
+# scene with walls that move take half as long then, others nine tenths.
+OWN_KERNEL_FROM = 300_000
 
 
 def sweep(
@@ -99,7 +104,8 @@ def sweep(
             log.info("%s, %s are left", there, left)
         if target and not dataset:
             stack.enter_context(_interruptible(target, head, rows, done, design))
-        work = Work(job, design, dataset.path.resolve() if dataset else None)
+        own = scheduler is None and left >= OWN_KERNEL_FROM and has_compilers()
+        work = Work(job, design, dataset.path.resolve() if dataset else None, own)
         if scheduler is None or not spans:
             pieces = run_in_threads(work, spans, threads)
         else:

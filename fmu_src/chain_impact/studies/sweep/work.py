@@ -70,11 +70,21 @@ class Work:
         job: what the runs share.
         design: the values of each run.
         folder: where Parquet files are written; None if rows are given back.
+        own: whether the kernel is one for the sizes of this scene.
     """
 
     job: Job
     design: Design
     folder: Path | None = None
+    own: bool = False
+
+    def runner(self) -> Runner:
+        """Who makes the runs of a piece.
+
+        Raises:
+            BuildError: when the kernel cannot be compiled.
+        """
+        return Runner(self.job, own=self.own)
 
     def do(self, piece: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Made, float]:
         """Make some runs; give back their rows, or the name of the file, and how long it took [s].
@@ -83,7 +93,7 @@ class Work:
             CancelledError: when the answer to ``wanted``, which is asked within every second, is no.
             OSError: when the file cannot be written.
         """
-        runner, started = Runner(self.job), perf_counter()
+        runner, started = self.runner(), perf_counter()
 
         def chunks() -> Iterator[tuple[int, np.ndarray]]:
             for first in range(piece[0], piece[1], CHUNK):
