@@ -55,7 +55,7 @@ class Run:
         return int(self.kernel.advance(self.address, self.stop))
 
     def outcome(self) -> list[bytes]:
-        """The records that are compared, after one more run."""
+        """Return the records that are compared, after one more run."""
         self()
         self.kernel.observe(self.address)
         return [self.block[start:end].tobytes() for start, end in self.compared]

@@ -16,7 +16,7 @@ from chain_impact.variables.model import Model
 
 
 def chain(height: float) -> Scene:
-    """Ten links, folded and turning, that start at a height [m] above a floor."""
+    """Return ten links, folded and turning, that start at a height [m] above a floor."""
     wave = np.arange(10)
     return scene_from_dict(
         {
@@ -36,7 +36,7 @@ def chain(height: float) -> Scene:
 
 
 def scenes() -> dict[str, tuple[Scene, float]]:
-    """Name → scene and stop time [s]."""
+    """Return name → scene and stop time [s]."""
     box = load_scene("four_link_box")
 
     def changed(**changes: object) -> Scene:

@@ -42,7 +42,7 @@ class Empty(Fmi2Slave):
 
 
 def calls(tolerance: float) -> dict[str, Callable[[], object]]:
-    """The calls of ``simulate()``, and the runs in a sweep that they are held against."""
+    """Return the calls of ``simulate()``, and the runs in a sweep that they are held against."""
     settings = {"solver.tolerance": tolerance, "simulation.stop_time": STOP}
     scene = load_scene("four_link_box").with_values(settings)
     value = scene.values[NAME]
@@ -61,7 +61,7 @@ def calls(tolerance: float) -> dict[str, Callable[[], object]]:
 
 
 def steps(folder: Path) -> dict[str, Callable[[], object]]:
-    """Runs of FMUs in FMPy."""
+    """Return runs of FMUs in FMPy."""
     (folder / "empty.py").write_text(EMPTY, encoding="utf-8")
     command = [sys.executable, "-m", "pythonfmu", "build", "-f", "empty.py"]
     subprocess.run(command, cwd=folder, check=True, capture_output=True)

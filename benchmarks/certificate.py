@@ -117,7 +117,7 @@ class Step:
                 self.masses[i][j] -= self.balance[i] * self.balance[j] * self.mass
 
     def course(self, at: arb, order: int) -> tuple[Row, Row]:
-        """The variables along P and their rates: Taylor series about x, or about all x of a ball."""
+        """Return the variables along P and their rates: Taylor series about x, or about all x of a ball."""
         ctx.cap = order + 1
         z = [_series(row, at) for row in self.polynomials]
         slopes = [[k * a for k, a in enumerate(row)][1:] for row in self.polynomials]
@@ -184,7 +184,7 @@ class Step:
         return rows, gaps
 
     def _gap(self, c: int, z: Row, units: Row) -> tuple[Any, Any]:
-        """The clearance of a candidate and its rate."""
+        """Return the clearance of a candidate and its rate."""
         point, stop, nx, ny = self.candidates[c]
         first, n, gap, rate = self.first, self.free, -self.offsets[c], arb(0)
         if stop:
@@ -215,20 +215,20 @@ class Step:
         return z[-1] if c == self.regularized else -gap[0], -gap[1]
 
     def _force(self, c: int, z: Row, gap: tuple[Any, Any]) -> Any:
-        """The force of a contact, from √δ, which in its own variable is u √δ*."""
+        """Return the force of a contact, from √δ, which in its own variable is u √δ*."""
         stiffness, exponent, damping, rate_exponent = self.forces[c]
         root = z[-1] * self.scale.sqrt() if c == self.regularized else (-gap[0]).sqrt()
         return stiffness * _power(root, 2 * exponent) - damping * _power(root, 2 * rate_exponent) * gap[1]
 
 
 def _power(base: Any, exponent: arb) -> Any:
-    """A power with an exponent ≥ 0; one that is not whole needs a base > 0."""
+    """Return a power with an exponent ≥ 0; one that is not whole needs a base > 0."""
     whole = int(float(exponent))
     return base**whole if exponent == whole else (base.log() * exponent).exp()
 
 
 def _powers(start: float, dense: np.ndarray) -> Row:
-    """The coefficients of a component of the dense output in powers of x."""
+    """Return the coefficients of a component of the dense output in powers of x."""
     total = arb_poly([arb(float(start))])
     for (p, q), f in zip(POWERS, dense, strict=True):
         total += arb_poly([arb(float(f))]) * arb_poly([0, 1]) ** p * arb_poly([1, -1]) ** q
@@ -236,7 +236,7 @@ def _powers(start: float, dense: np.ndarray) -> Row:
 
 
 def _series(coefficients: Row, at: arb) -> Any:
-    """The Taylor series of a polynomial about x, or about all x of a ball."""
+    """Return the Taylor series of a polynomial about x, or about all x of a ball."""
     shifted = arb_poly(coefficients)(arb_poly([at, 1]))
     return arb_series([shifted[k] for k in range(min(8, ctx.cap))], ctx.cap)
 
@@ -251,13 +251,13 @@ class Matrix:
 
     @classmethod
     def of(cls, rows: list[Row]) -> Matrix:
-        """Balls of floats that hold those of Arb."""
+        """Return balls of floats that hold those of Arb."""
         middle = np.array([[float(entry.mid()) for entry in row] for row in rows])
         radius = np.array([[float(entry.rad()) for entry in row] for row in rows])
         return cls(middle, (radius + ROUND_OFF * np.abs(middle)) * (1 + ROUND_OFF))
 
     def __matmul__(self, other: Matrix) -> Matrix:
-        """The product, with a bound on round-off."""
+        """Return the product, with a bound on round-off."""
         size = np.abs(self.middle)
         spread = size @ other.radius + self.radius @ other.size
         spread += len(other.middle) * ROUND_OFF * (size @ np.abs(other.middle))
@@ -331,21 +331,21 @@ class Part:
         self.courses = [tuple(map(_joined, a, b)) for a, b in zip(courses, wide_courses, strict=True)]
 
     def range_of(self, terms: Row, low: float, high: float) -> arb:
-        """A ball that holds a function for all x in [low, high]."""
+        """Return a ball that holds a function for all x in [low, high]."""
         x, centre = arb(low).union(arb(high)) - self.middle, arb(0.5 * (low + high)) - self.middle
         polynomial = arb_poly(terms[:-1])
         return polynomial(centre) + polynomial.derivative()(x) * (x - centre) + terms[-1] * x**ORDER
 
 
 def _joined(thin: Any, wide: Any) -> Row:
-    """The terms of a Taylor polynomial with Lagrange's remainder."""
+    """Return the terms of a Taylor polynomial with Lagrange's remainder."""
     if min(thin.prec, wide.prec) <= ORDER:
         raise RefusalError("a force is not smooth")
     return [*(thin[k] for k in range(ORDER)), wide[ORDER]]
 
 
 def _upper(ball: arb) -> float:
-    """A float that is not less than the size of a ball."""
+    """Return a float that is not less than the size of a ball."""
     return math.nextafter(float(abs(ball).upper()), math.inf)
 
 
@@ -430,7 +430,7 @@ class Certificate:
         return size, growth
 
     def spread(self, c: int) -> tuple[float, float]:
-        """Bounds on the differences of φ and of the rate of a candidate between y and P."""
+        """Return bounds on the differences of φ and of the rate of a candidate between y and P."""
         step, n = self.step, self.step.free
         far = self.error * self.reach
         point, stop, nx, ny = step.candidates[c]
@@ -447,7 +447,7 @@ class Certificate:
         return float(far[-1] if c == step.regularized else gap) * SLACK, float(rate) * SLACK
 
     def _decide(self, c: int) -> str:
-        """Whether φ falls through zero in the step; if its event is marked, or just beyond its end."""
+        """Return whether φ falls through zero in the step; if its event is marked, or just beyond its end."""
         balls = [arb(0, size) for size in self.spread(c)]
         parts = [part for part in self.parts if c in self.step.marked or part.high <= self.step.kept]
         waiting = [(part, part.low, part.high, 0) for part in reversed(parts)]
@@ -474,7 +474,7 @@ class Certificate:
 
 
 def certify(step: Step) -> tuple[list[str], Certificate | str]:
-    """The verdicts on all candidates; and the certificate, or the reason why there is none."""
+    """Return the verdicts on all candidates; and the certificate, or the reason why there is none."""
     found: Certificate | str = ""
     for count in PARTS:
         try:

@@ -66,7 +66,7 @@ def missing(d: Any) -> str:
 
 
 def steps(scene: Scene) -> Iterator[Any]:
-    """The record after each step of a run, up to a fault."""
+    """Yield the record after each step of a run, up to a fault."""
     run = Instance(scene)
     step = run.record["step"]
     for _ in range(LATEST):
@@ -139,7 +139,7 @@ def look_at_run(scene: Scene, most: int, count: Counter, shift: float = 0.5) -> 
 
 
 def random_scene(number: int) -> tuple[float, Scene]:
-    """A random scene, and its tolerance."""
+    """Return a random scene, and its tolerance."""
     tolerance = TOLERANCES[number % len(TOLERANCES)]
     scene = random(KINDS[number % len(KINDS)] + number)
     return tolerance, scene.with_values({"solver.tolerance": tolerance})

@@ -74,29 +74,29 @@ def _seconds(call: Callable[[], object], repeats: int) -> float:
 
 
 def rounds(text: str | None, usual: int) -> int:
-    """How many rounds to time: as many as usual, or two if the command line says ``--quick``."""
+    """Return how many rounds to time: as many as usual, or two if the command line says ``--quick``."""
     parser = argparse.ArgumentParser(description=text)
     parser.add_argument("--quick", action="store_true", help="two rounds")
     return 2 if parser.parse_args().quick else usual
 
 
 def rounded(value: float, digits: int = 4) -> float:
-    """A number with so many digits."""
+    """Return a number with so many digits."""
     return float(f"{value:.{digits}g}")
 
 
 def median(values: Iterable[float]) -> float:
-    """The median, to four digits."""
+    """Return the median, to four digits."""
     return rounded(statistics.median(values))
 
 
 def spread(values: list[float]) -> dict[str, float]:
-    """Median, least and largest, to four digits."""
+    """Return median, least and largest, to four digits."""
     return {"median": median(values), "least": rounded(min(values)), "largest": rounded(max(values))}
 
 
 def ratio(timings: Timings, name: str, base: str) -> dict[str, float]:
-    """How many times as long as ``base`` a contender takes, over the rounds."""
+    """Return how many times as long as ``base`` a contender takes, over the rounds."""
     return spread([a / b for a, b in zip(timings[name], timings[base], strict=False)])
 
 
@@ -111,7 +111,7 @@ def needed(package: str) -> None:
 def levelled(
     rows: list[dict[str, Any]], keys: tuple[str, ...], ours: Mapping[Any, Callable[[], object]]
 ) -> list[dict[str, Any]]:
-    """The rows of contenders with times as if all of them had been timed at once.
+    """Return the rows of contenders with times as if all of them had been timed at once.
 
     Contenders with the same values of the keys are timed in turn, but one case after the other, and other
     programs may slow the machine down during one of them. So ours is timed for all cases in turn, and a time
@@ -134,7 +134,7 @@ def levelled(
 
 
 def environment(packages: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Machine, versions (also of further packages that are there), commit and date of this run."""
+    """Return machine, versions (also of further packages that are there), commit and date of this run."""
     further = {name: _version(name) for name in packages}
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -41,7 +41,7 @@ GRID = "stiffness and tolerance"
 
 
 def scene_with(changes: Mapping[Any, Any], tolerance: float) -> Scene:
-    """The scene of the problem with other values."""
+    """Return the scene of the problem with other values."""
     return with_values(PROBLEM.scene(tolerance), changes)
 
 
@@ -83,7 +83,7 @@ def first_impact(scene: Scene, truth: np.void) -> dict[str, float | None]:
 
 
 def measure(rounds: int) -> list[dict]:
-    """Errors and costs of all choices at both times."""
+    """Return errors and costs of all choices at both times."""
     expected = common.load("reference")["results"][PROBLEM.name]
     truth = simulate(scene_with({}, 1e-12), stop_time=0.6).impacts[0]
     rows = []

@@ -72,7 +72,7 @@ NOSLIP = replace(DEFAULTS, noslip=10)
 
 
 def _planes(scene: Scene) -> str:
-    """The walls; the normal of a plane is its z axis."""
+    """Return the walls; the normal of a plane is its z axis."""
     planes = ""
     for name, wall in scene.half_planes.items():
         (nx, nz), back = wall.normal, wall.offset - RADIUS
@@ -85,7 +85,7 @@ def _planes(scene: Scene) -> str:
 
 
 def _bodies(scene: Scene) -> str:
-    """The links, each in the one before."""
+    """Return the links, each in the one before."""
     links, points = scene.chain.links, {point for point, _ in candidates(scene)}
 
     def ball(point: int, along: float) -> str:
@@ -156,13 +156,13 @@ class Engine:
 
 
 def drift(early: np.ndarray, late: np.ndarray, stop: float) -> dict[str, float]:
-    """The mean speed along the slope [µm/s] since the rod has settled."""
+    """Return the mean speed along the slope [µm/s] since the rod has settled."""
     moved = (late - early)[:2] @ (math.cos(SLOPE), -math.sin(SLOPE))
     return {"drift": common.rounded(1e6 * abs(moved) / (stop - SETTLED))}
 
 
 def stiffest(dt: float) -> Contact:
-    """The least time constant and the largest impedance that MuJoCo accepts, and hard friction."""
+    """Return the least time constant and the largest impedance that MuJoCo accepts, and hard friction."""
     return Contact((2.0 * dt, 1.0), (0.9999, 0.9999, 0.001), impratio=100.0)
 
 
@@ -176,7 +176,7 @@ ON_THE_SLOPE: dict[str, Callable[[float], Contact]] = {
 
 
 def at_rest() -> Entries:
-    """Our kernel at some tolerances, also for an hour; and MuJoCo with each setting and step."""
+    """Return our kernel at some tolerances, also for an hour; and MuJoCo with each setting and step."""
     found: dict[tuple[str, float], Any] = {}
     for name, stop in (("ours", STOP), ("ours, an hour", HOUR)):
         for tolerance in TOLERANCES:
@@ -207,7 +207,7 @@ def duration_of_ours() -> Contact:
 
 
 def throw(stop: float, rounds: int) -> list[dict[str, Any]]:
-    """Errors against each program's own converged run, and cost, at a time [s]."""
+    """Return errors against each program's own converged run, and cost, at a time [s]."""
     found: dict[tuple[str, float], Any] = {}
     scenes = {tolerance: thrown(**{"solver.tolerance": tolerance}) for tolerance in (FINE, *TOLERANCES)}
     truth = Kernel(scenes[FINE], stop).outcome().state
@@ -232,7 +232,7 @@ def throw(stop: float, rounds: int) -> list[dict[str, Any]]:
 
 
 def off(state: np.ndarray, truth: np.ndarray) -> float:
-    """The largest error of a component (m, rad, m/s, rad/s)."""
+    """Return the largest error of a component (m, rad, m/s, rad/s)."""
     return common.rounded(np.abs(state - truth).max())
 
 

@@ -128,7 +128,7 @@ def rate(_t, y, out, d):
 
 @compiled
 def least_event(d, y):
-    """The smallest of all event functions, and its rate where it is a clearance."""
+    """Return the smallest of all event functions, and its rate where it is a clearance."""
     lowest, slope = np.inf, 0.0
     locate_points(d, y)
     for c in range(d.candidates):
@@ -190,7 +190,7 @@ def switch(d, clock, values, found):
 
 @compiled
 def looked_at(d, y):
-    """Energy [J], largest penetration [m], and depth of points without a contact [m]."""
+    """Return energy [J], largest penetration [m], and depth of points without a contact [m]."""
     locate_points(d, y)
     kinetic, potential = mechanical_energy(d, y)
     deepest, outside = 0.0, 0.0
@@ -208,7 +208,7 @@ def look(y, found, d):
 
 
 def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compiled
-    """Fixed steps of semi-implicit Euler or of RK4; a contact begins and ends at the end of a step.
+    """Return fixed steps of semi-implicit Euler or of RK4; a contact begins and ends at the end of a step.
 
     Args:
         d: the instance.
@@ -264,7 +264,7 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
 
 @compiled
 def static_depth(d):
-    """Penetration [m] under the weight of one link."""
+    """Return penetration [m] under the weight of one link."""
     weight = abs(d.model.gravity[1]) * d.model.mass[0]
     return (weight / d.law.stiffness[0]) ** (1.0 / d.law.exponent[0])
 
@@ -300,7 +300,7 @@ def cvode_roots(d, careful, y, value):
 
 
 def cvode_weights(d, careful, y, weight):
-    """One over the error allowed in each component.
+    """Return one over the error allowed in each component.
 
     As users have it: tolerance × (|y| + scale), the scale that of the kernel. Careful: positions without the
     relative part, and while a contact is active no more than a part of the static penetration.
@@ -325,7 +325,7 @@ def cvode_weights(d, careful, y, weight):
 
 
 def entry_points() -> Entries:
-    """The C functions."""
+    """Return the C functions."""
     solver, roots = void(float64, REALS, REALS, INSTANCE), int32(INSTANCE, int32, REALS, REALS)
     functions: Entries = start_and_stop("plain", PLAIN) | start_and_stop("cvode", CVODE)
     return functions | {
@@ -348,12 +348,12 @@ def lower(file: str) -> None:
 
 
 def digest(*sources: Path) -> str:
-    """Hexadecimal digits that change with the content of the files."""
+    """Return hexadecimal digits that change with the content of the files."""
     return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:12]
 
 
 def built(links: int) -> Path:
-    """The library for a number of links, compiled if it is not cached."""
+    """Return the library for a number of links, compiled if it is not cached."""
     here, exact = Path(__file__), ready.exact(links)
     name = f"{here.stem}-{digest(here)}"
     program = f"import sys; sys.path.insert(0, {str(here.parent)!r}); import kernel_model; "
@@ -375,7 +375,7 @@ def link(lowered_file: Path, links: int | None, library: Path) -> None:
 
 @cache
 def load(links: int) -> ctypes.CDLL:
-    """The library of the ``plain_`` functions, compiled if it is not cached."""
+    """Return the library of the ``plain_`` functions, compiled if it is not cached."""
     model = ctypes.CDLL(str(built(links)))
     pointer, real = ctypes.c_void_p, ctypes.c_double
     model.plain_start.argtypes = [pointer] * 2

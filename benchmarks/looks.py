@@ -33,11 +33,11 @@ LOOKS = {
 
 
 def look(name: str) -> dict[str, Any]:
-    """How a contender is drawn."""
+    """Return how a contender is drawn."""
     return strong(name == "chain-impact", *LOOKS[name])
 
 
 def strong(ours: bool, colour: Any, marker: str, line: str = "-") -> dict[str, Any]:
-    """How a curve is drawn; ours is bolder than others, and above them."""
+    """Return how a curve is drawn; ours is bolder than others, and above them."""
     bold = {"linewidth": 2.4, "zorder": 3} if ours else {"linewidth": 1.2, "zorder": 2}
     return {"color": colour, "marker": marker, "linestyle": line, "markersize": 4.5, **bold}

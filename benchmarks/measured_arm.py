@@ -51,7 +51,7 @@ class Span(NamedTuple):
 
 
 def arm() -> Scene:
-    """The scene: lengths and masses as the design has them; zero angles hang down."""
+    """Return the scene: lengths and masses as the design has them; zero angles hang down."""
     links = [{"length": 0.2, "mass": 0.5}, {"length": 0.3, "mass": 0.6}]
     table = {
         "name": "MeasuredArm",
@@ -65,7 +65,7 @@ def arm() -> Scene:
 
 
 def read(file: Path, first: float = 0.5) -> list[Span]:
-    """The spans of a run; what is before the first time is left out."""
+    """Return the spans of a run; what is before the first time is left out."""
     data = np.genfromtxt(file, delimiter=",", names=True)
     time = data["time"]
     angles, torques = (np.array([data[f"{name}_meas{i}"] for i in (1, 2)]) for name in ("pos", "tau"))
@@ -111,12 +111,12 @@ def off(
 
 
 def all_off(x: np.ndarray, spans: list[Span], names: list[str]) -> np.ndarray:
-    """Errors over all spans [rad]."""
+    """Return errors over all spans [rad]."""
     return np.concatenate([off(x, span, names)[0] for span in spans])
 
 
 def fitted(spans: list[Span], dry: bool) -> tuple[dict[str, dict[str, float]], np.ndarray]:
-    """The parameters with their 95 % intervals, with dry friction or without; and their values."""
+    """Return the parameters with their 95 % intervals, with dry friction or without; and their values."""
     keys = [k for k in range(len(KEYS)) if dry or KEYS[k] != DRY]
     names = [f"link[{i}].{KEYS[k]}" for i in (1, 2) for k in keys]
 
@@ -142,7 +142,7 @@ def fitted(spans: list[Span], dry: bool) -> tuple[dict[str, dict[str, float]], n
 
 
 def measure(known: list[Span], unseen: list[Span]) -> dict[str, Any]:
-    """Parameters, and the root mean square error [rad] in the run of the fit and in the other one."""
+    """Return parameters, and the root mean square error [rad] in the run of the fit and in the other one."""
     rows: dict[str, Any] = {}
     for title, dry in (("viscous and dry friction", True), ("viscous friction only", False)):
         table, x = fitted(known, dry)

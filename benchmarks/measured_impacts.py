@@ -53,12 +53,12 @@ class Trials:
         return Trials(self.before[part], self.after[part], self.arm[part])
 
     def at_contact(self, velocity: np.ndarray) -> np.ndarray:
-        """Velocity of the contact point (n, 2): along the wall and away from it [m/s]."""
+        """Return velocity of the contact point (n, 2): along the wall and away from it [m/s]."""
         return velocity[:, :2] + velocity[:, 2:] * self.arm[:, ::-1] * [-1.0, 1.0]
 
 
 def read(folder: Path) -> Trials:
-    """The trials of the data set."""
+    """Return the trials of the data set."""
     data = loadmat(folder / "data_ellipse.mat", simplify_cells=True)["data"]
     turned = [-1.0, 1.0, 1.0]
     before, after = (data[f"states_{name}"][:, 3:] * turned for name in "if")
@@ -69,7 +69,7 @@ def read(folder: Path) -> Trials:
 
 
 def ellipse() -> Scene:
-    """The scene of all trials; ``values`` has what differs."""
+    """Return the scene of all trials; ``values`` has what differs."""
     link = {"length": 0.03, "mass": MASS, "center_of_mass": 0.0, "inertia": MASS * GYRATION**2}
     table = {
         "name": "Ellipse",
@@ -84,7 +84,7 @@ def ellipse() -> Scene:
 
 
 def values(trials: Trials) -> dict[str, np.ndarray]:
-    """Values of the scene, one for each trial."""
+    """Return values of the scene, one for each trial."""
     across, up = trials.arm.T
     names = ("initial.vx", "initial.vy", "initial.angular_velocity[1]")
     found = {"link[1].length": np.hypot(across, up), "initial.angle[1]": np.arctan2(up, across)}
@@ -95,14 +95,14 @@ OUTPUTS = ("point[0].vx", "point[0].vy", "link[1].angular_velocity")
 
 
 def fitted(scene: Scene, trials: Trials, laws: bool = False) -> Fit:
-    """Restitution and friction that suit the trials: v_x, v_y and ω times the radius of gyration."""
+    """Return restitution and friction that suit the trials: v_x, v_y and ω times the radius of gyration."""
     data = [{"time": [STOP]} | dict(zip(OUTPUTS, after[:, None], strict=True)) for after in trials.after]
     sigma = dict(zip(OUTPUTS, (0.2, 0.2, 0.2 / GYRATION), strict=True))
     return fit(scene, data, list(START), set_each=values(trials), sigma=sigma, laws=laws)
 
 
 def predicted(scene: Scene, trials: Trials) -> np.ndarray:
-    """Velocities after the impacts (n, 3)."""
+    """Return velocities after the impacts (n, 3)."""
     known = values(trials)
     rows = []
     for k in range(len(trials.before)):
@@ -115,7 +115,7 @@ def predicted(scene: Scene, trials: Trials) -> np.ndarray:
 
 
 def compliant(trials: Trials, restitution: float, friction: float, ratio: float) -> np.ndarray:
-    """Velocities after impacts (n, 3) with a spring along the wall, in line with a Coulomb slider.
+    """Return velocities after impacts (n, 3) with a spring along the wall, in line with a Coulomb slider.
 
     The normal force is K δ^3/2, times e² on the way out; the spring along the wall has the slope of K δ^3/2
     times ``ratio`` (Mindlin & Deresiewicz 1953). Without gravity K does not matter, so it is the mass.
@@ -141,7 +141,7 @@ def compliant(trials: Trials, restitution: float, friction: float, ratio: float)
 
 
 def fitted_compliant(trials: Trials, ratio: float | None) -> list[float]:
-    """Restitution, friction and, unless it is given, ratio of the stiffnesses that suit the trials."""
+    """Return restitution, friction and, unless it is given, ratio of the stiffnesses that suit the trials."""
 
     def misfit(x: np.ndarray) -> float:
         if not (0.0 < x[0] <= 1.0 and (x > 0.0).all()):
@@ -163,7 +163,7 @@ def errors(trials: Trials, after: np.ndarray) -> np.ndarray:
 
 
 def figures(trials: Trials, after: np.ndarray, **parameters: float) -> dict[str, Any]:
-    """Median error and that which 90 % stay below [m/s]; and parts of the trials.
+    """Return median error and that which 90 % stay below [m/s]; and parts of the trials.
 
     In these parts the point moves along the wall afterwards in the measured direction, and back.
     """
@@ -193,7 +193,7 @@ def facts(trials: Trials) -> dict[str, float]:
 
 
 def measure(trials: Trials) -> dict[str, Any]:
-    """Facts, and the errors of each law and of the model with a compliance at the odd trials."""
+    """Return facts, and the errors of each law and of the model with a compliance at the odd trials."""
     known, asked = trials[::2], trials[1::2]
     rows: dict[str, Any] = {}
     for one in fitted(ellipse(), known, laws=True).ranking:

@@ -23,18 +23,18 @@ class Problem:
     base: Scene
 
     def scene(self, tolerance: float | None = None) -> Scene:
-        """The scene, with a tolerance."""
+        """Return the scene, with a tolerance."""
         return self.base if tolerance is None else self.base.with_values({"solver.tolerance": tolerance})
 
     def tip(self, state: np.ndarray) -> np.ndarray:
-        """Where the tip is [m] in a state: x₀, y₀, angles, and their rates."""
+        """Return where the tip is [m] in a state: x₀, y₀, angles, and their rates."""
         lengths = np.array([link.length for link in self.base.chain.links])
         angles = state[2 : 2 + len(lengths)].astype(float)
         return np.array([lengths @ np.cos(angles), lengths @ np.sin(angles)]) + state[:2].astype(float)
 
 
 def chain(links: int) -> Scene:
-    """A chain of 2 m and 4 kg that falls into a box, folded and turning."""
+    """Return a chain of 2 m and 4 kg that falls into a box, folded and turning."""
     wave = np.arange(links)
     return scene_from_dict(
         {

@@ -18,7 +18,7 @@ Entries = Mapping[tuple[str, float], tuple[Callable[[], object], dict[str, Any]]
 
 
 def judge(found: Outcome, problem: Problem, expected: dict, stop: float) -> dict[str, Any]:
-    """Errors of the tip [mm] and of the onsets [µs]; none of onsets where other impacts were found."""
+    """Return errors of the tip [mm] and of the onsets [µs]; none of onsets where other impacts were found."""
     row: dict[str, Any] = {"steps": found.steps, "rhs": found.rhs, "onsets": len(found.onsets)}
     true = [(one["candidate"], one["onset"]) for one in expected["impacts"] if one["onset"] < stop]
     row["right"] = [c for c, _ in found.onsets] == [c for c, _ in true]
@@ -34,7 +34,7 @@ def judge(found: Outcome, problem: Problem, expected: dict, stop: float) -> dict
 
 
 def race(entries: Entries, base: str, rounds: int, patience: float = 5.0) -> list[dict[str, Any]]:
-    """The rows of all entries: what each comes to and its time [s], with the range over the rounds.
+    """Return the rows of all entries: what each comes to and its time [s], with the range over the rounds.
 
     ``ratio`` is the time over that of ``base`` at the same setting, if that is timed.
     """

@@ -62,7 +62,7 @@ class Bouncing:
         self.step = REAL(1e-3)
 
     def clearances(self, y: np.ndarray) -> list[tuple[REAL, REAL]]:
-        """Clearance [m] and its rate [m/s] of each candidate."""
+        """Return clearance [m] and its rate [m/s] of each candidate."""
         position, velocity = self.book.points(y)
         found = []
         for point, wall in self.pairs:
@@ -85,7 +85,7 @@ class Bouncing:
         return self.book.rate(y, loads)
 
     def extrapolate(self, y: np.ndarray, h: REAL) -> tuple[np.ndarray, REAL]:
-        """One step of size h: result and error estimate."""
+        """Return one step of size h: result and error estimate."""
         first, table = self.rate(y), []
         for row in range(self.rows):
             count = 2 * (row + 1)
@@ -132,7 +132,7 @@ class Bouncing:
                 self.step = min(REAL(LONGEST), h * grow) if not last else self.step
 
     def land(self, c: int, h: REAL, y: np.ndarray) -> tuple[REAL, np.ndarray]:
-        """The step whose end is the event of candidate c."""
+        """Return the step whose end is the event of candidate c."""
         for _ in range(12):
             value, slope = self.events(y)[c]
             change = value / slope
@@ -160,7 +160,7 @@ class Bouncing:
 
 
 def run(problem: Problem, rows: int, tolerance: float) -> tuple[list, list]:
-    """States at the times of a problem, and the impacts."""
+    """Return states at the times of a problem, and the impacts."""
     scene, states = problem.scene(), []
     motion = Bouncing(scene, rows, tolerance * (LOOSER if len(scene.chain.links) > MANY else 1.0))
     for stop in problem.times:

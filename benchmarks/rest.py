@@ -76,7 +76,7 @@ def outcome(run: Any) -> dict:
 
 
 def at_rest(rows: np.ndarray) -> float | None:
-    """Evaluations a second, over the seconds with no event in them nor in the one before."""
+    """Return evaluations a second, over the seconds with no event in them nor in the one before."""
     rhs = np.diff(rows["rhs"])
     events = np.diff(rows["restarts"])
     quiet = [s for s in range(1, len(rhs)) if events[s] == 0 and events[s - 1] == 0]
@@ -84,7 +84,7 @@ def at_rest(rows: np.ndarray) -> float | None:
 
 
 def compare(scene: Scene) -> dict:
-    """Ours and CVODE on one scene."""
+    """Return ours and CVODE on one scene."""
     fine = Instance(with_values(scene, {("solver", "tolerance"): FINE}))
     assert fine._kernel.advance(fine._address, float(STOP)) == 0
     seconds = np.arange(1.0, STOP + 1.0)

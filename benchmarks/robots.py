@@ -62,7 +62,7 @@ class Compared(NamedTuple):
 
 
 def compared(path: Path, choices: Choices = ALL) -> Compared:
-    """A robot's file beside MuJoCo; with the proposed joints, if all joints are no planar chain."""
+    """Return a robot's file beside MuJoCo; with the proposed joints, if all joints are no planar chain."""
     try:
         robot = read_robot(path, choices.keyframe)
         try:
@@ -83,7 +83,7 @@ def compared(path: Path, choices: Choices = ALL) -> Compared:
 
 
 def _moving(robot: Robot, names: Sequence[str]) -> Robot:
-    """A robot of which the joints that move have a speed at the start."""
+    """Return a robot of which the joints that move have a speed at the start."""
     speeds = {name: SPEED * (-1.0) ** i for i, name in enumerate(names)}
     bodies = [
         replace(body, joints=[replace(joint, speed=speeds.get(joint.name, 0.0)) for joint in body.joints])
@@ -93,7 +93,7 @@ def _moving(robot: Robot, names: Sequence[str]) -> Robot:
 
 
 def turned_in_scene(done: Converted, robot: Robot, names: Sequence[str]) -> np.ndarray:
-    """How far each hinge turns in the scene [rad], with the sign of the file, by the note on it."""
+    """Return how far each hinge turns in the scene [rad], with the sign of the file, by the note on it."""
     data = {key: table for key, table in done.data.items() if key not in ("box", "walls", "contact", "stops")}
     links = [
         {key: value for key, value in link.items() if key not in TOUCHING} for link in data["chain"]["links"]
@@ -118,7 +118,7 @@ def turned_in_scene(done: Converted, robot: Robot, names: Sequence[str]) -> np.n
 
 
 def mujoco_model(path: Path) -> Any:
-    """A file as MuJoCo has it, without constraints; of URDF what is seen and touched is left out."""
+    """Return a file as MuJoCo has it, without constraints; of URDF what is seen and touched is left out."""
     if path.suffix == ".xml":
         model = compiled(mujoco, path).model
     else:
@@ -142,7 +142,7 @@ def mujoco_model(path: Path) -> Any:
 
 
 def turned_in_mujoco(path: Path, robot: Robot, names: Sequence[str], keyframe: str | None) -> np.ndarray:
-    """How far each hinge of some joints turns in MuJoCo [rad]; all others are held."""
+    """Return how far each hinge of some joints turns in MuJoCo [rad]; all others are held."""
     model = mujoco_model(path)
     data = mujoco.MjData(model)
     if model.nkey and keyframe != "none":

@@ -56,7 +56,7 @@ class OverBudgetError(Exception):
 
 
 def drop(stiffness: float, restitution: float, method: str = "auto") -> Scene:
-    """The falling rod."""
+    """Return the falling rod."""
     return scene_from_dict(
         {
             "name": "Drop",
@@ -79,7 +79,7 @@ def energies() -> tuple[float, float]:
 
 
 def judged(finite: bool, energy: float, deepest: float, missed: bool, otherwise: str) -> str:
-    """The outcome of a run, the gravest first."""
+    """Return the outcome of a run, the gravest first."""
     if not finite or not math.isfinite(energy):
         return "not finite"
     if missed:  # it falls through
@@ -90,7 +90,7 @@ def judged(finite: bool, energy: float, deepest: float, missed: bool, otherwise:
 
 
 def alarm(budget: float) -> Callable[[], None]:
-    """A function that raises when the CPU time of a cell is used up."""
+    """Return a function that raises when the CPU time of a cell is used up."""
     end = time.process_time() + budget
 
     def tick() -> None:
@@ -101,7 +101,7 @@ def alarm(budget: float) -> Callable[[], None]:
 
 
 def run_fixed(scene: Scene, name: str, dt: float) -> dict:
-    """A cell of a fixed-step method; its steps are counted, and need no budget."""
+    """Return a cell of a fixed-step method; its steps are counted, and need no budget."""
     peer, limits = OnKernel(scene, STOP), np.array([1e3 * energies()[1], 10.0])
     peer.start()
     steps = peer.model.plain_steps(
@@ -120,7 +120,7 @@ def run_fixed(scene: Scene, name: str, dt: float) -> dict:
 
 
 def run_scipy(scene: Scene, method: str) -> dict:
-    """A cell of one of solve_ivp's methods."""
+    """Return a cell of one of solve_ivp's methods."""
     otherwise, note = "completed", ""
     Scipy(drop(1e4, 0.7), 0.2, "DOP853", watch=True).run()  # compiles, onset and all
     peer = Scipy(scene, STOP, method, watch=True)
@@ -146,7 +146,7 @@ def run_scipy(scene: Scene, method: str) -> dict:
 
 
 def run_ours(scene: Scene) -> dict:
-    """A cell of ours, looked at often enough to see what a user would see."""
+    """Return a cell of ours, looked at often enough to see what a user would see."""
     try:
         instance = Instance(scene)
     except SimulationError as problem:
@@ -186,7 +186,7 @@ def run_ours(scene: Scene) -> dict:
 
 
 def left(peer: OnKernel) -> float:
-    """Energy at the end without that in the contacts, as a fraction of that at the start."""
+    """Return energy at the end without that in the contacts, as a fraction of that at the start."""
     peer.model.plain_stop(peer.address, STOP, peer.y.ctypes.data)
     peer.kernel.observe(peer.address)
     output = peer.instance.record["output"]
@@ -194,7 +194,7 @@ def left(peer: OnKernel) -> float:
 
 
 def cell(task: tuple[str, float, float]) -> dict:
-    """One run."""
+    """Return one run."""
     method, stiffness, restitution = task
     begin = time.process_time()
     if method in FIXED:
@@ -212,7 +212,7 @@ SIZE = (9.5, 8.2)  # inches, of the chart
 
 
 def title_of(method: str) -> str:
-    """A method's name in the chart."""
+    """Return a method's name in the chart."""
     return f"SciPy {method}" if method in ADAPTIVE else method.replace("ours", "chain-impact")
 
 

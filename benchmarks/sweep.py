@@ -35,7 +35,7 @@ def loop() -> None:
 
 
 def measured(call: Callable[[], object], runs: int) -> tuple[float, float]:
-    """Microseconds a run, by the clock and of CPU time."""
+    """Return microseconds a run, by the clock and of CPU time."""
     used, clock = time.process_time(), time.perf_counter()
     call()
     return 1e6 * (time.perf_counter() - clock) / runs, 1e6 * (time.process_time() - used) / runs

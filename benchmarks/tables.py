@@ -36,7 +36,7 @@ LAWS = ("lankarani_nikravesh", "flores", "newton_impact")
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
-    """A Markdown table."""
+    """Return a Markdown table."""
     head = list(head)
     lines = ["| " + " | ".join(map(str, row)) + " |" for row in (head, *rows)]
     return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
@@ -52,30 +52,30 @@ def run(name: str, packages: Iterable[str] = ()) -> str:
 
 
 def digits(value: float | None) -> str:
-    """Three digits, and no exponent for what is large; a dash for nothing."""
+    """Return three digits, and no exponent for what is large; a dash for nothing."""
     if value is None:
         return "–"
     return f"{value:.3g}" if value < 1e3 else f"{float(f'{value:.3g}'):.0f}"
 
 
 def find(rows: list[dict], **key: object) -> dict[str, Any]:
-    """The first row that has these values, or an empty one."""
+    """Return the first row that has these values, or an empty one."""
     return next((row for row in rows if all(row.get(k) == v for k, v in key.items())), {})
 
 
 def milliseconds(row: dict[str, Any]) -> str:
-    """The time of a row [ms]."""
+    """Return the time of a row [ms]."""
     return digits(1e3 * row["seconds"]["median"] if "seconds" in row else None)
 
 
 def span(values: Iterable[float]) -> str:
-    """The least and the largest of some ratios, in words."""
+    """Return the least and the largest of some ratios, in words."""
     least, largest = min(found := list(values)), max(found)
     return f"{digits(float(f'{least:.2g}'))} to {digits(float(f'{largest:.2g}'))}"
 
 
 def headline() -> str:
-    """How many times as long the peers take at the default tolerance and equal error."""
+    """Return how many times as long the peers take at the default tolerance and equal error."""
     rows = common.load("work_precision")["results"]["at equal error"]
     ratios = [row["times as long"] for row in rows if row["setting"] == DEFAULT_TOLERANCE]
     scipy, cvode, heyoka, numbalsoda = (
@@ -104,7 +104,7 @@ def sweeps() -> str:
 
 
 def works() -> str:
-    """Times and errors of ours, and how many times as long peers take at equal error."""
+    """Return times and errors of ours, and how many times as long peers take at equal error."""
     results = common.load("work_precision")["results"]
     others = [name for name, family in peers.FAMILIES.items() if family != "ours"]
     rows = []
@@ -128,7 +128,7 @@ def works() -> str:
 
 
 def slope() -> str:
-    """How fast a rod at rest on a slope drifts with each setting, and what that costs."""
+    """Return how fast a rod at rest on a slope drifts with each setting, and what that costs."""
     results = common.load("friction")["results"]["slope"]
     rows = []
     for name in dict.fromkeys(
@@ -166,7 +166,7 @@ def choices() -> str:
 
 
 def shares(rows: list[dict[str, Any]]) -> dict[str, float]:
-    """The shares of all steps of some runs [%]: proven, and without equations of the certificate."""
+    """Return the shares of all steps of some runs [%]: proven, and without equations of the certificate."""
     found = {"proven": 0.0, "without": 0.0}
     weights = [row["steps" if row["of"] == RANDOM else "steps of runs"] for row in rows]
     for row, weight in zip(rows, weights, strict=True):
@@ -178,7 +178,7 @@ def shares(rows: list[dict[str, Any]]) -> dict[str, float]:
 
 
 def proven_share() -> str:
-    """The share of the steps of the models that are proven."""
+    """Return the share of the steps of the models that are proven."""
     return proven().partition("**")[2].partition(" %")[0] + " %"
 
 

@@ -38,7 +38,7 @@ SIZE = (13.0, 7.6)  # inches, of the chart
 
 
 def measured(name: str, rounds: int) -> tuple[list[dict[str, Any]], dict[str, str]]:
-    """The rows of a problem, all contenders and tolerances timed in turn; and who is missing."""
+    """Return the rows of a problem, all contenders and tolerances timed in turn; and who is missing."""
     problem, expected = PROBLEMS[name], common.load("reference")["results"][name]
     stop, missing, entries = problem.times[-1], {}, {}
     for tolerance in TOLERANCES:
@@ -49,7 +49,7 @@ def measured(name: str, rounds: int) -> tuple[list[dict[str, Any]], dict[str, st
 
 
 def start_up(name: str, cache: str = "") -> float | None:
-    """CPU time [s] of a new process to its first result, None of one that fails.
+    """Return CPU time [s] of a new process to its first result, None of one that fails.
 
     With an empty cache it compiles the kernel.
     """

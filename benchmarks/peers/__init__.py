@@ -56,7 +56,7 @@ class Contender(Protocol):
 def contenders(
     problem: Problem, tolerance: float, stop: float, families: Iterable[str] = tuple(FAMILIES.values())
 ) -> tuple[dict[str, Contender], dict[str, str]]:
-    """All that can take part, and why others cannot."""
+    """Return all that can take part, and why others cannot."""
     found: dict[str, Contender] = {}
     missing = {}
     for name in dict.fromkeys(families):

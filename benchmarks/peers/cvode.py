@@ -69,7 +69,7 @@ class Cvode(OnInstance):
 
 @cache
 def driver(links: int) -> ctypes.CDLL:
-    """The library of cvode.c, with the model for so many links, compiled if it is not cached.
+    """Return the library of cvode.c, with the model for so many links, compiled if it is not cached.
 
     Raises:
         MissingError: when there is no SUNDIALS to compile against.
@@ -96,5 +96,5 @@ def link_driver(library: Path, model: Path) -> None:
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
-    """The formulas that are best with impacts."""
+    """Return the formulas that are best with impacts."""
     return {"CVODE Adams": Cvode(problem.scene(tolerance), np.array([stop]), adams=1, careful=0)}

@@ -36,14 +36,14 @@ class Taylor(OnKernel):
         self.integrators: dict[tuple[int, ...], Any] = {}
 
     def integrator(self) -> Any:
-        """The one for the contacts that are active; compiled when first asked for."""
+        """Return the one for the contacts that are active; compiled when first asked for."""
         key = tuple(int(c) for c in np.flatnonzero(self.touch["active"]))
         if key not in self.integrators:
             self.integrators[key] = self.compiled(key)
         return self.integrators[key]
 
     def compiled(self, active: tuple[int, ...]) -> Any:
-        """Equations of motion and events; the latched speeds are its parameters."""
+        """Return equations of motion and events; the latched speeds are its parameters."""
         count = range(len(self.given["length"]) + 2)
         q = hy.make_vars(*(f"q{i}" for i in count))
         v = hy.make_vars(*(f"v{i}" for i in count))
@@ -66,13 +66,13 @@ class Taylor(OnKernel):
         return hy.taylor_adaptive(system, [0.0] * len(system), tol=self.tolerance, t_events=falling)
 
     def links(self, q: Any) -> tuple[list[Any], list[Any]]:
-        """Vectors along the links [m]."""
+        """Return vectors along the links [m]."""
         lengths = [float(length) for length in self.given["length"]]
         x = [length * hy.cos(q[2 + i]) for i, length in enumerate(lengths)]
         return x, [length * hy.sin(q[2 + i]) for i, length in enumerate(lengths)]
 
     def clearances(self, q: Any, v: Any) -> list[tuple[Any, Any]]:
-        """Clearance [m] and its rate [m/s] of each candidate."""
+        """Return clearance [m] and its rate [m/s] of each candidate."""
         lx, ly = self.links(q)
         place, speed = [(q[0], q[1])], [(v[0], v[1])]
         for i in range(len(lx)):
@@ -153,7 +153,7 @@ class Taylor(OnKernel):
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
-    """One."""
+    """Return one."""
     scene = problem.scene(tolerance)
     if len(scene.chain.links) > MOST_LINKS:
         raise MissingError(f"takes too long to compile beyond {MOST_LINKS} links")

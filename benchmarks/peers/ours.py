@@ -33,7 +33,7 @@ class OnInstance:
         self.kernel, self.address = self.instance._kernel, self.instance._address
 
     def observed(self) -> tuple[np.ndarray, Onsets]:
-        """State, and onsets by candidate."""
+        """Return state, and onsets by candidate."""
         self.kernel.observe(self.address)
         record = self.instance.record
         out, candidate = record["output"], record["candidate"]
@@ -59,7 +59,7 @@ class Kernel(OnInstance):
         return self.kernel.advance(self.address, self.stop)
 
     def outcome(self) -> Outcome:
-        """State, onsets and the counts of the statistics."""
+        """Return state, onsets and the counts of the statistics."""
         status, counts = self.run(), self.instance.statistics
         failed = STATUS_TEXT[int(status)] if status else ""
         return Outcome(*self.observed(), counts["steps"], counts["rhs_evaluations"], failed)
@@ -117,7 +117,7 @@ class Fmu(Simulate):
 
 @cache
 def unpacked(name: str) -> str:
-    """The folder of a problem's FMU, which is removed when the process ends."""
+    """Return the folder of a problem's FMU, which is removed when the process ends."""
     folder = tempfile.mkdtemp()
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return str(fmpy.extract(build_fmu(PROBLEMS[name].base, folder, target="native"), folder))

@@ -18,7 +18,7 @@ BEYOND = 1e-9  # m, a point this deep in a wall without a contact: an onset was 
 
 @njit
 def call(function, t, y, address, count):
-    """A C function of time and state, which fills so many numbers."""
+    """Return a C function of time and state, which fills so many numbers."""
     out, whole = np.empty(count), np.ascontiguousarray(y)  # columns of a matrix are not in one piece
     function(t, whole.ctypes.data, out.ctypes.data, address)
     return out
@@ -93,5 +93,5 @@ class Scipy(OnKernel):
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
-    """The method that is best with impacts."""
+    """Return the method that is best with impacts."""
     return {"SciPy DOP853": Scipy(problem.scene(tolerance), stop, "DOP853")}

@@ -97,5 +97,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """The public names only, for those who look for one; the modules can be imported all the same."""
+    """Return the public names only, for those who look for one; the modules can be imported all the same."""
     return list(__all__)

@@ -33,7 +33,7 @@ def require(package: str, extra: str) -> Any:
 
 
 def how_to_install(extra: str) -> str:
-    """The command that adds an extra to this installation, from where it came."""
+    """Return the command that adds an extra to this installation, from where it came."""
     origin = json.loads(distribution("chain-impact").read_text("direct_url.json") or "{}")
     url = origin.get("url", "")
     if url.startswith("file:"):

@@ -60,7 +60,7 @@ def _host(system: str, machine: str, word: int) -> str:
 
 
 def _machine() -> str:
-    """The processor that this Python is made for: Windows on ARM runs one for x86-64, too."""
+    """Return the processor that this Python is made for: Windows on ARM runs one for x86-64, too."""
     return sysconfig.get_platform().partition("-")[2] if SYSTEM == WINDOWS else platform.machine()
 
 
@@ -78,7 +78,7 @@ def nowhere() -> str:
 
 
 def cores() -> int:
-    """How many cores this process may use."""
+    """Return how many cores this process may use."""
     affinity = getattr(os, "sched_getaffinity", None)  # Linux has it
     return len(affinity(0)) if affinity else os.cpu_count() or 1
 
@@ -87,7 +87,7 @@ def cores() -> int:
 
 
 def cache_folder() -> Path:
-    """The user's folder for what can be made again.
+    """Return the user's folder for what can be made again.
 
     Raises:
         RuntimeError: when the user has no home.
@@ -98,7 +98,7 @@ def cache_folder() -> Path:
 
 
 def others_can_write(found: os.stat_result) -> bool:
-    """Whether a user of this machine other than this one and root can put files into a folder.
+    """Return whether a user of this machine other than this one and root can put files into a folder.
 
     A group of the same number as the user's is that of this user alone, as many systems make it. In Windows,
     what is in the user's own folder is closed to the others.
@@ -149,7 +149,7 @@ LISTEN = 0.2  # s
 
 
 def has_screen() -> bool:
-    """Whether a window can be opened: on Linux a server of windows is named in the environment."""
+    """Return whether a window can be opened: on Linux a server of windows is named in the environment."""
     return SYSTEM != "Linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
@@ -164,7 +164,7 @@ def prepare_console() -> None:
 
 
 def quoted(word: str) -> str:
-    """A word of a command as the shell of this system takes it."""
+    """Return a word of a command as the shell of this system takes it."""
     return subprocess.list2cmdline([word]) if SYSTEM == WINDOWS else shlex.quote(word)
 
 

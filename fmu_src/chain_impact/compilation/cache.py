@@ -1,7 +1,8 @@
-"""The cache of compiled kernels: a folder for these sources and these compilers.
+"""The cache of compiled kernels: a folder for each state of the sources and compilers.
 
-One process makes a file while others that need it wait. A file appears when it is whole, with its checksum
-beside it: what is cut or damaged later is made again. Where others can write, nothing is read (places.py).
+One process makes a file while other processes that need it wait. A file appears only when it is complete,
+with its checksum beside it: a file that is cut or damaged later is made again. Nothing is read from a folder
+that other users can write to (places.py).
 """
 
 from __future__ import annotations
@@ -26,36 +27,37 @@ from chain_impact.compilation.sources import COMPILERS, fingerprint
 from chain_impact.progress import log
 from chain_impact.system import removal
 
-UNUSED = 30 * 24 * 3600.0  # s, after which a folder for other sources is removed
-LINKER = "chain-impact-zig-"  # and a version: the name of the folder that this linker keeps for itself
-_OURS = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")  # folders for some sources and compilers, and of linkers
-PATIENCE = 1.0  # s, after which it is said that another process is waited for
+UNUSED = 30 * 24 * 3600.0  # [s] age after which an unused folder for other sources is removed
+LINKER = "chain-impact-zig-"  # first part of the name of the linker's own folder; its version follows
+# names of folders for some sources and compilers, and of linkers' own folders
+_OURS = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")
+PATIENCE = 1.0  # [s] waiting time after which the user is told that another process makes the kernel
 
 
 def cache_folder() -> Path:
-    """The folder for kernels of these sources and compilers."""
+    """Return the folder for kernels of the present sources and compilers."""
     return base_folder() / _present()
 
 
 def _present() -> str:
-    """The name of that folder."""
+    """Return the name of the folder for the present sources and compilers."""
     return _digest(tuple(f"{name} {_version(name)}" for name in COMPILERS))
 
 
 @functools.cache
 def _digest(compilers: tuple[str, ...]) -> str:
-    """16 hexadecimal digits for these sources and some compilers."""
+    """Return 16 hexadecimal digits that identify the present sources and some compilers."""
     return hashlib.sha256("\n".join([fingerprint(), *compilers]).encode()).hexdigest()[:16]
 
 
 def linker_folder() -> Path:
-    """The folder that this version of the linker keeps for itself."""
+    """Return the folder that this version of the linker keeps for itself."""
     return writable(base_folder()) / f"{LINKER}{_version('ziglang')}"
 
 
 @functools.cache
 def _version(compiler: str) -> str:
-    """The version that is installed, or that would be."""
+    """Return the installed version of a compiler, or the version that would be installed."""
     try:
         return version(compiler)
     except PackageNotFoundError:
@@ -63,17 +65,17 @@ def _version(compiler: str) -> str:
 
 
 def find(name: str) -> Path | None:
-    """The file or folder of that name in the cache folder, if it is whole and nobody else can write there."""
+    """Return a file or folder in the cache folder, if it is complete and no other user can write there."""
     folder = cache_folder()
     if not trusted(folder.parent) or not _is_whole(folder / name):
         return None
-    with suppress(OSError):  # somebody else's cache can be read
-        os.utime(folder)  # it is in use
+    with suppress(OSError):  # another user's cache can be read, but not marked as used
+        os.utime(folder)  # marks the folder as used
     return folder / name
 
 
 def _is_whole(path: Path) -> bool:
-    """Whether a folder, or a file as it was made, is there."""
+    """Return whether a folder exists, or a file exists with the bytes that it was made with."""
     try:
         return path.is_dir() or _mark(path).read_bytes() == _checksum(path)
     except OSError:
@@ -81,7 +83,7 @@ def _is_whole(path: Path) -> bool:
 
 
 def _mark(file: Path) -> Path:
-    """The file with the checksum of another one."""
+    """Return the path of the file with another file's checksum."""
     return file.with_name(f".{file.name}.crc32")
 
 
@@ -90,19 +92,19 @@ def _checksum(file: Path) -> bytes:
 
 
 def holds(file: Path) -> bool:
-    """Whether a file is in the cache, and so may be removed from there."""
+    """Return whether a file is in the cache, from where it may be removed."""
     return base_folder() in file.parents
 
 
 def made(name: str, make: Callable[[Path], None]) -> Path:
-    """Return the file or folder of that name in the cache folder; if it is not there, make it.
+    """Return the file or folder with a name in the cache folder, and make it if it does not exist.
 
     Args:
-        name: of the file or folder.
-        make: writes it to the path that it is given, in a folder for itself.
+        name: the name of the file or folder.
+        make: writes the file or folder to a given path, in a temporary folder of its own.
 
     Raises:
-        BuildError: when the cache is cleared meanwhile, or nothing can be kept in it.
+        BuildError: when another process clears the cache meanwhile, or when nothing can be kept there.
     """
     found = find(name)
     if found:
@@ -124,7 +126,7 @@ def made(name: str, make: Callable[[Path], None]) -> Path:
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Hold a lock, which the system gives back when a process is killed."""
+    """Hold a lock, which the system releases when the process is killed."""
     from filelock import FileLock, Timeout
 
     lock = FileLock(path)
@@ -141,10 +143,12 @@ def _locked(path: Path) -> Iterator[None]:
 
 @contextmanager
 def _scratch(folder: Path, name: str) -> Iterator[Path]:
-    """A folder to make a file in, removed in the end; also those that were left behind under the same lock.
+    """Give a temporary folder to make a file in.
+
+    The folder is removed at the end, as are folders that killed processes have left under the same lock.
 
     Raises:
-        BuildError: when somebody else has removed it meanwhile.
+        BuildError: when another process has removed the folder meanwhile.
     """
     prefix = f".{name}-"
     for left in folder.glob(prefix + "*"):
@@ -159,9 +163,9 @@ def _scratch(folder: Path, name: str) -> Iterator[Path]:
 
 
 def _prune(present: Path) -> None:
-    """Remove the folders for other sources, or of other linkers, that nobody has used for long."""
+    """Remove the folders for other sources or of other linkers that have not been used for long."""
     for folder in present.parent.iterdir():
-        with suppress(FileNotFoundError):  # another process prunes, too
+        with suppress(FileNotFoundError):  # another process removes old folders as well
             old = folder.stat().st_mtime < time.time() - UNUSED
             if old and _OURS.fullmatch(folder.name) and folder not in (present, linker_folder()):
                 shutil.rmtree(folder, ignore_errors=True)
@@ -172,10 +176,10 @@ class Entry:
     """A folder of the cache.
 
     Attributes:
-        path: where it is.
-        size: of all that is in it [bytes].
-        used: when it was last used [s since 1970].
-        files: the names of the kernels and whatever else is finished in it; none of the linker's.
+        path: the folder.
+        size: the size of all files in the folder [bytes].
+        used: the time of the last use [s since 1970].
+        files: the names of the finished files, without the linker's own.
     """
 
     path: Path
@@ -185,14 +189,14 @@ class Entry:
 
 
 def entries() -> list[Entry]:
-    """What is in the cache: folders for some sources and compilers, and the linker's own."""
+    """Return the folders of the cache: those for some sources and compilers, and the linkers' own."""
     base = base_folder()
     folders = sorted(base.iterdir()) if trusted(base) else []
     return [_entry(path) for path in folders if path.is_dir() and _OURS.fullmatch(path.name)]
 
 
 def clear() -> int:
-    """Remove all that is in the cache; return how many bytes that were."""
+    """Remove everything in the cache; return the number of bytes."""
     found = entries()
     for entry in found:
         with removal():
@@ -203,7 +207,7 @@ def clear() -> int:
 def _entry(path: Path) -> Entry:
     size = 0
     for file in path.rglob("*"):
-        with suppress(FileNotFoundError):  # of a compiler at work
+        with suppress(FileNotFoundError):  # a compiler at work may remove its file
             size += file.lstat().st_size if not file.is_dir() else 0
     kernels = () if path.name.startswith(LINKER) else (p.name for p in path.iterdir() if p.name[0] != ".")
     return Entry(path, size, path.stat().st_mtime, tuple(sorted(kernels)))

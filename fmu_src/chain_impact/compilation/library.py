@@ -1,4 +1,4 @@
-"""The kernel as a shared library: ready, cached, or compiled just now."""
+"""The kernel as a shared library, which is ready, cached, or compiled when it is asked for."""
 
 from __future__ import annotations
 
@@ -14,8 +14,10 @@ from chain_impact.compilation.law_file import LawError, UserLaw, read_law
 from chain_impact.progress import log_once
 from chain_impact.system import HOST, nowhere
 
-LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 4.0}  # s
-PREPARING = {"win64": 3.0}  # s, in which zig makes what it links with; on other platforms it takes no time
+# [s] usual times to lower and to link each part, for messages
+LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 4.0}
+# [s] time in which zig makes its own libraries at the first link for a platform; 0 for other platforms
+PREPARING = {"win64": 3.0}
 
 
 def kernel_library(
@@ -28,10 +30,10 @@ def kernel_library(
     """Return the shared library for chains of N ``links``.
 
     Args:
-        links: number of links N, GENERAL for a scene with what few scenes have, or all sizes of a scene.
-        platform: of ``compilers.ZIG_TARGETS``.
-        law_file: the file of a user's law that the kernel shall have, if any.
-        derivatives: whether it shall carry derivatives.
+        links: number of links N, GENERAL for a scene with features that few scenes have, or all sizes of a scene.
+        platform: a key of ``compilers.ZIG_TARGETS``.
+        law_file: the file of the kernel's user law, if any.
+        derivatives: whether the kernel carries derivatives.
 
     Raises:
         BuildError: when the user's law or a compiler fails, or there is no compiler and no ready kernel, or
@@ -71,10 +73,11 @@ def browser_module(law_file: str = "") -> Path:
     """Return the kernel for any number of links as a WebAssembly module.
 
     Args:
-        law_file: likewise.
+        law_file: the file of the kernel's user law, if any.
 
     Raises:
-        BuildError: likewise, and when the law calls a function that a browser's kernel does not have.
+        BuildError: as for ``kernel_library``, and when the law calls a function that a browser's kernel
+            lacks.
     """
     law = _law(law_file) if law_file else None
     name = f"{_law_name(law)}-{browser.MODULE}" if law else browser.MODULE
@@ -98,7 +101,7 @@ def browser_module(law_file: str = "") -> Path:
 
 
 def _lowered_kernel(what: str) -> str:
-    """A kernel in LLVM's language, free of sizes."""
+    """Return a part of the kernel in LLVM's language, without sizes."""
 
     def lower(module: Path) -> None:
         log_once("compiling the kernel", LOWERING[what])
@@ -109,10 +112,11 @@ def _lowered_kernel(what: str) -> str:
 
 
 def _lowered_law(law: UserLaw, file: str) -> Path:
-    """A user's law in LLVM's language."""
+    """Return a user's law in LLVM's language."""
 
     def lower(module: Path) -> None:
-        copy = module.with_name(f"{law.id}.py")  # of what was read: the file may be another by now
+        # a copy of the text that was read: the file may have changed since
+        copy = module.with_name(f"{law.id}.py")
         copy.write_text(law.source, encoding="utf-8")
         with _about(file):
             compilers.lower(module, "law", copy)
@@ -127,7 +131,7 @@ def _law(file: str) -> UserLaw:
 
 @contextmanager
 def _about(law_file: str) -> Iterator[None]:
-    """Say of which file an error of a law is."""
+    """Let an error of a law name the law's file."""
     try:
         yield
     except LawError as error:

@@ -1,4 +1,4 @@
-"""Where the cache lies, and what is said when nothing can be kept there."""
+"""The place of the cache, and the error sentences if nothing can be kept there."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ NO_PLACE = (
     *(errno.EACCES, errno.EPERM, errno.EROFS),
     *(errno.ENOENT, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR),
 )
-LITTLE = 1_000_000  # bytes: a folder with less space is full
+LITTLE = 1_000_000  # [byte] free space below which a folder counts as full
 OTHERS = "other users can write there"
 ADVICE = "free space there, or set CHAIN_IMPACT_CACHE to another folder"
 
 
 def base_folder() -> Path:
-    """Where all that is cached lies: ``CHAIN_IMPACT_CACHE``, or the user's cache folder.
+    """Return the folder of the whole cache: ``CHAIN_IMPACT_CACHE``, or the user's cache folder.
 
     Raises:
-        BuildError: when the user has no home.
+        BuildError: when the user has no home folder.
     """
     given = os.environ.get("CHAIN_IMPACT_CACHE")
     try:
@@ -38,7 +38,7 @@ def base_folder() -> Path:
 
 
 def trusted(base: Path) -> bool:
-    """Whether the folder of the cache is there, and nobody else can put kernels into it: they are run."""
+    """Return whether the cache's folder exists and no other user can put kernels there to be run."""
     try:
         return not system.others_can_write(base.stat())
     except OSError:
@@ -47,10 +47,10 @@ def trusted(base: Path) -> bool:
 
 @functools.cache
 def writable(base: Path) -> Path:
-    """The folder, made if need be.
+    """Return the folder after it has been made, if necessary.
 
     Raises:
-        BuildError: when nothing can be kept in it, or others can write there.
+        BuildError: when nothing can be kept in the folder, or other users can write there.
     """
     with explained(base):
         with suppress(FileExistsError):
@@ -63,11 +63,11 @@ def writable(base: Path) -> Path:
 
 @contextmanager
 def explained(folder: Path) -> Iterator[None]:
-    """Make one sentence of what the system says when nothing can be kept in a folder.
+    """Replace the system's error by one sentence when nothing can be kept in a folder.
 
     Raises:
-        BuildError: with that sentence.
-        OSError: of another kind, or of another place, as it is.
+        BuildError: with the sentence.
+        OSError: unchanged, if it has another cause or concerns another place.
     """
     try:
         yield
@@ -77,14 +77,15 @@ def explained(folder: Path) -> Iterator[None]:
         where, why = error.filename or folder, error.strerror or error
         raise BuildError(f"nothing can be kept in {where} ({why}): {ADVICE}") from None
     except BuildError:
-        if folder.is_dir() and shutil.disk_usage(folder).free < LITTLE:  # a compiler has other words for it
+        # a compiler describes a full disk in other words
+        if folder.is_dir() and shutil.disk_usage(folder).free < LITTLE:
             raise BuildError(f"nothing can be kept in {folder} (it is full): {ADVICE}") from None
         raise
 
 
 def _concerns(named: Any, folder: Path) -> bool:
-    """Whether an error that names a path, or none, is about a folder, what is in it, or where it lies."""
-    if not isinstance(named, str | bytes | os.PathLike):  # of what is open already
+    """Return whether an error concerns a folder: it names no path, or one inside or above the folder."""
+    if not isinstance(named, str | bytes | os.PathLike):  # the error of an open file names no path
         return True
     path = Path(os.fsdecode(named)).absolute()
     return path.is_relative_to(folder) or folder.is_relative_to(path)

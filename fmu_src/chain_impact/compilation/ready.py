@@ -1,8 +1,8 @@
-"""The kernels that a wheel carries, so that who installs it needs no compiler.
+"""The kernels in a wheel, which make a compiler unnecessary for its users.
 
-One for release has more of them, for single numbers of links. They are made when the wheel is built, by
-packaging/ready_kernels.py at the top of the repository. An editable installation has none: its kernels are
-made when they are needed, and kept in the cache.
+A wheel for release has more kernels, for single numbers of links. packaging/ready_kernels.py at the top of
+the repository makes them when the wheel is built. An editable installation has none: its kernels are made
+when they are needed, and kept in the cache.
 """
 
 from __future__ import annotations
@@ -21,31 +21,31 @@ from chain_impact.compilation.sources import COMPILERS, PACKAGE, fingerprint
 from chain_impact.extras import how_to_install
 
 FOLDER = PACKAGE / "ready"
-MODULE = f"{KERNEL}.ll.xz"  # the lowered kernel, packed in a wheel
-MADE_FROM = "sources.txt"  # the fingerprint of the sources that they are made from
+MODULE = f"{KERNEL}.ll.xz"  # the lowered kernel, which a wheel has in compressed form
+MADE_FROM = "sources.txt"  # the file with the fingerprint of the sources that the kernels are made from
 RELEASE = "CHAIN_IMPACT_RELEASE"
-"""The variable that is 1 where there shall be kernels for all numbers of links, as in a wheel for release."""
+"""The environment variable that is 1 when a wheel for release is built, with more kernels than usual."""
 LARGEST_EXACT = 10
 """Up to so many links there can be a kernel for each number of links. Chains without one of their own share
 one that reads the number from the instance: with it, runs of up to ten links take a tenth to three tenths
 longer, with many rows of outputs up to two fifths, and of thirty no longer."""
 
 SIZES: tuple[int | None, ...] = (None, GENERAL, *range(1, LARGEST_EXACT + 1))
-"""What a wheel for release has. Every installation has the two for any number of links, None and GENERAL."""
+"""The kernels of a wheel for release. Every installation has None and GENERAL, for any number of links."""
 PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
-"""Kind of library → what is compiled and linked for it."""
+"""Kind of library → the parts that are compiled and linked for it."""
 
 
 def has_compilers() -> bool:
-    """Whether all compilers are installed."""
+    """Return whether all compilers are installed."""
     return all(find_spec(name) is not None for name in COMPILERS)
 
 
 def require_compilers(purpose: str) -> None:
-    """Refuse what needs compilers that are not installed.
+    """Refuse a task that needs compilers if they are not installed.
 
     Raises:
-        BuildError: when one of them is not; ``purpose`` begins its sentence.
+        BuildError: when a compiler is missing; ``purpose`` begins the sentence.
     """
     missing = [name for name in COMPILERS if find_spec(name) is None]
     if missing:
@@ -54,26 +54,26 @@ def require_compilers(purpose: str) -> None:
 
 
 def for_release() -> bool:
-    """Whether there shall be kernels for all numbers of links."""
+    """Return whether the wheel is for release, with kernels for single numbers of links."""
     return os.environ.get(RELEASE) == "1"
 
 
 def exact(wanted: Sizes, kind: str = KERNEL) -> Sizes:
-    """What a kernel for a chain of some links is compiled for here; None for any number of them.
+    """Return the sizes that the kernel for a chain is compiled for; None for any number of links.
 
-    GENERAL and all sizes of a scene stay what they are.
+    GENERAL and all sizes of a scene are returned unchanged.
     """
     return wanted if isinstance(wanted, tuple) or wanted in sizes(kind, for_release()) else None
 
 
 def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
-    """The numbers of links that there are kernels of a kind for."""
-    # with derivatives, one for a number of links is a twentieth faster only
+    """Return the numbers of links for which kernels of a kind exist."""
+    # a kernel with derivatives for a single number of links would be only a twentieth faster
     return SIZES if release and kind == KERNEL else (None, GENERAL)
 
 
 def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL) -> str:
-    """The file name of a kernel for some sizes; with a user's law, if that has a name."""
+    """Return the file name of a kernel for some sizes, with the name of a user's law."""
     suffix = compilers.ZIG_TARGETS[platform][1]
     if isinstance(wanted, tuple):
         size = "_".join(map(str, wanted))
@@ -83,24 +83,24 @@ def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL
 
 
 def find(name: str) -> Path | None:
-    """A ready file of that name, if it is made from the sources as they are now."""
+    """Return a ready file, if it is made from the present sources."""
     return FOLDER / name if _usable() and (FOLDER / name).is_file() else None
 
 
 def best(wanted: Sizes, platform: str, what: str) -> Path | None:
-    """The ready kernel of a kind for these sizes, or else for any number of links."""
+    """Return the ready kernel of a kind for these sizes, else the one for any number of links."""
     sizes = (wanted,) if wanted == GENERAL or isinstance(wanted, tuple) else (wanted, None)
     return next(filter(None, (find(library_name(size, platform, what=what)) for size in sizes)), None)
 
 
 def module() -> str | None:
-    """The lowered kernel, likewise."""
+    """Return the lowered kernel in the wheel, if it is made from the present sources."""
     packed = find(MODULE)
     return lzma.decompress(packed.read_bytes()).decode() if packed else None
 
 
 def libraries() -> list[Path]:
-    """All ready kernels, likewise."""
+    """Return all ready kernels, if they are made from the present sources."""
     return sorted(FOLDER.glob("*-*")) if _usable() else []
 
 
@@ -111,9 +111,9 @@ def _usable() -> bool:
 
 
 def compiled(wanted: Sizes, platform: str, what: str, text: Callable[[], str]) -> Path:
-    """A compiled part of a kernel, from the cache.
+    """Return a compiled part of a kernel from the cache; compile it if it is not there.
 
-    If it is not there, it is compiled from ``text``, which returns what is lowered.
+    ``text`` returns the lowered part.
     """
     name = Path(library_name(wanted, platform, what=what)).with_suffix(".o").name
     make = functools.partial(compilers.compile_part, platform=platform, what=what, sizes=wanted)
@@ -121,5 +121,5 @@ def compiled(wanted: Sizes, platform: str, what: str, text: Callable[[], str]) -
 
 
 def compiled_for_browsers(text: Callable[[], str]) -> Path:
-    """The same for ``browser.link``."""
+    """Return the compiled kernel for ``browser.link`` in the same way."""
     return cache.made(browser.COMPILED, lambda file: browser.compile_kernel(text(), file))

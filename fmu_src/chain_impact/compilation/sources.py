@@ -1,4 +1,4 @@
-"""What a kernel is made of: a fingerprint of the sources and compilers that its machine code follows from."""
+"""The sources and compilers of a kernel, and a fingerprint of them."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ MAKERS = (
     *("affine", "browser", "collecting", "compilers", "dual_numbers", "entry_points", "functions"),
     *("law", "law_file", "law_syntax", "lower", "record_type"),
 )
-"""The modules of this folder that make code. The others find kernels, keep them and speak of them."""
+"""The modules of this folder that make code. The other modules find, keep and describe kernels."""
 COMPILED = (
     "kernel",
     *(f"compilation/{name}.py" for name in MAKERS),
     *("compilation/c_interface", "compilation/mathematics"),
 )
-"""Folders and files of the package: kernels follow from nothing else in it."""
+"""The folders and files of the package that kernels are made from."""
 COMPILERS = {"llvmlite": "0.50.0", "numba": "0.68.1", "ziglang": "0.17.0"}
-"""The compilers and their versions, which must agree; those of the extra in pyproject.toml."""
+"""The compilers with their exact versions, as in the extra of pyproject.toml."""
 LANGUAGES = (".py", ".c", ".h")
 
 
 @cache
 def fingerprint() -> str:
-    """16 hexadecimal digits that change with any of the sources and compilers, wherever the package is."""
+    """Return 16 hexadecimal digits that change with the sources or compilers only."""
     digest = hashlib.sha256(repr(COMPILERS).encode())
     for source in sorted(_sources()):
         name, content = source.relative_to(PACKAGE).as_posix().encode(), source.read_bytes()

@@ -22,7 +22,7 @@ ALL = Choices()
 
 
 def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
-    """The scene of a robot in URDF or MJCF, and the conversion that it comes from.
+    """Return the scene of a robot in URDF or MJCF, and the conversion that it comes from.
 
     Raises:
         SceneError: when the file has no planar chain, or the choices do not fit it.
@@ -36,7 +36,7 @@ def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
 
 
 def read_robot(path: Path, keyframe: str | None = None) -> Robot:
-    """The robot in a file; raises as ``of_robot`` does."""
+    """Return the robot in a file; raises as ``of_robot`` does."""
     if path.name in model_names() or path.suffix == ".toml":
         raise SceneError(f"{path} is a scene; its MJCF is written to a file that ends in .xml")
     root = local_name(xml_of(path).tag)

@@ -58,7 +58,7 @@ class Difference:
 
 
 def of_joint(name: str, text: str, effect: Effect) -> Difference:
-    """A difference of a joint, which has no effect where the joint is held."""
+    """Return a difference of a joint, which has no effect where the joint is held."""
     return Difference(kind="joint", name=name, text=text, effect=effect, joints=frozenset([name]))
 
 
@@ -74,7 +74,7 @@ def heard(package: str) -> Iterator[list[Difference]]:
 
 
 def lines(differences: Iterable[Difference], *, warning: bool) -> list[str]:
-    """The warnings, or all others, a sentence each, those with the largest effect first."""
+    """Return the warnings, or all others, a sentence each, those with the largest effect first."""
     ordered = sorted(differences, key=lambda one: (one.effect, -one.size))
     names: dict[tuple[str, str], list[str]] = {}
     for one in ordered:
@@ -84,13 +84,13 @@ def lines(differences: Iterable[Difference], *, warning: bool) -> list[str]:
 
 
 def line(kind: str, names: Sequence[str], text: str, shown: int = SHOWN) -> str:
-    """A sentence on some elements of a kind."""
+    """Return a sentence on some elements of a kind."""
     if len(names) > 1:
         kind = PLURALS.get(kind, f"{kind}s")
     return f"{' '.join(filter(None, (kind, few(names, shown))))}: {text}"
 
 
 def few(names: Sequence[str], shown: int = SHOWN) -> str:
-    """Some names, and how many more there are."""
+    """Return some names, and how many more there are."""
     more = f" and {len(names) - shown} more" if len(names) > shown else ""
     return f"{', '.join(names[:shown])}{more}"

@@ -28,7 +28,7 @@ class Plan(NamedTuple):
     axis: np.ndarray
 
     def flat(self, point: np.ndarray) -> np.ndarray:
-        """Points of space in the plane, shape (…, 2) [m]."""
+        """Return points of space in the plane, shape (…, 2) [m]."""
         return np.stack([point @ self.x, point @ self.y], axis=-1)
 
     @property
@@ -39,7 +39,7 @@ class Plan(NamedTuple):
 
 
 def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
-    """The plane across the axes of the joints.
+    """Return the plane across the axes of the joints.
 
     Unless ``directions`` say otherwise, as ``-x,z``, y points up, and x along x of the robot if it can, else
     along y of the robot. Where the axes are upright, both point along x and y of the robot.
@@ -61,7 +61,7 @@ def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
 
 
 def _across(direction: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """The part of a direction that is across an axis."""
+    """Return the part of a direction that is across an axis."""
     return np.asarray(direction - np.dot(direction, axis) * axis)
 
 
@@ -90,11 +90,11 @@ def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray,
 
 
 def near(value: float) -> float:
-    """A number, or 0 where it is round-off of one."""
+    """Return a number, or 0 where it is round-off of one."""
     return 0.0 if abs(value) < ROUND else value
 
 
 def _cleaned(axis: np.ndarray) -> np.ndarray:
-    """A direction without round-off, so that axes along those of the robot are exact."""
+    """Return a direction without round-off, so that axes along those of the robot are exact."""
     whole = np.rint(axis)
     return np.where(np.abs(axis - whole) < ROUND, whole, axis) + 0.0

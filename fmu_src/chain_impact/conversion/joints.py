@@ -62,7 +62,7 @@ class Chosen(NamedTuple):
 
 
 def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
-    """The joints that move; for arguments and errors see ``planar_chain``."""
+    """Return the joints that move; for arguments and errors see ``planar_chain``."""
     held = _held(robot, wanted, source)
     poses, moving = moving_joints(robot, held)
     slides = [one for one in moving if one.joint.kind == "slide"]
@@ -89,7 +89,7 @@ def moving_joints(robot: Robot, held: set[str]) -> tuple[list[tuple[np.ndarray, 
 
 
 def joints_at_start(robot: Robot) -> list[Moving]:
-    """All joints, where they are and point at the start."""
+    """Return all joints, where they are and point at the start."""
     return list(_placed(robot, _poses(robot, set(joint_names(robot)))))
 
 
@@ -101,7 +101,7 @@ def _placed(robot: Robot, poses: list[tuple[np.ndarray, np.ndarray]]) -> Iterato
 
 
 def joint_names(robot: Robot) -> list[str]:
-    """The names of all joints, in the order of the bodies."""
+    """Return the names of all joints, in the order of the bodies."""
     return [joint.name for body in robot.bodies for joint in body.joints]
 
 
@@ -159,7 +159,7 @@ def _check_parallel(hinges: list[Moving], source: str) -> None:
 
 
 def parallel(hinges: Sequence[Moving]) -> list[list[Moving]]:
-    """The joints, those with parallel axes together."""
+    """Return the joints, those with parallel axes together."""
     groups: list[list[Moving]] = []
     for hinge in hinges:
         group = next((g for g in groups if _parallel(g[0].axis, hinge.axis)), None)
@@ -207,7 +207,7 @@ def _check_serial(robot: Robot, hinges: list[Moving], source: str) -> None:
 
 
 def above(robot: Robot, b: int) -> Iterator[int]:
-    """The positions of a body and of all bodies before it."""
+    """Yield the positions of a body and of all bodies before it."""
     while b >= 0:
         yield b
         b = robot.bodies[b].parent

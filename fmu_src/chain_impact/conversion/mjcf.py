@@ -40,7 +40,7 @@ class Start(NamedTuple):
 
 
 def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
-    """The robot of an MJCF file, as a keyframe has it at the start: the first one, if none is named.
+    """Return the robot of an MJCF file, as a keyframe has it at the start: the first one, if none is named.
 
     Files of meshes and pictures that nothing needs may be absent.
 
@@ -55,7 +55,7 @@ def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
 
 
 def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[Start, list[str]]:
-    """The state at the start, and a note on where it is from."""
+    """Return the state at the start, and a note on where it is from."""
     names = [model.key(k).name or f"{k}" for k in range(model.nkey)]
     wanted = (names[0] if names else NONE) if keyframe is None else keyframe
     if wanted != NONE and wanted not in names:
@@ -84,7 +84,7 @@ class _Reader:
         self.differences = list(file.differences)
 
     def robot(self, name: str, notes: list[str]) -> Robot:
-        """The robot, which has another name if the file gives one."""
+        """Return the robot, which has another name if the file gives one."""
         model, own = self.model, self.carried is not None
         bodies = [self.body(b) for b in range(1, model.nbody)]
         weightless = self._off("GRAVITY")
@@ -107,12 +107,12 @@ class _Reader:
         )
 
     def _off(self, *flags: str) -> bool:
-        """Whether one of some flags is disabled."""
+        """Return whether one of some flags is disabled."""
         bits = (getattr(self.mujoco.mjtDisableBit, f"mjDSBL_{flag}") for flag in flags)
         return any(self.model.opt.disableflags & bit for bit in bits)
 
     def body(self, b: int) -> Body:
-        """Body ``b``, counted from the world, which is 0."""
+        """Return body ``b``, counted from the world, which is 0."""
         model = self.model
         inertial = self._axes(model.body_iquat[b])
         joints = range(model.body_jntadr[b], model.body_jntadr[b] + model.body_jntnum[b])
@@ -145,7 +145,7 @@ class _Reader:
         return model.body_pos[b], model.body_quat[b]
 
     def joint(self, j: int) -> Joint:
-        """Joint ``j``, with what its drives are in a scene."""
+        """Return joint ``j``, with what its drives are in a scene."""
         model, kinds = self.model, self.mujoco.mjtJoint
         at, dof = int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
         kind = {kinds.mjJNT_HINGE: "hinge", kinds.mjJNT_SLIDE: "slide", kinds.mjJNT_BALL: "ball"}.get(
@@ -187,7 +187,7 @@ class _Reader:
             self.differences.append(of_joint(joint, text, Effect.CONTACT))
 
     def _others(self) -> Iterator[Difference]:
-        """How many elements there are that only measure or show."""
+        """Yield how many elements there are that only measure or show."""
         model = self.model
         kinds = {"sensor": model.nsensor, "camera": model.ncam, "light": model.nlight, "skin": model.nskin}
         counts = Counter({kind: count for kind, count in kinds.items() if count})
@@ -196,7 +196,7 @@ class _Reader:
             yield Difference(kind=what, text="not in the scene", effect=Effect.NONE)
 
     def _axes(self, quaternion: np.ndarray) -> np.ndarray:
-        """The rotation of a quaternion, shape (3, 3)."""
+        """Return the rotation of a quaternion, shape (3, 3)."""
         found = np.zeros(9)
         self.mujoco.mju_quat2Mat(found, quaternion)
         return found.reshape(3, 3)

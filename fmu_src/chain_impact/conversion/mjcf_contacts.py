@@ -38,7 +38,7 @@ class Contacts:
         return self._is_still(g) and self.model.geom_type[g] == self.mujoco.mjtGeom.mjGEOM_PLANE
 
     def _touch(self, one: int, other: int) -> bool:
-        """Whether two shapes can touch: they are a pair, or their types and affinities match."""
+        """Return whether two shapes can touch: they are a pair, or their types and affinities match."""
         model = self.model
         if not self.works:
             return False
@@ -65,7 +65,7 @@ class Contacts:
         return friction if rubs else 0.0
 
     def planes(self, own: bool) -> Iterator[Plane]:
-        """The planes that do not move. In a file of ours they have their friction elsewhere."""
+        """Yield the planes that do not move. In a file of ours they have their friction elsewhere."""
         model, data = self.model, self.mujoco.MjData(self.model)
         self.mujoco.mj_kinematics(model, data)
         for g in filter(self._is_wall, self.still):
@@ -82,7 +82,7 @@ class Contacts:
             )
 
     def shapes(self, b: int) -> list[Shape]:
-        """The shapes of body ``b``."""
+        """Return the shapes of body ``b``."""
         model = self.model
         return [
             self._shape(g) for g in range(model.ngeom) if model.geom_bodyid[g] == b and not self._is_wall(g)

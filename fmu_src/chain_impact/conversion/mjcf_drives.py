@@ -65,7 +65,7 @@ class Drives:
                 self._tell_other(a)
 
     def _active(self, a: int) -> bool:
-        """Whether an actuator works at all."""
+        """Return whether an actuator works at all."""
         group = int(self.model.actuator_group[a])
         off = 0 <= group < 31 and self.model.opt.disableactuator >> group & 1  # noqa: PLR2004
         return self.works and not off
@@ -105,7 +105,7 @@ class Drives:
         return joint
 
     def _geared(self, joint: Joint, a: int) -> Joint:
-        """A joint with the damper and the rotor of actuator ``a``, reflected through its gear."""
+        """Return a joint with the damper and the rotor of actuator ``a``, reflected through its gear."""
         model, gear = self.model, self._gear(a)
         if np.any(model.actuator_dampingpoly[a]):
             self._tell(
@@ -124,7 +124,7 @@ class Drives:
         return float(self.model.actuator_gear[self.model.actuator_outadr[a], 0])
 
     def _drive(self, joint: Joint, a: int) -> Drive | None:
-        """Actuator ``a`` as a motor or a servo, None if it is neither.
+        """Return actuator ``a`` as a motor or a servo, None if it is neither.
 
         Its force is gain · control + b0 + b1 · length + b2 · velocity, with length = gear · q, and its torque
         gear · force.
@@ -174,14 +174,14 @@ class Drives:
         return value
 
     def _clamps(self, a: int) -> bool:
-        """Whether the control is limited."""
+        """Return whether the control is limited."""
         model, flag = self.model, self.mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
         return (
             bool(model.actuator_ctrllimited[model.actuator_ctrladr[a]]) and not model.opt.disableflags & flag
         )
 
     def _limits(self, a: int, gear: float, gain: float, bias: np.ndarray) -> tuple[float, float]:
-        """The least and the largest torque of an actuator."""
+        """Return the least and the largest torque of an actuator."""
         model, low, high = self.model, -math.inf, math.inf
         if model.actuator_forcelimited[a]:
             low, high = (float(force) for force in model.actuator_forcerange[a])
@@ -192,7 +192,7 @@ class Drives:
         return low, high
 
     def _with(self, joint: Joint, j: int, drives: list[Drive], zero: float) -> Joint:
-        """A joint with its drives. Springs and dampers at a joint act as one."""
+        """Return a joint with its drives. Springs and dampers at a joint act as one."""
         stiffness = joint.stiffness + sum(one.stiffness for one in drives)
         damping = joint.damping + sum(one.damping for one in drives)
         # Σ kᵢ (rᵢ − q) + τ = k (r − q), with k r = Σ kᵢ rᵢ + τ
@@ -252,7 +252,7 @@ class Drives:
             self._tell_joint(joint, text, Effect.MOTION if speed < FAST else Effect.NONE)
 
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:
-        """The largest torque of all drives together, which in a scene is the same both ways."""
+        """Return the largest torque of all drives together, which in a scene is the same both ways."""
         low, high = (sum(one.low for one in drives), sum(one.high for one in drives))
         if self.model.jnt_actfrclimited[j]:
             low, high = np.clip((low, high), *self.model.jnt_actfrcrange[j])

@@ -160,7 +160,7 @@ COUNTS: dict[str, Callable[[Any], int]] = {
 
 
 def _about(model: Any, row: Told, i: int) -> Difference:
-    """A difference of element ``i``, with the joint or body that it concerns."""
+    """Return a difference of element ``i``, with the joint or body that it concerns."""
     if row.kind == "option":
         return Difference(kind="option", name=row.field[4:], text=row.text, effect=row.effect)
     if row.kind in ("joint", "dof"):
@@ -190,7 +190,7 @@ def fates(field: str) -> list[str]:
 
 
 def fields(model: Any) -> Iterator[tuple[str, Any]]:
-    """The fields of a model and of its options, with their values."""
+    """Yield the fields of a model and of its options, with their values."""
     for prefix, held in (("", model), ("opt.", model.opt)):
         for name in dir(held):
             if not name.startswith("_") and not callable(value := getattr(held, name)):

@@ -84,7 +84,7 @@ def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
 
 
 def _file(asset: Any) -> str:
-    """The file of an asset, or one of them."""
+    """Return the file of an asset, or one of them."""
     return str(asset.file or next(filter(None, getattr(asset, "cubefiles", ())), ""))
 
 
@@ -108,7 +108,7 @@ def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[An
 
 
 def _compiled_without(spec: Any, weightless: list[tuple[Any, str]]) -> Any:
-    """The model, if it needs no mass of a mesh that is absent."""
+    """Return the model, if it needs no mass of a mesh that is absent."""
     try:
         return spec.compile()
     except ValueError as error:

@@ -53,7 +53,7 @@ class Converted(NamedTuple):
 
 
 def planar_chain(robot: Robot, choices: Choices, source: str) -> Converted:
-    """The scene of a robot; ``source`` is the file, for messages.
+    """Return the scene of a robot; ``source`` is the file, for messages.
 
     Raises:
         NoChainError: when the robot is no planar chain.
@@ -76,7 +76,7 @@ class _Conversion:
         self.notes = [self.plan.told, *robot.notes]
 
     def run(self) -> Converted:
-        """The data of the scene, and what is to be said of it."""
+        """Return the data of the scene, and what is to be said of it."""
         gravity = [near(float(part)) for part in self.plan.flat(self._gravity())]
         places = [self.plan.flat(hinge.anchor) for hinge in self.hinges]
         places.append(places[-1] + self._tip())
@@ -119,7 +119,7 @@ class _Conversion:
         return Converted(data, lines(told, warning=True), lines(told, warning=False), self.notes)
 
     def _inputs(self) -> dict[str, dict[str, bool]]:
-        """The table of the inputs that the drives ask for; a free base has no joint 1."""
+        """Return the table of the inputs that the drives ask for; a free base has no joint 1."""
         free, slides = self.chosen.base == "free", self.chosen.base == "slider"
         found = {name for one in self.hinges[free:] for name in one.joint.inputs}
         for name in self.slides[0].joint.inputs if slides else ():
@@ -127,13 +127,13 @@ class _Conversion:
         return {"inputs": dict.fromkeys(sorted(found), True)} if found else {}
 
     def _carriage(self) -> list[int]:
-        """The bodies that slide, but are in no link."""
+        """Return the bodies that slide, but are in no link."""
         before = {slide.body for slide in self.slides}
         bodies = range(len(self.robot.bodies))
         return [b for b in bodies if self.owner[b] < 0 and before & {*above(self.robot, b)}]
 
     def _parts(self) -> tuple[dict[int, int], list[list[int]]]:
-        """Body → the link that it is part of, −1 for none; and the bodies of each link.
+        """Return body → the link that it is part of, −1 for none; and the bodies of each link.
 
         A link has all bodies from one joint of the chain to the next.
         """
@@ -147,7 +147,7 @@ class _Conversion:
         return owner, parts
 
     def _gravity(self) -> np.ndarray:
-        """Gravity [m/s²], less what of the weight something else than the joints bears."""
+        """Return gravity [m/s²], less what of the weight something else than the joints bears."""
         still = []
         for b, body in enumerate(self.robot.bodies):
             if self.owner[b] >= 0 or body.mass == 0.0:
@@ -225,7 +225,7 @@ class _Conversion:
         )
 
     def _from(self, hinge: Moving, b: int, point: np.ndarray) -> np.ndarray:
-        """A point of body ``b``, in its axes, from a joint, in the plane, shape (2,) [m]."""
+        """Return a point of body ``b``, in its axes, from a joint, in the plane, shape (2,) [m]."""
         rotation, position = self.poses[b]
         return self.plan.flat(position - hinge.anchor + rotation @ point)
 
@@ -243,7 +243,7 @@ class _Conversion:
         return mass, center, about
 
     def _mass(self, part: list[int], hinge: Moving, along: np.ndarray) -> dict[str, float]:
-        """Mass, centre of mass and inertia of a link."""
+        """Return mass, centre of mass and inertia of a link."""
         name = hinge.joint.name
         mass, center, inertia = self._inertia(part, hinge)
         if mass <= 0.0:
@@ -292,7 +292,7 @@ class _Conversion:
         return self._within(joint, low, start, high, "rad")
 
     def _within(self, joint: Joint, low: float, start: float, high: float, unit: str) -> float:
-        """The start of a joint, which is at a stop if the file has it beyond."""
+        """Return the start of a joint, which is at a stop if the file has it beyond."""
         stop = min(max(start, low), high)
         if stop != start:
             away = f"{abs(start - stop):.6g} {unit}"
@@ -314,7 +314,7 @@ class _Conversion:
             )
 
     def _base(self, anchor: np.ndarray, gravity: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """The table of a slider, if the base is on one, and the start of the base."""
+        """Return the table of a slider, if the base is on one, and the start of the base."""
         ways = [self.plan.flat(slide.axis) for slide in self.slides]
         if self.chosen.base == "slider":
             (way,), joint = ways, self.slides[0].joint
@@ -332,7 +332,7 @@ class _Conversion:
         }
 
     def _slider(self, joint: Joint, way: np.ndarray, start: float, gravity: list[float]) -> dict[str, Any]:
-        """The table of a slider: its position is 0 at the start."""
+        """Return the table of a slider: its position is 0 at the start."""
         if joint.armature:
             amount = f"{joint.armature:.6g} kg"
             text = f"its armature, {amount}, is part of the mass of the carriage, which has weight"
@@ -355,7 +355,7 @@ class _Conversion:
 
 
 def _rounded(data: Any) -> Any:
-    """Data without the round-off of what has been added up."""
+    """Return data without the round-off of what has been added up."""
     if isinstance(data, dict):
         return {key: _rounded(value) for key, value in data.items()}
     if isinstance(data, list):

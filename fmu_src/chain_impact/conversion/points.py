@@ -29,7 +29,7 @@ class Ball(NamedTuple):
 
 
 def balls_of(shape: Shape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> Iterator[Ball]:
-    """The balls whose hull is a shape, as the plane of the motion shows it."""
+    """Yield the balls whose hull is a shape, as the plane of the motion shows it."""
     rotation, position = pose
     centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius
     if shape.disc is not None:
@@ -49,18 +49,18 @@ def balls_of(shape: Shape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> I
 
 
 def reach(balls: Sequence[Ball]) -> np.ndarray:
-    """How far balls reach in each direction [m], shape (directions, balls)."""
+    """Return how far balls reach in each direction [m], shape (directions, balls)."""
     centers = np.array([ball.at for ball in balls])
     return np.asarray(DIRECTIONS @ centers.T + np.array([ball.radius for ball in balls]))
 
 
 def outermost(balls: Sequence[Ball]) -> list[Ball]:
-    """The balls that a straight wall can touch first, in some direction."""
+    """Return the balls that a straight wall can touch first, in some direction."""
     return [balls[k] for k in sorted(set(reach(balls).argmax(axis=1).tolist()))] if balls else []
 
 
 def tables_of(balls: Sequence[Ball], joint: np.ndarray, along: np.ndarray) -> list[dict[str, Any]]:
-    """The tables of points of a link, which begins at a joint and points along a direction."""
+    """Return the tables of points of a link, which begins at a joint and points along a direction."""
     counts, seen = Counter(ball.name for ball in balls), Counter[str]()
     tables: list[dict[str, Any]] = []
     for ball in balls:

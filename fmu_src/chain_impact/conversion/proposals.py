@@ -36,7 +36,7 @@ def chain_of(
 def _proposed(
     robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object]
 ) -> list[str] | None:
-    """The names of the most joints that were found to make a chain."""
+    """Return the names of the most joints that were found to make a chain."""
     best: list[str] = []
     trials = 0
     for start in _candidates(robot, choices.joints):
@@ -58,7 +58,7 @@ def _proposed(
 
 
 def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
-    """Joints with parallel axes that follow one another, of those that are wanted; the most first."""
+    """Yield joints with parallel axes that follow one another, of those that are wanted; the most first."""
     pool = [one for one in joints_at_start(robot) if not wanted or one.joint.name in wanted]
     paths: list[list[Moving]] = []
     for group in parallel([one for one in pool if one.joint.kind == "hinge"]):

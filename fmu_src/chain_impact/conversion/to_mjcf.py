@@ -39,7 +39,7 @@ SLIDER_KEYS = {
 
 
 def mjcf_of(scene: Scene) -> tuple[str, list[str]]:
-    """The MJCF of a scene, and what MuJoCo does not do as the scene says, a sentence each."""
+    """Return the MJCF of a scene, and what MuJoCo does not do as the scene says, a sentence each."""
     root = Element("mujoco", model=scene.name)
     SubElement(root, "compiler", angle="radian", autolimits="true")
     SubElement(
@@ -173,7 +173,7 @@ def _attributes(
 
 
 def _of_the_joint(link: Link) -> dict[str, Any]:
-    """The keys of a joint that is none, as the base is free."""
+    """Return the keys of a joint that is none, as the base is free."""
     keys = (*JOINT_KEYS, "joint_min", "joint_max", "joint_torque_limit")
     return {key: value for key in keys if (value := getattr(link, key))}
 

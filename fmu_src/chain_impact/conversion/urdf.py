@@ -29,7 +29,7 @@ ROUND = 1e-6  # of a moment of inertia, what may be round-off of the file
 
 
 def read_urdf(path: Path) -> Robot:
-    """The robot of a URDF file; its shapes and colours are not read, and so no mesh need be there.
+    """Return the robot of a URDF file; its shapes and colours are not read, and so no mesh need be there.
 
     Raises:
         SceneError: when the file holds no robot.
@@ -67,7 +67,7 @@ def read_urdf(path: Path) -> Robot:
 
 
 def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
-    """The links and joints as yourdfpy reads them."""
+    """Return the links and joints as yourdfpy reads them."""
     options = dict.fromkeys(("load_meshes", "load_collision_meshes", "build_scene_graph"), False)
     try:
         return yourdfpy.URDF.load(io.BytesIO(moving_parts(root)), **options).robot
@@ -107,7 +107,7 @@ def _check_parts(root: Element, path: Path) -> None:
 
 
 def xml_of(path: Path) -> Element:
-    """The root of a file, which may have prefixes that it does not declare.
+    """Return the root of a file, which may have prefixes that it does not declare.
 
     Raises:
         SceneError: when it is no XML.
@@ -129,12 +129,12 @@ def xml_of(path: Path) -> Element:
 
 
 def local_name(tag: str) -> str:
-    """The name of an element without its namespace."""
+    """Return the name of an element without its namespace."""
     return tag.rpartition("}")[2]
 
 
 def urdf_of(path: Path) -> Element:
-    """The elements of a file, without namespaces.
+    """Return the elements of a file, without namespaces.
 
     Raises:
         SceneError: when it is no XML, or xacro has yet to make URDF of it.
@@ -156,7 +156,7 @@ def urdf_of(path: Path) -> Element:
 
 
 def moving_parts(root: Element) -> bytes:
-    """The links and joints as a file, without what is only seen or touched."""
+    """Return the links and joints as a file, without what is only seen or touched."""
     bare = Element("robot", name=root.get("name") or "robot")
     for part in root:
         if part.tag in ("link", "joint"):
@@ -174,7 +174,7 @@ def _shapes(link: Element) -> Iterator[Shape]:
 
 
 def _ordered(name: str, joint: Any, by_parent: dict[str, list[Any]]) -> Iterator[tuple[str, Any]]:
-    """Every link below one, and the joint before it, parents first."""
+    """Yield every link below one, and the joint before it, parents first."""
     waiting = [(name, joint)]
     while waiting:
         one, before = waiting.pop()
@@ -204,7 +204,7 @@ def _body(name: str, link: Any, joint: Any, parent: int) -> Body:
 
 
 def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
-    """Moments of inertia A ≤ B ≤ C that no body has, as A + B < C or A < 0."""
+    """Yield moments of inertia A ≤ B ≤ C that no body has, as A + B < C or A < 0."""
     for b, body in enumerate(bodies):
         low, middle, high = np.linalg.eigvalsh(body.inertia)
         if low + middle < high * (1.0 - ROUND) or low < -ROUND * high:

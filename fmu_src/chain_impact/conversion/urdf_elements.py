@@ -54,7 +54,7 @@ def other_elements(root: Element) -> Iterator[Difference]:
 
 
 def _below(part: Element, path: str) -> Iterator[tuple[str, Element]]:
-    """All elements below one, but not below those that are told as a whole."""
+    """Yield all elements below one, but not below those that are told as a whole."""
     for element in part:
         if isinstance(element.tag, str):
             inside = f"{path}/{element.tag}"

@@ -92,13 +92,13 @@ class Walls:
         self.differences.append(Difference(kind=kind, name=name, text=text, effect=Effect.CONTACT, size=size))
 
     def _links(self, plane: Plane) -> set[int]:
-        """The links that can touch a plane."""
+        """Return the links that can touch a plane."""
         if plane.touching is None:
             return set(range(len(self.parts)))
         return {self.owner[b] for b, _ in plane.touching if b in self.owner}
 
     def _friction(self, plane: Plane) -> float:
-        """The friction of a plane with what can touch it: the largest, if that varies."""
+        """Return the friction of a plane with what can touch it: the largest, if that varies."""
         if plane.touching is None:
             return plane.friction
         found = sorted({friction for b, friction in plane.touching if b in self.owner})
@@ -122,7 +122,7 @@ class Walls:
         return shape.kind in OUTLINED and (shape.walls if self.robot.planes else shape.touches)
 
     def _balls(self, i: int, touching: set[int]) -> list[Ball]:
-        """The balls of link ``i`` that can touch; not one about a pivot that does not move."""
+        """Return the balls of link ``i`` that can touch; not one about a pivot that does not move."""
         if self.robot.planes and i not in touching:
             return []
         fixed = i == 0 and self.chosen.base == "pinned"
@@ -135,7 +135,7 @@ class Walls:
         return [ball for ball in found if not fixed or np.linalg.norm(ball.at - self.places[0]) > TINY]
 
     def _started(self, balls: Sequence[list[Ball]]) -> list[Points]:
-        """The tables of the points of each link, none of which starts within a wall."""
+        """Return the tables of the points of each link, none of which starts within a wall."""
         at, points = np.array(self.start[0]), []
         for i, (found, angle) in enumerate(zip(balls, self.start[1], strict=True)):
             arm = self.places[i + 1] - self.places[i]
@@ -149,7 +149,7 @@ class Walls:
     def _fits(
         self, i: int, table: dict[str, Any], joint: np.ndarray, along: np.ndarray, length: float
     ) -> bool:
-        """Whether a point starts outside all walls, if need be with a smaller radius."""
+        """Return whether a point starts outside all walls, if need be with a smaller radius."""
         at = joint + table["x"] * along + table["y"] * np.array([-along[1], along[0]])
         for name, point, normal in self.walls:
             free = float(normal @ (at - point))

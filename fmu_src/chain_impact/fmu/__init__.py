@@ -1,1 +1,1 @@
-"""FMUs: from a scene to a file that other tools import, and the run of such a file."""
+"""FMUs: a scene becomes a file that other tools import; and such a file is run."""

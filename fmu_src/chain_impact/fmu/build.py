@@ -1,4 +1,4 @@
-"""Package a scene as an FMU: gather its files, make the zip reproducible, validate."""
+"""The build of an FMU from a scene: gather the files, make a reproducible zip, validate the FMU."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 TARGETS = {"pythonfmu": PYTHONFMU_PLATFORMS, "native": tuple(PLATFORMS)}
 """Kind of FMU → its platforms."""
 TARGET = "pythonfmu" if HOST in PYTHONFMU_PLATFORMS else "native"
-"""The usual one on this machine."""
+"""The usual kind of FMU on this machine."""
 VERSIONS = (2, 3)
-"""Of FMI."""
+"""The versions of FMI."""
 
 
 def build_fmu(
@@ -42,14 +42,14 @@ def build_fmu(
     Equal scenes, with the same versions of this package and of matplotlib, make FMUs of equal bytes.
 
     Args:
-        source: a scene, or what ``load_scene`` takes.
-        directory: where to put the FMU; it is created if need be.
-        target: ``pythonfmu``, which runs in the Python of the importer, or ``native``, which needs none. Both
-            have the same variables and give the same results. The first one, for Linux and Windows on
-            x86-64 only, is the default on these.
+        source: a scene, or an argument of ``load_scene``.
+        directory: the folder for the FMU, which is created if necessary.
+        target: ``pythonfmu``, which runs in the Python of the importer, or ``native``, which needs no Python.
+            Both have the same variables and give the same results. ``pythonfmu`` exists for Linux and Windows
+            on x86-64 only and is the default there.
         fmi: 2 or 3, the version of FMI; 3 is for the target ``native`` only.
-        platforms: those that the FMU shall run on, by default that of this machine: ``linux64``, ``win64``,
-            and of native FMUs ``darwin64``, ``aarch64-linux`` and ``aarch64-darwin``; or just ``all``.
+        platforms: the platforms of the FMU, by default this machine's: ``linux64``, ``win64``, and for native
+            FMUs ``darwin64``, ``aarch64-linux`` and ``aarch64-darwin``; or just ``all``.
 
     Returns:
         The path of the FMU.
@@ -57,7 +57,7 @@ def build_fmu(
     Raises:
         SceneError: when the source is no valid scene.
         BuildError: when the kernel cannot be compiled or the FMU is not valid.
-        OSError: when the FMU cannot be written; then there is nothing of it.
+        OSError: when the FMU cannot be written; no part of the FMU is left then.
     """
     scene = scene_of(source)
     if fmi not in VERSIONS:
@@ -93,7 +93,7 @@ def build_fmu(
 
 
 def validate_fmu(path: str | os.PathLike[str]) -> list[str]:
-    """Check an FMU against the FMI standard, without running it; return what is wrong, a sentence each."""
+    """Check an FMU against the FMI standard without running it; return a sentence for each fault."""
     try:
         return [str(finding) for finding in description_findings(Path(path))]
     except zipfile.BadZipFile as error:
@@ -101,9 +101,9 @@ def validate_fmu(path: str | os.PathLike[str]) -> list[str]:
 
 
 def _pack(files: Mapping[str, bytes], target: Path) -> None:
-    """Make a zip: compressed, in the order of names, without dates."""
+    """Make a compressed zip with sorted names and without dates."""
     with zipfile.ZipFile(target, "w") as fmu:
         for name, content in sorted(files.items()):
             entry = zipfile.ZipInfo(name, ZIP_DATE)
-            entry.create_system, entry.external_attr = 3, 0o100644 << 16  # a plain file, as on Unix
+            entry.create_system, entry.external_attr = 3, 0o100644 << 16  # an ordinary file, as on Unix
             fmu.writestr(entry, content, zipfile.ZIP_DEFLATED, compresslevel=9)

@@ -1,4 +1,4 @@
-"""The model description of an FMU against the FMI standard: fmpy's checks, and those it lacks."""
+"""The check of an FMU's model description against the FMI standard: fmpy's checks, and more of our own."""
 
 from __future__ import annotations
 
@@ -34,23 +34,23 @@ LISTS = (
     "ModelVariables/ScalarVariable/Annotations",
     *(f"{mode}/SourceFiles" for mode in MODES),
 )
-"""Lists in which each name, and each value of an enumeration, stands once."""
+"""Lists in which each name, and each value of an enumeration, may appear only once."""
 _PART = r"""([A-Za-z_]\w*|'([ !#-&(-\[\]-_a-~]|\\['"?\\abfnrtv])+')(\[\d+(,\d+)*\])?"""
 _NAME = rf"{_PART}(\.{_PART})*"
 NAMES = {
     "structured": re.compile(rf"{_NAME}|der\({_NAME}(,\d+)?\)", re.ASCII),
     "flat": re.compile(r"[^\r\n\t]+"),
 }
-"""What a variable may be called by a naming convention: FMI 2.0.4, 2.2.9; FMI 3.0, 2.4.7.5.1."""
-_NAMED = re.compile(r'[Vv]ariable (?:name )?"([^"]+)"')  # in fmpy's sentences
+"""Naming convention → the names that it allows: FMI 2.0.4, 2.2.9; FMI 3.0, 2.4.7.5.1."""
+_NAMED = re.compile(r'[Vv]ariable (?:name )?"([^"]+)"')  # finds the name of a variable in fmpy's sentences
 
 
 def description_findings(path: Path) -> list[Finding]:
-    """What is wrong with the zip and with the model description of an FMU. Nothing of it is run.
+    """Return the faults of an FMU's zip and model description. Nothing in the FMU is run.
 
     Raises:
         OSError: when there is no such file.
-        zipfile.BadZipFile: when it is no zip.
+        zipfile.BadZipFile: when the file is no zip.
     """
     if found := archive_findings(path):
         return found
@@ -60,7 +60,7 @@ def description_findings(path: Path) -> list[Finding]:
             terminals = {
                 name: ElementTree.fromstring(fmu.read(name)) for name in TERMINALS if name in fmu.namelist()
             }
-        except (ElementTree.ParseError, LookupError) as error:  # of an encoding that is not known
+        except (ElementTree.ParseError, LookupError) as error:  # LookupError: the encoding is unknown
             return [Finding(f"is no XML: {error}")]
         except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, EOFError) as error:
             return [Finding(f"cannot be unpacked: {error}")]
@@ -73,7 +73,7 @@ def description_findings(path: Path) -> list[Finding]:
     names = {one.name for one in variables} | {alias.get("name", "") for alias in root.iter("Alias")}
     for file, content in terminals.items():
         own += terminal_findings(content, names, file)
-    # fmpy ends in an IndexError or a KeyError where a reference leads nowhere
+    # fmpy raises an IndexError or a KeyError where a reference leads nowhere
     structure = Structure(root, variables)
     if lost := list(structure.lost()):
         return lost + own
@@ -82,7 +82,10 @@ def description_findings(path: Path) -> list[Finding]:
 
 
 def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
-    """What fmpy finds; ``known`` tells whether another fault may be why it cannot read the description."""
+    """Return the faults that fmpy finds.
+
+    ``known`` says that another fault is known, which may be why fmpy cannot read the description.
+    """
     from fmpy.model_description import ValidationError, read_model_description  # takes a second
 
     try:
@@ -90,7 +93,8 @@ def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
     except ValidationError as error:
         problems = [str(problem) for problem in error.problems]
     except Exception as error:
-        # fmpy has no class for its own sentences; others come of what the schema lets pass
+        # fmpy's own sentences have no class; exceptions with a class follow from faults that the schema lets
+        # pass
         plain = type(error) is Exception
         if known and not plain:
             return []
@@ -105,7 +109,7 @@ def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
 
 
 def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
-    """What is wrong in the lists, and with the kinds of use and the default experiment."""
+    """Return the faults of the lists, of the kinds of use and of the default experiment."""
     found = [
         finding
         for path in LISTS
@@ -147,7 +151,7 @@ def _of_experiment(root: Element) -> Iterator[Finding]:
         start, stop, step, tolerance = (
             float(given.get(key, "nan")) for key in ("startTime", "stopTime", "stepSize", "tolerance")
         )
-    except ValueError:  # the schema tells
+    except ValueError:  # the check by the schema reports this fault
         return
     if stop < start:
         yield Finding(f"stopTime = {stop:.9g} must not be before startTime = {start:.9g}", attribute=place)
@@ -158,7 +162,7 @@ def _of_experiment(root: Element) -> Iterator[Finding]:
 
 
 def terminal_findings(root: Element, names: set[str], file: str) -> Iterator[Finding]:
-    """Variables of terminals that are not there, and names that two have: FMI 3.0, 2.4.9.2."""
+    """Yield the variables of terminals that do not exist, and names that occur twice: FMI 3.0, 2.4.9.2."""
     for parent in root.iter():
         for tag, key in (("Terminal", "name"), ("TerminalMemberVariable", "memberName")):
             for found in twice(filter(None, (node.get(key) for node in parent.findall(tag))), key, tag):

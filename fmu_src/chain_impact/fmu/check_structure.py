@@ -1,4 +1,4 @@
-"""The references within a model description, and what its model structure lists: FMI 2.0.4, 2.2.8."""
+"""The check of references within a model description, and of its model structure: FMI 2.0.4, 2.2.8."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element
 from chain_impact.fmu.check_variables import Variable
 from chain_impact.fmu.findings import Finding
 
-NAMED = 5  # variables in one sentence
+NAMED = 5  # number of variables that one sentence names at most
 OUTPUTS, DERIVATIVES, INITIAL = "Outputs", "Derivatives", "InitialUnknowns"
 _THIRD = {OUTPUTS: "Output", DERIVATIVES: "ContinuousStateDerivative", INITIAL: "InitialUnknown"}
 """The list of FMI 2.0 → the element of FMI 3.0."""
@@ -21,7 +21,7 @@ class Structure:
     """The references of a model description: by index in FMI 2.0, by value reference in FMI 3.0."""
 
     def __init__(self, root: Element, variables: Sequence[Variable]) -> None:
-        """Read it."""
+        """Read the references of a model description."""
         self.variables = variables
         self.second = root.get("fmiVersion") == "2.0"
         self.key = "index" if self.second else "valueReference"
@@ -34,12 +34,12 @@ class Structure:
             self.lists.setdefault(node.tag, []).extend(one for one in unknowns if one.get(self.key))
 
     def listed(self, name: str) -> list[str]:
-        """What a list of the model structure refers to, by its name in FMI 2.0."""
+        """Return the references in a list of the model structure, by the list's name in FMI 2.0."""
         nodes = self.lists.get(name if self.second else _THIRD[name], [])
         return [node.attrib[self.key] for node in nodes]
 
     def lost(self) -> Iterator[Finding]:
-        """References that lead nowhere."""
+        """Yield references that lead nowhere."""
         count = f"an index from 1 to {len(self.known)}"
         what = count if self.second else "the value reference of a variable"
         for one in self.variables:
@@ -57,7 +57,10 @@ class Structure:
                 yield Finding(f"{target!r} must be {what}", attribute=place)
 
     def findings(self) -> Iterator[Finding]:
-        """Unknowns that are missing, superfluous, listed twice or not in order, and wrong dependencies."""
+        """Yield the faults of the model structure.
+
+        Unknowns may be missing, superfluous, listed twice or not in order, and dependencies may be wrong.
+        """
         known, derivatives = self.known, set(self.listed(DERIVATIVES))
         states = {known[one].attributes.get("derivative", "") for one in derivatives} - {""}
         outputs = {one for one in known if known[one].causality == "output"}
@@ -72,7 +75,7 @@ class Structure:
         for name, nodes in self.lists.items():
             place = f"ModelStructure/{name}"
             yield from twice((node.attrib[self.key] for node in nodes), self.key, place)
-            if name == INITIAL:  # of FMI 2.0
+            if name == INITIAL:  # a list of FMI 2.0
                 yield from _rising(self.listed(name), place)
         for place, node in self._nodes():
             yield from self._dependencies(place, node, states)
@@ -86,7 +89,7 @@ class Structure:
     def _complete(
         self, name: str, needed: Collection[str], allowed: set[str], what: str
     ) -> Iterator[Finding]:
-        """What a list lacks, and what it must not have."""
+        """Yield the variables that a list lacks, and those that it must not have."""
         listed = set(self.listed(name))
         for said, wrong in (("lacks", set(needed) - listed), ("must not have", listed - allowed)):
             if wrong:
@@ -96,7 +99,7 @@ class Structure:
                 yield Finding(text, attribute=f"ModelStructure/{name if self.second else _THIRD[name]}")
 
     def _dependencies(self, place: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
-        # for debugging only, so they may depend on outputs, too: FMI 3.0, table 23
+        # event indicators are for debugging only and may also depend on outputs: FMI 3.0, table 23
         debugging = node.tag == "EventIndicator"
         depends, initial = _depends(node), INITIAL[:-1] in place
         yield from twice(depends, self.key, place)
@@ -116,14 +119,14 @@ class Structure:
             yield Finding(f"dependenciesKind = {kind!r} is none at the start", attribute=place)
 
     def _nodes(self) -> Iterator[tuple[str, Element]]:
-        """All unknowns, with the place of their dependencies."""
+        """Yield all unknowns, with the place of their dependencies."""
         for name, nodes in self.lists.items():
             for node in nodes:
                 yield f"ModelStructure/{name}, {self.key} {node.attrib[self.key]}, dependencies", node
 
 
 def _sizes(one: Variable) -> list[str]:
-    """The value references of the sizes of an array, but for those that are numbers."""
+    """Return the value references of an array's sizes, without the sizes that are numbers."""
     return [
         size.attrib["valueReference"] for size in one.node.iter("Dimension") if size.get("valueReference")
     ]
@@ -134,7 +137,7 @@ def _depends(node: Element) -> list[str]:
 
 
 def _rising(numbers: Sequence[str], place: str) -> Iterator[Finding]:
-    """The first of some numbers that is smaller than the one before it."""
+    """Yield the first of some numbers that is smaller than the one before it."""
     for before, after in pairwise(numbers):
         if int(after) < int(before):
             yield Finding(f"{after} must stand before {before}", attribute=place)
@@ -142,7 +145,7 @@ def _rising(numbers: Sequence[str], place: str) -> Iterator[Finding]:
 
 
 def twice(texts: Iterable[str], what: str, place: str) -> list[Finding]:
-    """What stands in a list more than once."""
+    """Return a finding for each text that occurs more than once in a list."""
     return [
         Finding(f"{what} = {text!r} stands there {count} times", attribute=place)
         for text, count in Counter(texts).items()

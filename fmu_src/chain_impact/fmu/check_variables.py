@@ -1,4 +1,4 @@
-"""The variables of a model description: what their attributes say of each other."""
+"""The check of the variables in a model description: whether their attributes agree with each other."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ Value = float | bool | str
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """A variable as its FMU describes it.
+    """A variable as an FMU describes it.
 
     Attributes:
-        name: its name.
-        reference: its value reference, as it is written.
-        type: the tag of its element, as ``Real`` or ``Float64``.
-        attributes: its own and those of its declared type.
-        choices: the values of its enumeration, if it is one.
-        node: its element.
-        size: the number of its values, or None if that cannot be told.
+        name: the name.
+        reference: the text of the value reference.
+        type: the tag of the variable's element, such as ``Real`` or ``Float64``.
+        attributes: the variable's own attributes and the attributes of the declared type.
+        choices: the values of an enumeration.
+        node: the variable's element.
+        size: the number of values; None if it cannot be determined.
     """
 
     name: str
@@ -39,12 +39,12 @@ class Variable:
 
     @property
     def causality(self) -> str:
-        """Its causality."""
+        """The causality, as FMI's attribute gives it."""
         return self.attributes.get("causality", "local")
 
     @property
     def start(self) -> list[str]:
-        """The start values as they are written; none if there are none."""
+        """The texts of the start values; empty if there are none."""
         if given := [entry.get("value", "") for entry in self.node.iter("Start")]:
             return given
         text = self.attributes.get("start")
@@ -54,7 +54,7 @@ class Variable:
 
     @property
     def exact(self) -> bool:
-        """Whether its start is its value at the start, not a guess."""
+        """Whether the start value is the exact value at the start, not a guess."""
         initial = self.attributes.get("initial", "")
         given = self.causality in ("parameter", "structuralParameter", "input")
         return initial == "exact" or (
@@ -62,7 +62,10 @@ class Variable:
         )
 
     def value(self, text: str) -> Value:
-        """A value of this variable as a number, a truth value or a text; NaN if it is none."""
+        """Return the value that a text stands for, as a number, a bool or a text.
+
+        NaN for an invalid number.
+        """
         if self.type in TEXTS:
             return text
         if self.type == "Boolean":
@@ -73,27 +76,27 @@ class Variable:
             return math.nan
 
     def bound(self, name: str) -> float:
-        """Its attribute ``min`` or ``max``; infinite if it has none."""
+        """Return the attribute ``min`` or ``max``; infinite if the variable has none."""
         text = self.attributes.get(name)
         if text is None or self.type in (*TEXTS, "Boolean"):
             return math.inf if name == "max" else -math.inf
         return float(self.value(text))
 
     def beyond(self, value: float) -> str:
-        """Which of its limits a value is beyond; nothing if it is in between."""
+        """Return the limit that a value is beyond, in words; "" if the value is within the limits."""
         low, high = self.bound("min"), self.bound("max")
-        if low > high:  # which is told otherwise
+        if low > high:  # another finding reports such limits
             return ""
         return f"below min = {low:.9g}" if value < low else f"above max = {high:.9g}" if value > high else ""
 
 
 def types_of(root: Element) -> list[Variable]:
-    """The types that a model description defines, as if they were variables."""
+    """Return the types that a model description defines, in the form of variables."""
     return [_variable(node, {}, 1) for node in root.iterfind("TypeDefinitions/*")]
 
 
 def variables_of(root: Element) -> list[Variable]:
-    """The variables of a model description, in its order."""
+    """Return the variables of a model description, in their order there."""
     types = {one.name: one for one in types_of(root)}
     nodes = root.findall("ModelVariables/*")
     starts = {node.get("valueReference"): node.get("start", "") for node in nodes}
@@ -101,7 +104,7 @@ def variables_of(root: Element) -> list[Variable]:
 
 
 def _variable(node: Element, types: Mapping[str, Variable], size: int | None) -> Variable:
-    """What an element describes, with what its type says."""
+    """Return the variable that an element describes, with the attributes of the declared type."""
     nested = node.tag in ("ScalarVariable", "SimpleType")
     inner = next((child for child in node if nested and child.tag != "Annotations"), node)
     declared = types.get(inner.get("declaredType", ""))
@@ -119,7 +122,7 @@ def _variable(node: Element, types: Mapping[str, Variable], size: int | None) ->
 
 
 def _size(node: Element, starts: Mapping[str | None, str]) -> int | None:
-    """The number of the values of a variable; a dimension is a number or the start of a parameter."""
+    """Return the number of a variable's values; a dimension is a number or the start value of a parameter."""
     texts = [
         dimension.get("start") or starts.get(dimension.get("valueReference"), "")
         for dimension in node.iter("Dimension")
@@ -128,7 +131,7 @@ def _size(node: Element, starts: Mapping[str | None, str]) -> int | None:
 
 
 def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
-    """Attributes, starts, limits and types that do not fit, and values that two variables own."""
+    """Return the faults of attributes, start values, limits, types, and values that two variables share."""
     types = {one.name: one.type for one in types_of(root)}
     found = [
         Finding(text, variable=variable.name, attribute=attribute)
@@ -144,7 +147,7 @@ def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Find
 
 
 def limit_findings(variable: Variable) -> Iterator[tuple[str, str]]:
-    """What is wrong with min and max: the attribute, and a sentence."""
+    """Yield the faults of min and max, as pairs of the attribute and a sentence."""
     low, high = variable.bound("min"), variable.bound("max")
     if low > high:
         yield "min", f"min = {low:.9g} must not be above max = {high:.9g}"
@@ -158,7 +161,7 @@ def _of_type(variable: Variable, types: Mapping[str, str]) -> Iterator[tuple[str
 
 
 def _of_use(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
-    """Attributes that this kind of variable, or an FMU of this kind, cannot have."""
+    """Yield attributes that this kind of variable, or this kind of FMU, cannot have."""
     second, causality = root.get("fmiVersion") == "2.0", variable.causality
     if second and causality in ("input", "independent") and "initial" in variable.attributes:
         yield "initial", f"initial must not be given where causality = {causality!r}"
@@ -188,9 +191,9 @@ def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
 
 
 def _aliases(variables: Sequence[Variable]) -> list[Finding]:
-    """Variables of FMI 2.0 that share a value but cannot: FMI 2.0, 2.2.7.
+    """Return the faults of variables that share a value: FMI 2.0, 2.2.7.
 
-    What is shared may be set by one of them only, and has one unit and one start value.
+    Only one of them may be set, and they must have the same unit and start value.
     """
     first: dict[tuple[str, str], Variable] = {}
     found = []

@@ -1,4 +1,4 @@
-"""What an FMU tells people: documentation/index.html, the licenses, an icon, and in FMI 3.0 its terminals."""
+"""The parts of an FMU for people: documentation/index.html, licenses, icon, and the terminals of FMI 3.0."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
 ICONS = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
-"""Version of FMI → where it wants the icon (2.3 of FMI 2.0, 2.5.1 of FMI 3.0)."""
+"""Version of FMI → the path of the icon (2.3 in FMI 2.0, 2.5.1 in FMI 3.0)."""
 STYLE = (
     "body{font-family:sans-serif;max-width:70em;margin:2em auto;padding:0 1em}"
     "table{border-collapse:collapse}td,th{border:1px solid #8888;padding:.2em .6em;text-align:left}"
@@ -46,12 +46,13 @@ EVENTS = (
 )
 TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 EDGES = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
-"""Of the icon in its coordinate system."""
+"""The edges of the icon in its coordinate system."""
 
 
 def documents(model: Model, fmi: int) -> dict[str, bytes]:
-    """The files, by their names in an FMU of version 2 or 3 of FMI."""
-    from chain_impact.results.plots.start import icon  # a second to load, so not at the top
+    """Return the files, by their names in an FMU of version 2 or 3 of FMI."""
+    # takes a second to load, so it is not imported at the top
+    from chain_impact.results.plots.start import icon
 
     license_text = distribution("chain-impact").read_text("licenses/LICENSE")
     if license_text is None:
@@ -68,7 +69,7 @@ def documents(model: Model, fmi: int) -> dict[str, bytes]:
 
 
 def page(model: Model, fmi: int) -> str:
-    """The documentation, as HTML."""
+    """Return the documentation as HTML."""
     from chain_impact.results.plots.start import SIGNS, drawing
 
     scene, variables = model.scene, model.variables
@@ -113,14 +114,14 @@ def page(model: Model, fmi: int) -> str:
 
 
 def whose(scene: Scene) -> str:
-    """What the scene says of itself, in a line; nothing if it says nothing."""
+    """Return the scene's author, version, copyright and license in one line; "" if none is given."""
     keys = ("author", "version", "copyright", "license")
     said = [f"{key.capitalize()}: {escape(text)}" for key in keys if (text := getattr(scene, key))]
     return f"<p>{'; '.join(said)}</p>" if said else ""
 
 
 def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
-    """A row for each kind of variable, in the order of the first ones: the causality of a kind is one."""
+    """Return a row for each kind of variable, in the order of their first variables."""
     found: dict[str, list[Variable]] = {}
     for variable in variables:
         found.setdefault(variable.kind.pattern, []).append(variable)
@@ -131,7 +132,7 @@ def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
 
 
 def folded(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table behind its title; nothing if it has no rows."""
+    """Return a table that unfolds below its title; "" if it has no rows."""
     return f"<details><summary>{title}</summary>{html_table(head, rows)}</details>" if rows else ""
 
 
@@ -139,10 +140,11 @@ def folded(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> st
 
 
 def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
-    """A terminal for each joint and point, the base, the tip and each wall, with its inputs and outputs.
+    """Return the terminals: one for each joint and point, the base, the tip and each wall.
 
-    The terminals of walls are in one called ``wall``, so that its path is the first part of the variables'
-    names. All members are signals; members of equal names are to be connected ("bus").
+    A terminal has the inputs and outputs of its element. The terminals of walls are inside a terminal
+    ``wall``, so that the path is the first part of the variables' names. All members are signals; members of
+    equal names are to be connected ("bus").
     """
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     looks = SubElement(root, "GraphicalRepresentation")

@@ -1,4 +1,4 @@
-"""What is wrong with an FMU: a sentence, and its place; of its zip it is told before that is unpacked."""
+"""Faults of an FMU, each a sentence with its place; faults of the zip are found before it is unpacked."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from pathlib import Path
 
 DESCRIPTION = "modelDescription.xml"
 COMPLETE = "complete"
-"""The last call in the report of a trial that is whole."""
+"""The last call in the report of a test run that was not cut off."""
 LARGEST = 2**30
-"""Bytes that the files of an FMU may have together, unpacked. Python unpacks no more than a zip declares."""
+"""[byte] largest size of all unpacked files of an FMU. Python unpacks no more than the zip declares."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that is wrong with an FMU.
+    """A fault of an FMU.
 
     Attributes:
-        text: a sentence that says what.
-        file: the file in the FMU that has it; empty if it is the FMU as a whole.
-        variable: the name of the variable that it is about, if any.
-        attribute: the attribute or element of the model description that it is about, if any.
+        text: a sentence that describes the fault.
+        file: the file in the FMU that has the fault; empty for the FMU as a whole.
+        variable: the name of the variable with the fault, if any.
+        attribute: the attribute or element of the model description with the fault, if any.
     """
 
     text: str
@@ -34,16 +34,16 @@ class Finding:
     attribute: str = ""
 
     def __str__(self) -> str:
-        """Place and sentence in one line."""
+        """Return place and sentence in one line."""
         return ": ".join([part for part in (self.file, self.variable, self.attribute) if part] + [self.text])
 
 
 def archive_findings(path: Path) -> list[Finding]:
-    """What makes it impossible or unsafe to unpack an FMU.
+    """Return the faults that make it impossible or unsafe to unpack an FMU.
 
     Raises:
         OSError: when there is no such file.
-        zipfile.BadZipFile: when it is no zip.
+        zipfile.BadZipFile: when the file is no zip.
     """
     with zipfile.ZipFile(path) as fmu:
         entries = fmu.infolist()

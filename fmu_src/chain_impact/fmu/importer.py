@@ -1,4 +1,4 @@
-"""fmpy as the importer of an FMU, which changes neither the streams nor the working folder of the process.
+"""fmpy as the importer of an FMU, without changes of the process's streams and working folder.
 
 Several threads may run FMUs at once.
 """
@@ -27,14 +27,14 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.system import HOST, PLATFORMS
 
-WARNING = 1  # fmi2Warning; what is worse comes after it
+WARNING = 1  # fmi2Warning; higher statuses are worse
 SLAVES = "chain_impact.fmu"
-"""The name of the logger of slaves in Python, see slave.py."""
+"""The name of the logger of slaves in Python; see slave.py."""
 _here = threading.local()  # what the FMU that this thread runs has said, and what it has logged
 
 
 def read_fmu(path: Path) -> Any:
-    """The model description of an FMU, as fmpy gives it.
+    """Return the model description of an FMU, in fmpy's form.
 
     Raises:
         SceneError: when the file is no FMU.
@@ -47,21 +47,21 @@ def read_fmu(path: Path) -> Any:
         return fmpy.read_model_description(str(path))
     except (OSError, SceneError):
         raise
-    except Exception as error:  # whatever zipfile, lxml and fmpy's own checks raise
+    except Exception as error:  # zipfile, lxml and fmpy's own checks raise exceptions of many kinds
         reason = str(error).strip('"')
         raise SceneError(f"{path}: not a readable FMU: {reason}") from None
 
 
 def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
-    """Simulate an FMU for FMI 2.0 or 3.0 with fmpy; return its rows.
+    """Simulate an FMU of FMI 2.0 or 3.0 with fmpy; return the rows of outputs.
 
     Args:
         path: the FMU.
         description: its model description, as ``read_fmu`` gives it.
-        options: those of ``fmpy.simulate_fmu``.
+        options: the options of ``fmpy.simulate_fmu``.
 
     Raises:
-        RunError: when it has no binary for this machine, or fails, with the first reason that the FMU gave.
+        RunError: when the FMU has no binary for this machine, or fails, with the first reason that it gave.
     """
     import fmpy
 
@@ -73,7 +73,7 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
         raise RunError(f"{path}: {missing}")
     with listening() as reasons:
         try:
-            # fmpy leaves what it has unpacked when a call fails
+            # fmpy leaves the unpacked files behind when a call fails
             with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
                 fmpy.extract(str(path), folder)
                 instance = loaded(description, folder)
@@ -84,7 +84,7 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
                 )
                 instance.freeInstance()
         except Exception as error:  # fmpy's exceptions have no common class
-            # the first that is said: after it, an importer may go on to the next refusal
+            # the first message counts: an importer may continue after it up to the next refusal
             reason = [*reasons(), str(error)][0]
             raise RunError(f"{path}: {reason}") from None
     return rows
@@ -92,7 +92,10 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
 
 @contextmanager
 def listening() -> Iterator[Callable[[], list[str]]]:
-    """Take what the FMUs say that this thread runs; yields a function that returns it, the first first."""
+    """Collect the messages of the FMUs that this thread runs.
+
+    The yielded function returns the messages, the earliest first.
+    """
     _here.said, _here.logged = [], []
     try:
         yield lambda: [*_here.said, *_here.logged]
@@ -101,14 +104,15 @@ def listening() -> Iterator[Callable[[], list[str]]]:
 
 
 def _log(*call: Any) -> None:
-    """Take what an FMU says to its importer, in the thread that calls it."""
-    status, _category, message = call[-3:]  # before them FMI 2.0 has a name that FMI 3.0 does not have
+    """Collect a message that an FMU sends to its importer, in the calling thread."""
+    # FMI 2.0 has a name in front of these, which FMI 3.0 does not have
+    status, _category, message = call[-3:]
     if status > WARNING and hasattr(_here, "logged"):
         _here.logged.append(message.decode(errors="replace"))
 
 
 def _heard(record: logging.LogRecord) -> bool:
-    """Take what a slave says where this thread runs it: it becomes an error. All else is logged."""
+    """Collect a message of a slave if this thread runs it; it becomes an error. Else let it be logged."""
     said = getattr(_here, "said", None)
     if said is not None:
         said.append(record.getMessage())
@@ -119,7 +123,7 @@ logging.getLogger(SLAVES).addFilter(_heard)
 
 
 def loaded(description: Any, folder: str) -> Any:
-    """An unpacked FMU with its library loaded; nothing of it but what the library does by itself has run."""
+    """Return an unpacked FMU with its library loaded, before any call of the FMU."""
     from fmpy import fmi2, fmi3, platform
 
     _place_binaries(Path(folder, "binaries"), platform)
@@ -132,7 +136,7 @@ def loaded(description: Any, folder: str) -> Any:
 
 
 def instantiate(fmu: Any) -> None:
-    """Make the instance of a loaded FMU, which says all to ``_log``."""
+    """Make the instance of a loaded FMU, whose messages go to ``_log``."""
     from fmpy import fmi2
 
     if isinstance(fmu, fmi2.FMU2Slave | fmi2.FMU2Model):
@@ -144,12 +148,15 @@ def instantiate(fmu: Any) -> None:
 
 
 _ALONE = threading.Lock()
-"""So that several threads that run their first FMU at once make the callbacks once."""
+"""Lets only one of several threads make the callbacks."""
 
 
 @cache
 def _callbacks() -> Any:
-    """What FMUs for FMI 2.0 call: the same for all, as fmpy's library keeps the logger of the last one."""
+    """Return the callbacks for FMUs of FMI 2.0.
+
+    All FMUs share them, because fmpy's library keeps the logger of the last FMU only.
+    """
     from fmpy import fmi2
 
     callbacks = fmi2.fmi2CallbackFunctions()
@@ -157,7 +164,7 @@ def _callbacks() -> Any:
     callbacks.allocateMemory, callbacks.freeMemory = (
         getattr(fmi2.defaultCallbacks, name) for name in ("allocateMemory", "freeMemory")
     )
-    with suppress(Exception):  # fmpy has no such library for ARM; without it, values stay out of messages
+    with suppress(Exception):  # fmpy has no such library for ARM; messages then lack the values
         from fmpy.logging import addLoggerProxy
 
         addLoggerProxy(ctypes.byref(callbacks))
@@ -166,12 +173,12 @@ def _callbacks() -> Any:
 
 @cache
 def _in_place(kind: type) -> type:
-    """A kind of fmpy's instances that loads its library without a change of the working folder.
+    """Return a kind of fmpy's instances that loads its library without a change of the working folder.
 
-    fmpy's constructor changes that of the whole process meanwhile, and for good where it fails. So it is
-    given a module ``os`` in which that does nothing.
+    fmpy's constructor changes the working folder of the whole process, and does not restore it after an
+    error. Its module ``os`` is therefore replaced by one whose ``chdir`` does nothing.
     """
-    base = kind.__mro__[-2]  # of all of fmpy's kinds
+    base = kind.__mro__[-2]  # the common base of all of fmpy's kinds
     fmpys: Any = base.__init__  # type: ignore[misc]
     still = SimpleNamespace(**{**vars(os), "chdir": lambda _folder: None})
     load = FunctionType(fmpys.__code__, {**fmpys.__globals__, "os": still}, "__init__", fmpys.__defaults__)
@@ -179,7 +186,7 @@ def _in_place(kind: type) -> type:
 
 
 def _place_binaries(binaries: Path, folder: str) -> None:
-    """Put this machine's binaries where fmpy looks: on ARM it looks for those of x86-64, too."""
+    """Put this machine's binaries where fmpy looks for them; on ARM fmpy looks in the folder of x86-64."""
     names = [HOST, PLATFORMS[HOST].fmi3] if HOST and folder != HOST else []
     for name in names:
         if (binaries / name).is_dir():

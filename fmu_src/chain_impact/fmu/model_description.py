@@ -16,7 +16,7 @@ from chain_impact.variables.units import UNITS, in_order, unit_of
 from chain_impact.variables.variable import Variable
 
 TOKEN = {2: "guid", 3: "instantiationToken"}
-"""Version of FMI → the attribute of the root that tells one FMU from another."""
+"""Version of FMI → the attribute of the root that identifies the FMU."""
 CAPABILITIES = {
     2: {
         "needsExecutionTool": "false",
@@ -38,8 +38,9 @@ CAPABILITIES = {
     },
 }
 TYPES = {"real": "Float64", "integer": "Int64", "enumeration": "Enumeration"}
-"""Of FMI 3.0."""
-DATE = "1980-01-01T00:00:00Z"  # the earliest that a zip can hold: equal scenes make equal FMUs
+"""Our type → the type of FMI 3.0."""
+# the earliest date that a zip can hold, the same for all FMUs: equal scenes make equal FMUs
+DATE = "1980-01-01T00:00:00Z"
 LOG_CATEGORIES = {
     "logStatusWarning": "Warnings",
     "logStatusDiscard": "Steps that were not taken",
@@ -50,11 +51,11 @@ LOG_CATEGORIES = {
 
 
 def model_description(model: Model, tool: str, fmi: int, **capabilities: str) -> Element:
-    """The model description, with the start values of the model's instance and an empty token.
+    """Return the model description, with the start values of the model's instance and an empty token.
 
-    Value references are positions in ``model.variables``; in FMI 3.0 then come that of the time and those of
-    ``array_variables(model)``. ``tool`` is what has made the FMU; ``capabilities`` are attributes of
-    CoSimulation in place of the usual ones.
+    Value references are positions in ``model.variables``; in FMI 3.0 the reference of the time and the
+    references of ``array_variables(model)`` follow. ``tool`` is the program that makes the FMU;
+    ``capabilities`` are attributes of CoSimulation in place of the usual ones.
     """
     root = Element(
         "fmiModelDescription", {"fmiVersion": f"{fmi}.0", TOKEN[fmi]: "", **about(model.scene, tool)}
@@ -70,7 +71,7 @@ def model_description(model: Model, tool: str, fmi: int, **capabilities: str) ->
 
 
 def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
-    """Add the types of reals and of choices, which FMI 2.0 wraps into a type of any kind."""
+    """Add the types of real numbers and of choices; FMI 2.0 wraps them into a SimpleType."""
     types, second = SubElement(root, "TypeDefinitions"), fmi == 2  # noqa: PLR2004
     for name, attributes in quantities(variables).items():
         if second:
@@ -87,7 +88,7 @@ def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
 
 
 def _add_variables_2(root: Element, model: Model) -> None:
-    """The variables, and which outputs depend on inputs; all are known by their positions from 1."""
+    """Add the variables, and the outputs that depend on inputs; their positions count from 1."""
     variables, nodes = model.variables, SubElement(root, "ModelVariables")
     indices = {variable.place: str(index) for index, variable in enumerate(variables, 1)}
     for reference, (variable, value) in enumerate(zip(variables, values_of(model), strict=True)):
@@ -103,7 +104,7 @@ def _add_variables_2(root: Element, model: Model) -> None:
 
 
 def _add_variables_3(root: Element, model: Model) -> None:
-    """The variables, the time and the arrays, and which outputs depend on inputs."""
+    """Add the variables, the time and the arrays, and the outputs that depend on inputs."""
     variables, arrays, values = model.variables, array_variables(model), values_of(model)
     nodes, first = SubElement(root, "ModelVariables"), len(variables) + 1
     references = {variable.place: reference for reference, variable in enumerate(variables)}
@@ -138,9 +139,10 @@ def _add_structure_3(structure: Element, variables: Sequence[Variable], arrays: 
 
 
 def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, str]]:
-    """The number of each output, and those of the inputs that act on it at once.
+    """Return the number of each output, and the numbers of the inputs that act on it at once.
 
-    At the start an output depends on all that is known then, which is what no list means.
+    At the start an output depends on all values that are known then, which FMI assumes where no list is
+    given.
     """
     inputs = " ".join(str(number) for number, variable in numbered if variable.causality == "input")
     return [
@@ -154,9 +156,10 @@ def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, s
 
 
 def about(scene: Scene, tool: str) -> dict[str, str]:
-    """The attributes of the root, but for the GUID and FMI's version. ``tool`` is what has made the FMU.
+    """Return the attributes of the root, without the GUID and the version of FMI.
 
-    Whose the model is only its scene can say.
+    ``tool`` is the program that makes the FMU. Author, version, copyright and license of the model are in the
+    scene.
     """
     said = {name: getattr(scene, name) for name in ("author", "version", "copyright", "license")}
     return {
@@ -170,7 +173,7 @@ def about(scene: Scene, tool: str) -> dict[str, str]:
 
 
 def add_units(root: Element, variables: Sequence[Variable]) -> None:
-    """Add the definitions of the units that are used."""
+    """Add the definitions of the units in use."""
     used, units = {variable.unit for variable in variables}, SubElement(root, "UnitDefinitions")
     for name in in_order(used):
         powers, definition = unit_of(name).powers, SubElement(units, "Unit", name=name)
@@ -181,7 +184,7 @@ def add_units(root: Element, variables: Sequence[Variable]) -> None:
 
 
 def quantities(variables: Sequence[Variable]) -> dict[str, dict[str, str]]:
-    """The types of reals: name → attributes."""
+    """Return the types of real numbers: name → attributes."""
     used, types = {variable.unit for variable in variables}, {}
     for name in in_order(used):
         quantity = unit_of(name).quantity
@@ -207,7 +210,7 @@ def add_categories_and_experiment(root: Element, scene: Scene) -> None:
 
 
 def attributes_of(variable: Variable, reference: int) -> dict[str, str]:
-    """What a variable is."""
+    """Return the attributes of a variable: name, reference, description, causality, variability."""
     attributes = {"name": variable.name, "valueReference": str(reference)}
     attributes |= {"description": variable.description, "causality": variable.causality}
     attributes["variability"] = variable.variability
@@ -217,7 +220,7 @@ def attributes_of(variable: Variable, reference: int) -> dict[str, str]:
 
 
 def values_of(model: Model) -> list[dict[str, str]]:
-    """What the values of each variable are: type, unit, range, start and nominal value."""
+    """Return the attributes of the value of each variable: type, unit, range, start and nominal value."""
     nominal, found = nominal_values(model.scene), []
     for variable in model.variables:
         value = {}
@@ -227,7 +230,8 @@ def values_of(model: Model) -> list[dict[str, str]]:
                 value["nominal"] = repr(nominal[variable.kind.nominal])
         elif variable.items:
             value = {"declaredType": type_name(variable)}
-        # an open limit is written as a closed one, which is all that FMI knows; the FMU keeps it open
+        # an open limit is written as a closed one, the only kind in FMI; the FMU still refuses the limit
+        # itself
         low = variable.above if variable.minimum is None else variable.minimum
         limits = {"min": low, "max": variable.maximum}
         value |= {name: repr(limit) for name, limit in limits.items() if limit is not None}
@@ -238,7 +242,7 @@ def values_of(model: Model) -> list[dict[str, str]]:
 
 
 def rate_of(variable: Variable) -> Place | None:
-    """The place of the variable that this one is the derivative of, if any."""
+    """Return the place of the variable whose derivative this one is, if any."""
     record, field, *index = variable.place
     if field == variable.kind.rate_of == "signal":
         return (*variable.place[:-1], int(index[-1]) - 1)
@@ -246,12 +250,13 @@ def rate_of(variable: Variable) -> Place | None:
 
 
 def nominal_values(scene: Scene) -> dict[str, float]:
-    """Magnitudes of the outputs, by the names that the table of variables has for them.
+    """Return magnitudes of the outputs, by the names in the table of variables.
 
-    Those of the motion are the absolute scales of the solver (``model.size``, ``model.energy``): the longest
-    link L, L in a second, and M L²/s² for the whole mass M. Those of contacts are what a collision of all the
-    mass at v = L/s compresses the wall to, without damping, K δⁿ⁺¹/(n+1) = M v²/2, and its momentum M v.
-    Those of stops are the same for all the mass at the end of the longest link, at 1 rad/s.
+    Magnitudes of the motion are the absolute scales of the solver (``model.size``, ``model.energy``): the
+    longest link L, L in a second, and M L²/s² for the whole mass M. Magnitudes of contacts follow from a
+    collision of the whole mass at v = L/s without damping: the penetration δ with K δⁿ⁺¹/(n+1) = M v²/2, and
+    the momentum M v. Magnitudes of stops follow in the same way from the whole mass at the end of the longest
+    link, at 1 rad/s.
     """
     links, contact, stops = scene.chain.links, scene.contact, scene.stops
     size, mass = max(link.length for link in links), sum(link.mass for link in links)
@@ -271,7 +276,7 @@ def _depth(stiffness: float, n: float, energy: float) -> float:
 
 
 def type_name(variable: Variable) -> str:
-    """ContactModel for contact.model."""
+    """Return the name of an enumeration's type: ContactModel for contact.model."""
     return "".join(part.capitalize() for part in variable.name.split("."))
 
 
@@ -279,10 +284,10 @@ def type_name(variable: Variable) -> str:
 
 
 class Array(NamedTuple):
-    """An array whose elements are scalar variables, too.
+    """An array whose elements are also scalar variables.
 
     Attributes:
-        variable: the array as a variable; its place is that of its first element.
+        variable: the array as a variable; its place is the place of the first element.
         shape: one size for each dimension; the elements are one after the other in the record, the last
             index changing first.
     """
@@ -297,7 +302,7 @@ class Array(NamedTuple):
 
 
 def array_variables(model: Model) -> list[Array]:
-    """The arrays of the outputs that the scene asks for, in the order of their value references."""
+    """Return the arrays of the scene's outputs, in the order of their value references."""
     groups: dict[str, list[Variable]] = {}
     for variable in model.outputs:
         if variable.kind.array:

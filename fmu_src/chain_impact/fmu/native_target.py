@@ -1,4 +1,4 @@
-"""A native FMU: the kernel's library is its binary, a table tells the C interface in it of the scene."""
+"""A native FMU: the kernel's library is the binary, and a table describes the scene to the C interface."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from chain_impact.variables.variable import LARGEST
 
 
 def native_files(model: Model, kernels: Mapping[str, Path], fmi: int) -> dict[str, bytes]:
-    """All files of the FMU, by their names in it.
+    """Return all files of the FMU, by their names in the FMU.
 
     Args:
-        model: what it simulates.
+        model: the model that the FMU simulates.
         kernels: platform → library.
         fmi: the version of FMI, 2 or 3.
     """

@@ -1,4 +1,4 @@
-"""Which platforms an FMU has binaries for, and which file an importer loads on this machine."""
+"""The platforms that an FMU has binaries for, and the file that an importer loads on this machine."""
 
 from __future__ import annotations
 
@@ -12,19 +12,22 @@ from chain_impact.system import HOST, PLATFORMS
 
 
 def platforms_of(path: str | Path) -> list[str]:
-    """The platforms that an FMU has binaries for, as ``--platform`` names those that this package knows."""
+    """Return the platforms that an FMU has binaries for.
+
+    Known platforms are named as in ``--platform``, others by their folder.
+    """
     ours = {one.fmi3: name for name, one in PLATFORMS.items()}
     with zipfile.ZipFile(path) as fmu:
         return [ours.get(folder, folder) for folder in _folders(fmu.namelist())]
 
 
 def binary_of(identifier: str, names: Collection[str], *, second: bool) -> tuple[str, Finding | None]:
-    """The file that an importer loads on this machine, and what is wrong if it is not there.
+    """Return the file that an importer loads on this machine, and a finding if the file is missing.
 
     Args:
         identifier: the attribute ``modelIdentifier``.
         names: the files and folders in the FMU.
-        second: whether it is of FMI 2.0, whose folders have other names than those of FMI 3.0.
+        second: whether the FMU is of FMI 2.0, in which the folders have other names than in FMI 3.0.
     """
     platforms = [HOST, PLATFORMS[HOST].fmi3] if HOST else []
     platforms = platforms if second else platforms[::-1]
@@ -44,6 +47,6 @@ def binary_of(identifier: str, names: Collection[str], *, second: bool) -> tuple
 
 
 def _folders(names: Collection[str]) -> list[str]:
-    """The folders of binaries that have files."""
+    """Return the folders of binaries that contain files."""
     found = (re.fullmatch(r"binaries/([^/]+)/[^/]+", name) for name in names)
     return sorted({file[1] for file in found if file})

@@ -1,4 +1,4 @@
-"""An FMU that runs in the importer's Python: pythonfmu's binary, a slave, and the kernel behind it."""
+"""An FMU that runs in the importer's Python: pythonfmu's binary, a slave in Python, and the kernel."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from chain_impact.system import PLATFORMS as ALL_PLATFORMS
 from chain_impact.variables.model import Model
 
 PLATFORMS = ("linux64", "win64")
-"""Those for which pythonfmu has a wrapper."""
+"""The platforms for which pythonfmu has a wrapper."""
 SCRIPT = """\
 import ctypes
 
@@ -28,10 +28,10 @@ So it does no more than import the slave, which Python does once in a process.
 
 
 def pythonfmu_files(model: Model, kernels: Mapping[str, Path]) -> dict[str, bytes]:
-    """All files of the FMU, by their names in it.
+    """Return all files of the FMU, by their names in the FMU.
 
     Args:
-        model: what it simulates.
+        model: the model that the FMU simulates.
         kernels: platform → library.
     """
     tool = f"chain-impact {version('chain-impact')} with PythonFMU {version('pythonfmu')}"
@@ -40,27 +40,28 @@ def pythonfmu_files(model: Model, kernels: Mapping[str, Path]) -> dict[str, byte
     for platform, library in sorted(kernels.items()):
         files[f"resources/kernel-{platform}{library.suffix}"] = library.read_bytes()
     files = described(files, model, description := model_description(model, tool, 2), 2)
-    # the guid names both modules: one process can hold several FMUs, and Python knows modules by name
+    # both modules have the GUID in their names, because a process may hold several FMUs and imports by name
     guid = description.attrib["guid"]
     script = f"chain_impact_{guid.replace('-', '')[:16]}"
     modules = {
         f"resources/{script}.py": SCRIPT.format(slave=f"{script}_slave").encode(),
         f"resources/{script}_slave.py": sources["slave"],
-        # the script that the wrapper executes, and what the slave reads: some importers unpack no description
+        # the script that the wrapper executes, and data for the slave, as some importers unpack no
+        # description
         "resources/slavemodule.txt": "\n".join((script, model.scene.name, guid)).encode(),
     }
     return {name: content for name, content in files.items() if name not in sources} | modules
 
 
 def slave_source() -> bytes:
-    """The slave's source: beside this file when installed, else at the top of the repository's sources."""
+    """Return the slave's source: beside this file if the package is installed, else in the repository."""
     packaged = Path(__file__).with_name("slave.py")
     return (packaged if packaged.is_file() else Path(__file__).parents[2] / "slave.py").read_bytes()
 
 
 def _of_pythonfmu(name: str, platforms: Mapping[str, Path]) -> dict[str, bytes]:
-    """Return pythonfmu's modules, and its wrappers as the binaries of an FMU of a name."""
-    # what is installed: the module's own path leads to an FMU, if this process has run one
+    """Return pythonfmu's modules, and its wrappers as the binaries of an FMU with a name."""
+    # the installed package: the path of the loaded module leads into an FMU if this process has run one
     folder = Path(str(distribution("pythonfmu").locate_file("pythonfmu")))
     files = {f"resources/pythonfmu/{module.name}": module for module in folder.glob("*.py")}
     for platform in platforms:

@@ -1,7 +1,7 @@
-"""Reference results inside the FMU: a table of what it shall give, and how exactly, to check an importer.
+"""Reference results inside the FMU: a table of correct outputs with tolerances, to check an importer.
 
 The file is CSV. Its first row has names: ``time``, the inputs, the outputs. Its second row begins with the
-word ``tolerance`` and tells how far each output may be off. Then there is a row for each communication point.
+word ``tolerance`` and gives the tolerance of each output. Then there is a row for each communication point.
 An input acts from its row to the next; an output is empty where it is not to be compared.
 """
 
@@ -28,29 +28,32 @@ from chain_impact.variables.kind import MOTION
 from chain_impact.variables.model import Model
 
 FILE = "resources/chain_impact_reference.csv"
-EXACT = 1e-12  # tolerance of the reference
-ROWS = 100  # communication steps of the scene's time, about
+EXACT = 1e-12  # solver tolerance of the reference run
+ROWS = 100  # approximate number of communication steps in the scene's time
 SHORTER = 10  # a part of the scene's time that is tried, when the results can be relied on in no more of it
 # A chain amplifies an error with each impact. The table ends where a run at the scene's own tolerance differs
 # from the reference by more than LARGEST, or than the tolerance, times the largest value of a unit. A user's
 # result may differ MARGIN times as much as that run did until there, and at least by LEAST times that value.
 LARGEST, MARGIN, LEAST = 1e-5, 10.0, 1e-9
-CLOSE = 1e-4  # of a step: nearer to the begin or the end of a contact, nothing is compared
-MOST_WORK = 2_000_000  # evaluations of the equations of motion, times links: about 0.2 s
-SWING = 0.1  # of the inputs, of the magnitudes of the motion …
-MOVED = 0.01  # … and of the base and walls that move
-FEWEST, DIGITS = 2, 12  # rows: the start alone is no simulation; digits of a result
+# distance from the onset or end of a contact below which nothing is compared, as a part of a step
+CLOSE = 1e-4
+# number of evaluations of the equations of motion times links, beyond which no reference is made: 0.2 s
+MOST_WORK = 2_000_000
+SWING = 0.1  # amplitude of the inputs as a part of the motion's magnitudes
+MOVED = 0.01  # amplitude of a moving base or wall as a part of the motion's magnitudes
+# smallest number of rows (the start alone is no simulation); number of digits of a result
+FEWEST, DIGITS = 2, 12
 
 
 class Reference(NamedTuple):
-    """What an FMU shall give.
+    """The correct outputs of an FMU.
 
     Attributes:
-        inputs: name of an input → its values, each from a communication point to the next, shape (T,).
+        inputs: name of an input → its values, each from one communication point to the next, shape (T,).
         outputs: names of M of the FMU's outputs.
-        tolerances: how far these may be off, shape (M,).
+        tolerances: the allowed errors of these outputs, shape (M,).
         times: communication points, equally spaced, shape (T,) [s].
-        values: what the outputs are, shape (T, M); rows of NaN are not to be compared.
+        values: the outputs, shape (T, M); rows of NaN are not to be compared.
     """
 
     inputs: dict[str, np.ndarray]
@@ -61,7 +64,7 @@ class Reference(NamedTuple):
 
 
 def reference_files(model: Model) -> dict[str, bytes]:
-    """The file, by its name in the FMU; none if the results cannot be relied on for any time."""
+    """Return the file by its name in the FMU; nothing if the results are reliable for no time."""
     try:
         found = reference(model)
     except SimulationError as error:
@@ -81,12 +84,12 @@ def reference_files(model: Model) -> dict[str, bytes]:
 
 
 def reference(model: Model) -> Reference:
-    """Simulate a scene at a tolerance of 1e-12 and at its own, as far as the second follows the first.
+    """Simulate a scene at a tolerance of 1e-12 and at its own, as long as both runs agree.
 
-    If that is a small part of the scene's time, in shorter steps.
+    If they agree over a small part of the scene's time only, the part is simulated in shorter steps.
 
     Raises:
-        SimulationError: when it cannot start, or take the first step.
+        SimulationError: when the chain cannot start, or take the first step.
     """
     stop, shortest = model.scene.simulation.stop_time, model.scene.simulation.step_size
     while True:
@@ -99,10 +102,10 @@ def reference(model: Model) -> Reference:
 
 
 def _compared(model: Model, times: np.ndarray) -> Reference:
-    """The reference with some communication points [s], equally spaced from 0."""
+    """Return the reference at some communication points [s], which are equally spaced from 0."""
     ends = {f"point[{k}].{axis}" for k in (0, model.sizes.links) for axis in "xy"}
     ends |= {f"link[{i}].angle" for i in (1, model.sizes.links)}
-    # a few outputs that together depend on all that happens
+    # a few outputs that together depend on the whole motion
     chosen = [v for v in model.outputs if v.name in ends or v.name.startswith(("energy.", "impact."))]
     names, whole = [v.name for v in chosen], np.array([v.type != "real" for v in chosen])
     units = np.array([v.unit for v in chosen])
@@ -112,7 +115,7 @@ def _compared(model: Model, times: np.ndarray) -> Reference:
         for t in (EXACT, tolerance)
     )
     count = min(len(exact), len(own))
-    # a contact that lasts has no end yet, which is NaN
+    # a contact that lasts has NaN as its end
     edges = [table[end] for table in (contacts, others) for end in ("onset", "end")]
     apart = (
         np.nanmin(np.abs(times[:count, None] - np.concatenate([*edges, [math.inf]])), axis=1)
@@ -141,7 +144,7 @@ def _compared(model: Model, times: np.ndarray) -> Reference:
 def _run(
     scene: Scene, times: np.ndarray, inputs: dict[str, np.ndarray], names: Sequence[str]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Outputs at some times, as far as the chain comes with little work, and the table of its impacts.
+    """Return outputs at some times, as far as the chain comes with limited work, and the impacts.
 
     Raises:
         SimulationError: when the first step cannot be taken.
@@ -162,10 +165,10 @@ def _run(
 
 
 def _inputs(model: Model, times: np.ndarray) -> dict[str, np.ndarray]:
-    """A sine for each input, of another frequency each, so that none is taken for another.
+    """Return a sine of its own frequency for each input, so that a mix-up of inputs would show.
 
-    Velocity and acceleration of a base or a wall that moves are the derivatives of its position. The values
-    are rounded as in the file: for a motion it counts whether it is given anew.
+    Velocity and acceleration of a moving base or wall are the derivatives of the position. The values are
+    rounded as in the file, because even a tiny change of a value counts as a new value.
     """
     nominal, count = nominal_values(model.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count
@@ -191,7 +194,7 @@ def _inputs(model: Model, times: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _agreed_until(exact: np.ndarray, own: np.ndarray, close: float) -> float:
-    """Until when [s] all onsets of two runs are the same, within ``close`` [s]."""
+    """Return the time [s] until which all onsets of two runs agree within ``close`` [s]."""
     count = min(len(exact), len(own))
     first = int(np.argmax(np.append(np.abs(exact[:count] - own[:count]) > close, True)))
     return float(min([math.inf, *exact[first:], *own[first:]]))
@@ -201,7 +204,10 @@ def _agreed_until(exact: np.ndarray, own: np.ndarray, close: float) -> float:
 
 
 def check_references(path: Path) -> tuple[bool, str] | None:
-    """Simulate an FMU with fmpy: whether it gives its reference results, and a line; None if it has none."""
+    """Simulate an FMU with fmpy and compare it with its reference results.
+
+    Return whether it passed, and a line of text; None if the FMU has no reference results.
+    """
     with zipfile.ZipFile(path) as fmu:
         if FILE not in fmu.namelist():
             return None
@@ -237,7 +243,7 @@ def check_references(path: Path) -> tuple[bool, str] | None:
         )
     except RunError as error:
         return (False, f"cannot be simulated: {error}")
-    # so written that a NaN of the FMU deviates
+    # in this form the comparison fails for a NaN of the FMU
     errors = {
         name: np.abs(np.interp(time, found["time"], found[name].astype(float)) - columns[name])
         for name in outputs

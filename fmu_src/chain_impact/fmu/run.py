@@ -1,4 +1,4 @@
-"""Run an FMU with parameters set by name, into a recording."""
+"""The run of an FMU with parameters set by name, as a recording."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from chain_impact.simulation.simulate import check_size
 from chain_impact.variables.variable import UNLESS_SET
 
 NAMED = re.compile(r"point (\d+) \((\w+)\)")
-"""The number and the name of a point, where the description of a variable begins with them."""
+"""The number and the name of a point, at the start of a variable's description."""
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
-"""What can be set of an FMU besides its parameters, for this run only."""
+"""Values that can be set for one run of an FMU besides its parameters."""
 
 
 def record_fmu(
@@ -44,11 +44,12 @@ def record_fmu(
 
     Args:
         path: the FMU.
-        settings: parameter, or ``simulation.stop_time`` or ``simulation.step_size`` instead of those of the
-            default experiment → value, or its text; a contact law or a solver method by its name or number.
+        settings: name → value, or its text. A name is a parameter, or ``simulation.stop_time`` or
+            ``simulation.step_size`` to replace the default experiment. A contact law or a solver method is
+            given by its name or number.
         progress: called with the fraction done, if given.
-        inputs: the file of a table of inputs, and how its rows are joined: ``hold``, the usual one, or
-            ``linear``. An FMU is given its inputs at communication points.
+        inputs: the file of a table of inputs, and how its rows are joined: ``hold``, the default, or
+            ``linear``. An FMU gets its inputs at communication points only.
 
     Raises:
         SceneError: when the file is no FMU of a chain, a name is unknown or a value is no number.
@@ -79,7 +80,7 @@ def record_fmu(
     outputs = [
         name
         for name, variable in variables.items()
-        # the arrays of FMI 3.0 have the values of the scalars once more
+        # the arrays of FMI 3.0 repeat the values of the scalars
         if variable.causality == "output" and not variable.dimensions
     ]
     check_size(str(path), stop_time, step_size, len(outputs))
@@ -107,7 +108,7 @@ def record_fmu(
         )
         return replace(found, stick_slip=phases_from(found.time, found.touches, names))
 
-    recorders: list[Any] = []  # fmpy's, after the first step
+    recorders: list[Any] = []  # fmpy's recorder, after the first step
 
     def step_finished(time: float, recorder: Any) -> bool:
         recorders[:] = [recorder]
@@ -134,7 +135,10 @@ def record_fmu(
 def _signals(
     source: str, variables: Mapping[str, Any], file: Path, interpolation: str | None, stop: float
 ) -> np.ndarray:
-    """The table of inputs as fmpy takes it, which joins its rows by lines: a step has two at one time."""
+    """Return the table of inputs in fmpy's form.
+
+    fmpy joins rows by straight lines, so a step takes two rows at the same time.
+    """
     if interpolation == "spline":
         raise SceneError(
             f"{source}: interpolation = 'spline' must be hold or linear: an FMU is given its inputs at "
@@ -157,7 +161,7 @@ def _signals(
 
 
 def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
-    """The walls of an FMU, by the values of its parameters."""
+    """Return the walls of an FMU from the values of its parameters."""
     box = {wall: values[f"box.{wall}"] for wall in WALLS if f"box.{wall}" in values}
     slopes = [name.split(".")[1] for name in values if name.startswith("wall.") and name.endswith(".angle")]
     lines = ([values[f"wall.{wall}.{key}"] for key in ("x", "y", "angle")] for wall in slopes)
@@ -165,7 +169,7 @@ def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
 
 
 def _named(variable: Any, value: float) -> float | str:
-    """The value of a parameter of an FMU, of an enumeration the choice's name."""
+    """Return the value of an FMU's parameter; for an enumeration, the name of the choice."""
     if variable.type != "Enumeration":
         return value
     return next((item.name for item in variable.declaredType.items if float(item.value) == value), str(value))
@@ -190,7 +194,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _start_value(variable: Any, value: Any, source: str) -> float | int:
-    """The value that fmpy takes for a variable: an enumeration's choice can be named."""
+    """Return a variable's value in fmpy's form; a choice of an enumeration may be given by name."""
     if variable.type == "Enumeration":
         numbers = {item.name: int(item.value) for item in variable.declaredType.items}
         number = numbers.get(value) if isinstance(value, str) else value

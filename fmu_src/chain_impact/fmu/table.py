@@ -1,4 +1,4 @@
-"""What the C interface of an FMU has to know of its model: the table resources/model.bin, and the GUID."""
+"""The data that an FMU's C interface needs of its model: the table resources/model.bin, and the GUID."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from chain_impact.variables.kind import MOTION
 from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
 
-# as in compilation/c_interface/common/instance.h
+# the formats of the structures in compilation/c_interface/common/instance.h
 HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s15q"), 24
 ROW, PLACE = struct.Struct("<ddqqqiiii"), struct.Struct("<q")
 MAGIC = b"chaintab"
 TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
 Rows = Sequence[tuple[list[Any], int]]
-"""Rows of variables, and how many values each has."""
+"""Rows of variables, each with the number of the variable's values."""
 
 
 def described(
@@ -34,9 +34,9 @@ def described(
     """Add the model description and the table to the files of an FMU.
 
     Args:
-        files: all that the FMU has besides, but for what no result follows from.
-        model: what it simulates.
-        description: the model description, which gets the GUID that follows from all of this.
+        files: the other files of the FMU from which its results follow.
+        model: the model that the FMU simulates.
+        description: the model description, which gets the GUID that follows from all these files.
         fmi: the version of FMI.
         further: variables that only FMI 3.0 has.
     """
@@ -49,7 +49,7 @@ def described(
 
 
 def _guid_of(contents: Iterable[bytes]) -> str:
-    """A GUID that follows from all that makes an FMU."""
+    """Return a GUID that is computed from all contents of an FMU."""
     digest = hashlib.sha256()
     for content in contents:
         digest.update(len(content).to_bytes(8, "big") + content)
@@ -57,9 +57,9 @@ def _guid_of(contents: Iterable[bytes]) -> str:
 
 
 def packed(model: Model, guid: str, further: Rows) -> bytes:
-    """The table with its GUID, and the record with the start values, as the C interface reads them.
+    """Return the table with its GUID, and the record with the start values, as the C interface reads them.
 
-    The layout is that of the structures in compilation/c_interface/common/instance.h.
+    The layout is given by the structures in compilation/c_interface/common/instance.h.
     """
     texts, record = bytearray(), model.start.tobytes()
     variables = [*((model.table_row(variable), 1) for variable in model.variables), *further]
@@ -93,7 +93,7 @@ def packed(model: Model, guid: str, further: Rows) -> bytes:
 
 
 def _words(model: Model) -> list[int]:
-    """The words of the record that the C interface reads and writes by itself; 0 for what the model lacks."""
+    """Return the words of the record that the C interface itself reads and writes; 0 for missing ones."""
     places: list[Place] = [
         ("step", "time"),
         ("given", "changed"),

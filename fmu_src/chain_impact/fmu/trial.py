@@ -2,9 +2,8 @@
 
 ``python -m chain_impact.fmu.trial FMU REPORT BINARY`` runs it.
 
-The report is a file, as an FMU may print what it likes. It has a line of JSON for each call before it is
-made, for each finding and for the reference results, so that who reads it knows in which call the process
-ended.
+The report is a file, because an FMU may print any text. It has a line of JSON for each call before the call,
+for each finding and for the reference results, so that a reader knows in which call the process ended.
 """
 
 from __future__ import annotations
@@ -26,21 +25,22 @@ from chain_impact.fmu.importer import instantiate, listening, loaded
 from chain_impact.fmu.references import FILE, check_references
 
 T = TypeVar("T")
-CLOSE = 1e-6  # relative: a start may be written with six digits
+# relative difference of values that counts as equal: a start value may be written with six digits
+CLOSE = 1e-6
 TINY = 1e-12
-SAID = 300  # characters, of what an FMU says
+SAID = 300  # number of characters of an FMU's message that are shown
 SILENT = "it does not say why; its binary may be made for another GUID or token, or for other resources"
 
 
 class CallError(Exception):
-    """A call of the FMU that failed, after which no other is made."""
+    """A failed call of the FMU, after which no other call is made."""
 
 
 class Trial:
     """The calls of an FMU, one after the other."""
 
     def __init__(self, path: Path, folder: str, binary: str, tell: Callable[..., None]) -> None:
-        """Unpack it."""
+        """Unpack the FMU and read its description."""
         import fmpy
 
         fmpy.extract(str(path), folder)
@@ -50,7 +50,7 @@ class Trial:
         self.folder, self.binary, self.tell = folder, binary, tell
 
     def run(self, reasons: Callable[[], list[str]]) -> None:
-        """Load, instantiate, read the start values, take a step, save and restore, free.
+        """Load the FMU, instantiate, read the start values, take a step, save and restore the state, free.
 
         Raises:
             CallError: when a call fails, with a sentence.
@@ -75,34 +75,34 @@ class Trial:
         self.call("FreeInstance", "", self.fmu.freeInstance)
 
     def call(self, name: str, without: str, function: Callable[..., T], *arguments: Any) -> T:
-        """Call the FMU; ``without`` says what it did not give."""
+        """Call the FMU; ``without`` names the missing result in an error."""
         name = name if " " in name else f"fmi{2 if self.second else 3}{name}"
         self.tell(call=name)
         before = len(self.reasons())
         try:
             return function(*arguments)
-        except Exception as error:  # of fmpy, which has no class for them
+        except Exception as error:  # fmpy has no class for these errors
             otherwise = SILENT if without else str(error).replace(self.folder + os.sep, "")
             said = self.reasons()[before:] or [otherwise]
             result = f"gives {without}" if without else "fails"
             raise CallError(f"{name} {result}: {' '.join(said[0].split())[:SAID]}") from None
 
     def step_size(self) -> float:
-        """A step that the FMU should be able to take [s]."""
+        """Return a step size that the FMU should accept [s]."""
         experiment, stepper = self.description.defaultExperiment, self.description.coSimulation
         fixed = _number(stepper, "fixedInternalStepSize", 0.0)
         length = _number(experiment, "stopTime", 1.0) - _number(experiment, "startTime", 0.0)
         return fixed or _number(experiment, "stepSize", 0.0) or max(length, 0.0) / 500 or 1e-3
 
     def found(self, text: str, variable: Variable | None = None, attribute: str = "") -> None:
-        """Tell what was found."""
+        """Report a finding."""
         if variable:
             self.tell(finding=asdict(Finding(text, DESCRIPTION, variable.name, attribute)))
         else:
             self.tell(finding=asdict(Finding(text, self.binary)))
 
     def values(self) -> dict[str, list[Value]]:
-        """The values of all variables that can be read, by their names."""
+        """Return the values of all variables that can be read, by their names."""
         found: dict[str, list[Value]] = {}
         for one in self.variables:
             size = one.size
@@ -123,7 +123,7 @@ class Trial:
         return found
 
     def compare_starts(self) -> None:
-        """Compare what the FMU starts with, and what its description says that it does."""
+        """Compare the start values of the FMU with the start values in its description."""
         values = self.values()
         for one in self.variables:
             if one.exact and one.start and one.name in values:
@@ -141,7 +141,7 @@ class Trial:
                     )
 
     def steps(self, start: float, step: float) -> None:
-        """Take a step, and one that is repeated where the FMU says that its state can be restored."""
+        """Take a step, and a second one that is repeated if the FMU can restore its state."""
         self.step(start, step)
         values = self.values()
         for one in self.variables:
@@ -162,7 +162,7 @@ class Trial:
         self.call("FreeFMUState", "", self.fmu.freeFMUState, state)
 
     def restored(self, how: str, state: Any, time: float, step: float) -> None:
-        """Step, restore a state, step again: it must come to the same."""
+        """Take a step, restore a state and step again: the values must be the same."""
         self.step(time, step)
         first = self.values()
         self.call("SetFMUState", "", self.fmu.setFMUState, state)
@@ -175,7 +175,7 @@ class Trial:
                     f"same step from the restored state ({how})",
                     one,
                 )
-                return  # one is enough: others follow from it
+                return  # one finding is enough, the others follow from it
 
     def step(self, time: float, step: float) -> None:
         """Take a step."""
@@ -183,7 +183,7 @@ class Trial:
 
 
 def _number(holder: Any, name: str, otherwise: float) -> float:
-    """A number of a description, which may be missing or no number."""
+    """Return a number of a description, or another number if it is missing or invalid."""
     try:
         number = float(getattr(holder, name, None) or otherwise)
     except ValueError:
@@ -207,7 +207,7 @@ def _text(value: Value) -> str:
 
 
 def main() -> None:
-    """Try the FMU that the command line names."""
+    """Test the FMU that the command line names."""
     path, binary = Path(sys.argv[1]), sys.argv[3]
     with Path(sys.argv[2]).open("w", encoding="utf-8") as report:
         findings = 0
@@ -222,7 +222,8 @@ def main() -> None:
                 Trial(path, folder, binary, tell).run(reasons)
             except CallError as error:
                 tell(finding=asdict(Finding(str(error), binary)))
-        if not findings and "--references" in sys.argv:  # what is at fault needs no longer run to be told
+        # the reference run is skipped after a finding, which needs no further proof
+        if not findings and "--references" in sys.argv:
             tell(call="the run with the reference results")
             passed, text = check_references(path) or (None, "")
             if passed:
@@ -230,7 +231,7 @@ def main() -> None:
             elif text:
                 tell(finding=asdict(Finding(text, FILE)))
         tell(call=COMPLETE)
-    os._exit(0)  # what an FMU does when its process ends is not tested
+    os._exit(0)  # ends at once: the FMU's behaviour at the end of a process is not tested
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""All that can be found wrong with an FMU: its zip, its description, its binary, its reference results."""
+"""The validation of an FMU: its zip, its description, its binary and its reference results."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
 from chain_impact.fmu.platforms import binary_of
 
 TIMEOUT = 300.0
-"""Seconds that the binary of an FMU has, by default."""
+"""[s] default time limit for the binary of an FMU."""
 _UNTRIED = "ScheduledExecution"
 
 
 @dataclass(frozen=True, slots=True)
 class Validation:
-    """What came out of it.
+    """The result of a validation.
 
     Attributes:
-        findings: what is wrong.
-        notes: what passed, and what was not checked.
+        findings: the faults.
+        notes: checks that passed, and checks that were left out.
     """
 
     findings: Sequence[Finding]
@@ -38,7 +38,7 @@ class Validation:
 
 
 def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Validation:
-    """Check an FMU and run it in a process of its own, so that it may crash or hang.
+    """Check an FMU and run it in a process of its own, which may crash or hang.
 
     Args:
         path: the FMU, for co-simulation or model exchange, of FMI 2.0 or 3.0, of any tool.
@@ -46,7 +46,7 @@ def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Valida
 
     Raises:
         OSError: when the file cannot be read.
-        zipfile.BadZipFile: when it is no zip.
+        zipfile.BadZipFile: when the file is no zip.
     """
     path = Path(path)
     findings = description_findings(path)
@@ -78,7 +78,8 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=stream,
-                env={**os.environ, "TMPDIR": folder, "TEMP": folder},  # a crash leaves nothing behind
+                # the temporary folder takes the files that a crash leaves behind
+                env={**os.environ, "TMPDIR": folder, "TEMP": folder},
             )
             try:
                 code = process.wait(timeout)
@@ -90,7 +91,7 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
                 process.wait()
         lines: list[dict[str, Any]] = []
         if report.is_file():
-            # a process that was ended may leave half of a line
+            # a process that was stopped may leave an incomplete line
             whole = report.read_text(encoding="utf-8").rpartition("\n")[0]
             lines = [json.loads(line) for line in whole.splitlines()]
     findings = [Finding(**line["finding"]) for line in lines if "finding" in line]
@@ -101,7 +102,7 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
 
 
 def _end(code: int, said: str) -> str:
-    """How a process has ended, in words."""
+    """Return how a process ended, in words."""
     if code < 0:
         return f"crashes the process: {signal.Signals(-code).name}"
     last = said.strip().splitlines()[-1:]

@@ -1,4 +1,4 @@
-"""Bodies for the eye: the outlines of links with points, and the line along which a base slides."""
+"""Bodies as they are drawn: the outlines of links with points, and the line along which a base slides."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from chain_impact.scene.contents import Contents
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS
 
-ROUND = 24  # corners of the polygon that is drawn for a circle
-TICK = 0.06  # of the size of what is drawn: the mark of a stop, and half the carriage's length
-AHEAD = 0.12  # of that size, how far a line without a stop goes on behind the places where the carriage is
+ROUND = 24  # number of corners of the polygon that is drawn for a circle
+TICK = 0.06  # length of a stop's mark and half the length of the carriage, as a part of the drawing's size
+# how far a line without a stop is drawn beyond the carriage's places, as a part of the drawing's size
+AHEAD = 0.12
 Disc = tuple[float, float, float]
 """A place along a link and to the left of it, and a radius [m]."""
 
 
 def outline(discs: Iterable[Disc]) -> np.ndarray:
-    """The corners of the convex hull of discs, anticlockwise, shape (C, 2) [m] (Andrew, 1979)."""
+    """Return the corners of the convex hull of discs, anticlockwise, shape (C, 2) [m] (Andrew, 1979)."""
     turn = math.tau / ROUND
     rims = [
         (x + radius * math.cos(k * turn), y + radius * math.sin(k * turn))
@@ -32,7 +33,7 @@ def outline(discs: Iterable[Disc]) -> np.ndarray:
 
 
 def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """The part of the hull from the first of sorted places to the last one, which is left out."""
+    """Return one half of the hull, from the first of the sorted places to the last one, which is left out."""
     found: list[tuple[float, float]] = []
     for x, y in corners:
         while len(found) > 1:
@@ -45,7 +46,7 @@ def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def outlines_of(scene: Contents) -> dict[int, np.ndarray]:
-    """The outlines of the links with points of a scene, by their numbers, each in the axes of its link."""
+    """Return the outline of each link of a scene that has points: number → corners in the link's axes."""
     radius, points = scene.contact.radius, scene.contact.points
     found = {}
     for n, link in enumerate(scene.chain.links, 1):
@@ -57,12 +58,12 @@ def outlines_of(scene: Contents) -> dict[int, np.ndarray]:
 
 
 def placed(corners: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Places in the axes of a link where the link is, shape (C, 2) [m].
+    """Turn places in the axes of a link into places in space, shape (C, 2) [m].
 
     Args:
-        corners: along the link, and to the left of it, shape (C, 2) [m].
+        corners: x along the link and y to its left, shape (C, 2) [m].
         start: the end of the link that is nearer to the base, shape (2,) [m].
-        end: the other one.
+        end: the other end, shape (2,) [m].
     """
     along = (end - start) / np.hypot(*(end - start))
     return np.asarray(start + corners @ [along, [-along[1], along[0]]])
@@ -86,23 +87,23 @@ class Rail:
 
     @property
     def direction(self) -> np.ndarray:
-        """Along the line, of length 1, shape (2,)."""
+        """Unit vector along the line, shape (2,)."""
         return np.array([math.cos(self.angle), math.sin(self.angle)])
 
     @property
     def stops(self) -> dict[str, HalfPlane]:
-        """The stops that are there, by their names among the walls: where the base may be."""
+        """The existing stops, by their names among the walls, as half-planes in which the base stays."""
         (x, y), start = self.direction, float(self.origin @ self.direction)
         planes = (HalfPlane((x, y), start + self.low), HalfPlane((-x, -y), -start - self.high))
         found = zip(SLIDER_STOPS, planes, strict=True)
         return {name: plane for name, plane in found if math.isfinite(plane.offset)}
 
     def lines(self, bases: np.ndarray, size: float) -> list[np.ndarray]:
-        """The line as far as it is drawn, and the marks of its stops, each of shape (2, 2) [m].
+        """Return the part of the line that is drawn, and the marks of the stops, each of shape (2, 2) [m].
 
         Args:
-            bases: where the base is, shape (T, 2) [m].
-            size: of what is drawn [m].
+            bases: the positions of the base, shape (T, 2) [m].
+            size: the size of the drawing [m].
         """
         along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
         reached = (bases - self.origin) @ along
@@ -116,14 +117,14 @@ class Rail:
         return [np.array(places), *ticks]
 
     def carriage(self, base: np.ndarray, size: float) -> np.ndarray:
-        """The corners of the carriage where the base is at a place, shape (4, 2) [m]."""
+        """Return the corners of the carriage for a position of the base, shape (4, 2) [m]."""
         along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
         sides = np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]])
         return np.asarray(base + TICK * size * sides @ [along, across])
 
 
 def rail_of(scene: Contents) -> Rail | None:
-    """The line along which the base of a scene slides, if it does."""
+    """Return the line along which the base of a scene slides; None if the base is on no slider."""
     slider = scene.chain.slider
     if slider is None:
         return None

@@ -9,13 +9,14 @@ from chain_impact.scene.scene import Scene
 
 
 def candidates(scene: Scene) -> list[tuple[int, int]]:
-    """The pairs (point, index into ``scene.wall_names``) that can touch: listed points, existing walls.
+    """Return the pairs (point, index into ``scene.wall_names``) that can touch.
 
-    Then come the stops, as pairs (joint, index into ``scene.wall_names``); joints are numbered as links are.
-    Those of a slider are at point 0.
+    The pairs of a listed point and an existing wall come first. Then come the stops, as pairs (joint, index
+    into ``scene.wall_names``), where a joint has the number of its link. The stops of a slider are at point
+    0.
     """
     pairs, names = point_wall_pairs(scene), scene.wall_names
-    # its values are given where there are stops
+    # the values of the stops exist only in a scene with stops
     joints = [] if scene.stops.exponent is None else stop_pairs(scene)
     return [*pairs, *joints, *((0, names.index(stop)) for stop in scene.slider_stops)]
 
@@ -37,13 +38,13 @@ def places(scene: Scene) -> list[str]:
 
 
 def stop_pairs(scene: Scene) -> list[tuple[int, int]]:
-    """The stops, as pairs (joint, index into ``scene.wall_names``)."""
+    """Return the stops, as pairs (joint, index into ``scene.wall_names``)."""
     names = scene.wall_names
     return [(joint, names.index(stop)) for joint, stop in scene.chain.stops]
 
 
 def point_wall_pairs(scene: Scene) -> list[tuple[int, int]]:
-    """The pairs of a point and a wall that can touch."""
+    """Return the pairs of a point and a wall that can touch."""
     numbers = {name: w for w, name in enumerate((*WALLS, *(wall.name for wall in scene.walls)))}
     pairs = product(scene.touching_points, scene.half_planes.items())
     return [(k, numbers[name]) for k, (name, plane) in pairs if not scene.keeps_distance(k, plane)]

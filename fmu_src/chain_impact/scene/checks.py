@@ -25,7 +25,8 @@ from chain_impact.scene.tables import Chain, Contact, Material, Stops
 
 _MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
 PACKAGE = __name__.partition(".")[0]
-START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
+# [m] largest penetration at the start that counts as round-off; a deeper point is refused
+START_TOLERANCE = 1e-12
 
 
 def check(scene: Contents) -> None:
@@ -61,7 +62,7 @@ def check_masses(chain: Chain) -> None:
 
 
 def check_together(scene: Contents) -> None:
-    """Refuse what no key can tell alone."""
+    """Refuse values that are valid alone but not together."""
     check_masses(scene.chain)
     contact, box, movable = scene.contact, scene.box, scene.chain.movable_points
     for point in contact.points:
@@ -87,7 +88,7 @@ def check_together(scene: Contents) -> None:
 
 
 def check_slider(scene: Contents) -> None:
-    """Refuse what a base on a slider cannot have, and what only such a base has."""
+    """Refuse values that a base on a slider cannot have, and values that only such a base has."""
     slider, start, place = scene.chain.slider, scene.initial, ("initial", "slider_velocity")
     if scene.chain.base != "slider" or slider is None:
         needed = 'only a base on a slider has it: chain.base = "slider"'
@@ -120,7 +121,7 @@ def check_slider(scene: Contents) -> None:
 
 
 def check_reach(scene: Contents) -> None:
-    """Refuse walls out of reach that are more than there are pairs that can touch: they have no room."""
+    """Refuse a wall out of reach if the walls outnumber the pairs that can touch: the record has no room."""
     if scene.chain.slider is None or not scene.may_touch:
         return
     points, planes = scene.touching_points, scene.half_planes
@@ -135,7 +136,7 @@ def check_reach(scene: Contents) -> None:
 
 
 def check_motion(scene: Contents) -> None:
-    """Refuse a motion of a free base, or of walls that are not there."""
+    """Refuse a motion of a base that is not pinned, and a motion of a wall that does not exist."""
     if scene.inputs.base_motion and scene.chain.base != "pinned":
         reason = 'it moves as inputs tell only with chain.base = "pinned"'
         what = "free base" if scene.chain.base == "free" else "base on a slider"
@@ -151,7 +152,7 @@ def check_motion(scene: Contents) -> None:
 
 
 def check_law(model: str, table: str, values: Contact | Material | Stops) -> None:
-    """Refuse a restitution, or an exponent, in the values of a table that a law does not allow."""
+    """Refuse a restitution or an exponent in a table that the contact law does not allow."""
     law, exponent = CONTACT_LAWS.get(model), getattr(values, "exponent", None)
     if law and values.restitution == 0.0 and not law.allows_zero:
         raise SceneError(f"{table}.restitution = 0.0 must be > 0 for the contact model {law.id}")
@@ -162,7 +163,7 @@ def check_law(model: str, table: str, values: Contact | Material | Stops) -> Non
 
 
 def check_stops(scene: Contents) -> None:
-    """Refuse stops that cannot be, and a table for them where there are none."""
+    """Refuse stops that contradict each other, and a table ``stops`` in a scene without stops."""
     if not scene.chain.stops:
         _refuse_table(scene)
         return
@@ -201,7 +202,7 @@ def _check_links(chain: Chain) -> None:
 
 
 def check_friction(scene: Contents) -> None:
-    """Refuse a static friction below that of sliding, and friction at rigid walls."""
+    """Refuse a static friction below the sliding friction, and friction at rigid walls."""
     contact = scene.contact
     _check_coefficients(scene, "contact", contact.friction, contact.static_friction)
     for name, material in contact.wall.items():
@@ -209,7 +210,9 @@ def check_friction(scene: Contents) -> None:
 
 
 def coefficients(contact: Contact, material: Material) -> tuple[float, float]:
-    """The coefficients of sliding and of static friction at a wall; the latter is 0 if it is the former.
+    """Return the coefficients of sliding and of static friction at a wall.
+
+    The static one is 0 if it equals the sliding one.
 
     A wall with a coefficient of sliding of its own takes no static friction from the other walls.
     """
@@ -220,7 +223,7 @@ def coefficients(contact: Contact, material: Material) -> tuple[float, float]:
 
 
 def _check_coefficients(scene: Contents, table: str, sliding: float, static: float) -> None:
-    """Refuse the coefficients of a table."""
+    """Refuse coefficients in a table that contradict each other or the contact law."""
     law = CONTACT_LAWS.get(scene.contact.model)
     if 0.0 < static < sliding:
         raise SceneError(
@@ -236,7 +239,7 @@ def _check_coefficients(scene: Contents, table: str, sliding: float, static: flo
 
 
 def check_start(scene: Contents) -> None:
-    """Refuse a start in which a candidate point is already in a wall."""
+    """Refuse a start in which a point that may touch is already inside a wall."""
     walls, start, links = scene.half_planes, scene.start, len(scene.chain.links)
     candidates = {k: start[k] for k in start if k > links or k in scene.contact.points}
     for point, (x, y, radius) in candidates.items():
@@ -265,7 +268,7 @@ def check_joint_angles(scene: Contents) -> None:
 
 
 def _turns_hint(joint: float, low: float, high: float) -> str:
-    """What to say of a joint that is within its stops but for whole turns; else nothing."""
+    """Name the angle within a joint's stops that has the same direction; return "" if there is none."""
     turns = math.ceil((low - joint) / math.tau) if joint < low else math.floor((high - joint) / math.tau)
     same = joint + turns * math.tau
     return (
@@ -276,7 +279,7 @@ def _turns_hint(joint: float, low: float, high: float) -> str:
 
 
 def angle_hints(scene: Contents) -> list[str]:
-    """Sentences on angles of more than a turn, which may be meant in degrees."""
+    """Return sentences on angles of more than a turn, which may be meant in degrees."""
     links, angles = enumerate(scene.chain.links, 1), enumerate(scene.initial.angles, 1)
     found = {f"initial.angle[{i}]": angle for i, angle in angles}
     found |= {f"link[{i}].joint_rest_angle": link.joint_rest_angle for i, link in links}
@@ -286,7 +289,7 @@ def angle_hints(scene: Contents) -> list[str]:
 
 
 def hints(scene: Contents) -> list[str]:
-    """Sentences on what is allowed, but may be meant otherwise."""
+    """Return sentences on values that are allowed but are probably mistakes."""
     found = angle_hints(scene)
     for i, link in enumerate(scene.chain.links, 1):
         if link.center_of_mass > link.length:
@@ -300,7 +303,7 @@ def hints(scene: Contents) -> list[str]:
 
 
 def base_hints(scene: Contents) -> list[str]:
-    """A sentence on each wall beyond which a pinned base is: allowed, as a pinned base touches no wall."""
+    """Return a sentence for each wall that contains a pinned base, which is allowed as it cannot touch."""
     if scene.chain.base != "pinned":
         return []
     x, y = scene.initial.position
@@ -314,7 +317,10 @@ def base_hints(scene: Contents) -> list[str]:
 
 
 def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
-    """A sentence on an absolute angle that is set where joint angles were given: those behind it stay."""
+    """Return a sentence if one absolute angle is changed in a scene with joint angles.
+
+    The links behind that one keep their absolute angles, which users may not expect.
+    """
     if not scene.has_joint_angles:
         return []
     names, given = [f"initial.angle[{i}]" for i in range(1, len(scene.chain.links) + 1)], {*changes}
@@ -324,7 +330,7 @@ def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
 
 
 def law_hints(scene: Contents) -> list[str]:
-    """A sentence on a law of the user's own that is not the law of the scene."""
+    """Return a sentence on a law of the user's own that is not the law of the scene."""
     if not scene.contact.law_file:
         return []
     law, model = Path(scene.contact.law_file).stem, scene.contact.model
@@ -334,7 +340,7 @@ def law_hints(scene: Contents) -> list[str]:
 
 
 def warn(source: str, hints: list[str]) -> None:
-    """Say what may be meant otherwise, at the line outside of this package that has led here."""
+    """Warn of probable mistakes, with the line of the caller's code outside this package."""
     if not hints:
         return
     frame, level = inspect.currentframe(), 1
@@ -345,7 +351,7 @@ def warn(source: str, hints: list[str]) -> None:
 
 
 def has_counts(data: Any) -> bool:
-    """Whether an entry for a link stands for several, so that entries are not numbered as links are."""
+    """Return whether an entry of the links stands for several, so that entries and links differ in number."""
     chain = data.get("chain") if isinstance(data, Mapping) else None
     links = chain.get("links") if isinstance(chain, Mapping) else None
     tables = links if isinstance(links, list | tuple) else []

@@ -1,6 +1,6 @@
-"""What is in a scene file: its top level, and what follows from its tables alone.
+"""The contents of a scene file: its top level, and values that follow from its tables alone.
 
-What checks, changes and describes a scene stands on this; ``scene.py`` makes of it what users have.
+Modules that check, change and describe a scene use ``Contents``; users get the ``Scene`` of ``scene.py``.
 """
 
 import math
@@ -30,12 +30,13 @@ from chain_impact.scene.tables import (
     Wall,
 )
 
-PARALLEL = 1e-12  # the cosine between a slider's line and a wall's normal that counts as 0: round-off
+# cosine between a slider's line and a wall's normal, below which they count as perpendicular: round-off
+PARALLEL = 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Contents:
-    """What is in a scene: its tables, and what follows from them alone."""
+    """The contents of a scene: its tables, and values that follow from the tables alone."""
 
     name: str = quantity("", "model name", matching=MODEL_NAME)
     description: str = quantity("", "what the scene shows", "", matching=XML_TEXT)
@@ -60,10 +61,10 @@ class Contents:
 
     @property
     def wall_names(self) -> tuple[str, ...]:
-        """The names of the walls, in the order of their numbers: those of the box, then ``walls``.
+        """The names of the walls in the order of their numbers: the walls of the box, then ``walls``.
 
-        Of a scene with stops in joints these come next, as two more, ``joint_min`` and ``joint_max``, and
-        the stops of a slider come last. Where no point can touch a wall, ``walls`` have no numbers.
+        In a scene with stops in joints, ``joint_min`` and ``joint_max`` follow; the stops of a slider come
+        last. Where no point can touch a wall, ``walls`` have no numbers.
         """
         walls = self.walls if self.may_touch else ()
         return (
@@ -75,12 +76,12 @@ class Contents:
 
     @property
     def slider_stops(self) -> tuple[str, ...]:
-        """The stops of a slider that are there."""
+        """The names of the existing stops of a slider."""
         return self.chain.slider.stops if self.chain.slider else ()
 
     @property
     def may_touch(self) -> bool:
-        """Whether a point may touch a wall, if there is one that it can reach."""
+        """Whether some point may touch some wall."""
         if self.chain.slider is None and not any(link.points for link in self.chain.links):
             return bool(self.contact.points)
         planes = self.half_planes.values()
@@ -93,14 +94,14 @@ class Contents:
 
     @property
     def touching_points(self) -> tuple[int, ...]:
-        """The points that may touch walls: listed joints and all points of links that can move."""
+        """The numbers of the points that may touch walls: listed joints, and movable points of links."""
         first, pinned = len(self.chain.links) + 1, self.chain.base == "pinned"
         sites = enumerate(self.chain.sites, first)
         moving = (k for k, (link, site) in sites if not (pinned and link == 0 and site.is_at_joint))
         return *self.contact.points, *moving
 
     def keeps_distance(self, point: int, plane: HalfPlane) -> bool:
-        """Whether a point slides along a line that is parallel to a wall, so that it never reaches it."""
+        """Return whether a point slides on a line parallel to a wall, so that it can never reach the wall."""
         slider, sites = self.chain.slider, self.chain.sites
         behind = point - len(self.chain.links) - 1
         at_base = point == 0 or (behind >= 0 and sites[behind][0] == 0 and sites[behind][1].is_at_joint)
@@ -111,14 +112,14 @@ class Contents:
 
     @property
     def moving_walls(self) -> tuple[str, ...]:
-        """The names of the walls that move as inputs tell, in the order of their numbers."""
+        """The names of the walls that inputs move, in the order of their numbers."""
         asked, there = self.inputs.wall_motion, self.half_planes
         names = (name for name in self.wall_names if name in there)
         return tuple(name for name in names if name in asked or "*" in asked) if asked else ()
 
     @property
     def has_contact_friction(self) -> bool:
-        """Whether a contact may have dry friction: a coefficient is not 0, or given for a wall."""
+        """Whether a contact may have dry friction: a coefficient is not 0, or is given for one wall."""
         if not (self.may_touch and self.contact.wall):
             return False
         for material in self.contact.wall.values():
@@ -128,7 +129,10 @@ class Contents:
 
     @property
     def friction_joints(self) -> tuple[int, ...]:
-        """The joints with dry friction, numbered as their links; a free base has no joint 1."""
+        """The numbers of the joints with dry friction.
+
+        A joint has the number of its link, a free base has no joint 1.
+        """
         joints = []
         for joint, link in enumerate(self.chain.links, 1):
             if link.joint_friction > 0.0 and (joint > 1 or self.chain.has_base_joint):
@@ -137,7 +141,7 @@ class Contents:
 
     @property
     def is_driven(self) -> bool:
-        """Whether energy may be supplied: by inputs, or by springs and motors whose torque is limited."""
+        """Whether energy may be supplied, by inputs or by springs and motors whose torque is limited."""
         limits = [link.joint_torque_limit for link in self.chain.links]
         limits += [self.chain.slider.force_limit] if self.chain.slider else []
         return self.inputs.any or any(limit is not None for limit in limits)
@@ -150,13 +154,13 @@ class Contents:
 
     @property
     def law_names(self) -> tuple[str, ...]:
-        """The contact laws in the order of their numbers in the FMU, a law of the user's last."""
+        """The contact laws in the order of their numbers in the FMU; a user's law comes last."""
         file = self.contact.law_file
         return *CONTACT_LAWS, *([Path(file).stem] if file else [])
 
     @property
     def start(self) -> dict[int, tuple[float, float, float]]:
-        """Where all points are at the start, x and y [m], and their radii [m], by their numbers."""
+        """The position x, y [m] and radius [m] of each point at the start, by its number."""
         x, y = self.initial.position
         found, radius = {0: (x, y, self.contact.radius)}, self.contact.radius
         sites = []
@@ -170,22 +174,25 @@ class Contents:
 
     @property
     def point_names(self) -> dict[int, str]:
-        """The names of the points that have one, by their numbers."""
+        """The names of the named points, by their numbers."""
         sites = enumerate(self.chain.sites, len(self.chain.links) + 1)
         return {number: site.name for number, (_, site) in sites if site.name}
 
     def point_label(self, number: int) -> str:
-        """What a point is called in sentences: its number, and its name if it has one."""
+        """Return the words for a point in a sentence: its number, and its name if it has one."""
         return point_label(number, self.point_names)
 
     def stop_name(self, wall: int) -> str:
-        """The name of the wall of a number, if it stands for stops of joints or of a slider; else ""."""
+        """Return the name of the wall with this number if it stands for stops of joints or of a slider.
+
+        Else "".
+        """
         name, stops = self.wall_names[wall], STOPS if self.chain.stops else ()
         return name if name in (*stops, *self.slider_stops) else ""
 
     @property
     def half_planes(self) -> dict[str, HalfPlane]:
-        """The free sides of the walls that are there, by name."""
+        """The free side of each existing wall, by its name."""
         box = {name: at for name in WALLS if (at := getattr(self.box, name)) is not None}
         return half_planes(box, {wall.name: (*wall.point, wall.angle or 0.0) for wall in self.walls})
 

@@ -1,8 +1,8 @@
-"""What a scene derives: the values that its file leaves to a default that follows from other values.
+"""Derived values of a scene: defaults that follow from other values.
 
-They stay derived until they are given: a scene is changed, written and compared by what is given, and
-``Scene.derived_places`` has the paths of the rest. The kernel does the same with the parameters of a record:
-kernel/chain/inertia.py.
+A value stays derived until it is given: a scene is changed, written and compared by its given values, and
+``Scene.derived_places`` has the paths of the derived ones. The kernel treats the parameters of a record in
+the same way: kernel/chain/inertia.py.
 """
 
 from __future__ import annotations
@@ -18,7 +18,10 @@ from chain_impact.scene.names import Place
 
 
 def of_every_link(found: Iterable[Place], data: Mapping[str, Any]) -> Iterator[Place]:
-    """The paths in the scene of what was derived in its data, where an entry can stand for several links."""
+    """Yield the paths in the scene of the values that are derived in its data.
+
+    In the data an entry can stand for several links; in the scene each link has its own entry.
+    """
     counts = [entry.get("count") or 1 for entry in data["chain"]["links"]]
     links = [range(*ends) for ends in pairwise(accumulate(counts, initial=0))]
     for path in found:
@@ -30,7 +33,7 @@ def of_every_link(found: Iterable[Place], data: Mapping[str, Any]) -> Iterator[P
 
 
 def without_derived(data: Any, derived: Iterable[Place], kept: Container[Place] = ()) -> None:
-    """Remove from the data of a scene what is derived, but for some paths."""
+    """Remove the derived values from the data of a scene, except those at the paths ``kept``."""
     for path in derived:
         if path not in kept:
             *parents, key = path
@@ -38,7 +41,10 @@ def without_derived(data: Any, derived: Iterable[Place], kept: Container[Place] 
 
 
 def above(paths: Iterable[Any]) -> set[Place]:
-    """The paths to all that holds what is at some paths; what is no path has none."""
+    """Return the paths of all tables and lists that contain a value at one of some paths.
+
+    A name in place of a path is passed over.
+    """
     proper = [
         path for path in paths if isinstance(path, tuple) and all(isinstance(one, str | int) for one in path)
     ]
@@ -46,7 +52,7 @@ def above(paths: Iterable[Any]) -> set[Place]:
 
 
 def rule_at(rule: Derived, path: Place, links: Sequence[Any]) -> Derived:
-    """The rule for the value at a path of a scene with these links: that of its key, or that for a box."""
+    """Return the rule that derives the value at a path of a scene; a link with a shape has its own rules."""
     match path:
         case "chain", "links", int(i), _ if rule.of_box and links[i].shape:
             return rule.of_box
@@ -54,7 +60,7 @@ def rule_at(rule: Derived, path: Place, links: Sequence[Any]) -> Derived:
 
 
 def rule_of(path: Place, rules: Mapping[str, Any]) -> Derived:
-    """The rule of a derived value; ``rules`` are the fields of all keys."""
+    """Return the rule that derives a value; ``rules`` are the fields of all keys."""
     key = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
     rule: Derived = rules[key].metadata["default"]
     return rule

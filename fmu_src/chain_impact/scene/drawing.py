@@ -8,12 +8,14 @@ from chain_impact.scene.bodies import outlines_of, placed, rail_of
 from chain_impact.scene.contents import Contents
 
 LONGER_SIDE = 240  # pixels
-MARGIN, NEAR = 0.15, 1.0  # of the chain's size: around what is shown; a wall farther away is left out
-LINE, THIN, POINT = 0.012, 0.004, 0.02  # of what is shown: the widths of lines, the radius of a point
+# as parts of the chain's size: free border around the drawing, and distance beyond which no wall is drawn
+MARGIN, NEAR = 0.15, 1.0
+# as parts of the drawing's size: widths of links and of other lines, radius of a point
+LINE, THIN, POINT = 0.012, 0.004, 0.02
 
 
 def svg(scene: Contents) -> str:
-    """The drawing, in the colours of the page that shows it."""
+    """Return the drawing, in the colours of the page that shows it."""
     places = np.array([place[:2] for place in scene.start.values()])
     points = places[: len(scene.chain.links) + 1]
     size = max(np.ptp(places, axis=0).max(), scene.contact.radius, 1e-6)
@@ -51,5 +53,5 @@ def svg(scene: Contents) -> str:
 
 
 def _listed(points: np.ndarray | list[np.ndarray]) -> str:
-    """Points as SVG has them, whose y points down."""
+    """Return points as the text of an SVG list; the y axis of SVG points down."""
     return " ".join(f"{x:.6g},{-y:.6g}" for x, y in points)

@@ -1,4 +1,4 @@
-"""Walls as half-planes, for checks and pictures. The kernel finds its own from the record, in geometry.py."""
+"""Walls as half-planes, for checks and pictures. The kernel computes its own in rows/geometry.py."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ class HalfPlane:
     """The free side of a wall: the points p with n·p ≥ offset.
 
     Attributes:
-        normal: n, of length 1.
-        offset: [m].
+        normal: the unit vector n.
+        offset: distance of the wall from the origin along n [m].
     """
 
     normal: tuple[float, float]
     offset: float
 
     def clearance(self, x: float, y: float) -> float:
-        """Distance [m] of a point from the wall, negative beyond it."""
+        """Return the distance [m] of a point from the wall, negative beyond it."""
         return self.normal[0] * x + self.normal[1] * y - self.offset
 
 
 def half_planes(
     box: Mapping[str, float], slopes: Mapping[str, tuple[float, float, float]]
 ) -> dict[str, HalfPlane]:
-    """The free sides of all walls, by name and in the order of their numbers.
+    """Return the free side of each wall, by name and in the order of the walls' numbers.
 
     Args:
         box: name → position [m] of the walls of the box that are there.
@@ -46,5 +46,5 @@ def half_planes(
 
 
 def direction(normal: tuple[float, float]) -> float:
-    """Angle [rad] of the wall with this normal, of any length: the normal points to its left."""
+    """Return the angle [rad] of the wall with a normal of any length: its left is the normal's side."""
     return math.atan2(-normal[0], normal[1]) + 0.0  # not −0

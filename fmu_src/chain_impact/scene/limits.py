@@ -1,4 +1,4 @@
-"""What the keys of a scene file may hold: the metadata of the fields of its dataclasses."""
+"""The limits of the keys of a scene file: the metadata of the fields of its dataclasses."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from types import NoneType
 from typing import Any, TypedDict, Unpack, get_args
 
-_KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # whether a value keeps each limit
+_KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # limit → test whether a value keeps it
     "minimum": operator.ge,
     "above": operator.gt,
     "maximum": operator.le,
@@ -21,19 +21,20 @@ _KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # whether a value keeps each l
 
 
 class Limits(TypedDict, total=False):
-    """What a value, or each value of a list, may be."""
+    """The limits of a value, or of each value of a list."""
 
     minimum: float  # value >= minimum
     above: float  # value > above
     maximum: float  # value <= maximum
     choices: tuple[str, ...]
     matching: tuple[str, str]  # regular expression for the whole text, and its meaning in words
-    per_link: bool  # a list with one value for each link
-    entries: tuple[int, int]  # of a list, how many at least and at most
-    or_true: bool  # of a list of names: true stands for all, and is read as the name *
-    or_one: bool  # of a list: a single value stands for a list of it
-    file_only: bool  # a short form of other keys, which is replaced by them when a file is read
-    extended_by: str  # key of a file whose name is one more choice: of the same table, or "table.key"
+    per_link: bool  # the list has one value for each link
+    entries: tuple[int, int]  # lowest and highest number of entries of a list
+    or_true: bool  # in a list of names, `true` stands for all names and is read as the name *
+    or_one: bool  # a single value stands for a list with this value
+    file_only: bool  # the key is a short form of other keys, which replace it when a file is read
+    # another key, of the same table or as "table.key": the name of its file is one more choice
+    extended_by: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,13 +42,13 @@ class Derived:
     """A default that follows from the values read before it.
 
     Attributes:
-        text: in words.
-        value: computed from the values read before; None where there is none.
-        terms: of a parameter: it is the sum of the products of these keys over the divisor. A key without a
-            dot is of the same table.
-        divisor: see terms.
+        text: the rule in words.
+        value: computes the default from the values read before; None where there is no default.
+        terms: for a parameter of the FMU: the default is the sum of the products of these keys, divided by
+            the divisor. A key without a dot belongs to the same table.
+        divisor: divides the sum of the terms.
         constant: whether the value is always the same, and other values only decide whether it exists.
-        of_box: the rule for a link that is a box, if that is another one.
+        of_box: the other rule for a link that is a box, if there is one.
     """
 
     text: str
@@ -59,36 +60,36 @@ class Derived:
 
 
 NO_KEY = {"key": False}
-"""The metadata of a field that stands in no file."""
+"""The metadata of a field that is no key of the scene file."""
 
 
 @functools.cache
 def keys(table: Any) -> tuple[Field[Any], ...]:
-    """The fields of a table that are keys of the scene file."""
+    """Return the fields of a table that are keys of the scene file."""
     return tuple(entry for entry in fields(table) if entry.metadata.get("key", True))
 
 
 def quantity(unit: str, description: str, default: Any = MISSING, **limits: Unpack[Limits]) -> Any:
     """Return a dataclass field with the metadata of one key of the scene file.
 
-    Its keys are `unit` ("1" for a pure number, "" for what is no number), `description`, `default` (a value,
-    a `Derived`, or `dataclasses.MISSING` if it must be given) and those of `Limits`, None for no limit.
+    Its keys are `unit` ("1" for a pure number, "" for other values), `description`, `default` (a value,
+    a `Derived`, or `dataclasses.MISSING` if it must be given) and the keys of `Limits`, None for no limit.
     """
     metadata = {"unit": unit, "description": description, "default": default}
     metadata |= dict.fromkeys(Limits.__annotations__) | limits
-    if isinstance(default, Mapping):  # of tables by name
+    if isinstance(default, Mapping):  # the tables by name are empty by default
         return field(default_factory=dict, hash=False, metadata=metadata)
     return field(default=MISSING if isinstance(default, Derived) else default, metadata=metadata)
 
 
 @functools.cache
 def without_none(kind: Any) -> Any:
-    """The type ``kind``, or the first of a union with None."""
+    """Return the type ``kind``, or the first of a union with None."""
     return get_args(kind)[0] if NoneType in get_args(kind) else kind
 
 
 def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
-    """Whether one value keeps all limits of the metadata `rule`."""
+    """Return whether one value keeps all limits of the metadata `rule`."""
     for limit, keep in _KEEPS.items():
         bound = rule[limit]
         if bound is not None and not keep(value, bound):
@@ -97,7 +98,7 @@ def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
 
 
 def extended(rule: Mapping[str, Any], known: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The metadata `rule` with the choice that another key adds, for the values read before."""
+    """Return the metadata `rule` with one more choice, if the value of another key adds it."""
     extended_by = rule.get("extended_by")
     if not extended_by:
         return rule
@@ -107,7 +108,7 @@ def extended(rule: Mapping[str, Any], known: Mapping[str, Any]) -> Mapping[str, 
 
 
 def allowed(kind: Any, rule: Mapping[str, Any]) -> str:
-    """Say what one value of type `kind` with the metadata `rule` may be: "a finite number > 0 [m]"."""
+    """Say which values of type `kind` the metadata `rule` allow: "a finite number > 0 [m]"."""
     if rule["choices"] is not None:
         return "one of " + ", ".join(f'"{choice}"' for choice in rule["choices"])
     if kind is str:

@@ -1,4 +1,4 @@
-"""Lines of a scene file: where a key stands, and what to say of a line that is no valid TOML."""
+"""Lines of a scene file: the line of a key, and hints for a line that is no valid TOML."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from chain_impact.scene.names import Place
 from chain_impact.scene.text_file import comma_in
 
 LISTS = ("chain.links", "walls")
-"""The tables of which there can be several, each headed by ``[[…]]``."""
+"""The tables that a file may have several times, each headed by ``[[…]]``."""
 _NAME = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
 _DOTTED = rf"{_NAME}(?:\s*\.\s*{_NAME})*"
 _HEAD = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]\]?")
@@ -18,13 +18,16 @@ _DEGREES = re.compile(rf"[=\[,](?:{degrees_pattern('rad')}|\s*([^\s,\"']+)\s*°)
 
 
 def line_of(text: str, place: Place) -> int | None:
-    """The number of the line, from 1, with a key or with the nearest table around it; None if there is none.
+    """Return the number of the line, from 1, of a key, else of the nearest table around it.
+
+    None if not found.
 
     Args:
         text: a scene file.
         place: the path of the key, ``("chain", "links", 0, "mass")``.
     """
-    best: tuple[int, int | None] = (0, None)  # how many steps of the path the line has, its number
+    # number of the path's steps that a line has, and the number of that line
+    best: tuple[int, int | None] = (0, None)
     table: Place = ()
     counts: dict[Place, int] = {}
     inside = ""  # the quotes of a text over several lines
@@ -48,12 +51,15 @@ def line_of(text: str, place: Place) -> int | None:
 
 
 def _steps(dotted: str) -> Place:
-    """The steps of a dotted key."""
+    """Return the steps of a dotted key."""
     return tuple(step.strip("\"'") for step in re.findall(_NAME, dotted))
 
 
 def fault_hint(text: str, fault: str) -> str:
-    """What to write in place of the line of a TOML file that a parser's fault names; nothing if not known."""
+    """Say how the line of a TOML file that a parser's fault names has to be written.
+
+    Return "" if not known.
+    """
     named = re.search(r"at line (\d+)", fault)
     lines = text.splitlines()
     line = lines[int(named[1]) - 1] if named and int(named[1]) <= len(lines) else ""

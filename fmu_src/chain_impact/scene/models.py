@@ -1,4 +1,4 @@
-"""The models that come with the package, and where a scene's file is."""
+"""The models that come with the package, and the files of their scenes."""
 
 import os
 from pathlib import Path
@@ -7,18 +7,18 @@ SCENE_FILE = "scene.toml"
 
 
 def models_folder() -> Path:
-    """Return the folder of the models: inside the package when installed, else the repository's."""
+    """Return the folder of the models: in an installed package, or in the repository."""
     packaged = Path(__file__).parents[1] / "models"
     return packaged if packaged.is_dir() else Path(__file__).parents[3] / "models"
 
 
 def model_names() -> list[str]:
-    """Return the names of the models, sorted: the folders of `models_folder()` that hold a scene."""
+    """Return the sorted names of the models: the folders in `models_folder()` that contain a scene."""
     return sorted(file.parent.name for file in models_folder().glob(f"*/{SCENE_FILE}"))
 
 
 def scene_path(source: str | os.PathLike[str]) -> Path:
-    """The scene file that `load_scene` reads."""
+    """Return the scene file that `load_scene` reads."""
     path = Path(source)
     if path.is_dir() and (path / SCENE_FILE).exists():
         return path / SCENE_FILE

@@ -1,7 +1,7 @@
-"""One name for one thing: how the values of a scene are called, wherever a user meets them.
+"""The names of the values of a scene, which are the same wherever a user meets them.
 
-What is a parameter of the FMU has its name there: ``link[2].mass``, ``initial.angle[1]``, ``gravity.y``. All
-else has its dotted key: ``simulation.stop_time``, ``contact.points``. Links count from 1, at the base.
+A parameter of the FMU has its name in the FMU: ``link[2].mass``, ``initial.angle[1]``, ``gravity.y``. Other
+values have their dotted key: ``simulation.stop_time``, ``contact.points``. Links count from 1, at the base.
 """
 
 from __future__ import annotations
@@ -12,25 +12,25 @@ from difflib import get_close_matches
 Place = tuple[str | int, ...]
 """A path into nested tables and lists; lists count from 0."""
 AT = "{at}"
-"""Any index, in a path or a place that is a template; the name has {n} or, of a wall, {name} there."""
+"""Any index in a template of a path or place; the template of the name has {n}, or {name} for a wall."""
 LINK_AT, ENTRY_AT = "{link}", "{entry}"
-"""The indices of a link and of a point of it, likewise; the name has {of} and {n} there."""
+"""The indices of a link and of a point on it in such a template; in the name, {of} and {n}."""
 AXES = ("x", "y")
 STOPS = ("joint_min", "joint_max")
-"""The stops of a joint: keys of a link, and what they are called among the walls."""
+"""The stops of a joint: keys of a link, and names among the walls."""
 SLIDER_STOPS = ("slider_min", "slider_max")
-"""The stops of a slider, as they are called among the walls."""
+"""The names of a slider's stops among the walls."""
 
 
 def point_label(number: int, names: Mapping[int, str]) -> str:
-    """What a point is called in sentences: its number, and its name if it has one: "point 5 (heel)"."""
+    """Return the words for a point in a sentence: its number, and any name that it has, "point 5 (heel)"."""
     return f"point {number} ({names[number]})" if number in names else f"point {number}"
 
 
 def name_of(path: Place, walls: Sequence[object] = ()) -> str:
-    """The name of the value at a path of the scene; ``walls`` are the names of the walls at any angle.
+    """Return the name of the value at a path of the scene; ``walls`` are the names of the walls at any angle.
 
-    Of a path that is a template, it is the template of the name.
+    A path that is a template gives the template of the name.
     """
     match path:
         case "gravity", int(j):
@@ -61,7 +61,10 @@ def name_of(path: Place, walls: Sequence[object] = ()) -> str:
 
 
 def _of_signal(path: Place) -> Place:
-    """The path as the name of a number of a signal has it; another path stays."""
+    """Return the path from which the name of a signal's number is made.
+
+    Any other path is returned unchanged.
+    """
     if path[:1] != ("signals",) or len(path) < 3:  # noqa: PLR2004
         return path
     _, signal, key, *entry = path
@@ -69,13 +72,16 @@ def _of_signal(path: Place) -> Place:
 
 
 def _wall(number: int | str, walls: Sequence[object]) -> str | None:
-    """The name of a wall at any angle, if there is one; of the template for any wall, the template."""
+    """Return the name of a wall at any angle, None if it has none.
+
+    For the template of a wall, the template.
+    """
     name = "{name}" if number == AT else walls[int(number)]
     return name if isinstance(name, str) else None
 
 
 def fmu_name(name: str) -> str:
-    """The name in the FMU of a value that may be called by its key in the scene file.
+    """Return the FMU's name of a value for the name that a user typed, such as its key in the file.
 
     For example ``stop.stiffness`` for ``stops.stiffness``, ``link[1].mass`` for ``chain.links[1].mass``.
     """
@@ -87,14 +93,14 @@ def fmu_name(name: str) -> str:
 
 
 def other_names(name: str) -> set[str]:
-    """What else a value is called that has this name: its name in the FMU, and its key in the file."""
+    """Return the other names of a value, from its name in the FMU and its key in the file."""
     of_fmu = fmu_name(name)
     in_file = f"stops.{of_fmu.removeprefix('stop.')}" if of_fmu.startswith("stop.") else of_fmu
     return {of_fmu, in_file} - {name}
 
 
 def place_in_file(path: Place) -> str:
-    """Where the value at a path is in the scene file: "mass in [[chain.links]]"."""
+    """Say where the value at a path is in the scene file: "mass in [[chain.links]]"."""
     *head, last = path
     if isinstance(last, int):
         return f"entry {last + 1} of {place_in_file(tuple(head))}"
@@ -115,11 +121,11 @@ INPUTS_OF = {
         f"wall.{{name}}.{key}" for key in ("displacement", "velocity", "acceleration", "belt_speed")
     ),
 }
-"""Key of `[inputs]` → the names of the inputs that it makes, {n} for a number and {name} for a wall."""
+"""Key of `[inputs]` → templates of the names of its inputs: {n} is a number, {name} a wall."""
 
 
 def is_like(name: str, template: str) -> bool:
-    """Whether a name is one that a template stands for, with any number for {n} and any word for {name}."""
+    """Return whether a template stands for a name, with any number for {n} and any word for {name}."""
     steps, forms = name.split("."), template.split(".")
     return len(steps) == len(forms) and all(map(_fits, steps, forms))
 
@@ -132,12 +138,12 @@ def _fits(step: str, form: str) -> bool:
 
 
 def input_key(name: str) -> str | None:
-    """The key of `[inputs]` that makes the input of a name; None if it is not the name of one."""
+    """Return the key of `[inputs]` that makes an input exist; None if no input has this name."""
     return next((key for key, names in INPUTS_OF.items() if any(is_like(name, one) for one in names)), None)
 
 
 def input_asked(name: str) -> str | None:
-    """What in a scene file makes the input of a name; None if it is not the name of one."""
+    """Return the line of a scene file that makes an input exist; None if no input has this name."""
     key = input_key(name)
     if key == "wall_motion":
         return f'inputs.wall_motion = ["{name.split(".")[1]}"]'
@@ -145,11 +151,11 @@ def input_asked(name: str) -> str | None:
 
 
 SENSITIVITY = "sensitivity."
-"""The names of derivatives begin so."""
+"""The names of derivatives begin with this text."""
 
 
 def sensitivity_name(output: str, parameter: str) -> str:
-    """The name of the derivative of an output with respect to a parameter."""
+    """Return the name of the derivative of an output with respect to a parameter."""
     return f"{SENSITIVITY}{parameter}.{output}"
 
 
@@ -157,7 +163,7 @@ JOINT_ANGLES = "initial.joint_angles"
 
 
 def parameter_hint(name: str, links: int) -> str | None:
-    """What to do about a name that is no parameter of a chain of some links, if it is known."""
+    """Say what to use in place of a name that is no parameter of a chain of some links; None if not known."""
     if input_key(name):
         return f'it is an input: give it over time in Python, simulate(scene, inputs={{"{name}": 1.0}})'
     if name.startswith(JOINT_ANGLES):
@@ -168,7 +174,10 @@ def parameter_hint(name: str, links: int) -> str | None:
 
 
 def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | None:
-    """The name that is most like another, if one is alike by a ratio of 0 to 1."""
+    """Return the name that is most like another one.
+
+    None if no name reaches the ratio ``at_least`` (0 to 1).
+    """
     return next(iter(get_close_matches(name, list(names), n=1, cutoff=at_least)), None)
 
 

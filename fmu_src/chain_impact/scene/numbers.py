@@ -1,6 +1,6 @@
 """The quick way of ``with_values``: numbers of a scene that only a few checks depend on.
 
-Reading a whole scene anew takes longer than a short simulation.
+Reading a whole scene again takes longer than a short simulation.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.tables import Contact, Initial, Link, Simulation, Solver
 
 LARGEST = sys.float_info.max
-LINKS = 64  # only so many links are changed this way
+LINKS = 64  # number of links that can be changed in the quick way; a longer chain is read as a whole
 _KEYS: dict[Place, tuple[Any, tuple[str, ...]]] = {
     ("contact",): (Contact, ("stiffness", "restitution", "minimum_impact_speed")),
     ("solver",): (Solver, ("method", "tolerance", "work_limit")),
@@ -31,14 +31,14 @@ _KEYS: dict[Place, tuple[Any, tuple[str, ...]]] = {
         for i in range(LINKS)
     },
 }
-"""The numbers of tables, by the path of the table; those in lists are in ``_LISTS``."""
+"""Path of a table → its keys with numbers; numbers in lists are in ``_LISTS``."""
 _LISTS = {"position": 2, "velocity": 2, "angles": LINKS, "angular_velocities": LINKS}
 """The lists of the initial state, and how many entries they may have."""
 
 
 @functools.cache
 def _numbers() -> dict[str | Place, tuple[Place, Mapping[str, Any]]]:
-    """Path and rule of each of the numbers, by its path and its name."""
+    """Return the path and the rule of each number, by its path and by its name."""
     found: dict[Place, Mapping[str, Any]] = {}
     for path, (table, names) in _KEYS.items():
         rules = {entry.name: entry.metadata for entry in keys(table)}
@@ -50,10 +50,10 @@ def _numbers() -> dict[str | Place, tuple[Place, Mapping[str, Any]]]:
 
 
 def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[Place, Any]) -> AnyScene | None:
-    """The scene with some numbers changed, as ``with_values`` makes it.
+    """Return the scene with some numbers changed, as ``with_values`` makes it.
 
-    None where ``with_values`` must read the whole scene: for other values, and if there may be a fault or a
-    hint. The file of a law is read anew, too.
+    Return None where ``with_values`` must read the whole scene: for other values, where a fault or a hint is
+        possible, and with the file of a law, which is read again.
     """
     start, found = scene.initial, None if scene.contact.law_file else scene
     for name, given in changes.items():
@@ -65,17 +65,20 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[Place, An
 
 
 def _with_number(scene: AnyScene, path: Place, rule: Mapping[str, Any], given: Any) -> AnyScene | None:
-    """The scene with one number changed; None if there is no path, or it breaks its rule."""
+    """Return the scene with one number changed.
+
+    None if there is no path, or if the number breaks its rule.
+    """
     value = _value(given, rule) if path else None
     if value is None or not keeps(value, rule):
         return None
-    # of a list that is derived, all entries would be given
+    # one changed entry of a derived list makes all of its entries given
     is_derived = path in scene.derived_places or path[:-1] in scene.derived_places
     return None if is_derived else _changed(scene, path, value)
 
 
 def _value(given: Any, rule: Mapping[str, Any]) -> Any:
-    """The finite number, or the choice, that is given; None if it is neither."""
+    """Return the given value if it is a finite number or one of the choices; else None."""
     if rule["choices"]:
         return given if isinstance(given, str) else None
     if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= LARGEST:
@@ -84,7 +87,7 @@ def _value(given: Any, rule: Mapping[str, Any]) -> Any:
 
 
 def _changed(scene: AnyScene, path: Place, value: Any) -> AnyScene | None:
-    """The scene with the number at a path changed; None if others would have to be looked at."""
+    """Return the scene with the number at a path changed; None if other values would have to be checked."""
     match path:
         case "chain", "links", int(i), str(key):
             return _with_link(scene, i, key, value)
@@ -102,7 +105,7 @@ def _changed(scene: AnyScene, path: Place, value: Any) -> AnyScene | None:
 
 
 def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | None:
-    """The scene with a number of a link changed, and the inertia if it follows from that."""
+    """Return the scene with a number of a link changed, and the inertia if it follows from that number."""
     links = scene.chain.links
     if i >= len(links):
         return None
@@ -124,7 +127,7 @@ def _rules_of_links() -> dict[str, Mapping[str, Any]]:
 
 
 def _starts(scene: Contents) -> bool:
-    """Whether the chain may start so."""
+    """Return whether the changed start is free of faults and hints."""
     if any(radians_hint("", angle, "rad") for angle in scene.initial.angles):
         return False
     try:

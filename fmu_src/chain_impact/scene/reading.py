@@ -1,4 +1,4 @@
-"""From plain data, as TOML holds it, to a dataclass, by the rules in the metadata of its fields."""
+"""Reading plain data, such as TOML gives, into a dataclass by the rules in the metadata of its fields."""
 
 from __future__ import annotations
 
@@ -15,12 +15,15 @@ from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.limits import Derived, allowed, extended, keeps, keys, without_none
 from chain_impact.scene.names import Place, fmu_name, nearest, other_names
 
-ALIKE = 0.7  # from this ratio on, a name may be meant for another
-_SHOWN = 60  # characters of a value that a message shows
+# ratio of likeness, 0 to 1, from which a name may be meant for another; lower gives useless proposals
+ALIKE = 0.7
+_SHOWN = 60  # number of characters of a value that a message shows
 
 
 class SceneError(ValueError):
-    """A scene that cannot be used: one line naming the file, the key, the value and what is allowed.
+    """A scene that cannot be used.
+
+    The message is one line that names the file, the key, the value and what is allowed.
 
     Attributes:
         place: the path of the key in the scene file; empty if it is not known.
@@ -34,7 +37,7 @@ class SceneError(ValueError):
 
 @contextmanager
 def as_typed(names: Iterable[Any]) -> Iterator[None]:
-    """Let errors call values by the names that were typed, where a value has two names."""
+    """Let errors use the name that the user typed for a value that has two names."""
     try:
         yield
     except SceneError as error:
@@ -52,9 +55,9 @@ class SceneWarning(UserWarning):
 
 
 class UnknownNameError(SceneError, KeyError):
-    """A name that does not exist: the sentence says which name is the nearest."""
+    """A name that does not exist; the message gives the nearest name."""
 
-    __str__ = Exception.__str__  # that of KeyError adds quotes
+    __str__ = Exception.__str__  # the one of KeyError adds quotes
 
     def __init__(
         self,
@@ -66,9 +69,9 @@ class UnknownNameError(SceneError, KeyError):
         *,
         otherwise: str = "`chain-impact info` lists the names",
     ) -> None:
-        """Say that ``name`` is ``what``, "no parameter", and the ``hint``.
+        """Say that ``name`` is ``what``, for example "no parameter", and add the ``hint``.
 
-        Without a hint it is the nearest of the ``names``, or what else to say where none is near.
+        Without a hint, say the nearest of the ``names``, or ``otherwise`` where no name is near.
         """
         if hint is None:
             near = nearest(name, names) if isinstance(name, str) else None
@@ -84,19 +87,20 @@ def matching(
     what: str,
     hint: Callable[[str], str | None],
 ) -> list[str]:
-    """The names that are ``name``, or like it if it has a ``*``, which stands for any text.
+    """Return the names that equal ``name``, or that match it if it has a ``*``, which stands for any text.
 
-    If there are none, ``hint`` can say more on the name than which is the nearest.
+    If there is no such name, ``hint`` gives the rest of the error's sentence; else the nearest name is told.
 
     Raises:
-        UnknownNameError: when there are none.
+        UnknownNameError: when no name matches.
     """
     found = [name] if name in names else []
     if not found and isinstance(name, str) and fmu_name(name) in names:
         found = [fmu_name(name)]
     if not found and isinstance(name, str) and "*" in name:
         first, *parts, last = map(re.escape, name.split("*"))
-        # each part is taken where it comes first, so that the time does not grow with the number of ways
+        # each part matches at the first place where it occurs, so that the time does not grow with the number
+        # of ways
         like = re.compile("".join([first, *(f"(?>.*?{part})" for part in parts), ".*", last]))
         found = [one for one in names if like.fullmatch(one)]
     if not found:
@@ -116,13 +120,13 @@ def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
 
 
 def entry_type(kind: Any) -> Any:
-    """The type of what is in a list, or in tables by name; of all else the type itself."""
+    """Return the type of the entries of a list, or of tables by name; for any other type, the type itself."""
     item, *rest = get_args(kind) or (kind,)
     return rest[0] if get_origin(kind) is Mapping else item
 
 
 class Reader:
-    """Reads data into the dataclass ``root`` and those it is made of; ``label`` names what is at a path.
+    """Reads data into the dataclass ``root`` and its inner dataclasses; ``label`` names the value at a path.
 
     Attributes:
         derived: the paths of the values that defaults have derived, in the data.
@@ -133,11 +137,11 @@ class Reader:
         self.derived: list[Place] = []
 
     def read(self, data: Any) -> Any:
-        """Return the dataclass, or raise a SceneError."""
+        """Return the dataclass of the data, or raise a SceneError."""
         return self._table(self.root, data, (), {})
 
     def _table(self, table: Any, data: Any, path: Place, known: Mapping[str, Any]) -> Any:
-        """Return `data` as a `table`; `known` is what was read before."""
+        """Return `data` as a `table`; `known` are the values read before."""
         if not isinstance(data, Mapping):
             raise self._refusal(path, data, "a table")
         entries = {entry.name: entry for entry in keys(table)}
@@ -151,7 +155,7 @@ class Reader:
             rule = extended(entry.metadata, scope)
             value = data.get(entry.name)
             if value is None:
-                value = rule.get("default", {})  # a table has no default but those of its keys
+                value = rule.get("default", {})  # a table has only the defaults of its keys
             if isinstance(value, Derived):
                 value = value.value(scope)
                 if value not in (None, MISSING):
@@ -159,7 +163,7 @@ class Reader:
             if value is MISSING:
                 meaning = "" if rule["description"] == entry.name else f" ({rule['description']})"
                 raise SceneError(f"{self.label(where)} is missing{meaning}", where)
-            # what is None still is not there, such as a wall
+            # a value that is still None does not exist, such as a wall
             read = None if value is None else self._value(entry.type, rule, value, where, scope)
             values[entry.name] = scope[entry.name] = read
         return table(**values)
@@ -209,7 +213,7 @@ class Reader:
         return tuple(self._value(item, rule, one, (*path, i), known) for i, one in enumerate(value))
 
     def _tables(self, kind: Any, value: Any, path: Place, known: Mapping[str, Any]) -> dict[str, Any]:
-        """Tables of one kind, each with a name of its own."""
+        """Return the tables of one kind, by name."""
         if not isinstance(value, Mapping):
             raise self._refusal(path, value, "a table of tables")
         return {name: self._table(entry_type(kind), one, (*path, name), known) for name, one in value.items()}
@@ -219,7 +223,10 @@ class Reader:
         return SceneError(f"{where} = {shown(value)} must be {needed}", path)
 
     def _unknown(self, table: Any, path: Place, name: Any) -> str:
-        """Name the key most like `name`: of the same table, else of another one; else all of this table."""
+        """Say which key is most like the unknown `name`: one of the same table, else of another.
+
+        Else list the table.
+        """
         name = shown(name).strip("'")
         what = f"{self.label((*path, name))} is unknown"
         here = [entry.name for entry in keys(table)]
@@ -231,7 +238,7 @@ class Reader:
         return f"{what}; the keys here are {', '.join(here)}"
 
     def _one_table(self, item: Any, value: Mapping[Any, Any], path: Place) -> str:
-        """Say that one table is where a list of them has to be, and what else belongs elsewhere."""
+        """Say that a list of tables is expected, not one table, and which of its keys belong elsewhere."""
         name = self.label(path)
         moved = [
             self._keys()[key]
@@ -242,7 +249,10 @@ class Reader:
         return f"{name} is one table, must be a list of tables: write [[{name}]]{others}"
 
     def _keys(self) -> dict[str, str]:
-        """The last part of every key → the whole key, of equal ones the first; not of tables by name."""
+        """Return the last part of every key → the whole key.
+
+        The first of several keys with the same last part counts; keys in tables by name are left out.
+        """
         return {
             key.rpartition(".")[2]: key for key, _ in reversed(list(keys_of(self.root))) if ".<" not in key
         }
@@ -250,12 +260,12 @@ class Reader:
 
 @functools.cache
 def _origin(kind: Any) -> Any:
-    """What typing's function gives for a type. It is kept, as that function tries many kinds of types."""
+    """Return the origin of a type. The cache is needed because typing's own function is slow."""
     return get_origin(kind)
 
 
 def _convert(kind: Any, value: Any) -> Any:
-    """Return `value` as a bool, str, int or finite float; None when it is no such thing."""
+    """Return `value` as a bool, str, int or finite float; None if it cannot be converted."""
     if kind in (bool, str):
         return value if isinstance(value, kind) else None
     if isinstance(value, bool) or not isinstance(value, Integral if kind is int else Real):
@@ -268,19 +278,19 @@ def _convert(kind: Any, value: Any) -> Any:
 
 
 def decimal_comma(value: Any) -> str:
-    """What to say of text for a number that has a decimal comma; else nothing."""
+    """Say how to write a number whose text has a decimal comma; return "" for other values."""
     found = re.match(r"\s*([+-]?\d+),(\d+)", value) if isinstance(value, str) else None
     return f"; a number has a decimal point: {found[1]}.{found[2]}" if found else ""
 
 
 def nearest_choice(value: Any, choices: Iterable[str] | None) -> str:
-    """What to say of text that is none of the choices: which of them is like it, if one is; else nothing."""
+    """Name the choice that is most like a wrong text; return "" if none is like it."""
     near = nearest(value, choices or ()) if isinstance(value, str) else None
     return f"; the nearest is {near}" if near else ""
 
 
 def shown(value: Any) -> str:
-    """Return a value as a message shows it: one line, not too long."""
+    """Return the text of a value for a message: one line, not too long."""
     try:
         text = " ".join(repr(value).split())
     except (ValueError, RecursionError):  # an integer of too many digits, or too deep a list

@@ -9,7 +9,7 @@ from chain_impact.scene.limits import Derived
 
 
 def _product(text: str, *factors: str, divisor: int) -> Derived:
-    """The product of some values of the same table, divided by a number."""
+    """Return the rule of a product of values in the same table, divided by a number."""
     return Derived(
         text, lambda known: math.prod(known[key] for key in factors) / divisor, (factors,), divisor
     )
@@ -38,7 +38,7 @@ ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), const
 
 
 def of_contact(key: str) -> Derived:
-    """The value of a key of the table ``contact``, where there are stops."""
+    """Return the rule that a scene with stops takes the value of a key of the table ``contact``."""
     return Derived(
         "as in [contact]",
         lambda known: getattr(known["contact"], key) if known["chain"].stops else None,
@@ -47,10 +47,10 @@ def of_contact(key: str) -> Derived:
 
 
 def with_stops(value: float) -> Derived:
-    """A value, where there are stops."""
+    """Return the rule that a scene with stops takes this value."""
     return Derived(f"{value:g}", lambda known: value if known["chain"].stops else None, constant=True)
 
 
-# the scene fills it in when all is read, as contact.radius comes later
+# the scene fills the value in after everything is read, because contact.radius comes later in the file
 CONTACT_RADIUS = Derived("contact.radius", lambda _: None, (("contact.radius",),))
 CARRIAGE = Derived("", lambda known: {} if known["base"] == "slider" else None, constant=True)

@@ -1,4 +1,4 @@
-"""The scene file: a chain, its box and how it starts, read from TOML into frozen dataclasses.
+"""The scene file: a chain, its box and its start, read from TOML into frozen dataclasses.
 
 The dataclass fields, here and in tables.py, are the one table of what a scene may hold. Unit, description,
 range and default are in each field's metadata, from which come the validation here, the scene reference in
@@ -30,16 +30,19 @@ from chain_impact.scene.tables import Link
 from chain_impact.scene.text_file import text_of
 
 SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
-"""A scene, or what ``load_scene`` takes."""
+"""A scene, or an argument of ``load_scene``."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Scene(Contents):
-    """All that a simulation needs; ``load_scene``, ``parse_scene`` and ``scene_from_dict`` check it."""
+    """All values that a simulation needs.
+
+    ``load_scene``, ``parse_scene`` and ``scene_from_dict`` return it checked.
+    """
 
     @property
     def derived(self) -> dict[str, str]:
-        """The values that follow from others, as no one has given them: name → rule, "length / 2"."""
+        """The values that follow from others and are not given: name → rule, such as "length / 2"."""
         rules, walls = dict(scene_keys()), [wall.name for wall in self.walls]
         found = ((path, self._rule(path, rules)) for path in self.derived_places)
         return {name_of(path, walls): rule.text for path, rule in found if not rule.constant}
@@ -49,20 +52,26 @@ class Scene(Contents):
 
     @property
     def values(self) -> dict[str, Any]:
-        """Every single value by its name, as ``with_values`` takes it; None for what is not there."""
+        """Every single value by its name, as ``with_values`` takes it.
+
+        None for a value that does not exist.
+        """
         walls = [wall.name for wall in self.walls]
         return {name_of(path, walls): value for path, value in _leaves(self)}
 
     def with_values(self, changes: Mapping[str, Any] | Mapping[Place, Any]) -> "Scene":
-        """The scene with some values changed, `{"contact.restitution": 0.5}`; see the function."""
+        """Return the scene with some values changed, `{"contact.restitution": 0.5}`.
+
+        See the function `with_values`.
+        """
         return with_values(self, changes)
 
     def __repr__(self) -> str:
-        """The scene in some lines."""
+        """Return a description of the scene in a few lines."""
         return scene_text.text(self)
 
     def _repr_html_(self) -> str:
-        """The same in a notebook, with a small drawing of the chain at its start."""
+        """Return the description for a notebook, with a small drawing of the chain at its start."""
         return f"<div>{drawing.svg(self)}<pre>{escape(repr(self))}</pre></div>"
 
 
@@ -72,7 +81,7 @@ def scene_keys() -> Iterator[tuple[str, Field[Any]]]:
 
 
 def load_scene(source: str | os.PathLike[str]) -> Scene:
-    """Load a scene file, the scene file of a folder, or a model by its name, tried in this order.
+    """Load a scene file, the scene file of a folder, or a model by its name; this is the order of search.
 
     Raises SceneError when there is no such file, it cannot be read, or it does not hold a valid scene.
     """
@@ -91,7 +100,7 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
 
 
 def scene_of(source: SceneSource) -> Scene:
-    """The scene itself, or the one that `load_scene` makes of its source."""
+    """Return the source itself if it is a scene, else the scene that `load_scene` reads from it."""
     return source if isinstance(source, Scene) else load_scene(source)
 
 
@@ -111,14 +120,17 @@ def parse_scene(text: str, source: str) -> Scene:
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
-    """Return the validated scene of a parsed scene file; errors (SceneError) name it `source`."""
+    """Return the checked scene of the data of a scene file; errors (SceneError) name it `source`."""
     scene = _validated(data, source, in_file=True)
     checks.warn(source, checks.hints(scene))
     return scene
 
 
 def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
-    """Return the scene; in an error a key is called by its name and, of a file, by its place there."""
+    """Return the checked scene.
+
+    An error calls a key by its name and, for a file, by its place in the file.
+    """
     walls = data.get("walls") if isinstance(data, Mapping) else None
     tables = walls if isinstance(walls, list | tuple) else []
     given = [table.get("name") if isinstance(table, Mapping) else None for table in tables]
@@ -146,7 +158,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
 def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
     """Return the scene as plain dicts, lists and values that TOML can hold, without what is missing.
 
-    With ``derived``, also the values that the scene derives from others: read again, these are given.
+    With ``derived`` the data also have the values that the scene derives; reading the data makes them given.
     """
     data = _plain(scene)
     if not derived:
@@ -156,9 +168,9 @@ def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """A value as plain dicts, lists and values, without keys that are missing, but with empty tables.
+    """Return a value as plain dicts, lists and values, without missing keys, but with empty tables.
 
-    dataclasses.asdict would copy each number, which takes longer.
+    dataclasses.asdict is slower because it copies each number.
     """
     if is_dataclass(value):
         parts = ((entry.name, getattr(value, entry.name)) for entry in keys(value.__class__))
@@ -169,7 +181,7 @@ def _plain(value: Any) -> Any:
 
 
 def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
-    """The data of a scene without what holds nothing: stops, signals, materials and lists of points."""
+    """Return the data of a scene without empty stops, signals, materials and lists of points."""
     data, contact, chain = dict(data), data["contact"], data["chain"]
     if isinstance(chain, Mapping) and isinstance(chain.get("links"), list):
         data["chain"] = {**chain, "links": [_without_no_points(link) for link in chain["links"]]}
@@ -184,26 +196,26 @@ def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _without_no_points(link: Any) -> Any:
-    """The data of a link without an empty list of points."""
+    """Return the data of a link without an empty list of points."""
     empty = isinstance(link, Mapping) and isinstance(link.get("points"), list) and not link["points"]
     return {key: one for key, one in link.items() if key != "points"} if empty else link
 
 
 def _holds(table: Any) -> bool:
-    """Whether a table holds a value, or is none."""
+    """Return whether a table contains a value; a value that is no table counts as one."""
     return not isinstance(table, Mapping) or any(value is not None for value in table.values())
 
 
 def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, Any]) -> Scene:
     """Return the validated scene with some values changed.
 
-    A change is a name and its value: `{"link[1].mass": 2.0, "contact.model": "flores"}`. The name is that of
-    the FMU's parameter, or the dotted key, which also names a whole list: `"initial.angles"`. A contact law
-    and a solver method can be given by their number in the FMU, too. A path can replace a name:
+    A change is a name and its value: `{"link[1].mass": 2.0, "contact.model": "flores"}`. The name is the
+        FMU's name of the parameter, or the dotted key, which also names a whole list: `"initial.angles"`. A
+        contact law and a solver method may be given by their number in the FMU. A path can replace a name:
     `("chain", "links", 0, "mass")`.
 
-    None removes the key, so that its default holds. All other values that are given stay, and what a default
-    derives follows them, as in a scene file that is edited.
+    None removes the key, so that its default holds. All other given values stay, and derived values follow
+    the given ones, as after an edit of the scene file.
 
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
@@ -219,11 +231,11 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
 
 
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
-    """As with_values: all is read anew."""
+    """Return the scene with any values changed, by reading all of its data again."""
     data, paths = _plain(scene), [path for path, _ in values]
     if JOINT_ANGLES in paths and completion.ANGLES not in above(paths):
         del data["initial"]["angles"]
-    # of a derived list of which one value is given, all are given
+    # one given value of a derived list makes the whole list given
     without_derived(data, scene.derived_places, kept=above(paths))
     shapes.set_corners_apart(data)
     for path, value in values:
@@ -239,11 +251,11 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
 
 
 JOINT_ANGLES = ("initial", "joint_angles")
-"""What can be given in place of the absolute angles."""
+"""The key that can be given in place of the absolute angles."""
 
 
 def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Place, Any]:
-    """The path of a change, which may be a name, and the value that it stands for, of an array a list."""
+    """Return the path of a change, which may be a name, and the value, with a list for an array."""
     given = given.tolist() if hasattr(given, "tolist") else given
     if not isinstance(change, str):
         return change, given
@@ -258,19 +270,21 @@ def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Pla
 
 @functools.cache
 def _keys() -> dict[str, Place]:
-    """The path of every dotted key; of what is in a list of tables, or in tables by name, of all of them."""
+    """Return the path of every dotted key, without the keys inside lists of tables and tables by name."""
     return {key: tuple(key.split(".")) for key, _ in scene_keys() if not set("[<") & set(key)}
 
 
 def _names(scene: Scene) -> dict[str, Place]:
-    """The path of every single value by its name."""
+    """Return the path of every single value by its name."""
     return {name: path for name, (path, _) in zip(scene.values, _leaves(scene), strict=True)}
 
 
 def _leaves(value: Any, path: Place = (), unit: str = "", apart: int = 0) -> Iterator[tuple[Place, Any]]:
-    """Yield the path of every single value, and the value; entries of a list of quantities are single.
+    """Yield the path and the value of every single value.
 
-    So many entries of a list are left ``apart`` at its beginning: what follows from other values.
+    The entries of a list of quantities are single values.
+
+    The first ``apart`` entries of a list are left out: they follow from other values.
     """
     if is_dataclass(value):
         for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):
@@ -288,7 +302,7 @@ def _leaves(value: Any, path: Place = (), unit: str = "", apart: int = 0) -> Ite
 
 
 def _chosen(scene: Scene, name: str, value: Any) -> Any:
-    """The value, but a choice for its number in the FMU, counted from 1."""
+    """Return the value, or the choice whose number in the FMU it is, counted from 1."""
     if isinstance(value, bool) or not isinstance(value, Integral):
         return value
     laws = dict.fromkeys(("contact.model", "stops.model"), scene.law_names)

@@ -1,4 +1,4 @@
-"""A scene in some lines, as Python shows it."""
+"""A scene as a few lines of text, as Python shows it."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.tables import Material
 
-LISTED = 6  # numbers of a list
-WIDTH = 100  # characters of a line
+LISTED = 6  # number of entries of a list that are shown
+WIDTH = 100  # number of characters of a line
 
 
 def text(scene: Contents) -> str:
-    """The scene in some lines: its name and what each table of the file holds, in short."""
+    """Return the scene in a few lines: its name, and the contents of each table of the file in short."""
     title = f"Scene {scene.name}" + (f": {' '.join(scene.description.split())}" if scene.description else "")
     lines = [title, *(f"  {word:9}{line}" for word, line in _lines(scene))]
     return "\n".join(line if len(line) <= WIDTH else f"{line[: WIDTH - 1]}…" for line in lines)
@@ -52,7 +52,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
 
 
 def _material(name: str, material: Material) -> str:
-    """What is particular of a wall; nothing if it is as the others."""
+    """Say how a wall differs from the other walls; return "" if it does not."""
     parts = [] if material.restitution is None else [f"e = {material.restitution:g}"]
     parts += [] if material.stiffness is None else [f"K = {material.stiffness:g}"]
     parts += _friction(material.friction, material.static_friction)
@@ -60,7 +60,7 @@ def _material(name: str, material: Material) -> str:
 
 
 def _friction(sliding: float | None, static: float | None) -> list[str]:
-    """The coefficients of dry friction that are given."""
+    """Return the text of the given coefficients of dry friction."""
     given = {"µ": sliding, "static µ": static}
     return [f"{name} = {value:g}" for name, value in given.items() if value is not None]
 

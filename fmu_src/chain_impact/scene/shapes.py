@@ -1,7 +1,7 @@
-"""Links that are boxes: their corners are the first of their points, and follow from length and height.
+"""Links that are boxes: their first points are the corners, which follow from length and height.
 
-In the scene they are there. In a file, and wherever a scene is plain data, they are not: whoever changes a
-length or a height moves them. The kernel does the same with the parameters of a record.
+The scene contains the corners. A file and the plain data of a scene do not, so that a change of length or
+height moves the corners. The kernel treats the parameters of a record in the same way.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.tables import CORNERS, Site
 
 _APART = object()
-"""In a list of points, in place of a corner that is not given."""
+"""Stands in a list of points in place of a corner that is not given."""
 
 
 def with_shapes(scene: AnyScene) -> AnyScene:
-    """Return the scene with the corners of each link that is given as a box, before its other points."""
+    """Return the scene with the corners of each link that is a box, in front of the link's other points."""
     links = []
     for i, link in enumerate(scene.chain.links):
         if (link.shape is None) != (link.height is None):
@@ -37,9 +37,9 @@ def with_shapes(scene: AnyScene) -> AnyScene:
 
 
 def set_corners_apart(data: Any, *, given: bool = False) -> None:
-    """Mark in the plain data of a scene the corners of boxes; ``given`` makes them points like others.
+    """Mark the corners of boxes in the plain data of a scene; ``given`` makes them ordinary points instead.
 
-    Such a link is no box any more.
+    With ``given`` the link is no box any more.
     """
     for link in data["chain"]["links"]:
         if "shape" not in link:
@@ -51,7 +51,7 @@ def set_corners_apart(data: Any, *, given: bool = False) -> None:
 
 
 def without_corners(data: Any) -> Any:
-    """The plain data of a scene without the corners that are marked."""
+    """Return the plain data of a scene without the marked corners."""
     chain = data["chain"]
     links = chain.get("links") if isinstance(chain, Mapping) else None
     for link in links if isinstance(links, list) else ():

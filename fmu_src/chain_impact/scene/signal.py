@@ -1,32 +1,32 @@
-"""The table of the scene file for a signal: a dataclass whose fields are its keys, as those in tables.py."""
+"""The table of the scene file for a signal: a dataclass whose fields are its keys, as in tables.py."""
 
 from dataclasses import dataclass, field
 
 from chain_impact.scene.limits import NO_KEY, quantity
 
 FORMS = ("constant", "sine", "ramp", "steps", "table")
-"""The forms, by their numbers in the kernel."""
+"""The forms, in the order of their numbers in the kernel."""
 SHAPES = ("smooth", "linear", "trapezoid")
-"""The shapes of ramps, likewise."""
+"""The shapes of ramps, in the order of their numbers in the kernel."""
 INPUT = (r"[A-Za-z][A-Za-z0-9_.\[\]]*", "the name of an input")
 TABLE_FILE = (r"[^\x00]*\.(csv|parquet)", "the path of a CSV or Parquet file, from the folder of the scene")
 
 
 @dataclass(frozen=True, slots=True)
 class Samples:
-    """What is in the file of a table: times [s], and values of each input, shapes (T,)."""
+    """The contents of a table's file: times [s] and the values of each input, each of shape (T,)."""
 
     times: tuple[float, ...]
     columns: tuple[tuple[str, tuple[float, ...]], ...]
 
     def values(self, name: str) -> tuple[float, ...]:
-        """The values of an input."""
+        """Return the values of an input."""
         return dict(self.columns)[name]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Signal:
-    """What drives inputs over time; a key that its form does not have is None."""
+    """A signal, which drives inputs over time; a key that its form does not have is None."""
 
     input: tuple[str, ...] = quantity(
         "", "the input that it drives, or a list of them", matching=INPUT, or_one=True

@@ -1,6 +1,6 @@
-"""Signals: what drives inputs of the scene over time, checked and completed, and which inputs each drives.
+"""Signals: the functions of time that drive inputs of the scene, their checks and defaults, and their inputs.
 
-kernel/chain/signals.py computes them.
+kernel/chain/signals.py computes their values.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ REQUIRED: dict[str, tuple[str, ...]] = {
     "steps": ("times", "values"),
     "table": ("file",),
 }
-"""Form → its keys that must be given."""
+"""Form → the keys that must be given."""
 OTHER: dict[str, dict[str, Any]] = {
     "constant": {},
     "sine": {"mean": 0.0, "frequency_rate": 0.0, "phase": 0.0, "start": 0.0, "rise": 0.0},
@@ -35,9 +35,9 @@ OTHER: dict[str, dict[str, Any]] = {
     "steps": {},
     "table": {"interpolation": None, "period": None},
 }
-"""Form → its keys that may be missing, and what they are then."""
+"""Form → the keys that may be missing, and their defaults."""
 KNOTS = {"constant": 1, "sine": 3, "ramp": 3}
-"""Form → how many polynomials it takes; a ramp in the shape of a trapezoid two more."""
+"""Form → number of polynomials that it needs; a ramp in the shape of a trapezoid needs two more."""
 _UNITS = {
     "joint[{n}].torque": "N.m",
     "joint[{n}].target_angle": "rad",
@@ -56,8 +56,10 @@ _UNITS = {
 }
 
 
-AT_REST = 1e-12  # of the largest speed of a sine: a smaller one is round-off
-CLOSED = 1e-9  # of the period: by how much the last row of a table may miss the end of it
+# smallest speed that counts as motion, as a part of a sine's largest speed; below it is round-off
+AT_REST = 1e-12
+# largest gap between the last row of a table and the end of its period, as a part of the period
+CLOSED = 1e-9
 
 
 class Driven(NamedTuple):
@@ -66,9 +68,10 @@ class Driven(NamedTuple):
     Attributes:
         signal: the name of the signal.
         input: the name of the input.
-        outputs: the names of what is driven with it: its integrals, itself, and its derivatives, in order.
-        knots: how many polynomials the signal takes.
-        is_steps: whether its times and values are given one by one.
+        outputs: the names of the driven quantities in order: the input's integrals, the input, its
+            derivatives.
+        knots: the number of polynomials that the signal needs.
+        is_steps: whether the signal's times and values are given one by one.
     """
 
     signal: str
@@ -79,12 +82,15 @@ class Driven(NamedTuple):
 
     @property
     def order(self) -> int:
-        """How often the signal is integrated for the first of the outputs."""
+        """How many times the signal has to be integrated for the first of the outputs."""
         return self.outputs.index(self.input)
 
 
 def driven_by(scene: Contents) -> tuple[Driven, ...]:
-    """The inputs that signals drive; a target velocity comes behind a target whose rate it replaces."""
+    """Return the inputs that signals drive.
+
+    A target velocity comes after the target whose derivative it is.
+    """
     if not scene.signals:
         return ()
     found = [
@@ -96,7 +102,7 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
 
 
 def knots_of(signal: Signal) -> int:
-    """How many polynomials a signal takes for each input."""
+    """Return the number of polynomials that a signal needs for each input."""
     if signal.form == "steps":
         return len(signal.times or ())
     if signal.samples is not None:
@@ -106,22 +112,25 @@ def knots_of(signal: Signal) -> int:
 
 
 def joined_by(signal: Signal, driven: str) -> str:
-    """How the rows of a table for an input are joined: ``hold``, ``linear`` or ``spline``.
+    """Return how the rows of a table for an input are joined: ``hold``, ``linear`` or ``spline``.
 
-    Unless it is said, as samples in Python are: by a spline where base or wall move, as these must not jump.
+    The default is as for samples in Python: a spline for the motion of base and walls, which must not jump.
     """
     return signal.interpolation or ("spline" if is_motion(driven) else "hold")
 
 
 def is_closed(signal: Signal) -> bool:
-    """Whether the last row of a table that repeats is a period after the first one, which it equals then."""
+    """Return whether the last row of a periodic table is one period after the first row, which it repeats."""
     times = signal.samples.times if signal.samples else ()
     last = times[-1] - times[0] - (signal.period or 0.0)
     return abs(last) <= CLOSED * (signal.period or 0.0)
 
 
 def family(name: str) -> tuple[str, ...]:
-    """The names of what an input drives, each the derivative of the one before; "" for what is no input."""
+    """Return the names of the quantities that an input drives, each the derivative of the one before.
+
+    "" stands for a quantity that is no input.
+    """
     head, _, last = name.rpartition(".")
     if head == "base":
         return tuple(f"base.{prefix}{last[-1]}" for prefix in ("", "v", "a"))
@@ -135,19 +144,19 @@ def family(name: str) -> tuple[str, ...]:
 
 
 def unit_of(name: str) -> str:
-    """The unit of an input."""
+    """Return the unit of an input."""
     return next(unit for template, unit in _UNITS.items() if is_like(name, template))
 
 
 def is_motion(name: str) -> bool:
-    """Whether an input moves base or wall, so that neither position nor velocity may jump."""
+    """Return whether an input moves the base or a wall, so that position and velocity must not jump."""
     return name.startswith(("base.", "wall.")) and not name.endswith(".belt_speed")
 
 
 def with_signals(scene: AnyScene, folder: Path) -> AnyScene:
-    """Return the scene with the numbers of its signals that have defaults, and with their tables.
+    """Return the scene with the defaults of its signals and with the contents of their tables.
 
-    Files are sought from ``folder``.
+    Relative files are sought in ``folder``.
     """
     if not scene.signals:
         return scene
@@ -161,7 +170,7 @@ def with_signals(scene: AnyScene, folder: Path) -> AnyScene:
 
 
 def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any:
-    """The scene with one more signal: a table for each input that has a column in a file.
+    """Return the scene with one more signal: a table for each input that has a column in a file.
 
     Args:
         scene: with these inputs.
@@ -186,7 +195,7 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
 
 
 def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signal:
-    """The signal with what its file holds, and the file's whole path."""
+    """Return the signal with the contents of its file and with the file's full path."""
     path, where = (folder / (signal.file or "")).absolute(), f"signal.{name}.file = {signal.file!r}"
     try:
         status = path.stat()
@@ -209,13 +218,13 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
 
 @lru_cache(16)
 def _read(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, dict[str, Numbers]]:
-    """Times and columns of a file, which is read again when it has changed."""
+    """Return the times and columns of a file, which is read again after a change."""
     times, columns = samples_of(read_table(path), stop)
     return tuple(times.tolist()), {name: tuple(column.tolist()) for name, column in columns.items()}
 
 
 def _completed(name: str, signal: Signal) -> Signal:
-    """The signal with its defaults; a key that its form does not have is refused, and one that is missing."""
+    """Return the signal with its defaults; refuse a key that its form does not have, and a missing key."""
     keys, what = (*REQUIRED[signal.form], *OTHER[signal.form]), f"signal.{name}"
     if not name.isidentifier():
         needed = "letters, digits and _, not beginning with a digit"
@@ -234,7 +243,7 @@ def _completed(name: str, signal: Signal) -> Signal:
 
 
 def check_signals(scene: Contents) -> None:
-    """Refuse signals that cannot drive what they shall drive."""
+    """Refuse signals that cannot drive their inputs."""
     owners: dict[str, str] = {}
     for name, signal in scene.signals.items():
         _check_inputs(scene, name, signal)
@@ -254,7 +263,7 @@ def check_signals(scene: Contents) -> None:
 
 
 def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
-    """Refuse inputs that the scene does not have, and such of several units."""
+    """Refuse inputs that the scene does not have, and inputs of different units in one signal."""
     there, what = list(inputs_of(scene)), f"signal.{name}.input"
     if not signal.input:
         raise SceneError(f"{what} = [] must name at least one input", ("signals", name, "input"))
@@ -277,7 +286,7 @@ def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
 
 
 def inputs_of(scene: Contents) -> Iterator[str]:
-    """The names of the inputs that the scene asks for, whether a signal drives them or not."""
+    """Yield the names of the inputs that the scene asks for, whether a signal drives them or not."""
     asked, slides = scene.inputs, scene.chain.base == "slider"
     joints = range(1 if scene.chain.has_base_joint else 2, len(scene.chain.links) + 1)
     for n in joints:
@@ -299,7 +308,7 @@ def inputs_of(scene: Contents) -> Iterator[str]:
 
 
 def _check_numbers(name: str, signal: Signal) -> None:
-    """Refuse times that do not increase, and as many values as there are no times."""
+    """Refuse times that do not increase, and lists of times and values of different lengths."""
     times, values = signal.times, signal.values
     if signal.samples is not None:
         _check_period(name, signal, signal.samples)
@@ -338,7 +347,7 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
 
 
 def _check_table(name: str, signal: Signal, driven: str, order: int) -> None:
-    """Refuse a table whose interpolation lets position or velocity of base or wall jump."""
+    """Refuse a table whose interpolation lets the position or velocity of base or wall jump."""
     needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
     if signal.interpolation and needed and signal.interpolation not in needed:
         raise SceneError(
@@ -360,7 +369,7 @@ def _quoted(text: str) -> str:
 
 
 def _check_motion(name: str, signal: Signal, driven: str) -> None:
-    """Refuse a motion of base or wall whose position or velocity would jump."""
+    """Refuse a motion whose position or velocity of base or wall jumps."""
     order = family(driven).index(driven)
     belt = driven.endswith(".belt_speed")
     if (

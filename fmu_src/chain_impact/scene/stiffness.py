@@ -8,7 +8,7 @@ INCOMPRESSIBLE = 0.5  # Poisson's ratio
 def sphere_plane_stiffness(
     radius: float, young_1: float, poisson_1: float, young_2: float, poisson_2: float
 ) -> float:
-    """The stiffness K [N/m^1.5] of an elastic sphere on an elastic plane, for the exponent 3/2.
+    """Return the stiffness K [N/m^1.5] of an elastic sphere on an elastic plane, for the exponent 3/2.
 
     K = (4/3) E* √R with 1/E* = (1−ν₁²)/E₁ + (1−ν₂²)/E₂, after Hertz 1881, J Reine Angew Math 92:156.
 

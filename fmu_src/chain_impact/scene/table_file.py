@@ -1,4 +1,4 @@
-"""A table of numbers over time as it was given, measured or to be followed: a file, or columns in Python."""
+"""A table of numbers over time as a user gives it: a file, or columns in Python."""
 
 from __future__ import annotations
 
@@ -17,14 +17,15 @@ from chain_impact.scene.reading import SceneError, decimal_comma, shown
 from chain_impact.scene.text_file import check_separator, likely_time, text_of
 
 Source = str | Path | Mapping[str, Sequence[Any]]
-"""A CSV or Parquet file, or name of a column → its cells. Tables of pandas and polars are taken as well."""
+"""A CSV or Parquet file, or columns: name → cells, also as a table of pandas or polars."""
 TIME = "time"
-TOO_LONG = 1000.0  # of the run: a table that lasts longer is in another unit of time
+# [1] length of a table over the length of the run, beyond which its times are in another unit
+TOO_LONG = 1000.0
 EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")
 
 
 def is_table(source: Any) -> bool:
-    """Whether this is one table, and no list of them."""
+    """Return whether the source is a single table and not a list of tables."""
     return isinstance(source, str | Path) or hasattr(source, "items") or hasattr(source, "iter_columns")
 
 
@@ -33,10 +34,10 @@ class Table:
     """Cells by row and column.
 
     Attributes:
-        source: what an error calls the table.
-        names: of the columns.
+        source: the name of the table in errors.
+        names: the names of the columns.
         rows: the cells of each row, text or numbers.
-        lines: what an error calls each row, ``line 3`` of a file.
+        lines: the name of each row in errors, ``line 3`` for a file.
     """
 
     source: str
@@ -45,11 +46,11 @@ class Table:
     lines: list[str]
 
     def where(self, row: int, name: str) -> str:
-        """File, row and column, for an error."""
+        """Return the words for a cell in an error: file, row and column."""
         return f"{self.source}: {self.lines[row]}: {name}"
 
     def cell(self, row: int, name: str) -> Any:
-        """A cell without spaces around; None if it is empty or there is no such column."""
+        """Return a cell without surrounding spaces; None if it is empty or there is no such column."""
         if name not in self.names:
             return None
         value = self.rows[row][self.names.index(name)]
@@ -57,10 +58,10 @@ class Table:
         return None if str(value) in EMPTY else value
 
     def number(self, row: int, name: str) -> float:
-        """A cell as a number, NaN if it is empty.
+        """Return a cell as a number, NaN if it is empty.
 
         Raises:
-            SceneError: when it is something else, or not finite.
+            SceneError: when the cell is no number, or not finite.
         """
         value = self.cell(row, name)
         if value is None:
@@ -78,12 +79,12 @@ class Table:
 
 
 def read_table(source: Source) -> Table:
-    """The table of a CSV file with a head line, of a Parquet file, or of columns.
+    """Return the table of a CSV file with a head line, of a Parquet file, or of columns in Python.
 
     Raises:
-        SceneError: when it is no such table.
+        SceneError: when the source is no such table.
         OSError: when the file cannot be read.
-        MissingExtraError: for Parquet, when pyarrow is not there: the extra ``sweep``.
+        MissingExtraError: for Parquet, when pyarrow (the extra ``sweep``) is not installed.
     """
     if not isinstance(source, str | Path):
         if hasattr(source, "iter_columns"):  # polars
@@ -117,14 +118,14 @@ def read_table(source: Source) -> Table:
 
 
 def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """The times [s] of a table of inputs, shape (T,), and its other columns by their names, likewise.
+    """Return the times [s] of a table of inputs, and its other columns by name, each of shape (T,).
 
     Args:
-        table: with the column ``time``, and no cell empty.
+        table: a table with the column ``time`` and without empty cells.
         stop: end of the run [s].
 
     Raises:
-        SceneError: when it is no such table.
+        SceneError: when the table is not one of inputs.
     """
     if TIME not in table.names:
         hint = likely_time(table.names) or f"; it has {', '.join(table.names)}"
@@ -141,7 +142,7 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
 
 
 def _column(table: Table, name: str) -> np.ndarray:
-    """A column without gaps."""
+    """Return a column; refuse an empty cell."""
     for row in range(len(table.rows)):
         if table.cell(row, name) is None:
             raise SceneError(
@@ -151,7 +152,10 @@ def _column(table: Table, name: str) -> np.ndarray:
 
 
 def _checked(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: list[str]) -> Table:
-    """The table, when it has a head, rows, and as many cells in each."""
+    """Return the table if it has a head line, rows, and the same number of cells in each row.
+
+    Else refuse it.
+    """
     for k, name in enumerate(names):
         if not name or name in names[:k]:
             what = "has no name" if not name else f"{name} is there twice"

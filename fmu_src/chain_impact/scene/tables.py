@@ -26,13 +26,13 @@ from chain_impact.scene.rules import (
 )
 
 MAX_LINKS = 1000
-CORNERS = 4  # of a box
+CORNERS = 4  # number of corners of a box
 
 IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
 _RESERVED = ("con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)))
 _ANY_CASE = "|".join("".join(f"[{c.upper()}{c}]" if c.isalpha() else c for c in name) for name in _RESERVED)
 OPTIONAL_NAME = (rf"({IDENTIFIER[0]})?", IDENTIFIER[1])
-MODEL_NAME = (  # of files, too
+MODEL_NAME = (  # also for the names of files
     rf"(?!(?:{_ANY_CASE})$){IDENTIFIER[0]}",
     f"{IDENTIFIER[1]}, and no name that Windows reserves: con, prn, aux, nul, com1 to com9, lpt1 to lpt9",
 )
@@ -43,7 +43,7 @@ _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Site:
-    """A point that is fixed to a link, beside its ends, and may touch the walls: a heel, a corner."""
+    """A point that is fixed to a link beside its ends and may touch the walls, such as a heel or a corner."""
 
     x: float = quantity("m", "place along the link, from the joint nearer to the base")
     y: float = quantity("m", "place to the left of the link's line", 0.0)
@@ -52,13 +52,13 @@ class Site:
 
     @property
     def is_at_joint(self) -> bool:
-        """Whether it lies at the joint nearer to the base."""
+        """Whether the point lies at the joint nearer to the base."""
         return self.x == self.y == 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Link:
-    """One rigid link, from its joint nearer to the base to the other one; in a file several."""
+    """One rigid link, from its joint nearer to the base to its other end; ``count`` makes it several."""
 
     count: int | None = quantity(
         "", "number of equal links, 1 if missing", None, minimum=1, maximum=MAX_LINKS, file_only=True
@@ -98,7 +98,7 @@ class Link:
 
     @property
     def corners(self) -> int:
-        """How many of the points are corners of its shape: the first ones."""
+        """How many points are corners of the shape; these come first."""
         return CORNERS if self.shape else 0
 
 
@@ -120,13 +120,13 @@ class Slider:
 
     @property
     def stops(self) -> tuple[str, ...]:
-        """The stops that are there, as they are called among the walls."""
+        """The names of the existing stops among the walls."""
         return tuple(stop for stop in SLIDER_STOPS if getattr(self, stop.removeprefix("slider_")) is not None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Chain:
-    """The links from base to tip, and whether the base moves."""
+    """The links from base to tip, and the kind of base."""
 
     base: str = quantity(
         "",
@@ -138,7 +138,7 @@ class Chain:
     links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
 
     def __post_init__(self) -> None:
-        """Put each of the equal links of a `count` in the place of the one that has it."""
+        """Replace a link with a `count` by so many equal links."""
         if (total := sum(link.count or 1 for link in self.links)) > MAX_LINKS:
             raise SceneError(f"chain.links[].count makes {total} links in all, must make at most {MAX_LINKS}")
         links = (replace(link, count=None) for link in self.links for _ in range(link.count or 1))
@@ -146,7 +146,7 @@ class Chain:
 
     @property
     def movable_points(self) -> range:
-        """The joints and ends that can move: all but a pinned base."""
+        """The numbers of the joints and ends that can move: all except a pinned base."""
         return range(1 if self.base == "pinned" else 0, len(self.links) + 1)
 
     @property
@@ -166,18 +166,18 @@ class Chain:
 
     @property
     def sites(self) -> tuple[tuple[int, Site], ...]:
-        """The points of links beside their ends, numbered from N + 1: index of the link, and the point."""
+        """The points of links, which have the numbers from N + 1 on: index of the link, and the point."""
         return tuple((i, site) for i, link in enumerate(self.links) for site in link.points)
 
     @property
     def stops(self) -> tuple[tuple[int, str], ...]:
-        """The stops that are there: the joint, numbered as its link, and ``joint_min`` or ``joint_max``."""
+        """The existing stops: number of the joint's link, and ``joint_min`` or ``joint_max``."""
         links = enumerate(self.links, 1)
         return tuple((i, stop) for i, link in links for stop in STOPS if getattr(link, stop) is not None)
 
     @property
     def joint_ranges(self) -> dict[int, tuple[float, float]]:
-        """The joints with a stop, and their joint_min and joint_max [rad], infinite where there is none."""
+        """The joints with a stop → their joint_min and joint_max [rad], infinite where a stop is missing."""
         links = {joint: self.links[joint - 1] for joint, _ in self.stops}
         none = (-math.inf, math.inf)
         return {
@@ -201,7 +201,7 @@ class Box:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wall:
-    """A straight wall at any angle, without ends; in place of the angle a file may give a normal."""
+    """A straight, endless wall at any angle; a file may give a normal in place of the angle."""
 
     name: str = quantity("", "name; each wall has another", matching=IDENTIFIER)
     point: tuple[float, float] = quantity("m", "a point on the wall")
@@ -211,7 +211,7 @@ class Wall:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Material:
-    """The material of one wall, of the box or of ``walls``: what is not as in ``contact``."""
+    """The material of one wall of the box or of ``walls``: the values that differ from ``contact``."""
 
     stiffness: float | None = quantity(
         "N/m^exponent", "contact stiffness; if missing: as in [contact]", None, above=0.0
@@ -232,7 +232,7 @@ class Material:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Contact:
-    """The force of the walls, and the points that may touch them."""
+    """The contact law of the walls, and the points that may touch the walls."""
 
     law_file: str = quantity("", "file with a law of your own, named as the law", "", matching=_PYTHON_FILE)
     model: str = quantity(
@@ -262,7 +262,7 @@ class Contact:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stops:
-    """The contact law of all stops in joints, in the angle of the joint; None where there are no stops."""
+    """The contact law of all stops in joints, as a law of the joint's angle; None without stops."""
 
     model: str | None = quantity(
         "",
@@ -290,7 +290,7 @@ class Stops:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inputs:
-    """The inputs that the FMU shall have."""
+    """The inputs of the FMU."""
 
     joint_torques: bool = quantity(
         "", "torques at the joints between links and at a base that is pinned or on a slider", False
@@ -311,19 +311,19 @@ class Inputs:
 
     @property
     def any(self) -> bool:
-        """Whether there are inputs."""
+        """Whether the FMU has inputs."""
         return self.on_chain or bool(self.wall_motion)
 
     @property
     def on_chain(self) -> bool:
-        """Whether there are inputs that act on a chain in flight: others than the motion of walls."""
+        """Whether inputs act on a chain in flight: inputs other than the motion of walls."""
         asked = (self.joint_torques, self.joint_targets, self.slider_force, self.tip_force, self.base_motion)
         return any(asked)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outputs:
-    """The outputs that the FMU shall have, beside those of the last impact."""
+    """The outputs of the FMU, besides the outputs of the last impact."""
 
     points: bool = quantity("", "position, velocity and acceleration of the points", True)
     links: bool = quantity("", "angle, its rate and acceleration of the links", True)
@@ -363,7 +363,7 @@ class Initial:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Solver:
-    """How the equations of motion are integrated."""
+    """The settings of the integration of the equations of motion."""
 
     method: str = quantity("", "integration method", "auto", choices=SOLVER_METHODS)
     tolerance: float = quantity("1", "relative error tolerance", 1e-8, minimum=1e-13, maximum=1e-2)

@@ -1,4 +1,4 @@
-"""Text files that others wrote: in which encoding, with which decimal mark and separator."""
+"""Text files that others have written: their encoding, decimal mark and separator."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # how a file in it begins
-ZIP = b"PK\x03\x04"  # how a ZIP file begins
+UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # first bytes of a file in UTF-16
+ZIP = b"PK\x03\x04"  # first bytes of a ZIP file
 COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)")
 SEPARATORS = {";": "semicolons", "\t": "tabs"}
 
 
 def text_of(path: Path) -> str:
-    """The text of a file in UTF-8, with or without a byte order mark.
+    """Return the text of a file in UTF-8, with or without a byte order mark.
 
     Raises:
-        ValueError: when it is in another encoding.
+        ValueError: when the file has another encoding.
         OSError: when the file cannot be read.
     """
     content = path.read_bytes()
@@ -33,7 +33,10 @@ def text_of(path: Path) -> str:
 
 
 def comma_in(text: str, fault: str) -> str:
-    """What to say of a decimal comma in the line of a TOML file that a parser's fault names; else nothing."""
+    """Say how to write a decimal comma in the line of a TOML file that a parser's fault names.
+
+    Else return "".
+    """
     line = re.search(r"at line (\d+)", fault)
     lines = text.splitlines()
     found = COMMA.search(lines[int(line[1]) - 1]) if line and int(line[1]) <= len(lines) else None
@@ -41,7 +44,7 @@ def comma_in(text: str, fault: str) -> str:
 
 
 def likely_time(names: Iterable[str]) -> str:
-    """Say which column of a table without a column ``time`` may be meant for it; nothing if none may."""
+    """Name the column that may be meant as the missing column ``time``; return "" if none may."""
     for name in names:
         word, _, unit = name.strip().strip('"').lower().replace("[", "(").partition("(")
         said = f"; the column {name} may be meant: call it time, in seconds"
@@ -55,10 +58,10 @@ SECONDS = ("", "s", "sec", "seconds", "ms", "us", "µs", "min")
 
 
 def check_separator(head: str) -> None:
-    """Refuse a table by its head line.
+    """Refuse a table whose columns are not separated by commas, by its head line.
 
     Raises:
-        ValueError: when it is separated by something else than commas.
+        ValueError: when another mark separates the columns.
     """
     for mark, name in SEPARATORS.items():
         if mark in head and "," not in head:

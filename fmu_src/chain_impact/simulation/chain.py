@@ -165,7 +165,7 @@ class Chain:
             warn(self.scene.name, self._instance.contradictions)
 
     def get(self, names: str | Iterable[str]) -> Any:
-        """The present value of a variable, or of several.
+        """Return the present value of a variable, or of several.
 
         Args:
             names: a name, which gives a number; or several, or a name with ``*``, which stands for any text,
@@ -260,7 +260,7 @@ class Chain:
         return _restored, (self.scene, self.save())
 
     def __repr__(self) -> str:
-        """The scene and the time."""
+        """Return the scene and the time."""
         links = plural(len(self.scene.chain.links), "link")
         return f"Chain({self.scene.name}) of {links} at t = {self.time:.9g} s"
 
@@ -299,7 +299,7 @@ class Chain:
         return selection
 
     def _checked(self, name: str, value: Any) -> tuple[_Place, float]:
-        """The place of a variable, and the value for it."""
+        """Return the place of a variable, and the value for it."""
         place = self._places.get(name)
         if place is None:
             raise UnknownNameError(self.scene.name, name, self._places, "no variable", self._hint(name))
@@ -334,7 +334,7 @@ class Chain:
 
 
 def _restored(scene: Scene, state: bytes) -> Chain:
-    """A chain of a scene in a state that was saved."""
+    """Return a chain of a scene in a state that was saved."""
     chain = Chain(scene)
     chain.restore(state)
     return chain

@@ -90,7 +90,7 @@ class DifferentiatedInstance(Instance):
         self.initialize()
 
     def slope_words(self, words: np.ndarray) -> np.ndarray:
-        """Which numbers of the record are the derivatives of some outputs.
+        """Return which numbers of the record are the derivatives of some outputs.
 
         Args:
             words: which numbers of the record are the outputs, shape (W,).
@@ -108,7 +108,7 @@ class DifferentiatedInstance(Instance):
         return found.ravel()
 
     def rows(self, count: int, words: np.ndarray) -> WordRows:
-        """Room for some outputs, shape (count, W), and behind these for their derivatives."""
+        """Return room for some outputs, shape (count, W), and behind these for their derivatives."""
         return WordRows(count, np.concatenate([words, self.slope_words(words)]))
 
     @property
@@ -133,7 +133,7 @@ class DifferentiatedInstance(Instance):
         return rows
 
     def open_contacts(self) -> np.ndarray:
-        """The contacts that have not ended yet; drops what was solved ahead."""
+        """Return the contacts that have not ended yet; drops what was solved ahead."""
         rows = super().open_contacts()
         if len(rows):
             log, places = self._log, self._open_places

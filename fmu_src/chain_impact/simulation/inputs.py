@@ -72,7 +72,7 @@ class Drive:
     slips: np.ndarray
 
     def at(self, times: np.ndarray) -> Drive:
-        """The same inputs with other communication points, which increase, shape (S,) [s]."""
+        """Return the same inputs with other communication points, which increase, shape (S,) [s]."""
         begins = self.times[np.maximum(self.first - 1, 0)]
         merged = np.union1d(times, begins[begins <= times[-1]])
         first = np.searchsorted(merged, begins, side="right")
@@ -112,7 +112,7 @@ class Drive:
 
 
 def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) -> Drive:
-    """The inputs for a simulation with some communication points.
+    """Return the inputs for a simulation with some communication points.
 
     Args:
         model: what is driven.
@@ -196,7 +196,7 @@ def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) ->
 
 
 def _columns(table: Source, stop: float) -> Mapping[str, Signal]:
-    """The columns of a table of inputs, by the names of these."""
+    """Return the columns of a table of inputs, by the names of these."""
     times, columns = samples_of(read_table(table), stop)
     return {name: (times, values) for name, values in columns.items()}
 
@@ -211,7 +211,7 @@ def _hint(model: Model, name: Any) -> str:
 
 
 def channels_of(model: Model) -> list[Channel]:
-    """The channels of what moves, in their order, with the inputs that give them."""
+    """Return the channels of what moves, in their order, with the inputs that give them."""
     scene, names, found = model.scene, {variable.place: variable.name for variable in model.inputs}, []
     for j in range(model.sizes.channels):
         position, velocity, acceleration = (names.get((MOTION, field, j), "") for field in MOTIONS)
@@ -222,12 +222,12 @@ def channels_of(model: Model) -> list[Channel]:
 
 
 def _each(called: Callable[[str, float], float], name: str, times: np.ndarray) -> np.ndarray:
-    """The values of a function at each of some times, shape (T,)."""
+    """Return the values of a function at each of some times, shape (T,)."""
     return np.array([called(name, time) for time in times.tolist()])
 
 
 def _on_grid(grid: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """The points of a grid that are nearest to some times in it."""
+    """Return the points of a grid that are nearest to some times in it."""
     after = np.searchsorted(grid, times).clip(1, len(grid) - 1) if len(grid) > 1 else np.zeros(0, int)
     nearer = times[: len(after)] - grid[after - 1] < grid[after] - times[: len(after)]
     return np.unique(grid[after - nearer])
@@ -240,7 +240,7 @@ def _with_functions(
     held: Pieces,
     errors: tuple[np.ndarray, np.ndarray],
 ) -> Pieces:
-    """Pieces of some signals that are functions, by their numbers, and of others that are held."""
+    """Return pieces of some signals that are functions, by their numbers, and of others that are held."""
     names = list(functions)
 
     def called(times: np.ndarray) -> np.ndarray:
@@ -259,7 +259,7 @@ def _with_functions(
 
 
 def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.ndarray:
-    """The communication points, and the times of samples that are not as good as one of them."""
+    """Return the communication points, and the times of samples that are not as good as one of them."""
     samples = np.unique(samples)
     samples = samples[(samples > 0.0) & (samples < times[-1])]
     after = np.searchsorted(times, samples)  # times[after − 1] < sample ≤ times[after]
@@ -279,7 +279,7 @@ def inputs_text(inputs: Iterable[str]) -> str:
 
 
 def _checked(what: str, signal: Any) -> Any:
-    """The signal as a finite number, a function, or a pair of arrays of shape (T,), T > 0."""
+    """Return the signal as a finite number, a function, or a pair of arrays of shape (T,), T > 0."""
     if callable(signal):
         return signal
     if isinstance(signal, (tuple, list)) and len(signal) == 2:  # noqa: PLR2004
@@ -305,7 +305,7 @@ def _samples(what: str, times: np.ndarray | None, values: np.ndarray | None) -> 
 
 
 def _numbers(value: Any) -> np.ndarray | None:
-    """The value as an array of reals; None if it is something else."""
+    """Return the value as an array of reals; None if it is something else."""
     try:
         array = np.asarray(value)
     except ValueError:  # rows of different lengths
@@ -314,7 +314,7 @@ def _numbers(value: Any) -> np.ndarray | None:
 
 
 def _at_points(what: str, signal: Any, interpolation: str, times: np.ndarray, same: float) -> np.ndarray:
-    """The signal at each of the times, shape (T,)."""
+    """Return the signal at each of the times, shape (T,)."""
     if callable(signal):
         return np.array([_called(what, signal, time) for time in times.tolist()])
     if isinstance(signal, float):

@@ -55,7 +55,7 @@ class SimulationError(RuntimeError):
 
 
 def fault_text(status: int, place: str) -> str:
-    """The sentence of a status, with the place, if there is one."""
+    """Return the sentence of a status, with the place, if there is one."""
     return f"{STATUS_TEXT[status]}: {place}" if place else STATUS_TEXT[status]
 
 
@@ -96,7 +96,7 @@ class WordRows:
 
 
 def spans_of(words: Sequence[int] | np.ndarray) -> np.ndarray:
-    """Indices as spans of consecutive ones: the first of each and how many they are, shape (S, 2)."""
+    """Return indices as spans of consecutive ones: the first of each and how many they are, shape (S, 2)."""
     return _spans_of(np.asarray(words, np.int64).tobytes())
 
 
@@ -184,7 +184,7 @@ class Instance:
         return status
 
     def is_sound(self, words: np.ndarray) -> bool:
-        """Whether the words of a record can be those of an instance with this kernel."""
+        """Return whether the words of a record can be those of an instance with this kernel."""
         # the kernel takes the sizes at its start for granted
         same_sizes = words[:SIZES].tobytes() == self.words[:SIZES].tobytes()
         return same_sizes and bool(self._kernel.sound(words.ctypes.data))
@@ -323,7 +323,7 @@ class Instance:
 
 
 def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """The order of contacts by onset, and the contacts in it, with the names of their walls."""
+    """Return the order of contacts by onset, and the contacts in it, with the names of their walls."""
     found, start = np.empty(sum(map(len, parts)), LOG_DTYPE), 0
     for part in parts:
         found[start : start + len(part)] = part
@@ -333,19 +333,19 @@ def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndar
 
 
 _loaded: dict[tuple[Sizes, bool, str | None], ctypes.CDLL] = {}
-"""The kernels without a law of the user's: what they are for, derivatives, cache folder → kernel."""
+"""The kernels without a user's law: sizes, derivatives, cache folder → kernel."""
 
 
 def kernel_for(scene: Scene, *, derivatives: bool, sizes: tuple[int, ...] | None = None) -> ctypes.CDLL:
-    """The kernel for a scene; what is loaded is not looked for again.
+    """Return the kernel for a scene; a loaded kernel is kept.
 
     Args:
-        scene: what it is for.
-        derivatives: whether it carries derivatives.
-        sizes: the numbers at the start of its record, for a kernel that has no others.
+        scene: the scene.
+        derivatives: whether the kernel carries derivatives.
+        sizes: the numbers at the start of the record, for a kernel with these sizes only.
 
     Raises:
-        BuildError: when it cannot be compiled.
+        BuildError: when the kernel cannot be compiled.
     """
     links, law = sizes or kernel_size(scene), scene.contact.law_file
     # who names another folder for kernels means those in it

@@ -93,14 +93,14 @@ def motion_of(
 
 
 def _joined(*, lines: bool, belt: bool) -> str:
-    """How samples are joined."""
+    """Return how samples are joined."""
     return "lines" if lines else "held" if belt else "spline"
 
 
 def as_function(
     name: str, signal: Any, called: Callable[[str, float], float], *, joined: str
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
-    """A signal as a function of one or several times, and where it may not be smooth."""
+    """Return a signal as a function of one or several times, and where it may not be smooth."""
     if callable(signal):
         return lambda times: np.array([called(name, time) for time in np.ravel(times).tolist()]), np.zeros(0)
     if isinstance(signal, float):
@@ -117,7 +117,7 @@ def as_function(
 
 
 def _integrated(value: Callable[[Any], Any], breaks: np.ndarray, stop: float) -> Callable[[Any], Any]:
-    """The integral of a function from 0 on."""
+    """Return the integral of a function from 0 on."""
     inside = breaks[(breaks > 0.0) & (breaks < stop)]
     grid = np.concatenate([[0.0], inside, [stop]])
     held = joined_points(grid, np.arange(len(grid))[:, np.newaxis] * 1.0, lines=False)
@@ -145,7 +145,7 @@ def _integrated(value: Callable[[Any], Any], breaks: np.ndarray, stop: float) ->
 
 
 def derivatives(pieces: Pieces, order: int) -> np.ndarray:
-    """The derivative of an order of all signals at both ends of each piece, shape (2, P, M)."""
+    """Return the derivative of an order of all signals at both ends of each piece, shape (2, P, M)."""
     powers, ends = pieces.powers, np.stack([pieces.start, pieces.end])
     x = (ends - pieces.middle) * pieces.scale
     total = np.zeros((*x.shape, powers.shape[2]))

@@ -75,7 +75,7 @@ class Piece:
     powers: np.ndarray
 
     def at(self, times: np.ndarray) -> np.ndarray:
-        """The values at some times [s], shape (T, M)."""
+        """Return the values at some times [s], shape (T, M)."""
         x = (2.0 * times - self.start - self.end) / (self.end - self.start)
         return np.asarray(np.vander(x, len(self.powers), increasing=True) @ self.powers)
 
@@ -110,7 +110,7 @@ class Pieces:
         return np.append(True, (np.abs(after - before) > self.same).any(axis=1))
 
     def _at(self, times: np.ndarray, which: slice) -> np.ndarray:
-        """The values of some pieces, each at one of the times."""
+        """Return the values of some pieces, each at one of the times."""
         x = (times - self.middle[which]) * self.scale[which]
         powers_of_x = x[:, np.newaxis] ** np.arange(self.powers.shape[1])
         return np.asarray(np.einsum("pkm,pk->pm", self.powers[which], powers_of_x))
@@ -150,7 +150,7 @@ class Pieces:
 def joined_points(
     times: np.ndarray, values: np.ndarray, *, lines: bool, breaks: np.ndarray | None = None
 ) -> Pieces:
-    """Signals by their values of shape (T, M) at T times [s], held until the next, or joined by lines.
+    """Return signals by their values of shape (T, M) at T times [s], held until the next, or joined by lines.
 
     A single one is held for ever. At ``breaks`` among the times another piece begins in any case.
     """
@@ -202,7 +202,7 @@ class Follower:
         self._failed = math.inf  # s, length of the last interval that was halved
 
     def pieces(self, start: float, end: float) -> list[Piece]:
-        """Pieces of the functions between two times [s], as few as halving and joining find.
+        """Return pieces of the functions between two times [s], as few as halving and joining find.
 
         Raises:
             NotSmoothError: where there are none.
@@ -218,7 +218,7 @@ class Follower:
         return found
 
     def with_held(self, held: Pieces, columns: np.ndarray) -> Pieces:
-        """Pieces in which the functions are some of the signals; the others are held ones.
+        """Return pieces in which the functions are some of the signals; the others are held ones.
 
         Raises:
             NotSmoothError: where there are none.
@@ -264,12 +264,12 @@ class Follower:
         self._last = found[-1]
 
     def _alike(self, one: Piece, other: Piece) -> bool:
-        """Whether two pieces are halves of what no piece fits, or as long as such halves."""
+        """Return whether two pieces are halves of what no piece fits, or as long as such halves."""
         halves = np.array([one.end - one.start, other.end - other.start, 0.5 * self._failed])
         return bool(np.ptp(halves) <= ALIKE * halves[0])
 
     def _parted(self, start: float, end: float) -> Iterator[Piece | None]:
-        """Pieces in order; None for what is too short to matter."""
+        """Yield pieces in order; None for what is too short to matter."""
         if end - start <= self._shortest:
             yield None
             return
@@ -288,7 +288,7 @@ class Follower:
                 yield from self._parted(*part)
 
     def _break(self, start: float, end: float) -> tuple[float, float] | None:
-        """Times [s] just before and just after the only jump or kink, if there seems to be one."""
+        """Return times [s] just before and just after the only jump or kink, if there seems to be one."""
         quarter = 0.25 * (end - start)
         before, after = start + quarter, end - quarter
         # extrapolated far, polynomials tell the sides apart; beside the break, they tell where it is
@@ -303,7 +303,7 @@ class Follower:
         return before, after
 
     def _simple(self, start: float, end: float) -> Piece | None:
-        """The piece between two times [s], if it is exact and of a low degree."""
+        """Return the piece between two times [s], if it is exact and of a low degree."""
         piece = self._fitted(start, end)
         return None if piece is None or piece.powers[SIMPLE + 1 :].any() else piece
 
@@ -329,7 +329,7 @@ class Follower:
         return before, after
 
     def _called(self, times: np.ndarray, *, costly: bool) -> np.ndarray:
-        """The values at some times [s], of which there may be a limited number of costly ones."""
+        """Return the values at some times [s], of which there may be a limited number of costly ones."""
         if costly:
             self._calls_left -= len(times)
             if self._calls_left < 0:
@@ -340,7 +340,7 @@ class Follower:
         return NotSmoothError(time, int(self._refused.argmax()))
 
     def _fitted(self, start: float, end: float) -> Piece | None:
-        """The piece between two times [s], if it is exact."""
+        """Return the piece between two times [s], if it is exact."""
         half, middle = 0.5 * (end - start), 0.5 * (start + end)
         costly = end - start < self._fine
         values = self._called(middle + half * _NODES, costly=costly)

@@ -191,7 +191,7 @@ def _check_rows(what: str, count: float, columns: int) -> None:
 
 
 def _times(stop: float, step: float) -> np.ndarray:
-    """The multiples of the step below the stop time, and that [s]: the last step may be shorter."""
+    """Return the multiples of the step below the stop time, and that [s]: the last step may be shorter."""
     times = np.arange(np.ceil(stop / step * (1 - 1e-12)) + 1.0)
     times *= step
     times[-1] = stop

@@ -60,15 +60,15 @@ class Comparison(LawRuns):
     """
 
     def __repr__(self) -> str:
-        """The table and the advice, as a text of several lines."""
+        """Return the table and the advice, as a text of several lines."""
         return as_text(report(self))
 
     def _repr_html_(self) -> str:
-        """The same in a notebook."""
+        """Return the same in a notebook."""
         return as_html(report(self))
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The table of pandas with a row for each law; the columns are those of ``save_csv``.
+        """Return the table of pandas with a row for each law; the columns are those of ``save_csv``.
 
         Raises:
             MissingExtraError: when pandas is not there: the extra ``pandas``.
@@ -190,7 +190,7 @@ def _reached(scene: Scene, factor: float, known: Mapping[str, LawRun]) -> Reache
 
 
 def _why_none(scene: Scene) -> str:
-    """Why a run that did not fail has no impact at which the law acts."""
+    """Return why a run that did not fail has no impact at which the law acts."""
     if scene.stops.model is None:
         return f"there is none before {scene.simulation.stop_time:g} s"
     kept = f"the stops keep stops.model = {scene.stops.model}, and"
@@ -241,7 +241,7 @@ def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> 
 
 
 def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
-    """The values of an impact, by name."""
+    """Return the values of an impact, by name."""
     impact = impact.copy()
     law = CONTACT_LAWS.get(contact_at(result.scene, impact).model)
     if law and law.impulsive and impact["end"] != impact["onset"]:
@@ -263,7 +263,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
 
 
 def _against(expected: Result, run: LawRun) -> LawRun:
-    """The run with the first impact that is another than expected."""
+    """Return the run with the first impact that is another than expected."""
     if run.result is None:
         return run
     rows = run.result.impacts, expected.impacts

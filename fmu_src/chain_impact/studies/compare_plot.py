@@ -60,7 +60,7 @@ def fill(page: Figure, comparison: LawRuns) -> None:
 
 
 def message(comparison: LawRuns) -> str:
-    """How far the laws are apart in the first impact."""
+    """Return how far the laws are apart in the first impact."""
     found = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
     e, name = comparison.contact.restitution, comparison.scene.name
     if not found:
@@ -72,7 +72,7 @@ def message(comparison: LawRuns) -> str:
 
 
 def conditions(comparison: LawRuns, looks: Looks) -> str:
-    """The first impact, the scene's contact, and what is grey."""
+    """Return the first impact, the scene's contact, and what is grey."""
     contact, impact = comparison.contact, comparison.first_impact
     mass, speed, per = ("kg m²", "rad/s", "N m/rad") if comparison.at_stop else ("kg", "m/s", "N/m")
     moving = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
@@ -88,7 +88,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:
-    """The laws that get a colour, at most NAMED, and why.
+    """Return the laws that get a colour, at most NAMED, and why.
 
     The law that differs most is the one whose restitution in the first impact is farthest from that of the
     reference. If it is the law without losses, which ignores the prescribed one, the next is told, too.
@@ -139,7 +139,7 @@ def looks_of(comparison: LawRuns) -> Looks:
 
 
 def _alike(one: np.ndarray | None, other: np.ndarray | None) -> bool:
-    """Whether two loops are one; impulses, which have none, are told apart."""
+    """Return whether two loops are one; impulses, which have none, are told apart."""
     return one is not None and other is not None and one.size > 0 and np.array_equal(one, other)
 
 

@@ -17,13 +17,13 @@ AT_STOPS = {"peak, kN": "peak, kN m", "depth, mm": "depth, mrad"}
 
 
 def head(comparison: LawRuns) -> tuple[str, ...]:
-    """The head of the table: the law, then the names of numbers, then nothing for the note."""
+    """Return the head of the table: the law, then the names of numbers, then nothing for the note."""
     numbers = (AT_STOPS.get(name, name) if comparison.at_stop else name for name in NUMBERS)
     return ("law", *numbers, "")
 
 
 def report(comparison: LawRuns) -> Iterator[str | Table]:
-    """All of it: lines and a table."""
+    """Yield all of it: lines and a table."""
     yield heading(comparison)
     yield Table(head(comparison), [cells(run) for run in comparison.runs])
     yield legend(comparison)
@@ -31,7 +31,7 @@ def report(comparison: LawRuns) -> Iterator[str | Table]:
 
 
 def heading(comparison: LawRuns) -> str:
-    """The scene, its contact and the first impact."""
+    """Return the scene, its contact and the first impact."""
     scene, impact = comparison.scene, comparison.first_impact
     contact = comparison.contact
     mass, speed = ("kg m²", "rad/s") if comparison.at_stop else ("kg", "m/s")
@@ -43,7 +43,7 @@ def heading(comparison: LawRuns) -> str:
 
 
 def cells(run: LawRun) -> tuple[str, ...]:
-    """The cells of a law's row, as in ``head``."""
+    """Return the cells of a law's row, as in ``head``."""
     differs = NOTHING if run.divergence is None else f"{run.divergence}, {run.divergence_time:.4f}"
     return (
         run.law,
@@ -60,7 +60,7 @@ def cells(run: LawRun) -> tuple[str, ...]:
 
 
 def told(value: float, form: str) -> str:
-    """A number; a dash where there is none."""
+    """Return a number; a dash where there is none."""
     return NOTHING if math.isnan(value) else format(value, form)
 
 
@@ -76,7 +76,7 @@ def legend(comparison: LawRuns) -> str:
 
 
 def advice(comparison: LawRuns) -> str:
-    """Which laws realise the prescribed restitution in the impact that the table describes.
+    """Return which laws realise the prescribed restitution in the impact that the table describes.
 
     In an impact that is not free, it is also told what can be reached. Only an impulse prescribes the
     restitution there; a force comes near it by chance.

@@ -24,24 +24,24 @@ Changes = dict[tuple[str | int, ...], Any]
 
 
 def law_names(scene: Scene) -> list[str]:
-    """The ids of all laws that a scene can have."""
+    """Return the ids of all laws that a scene can have."""
     own = Path(scene.contact.law_file).stem
     return [*CONTACT_LAWS, own] if own else list(CONTACT_LAWS)
 
 
 def needed_exponent(law: str, exponent: float) -> float:
-    """The exponent that a law is defined for, by default the one that is given."""
+    """Return the exponent that a law is defined for, by default the one that is given."""
     entry = CONTACT_LAWS.get(law)
     return exponent if entry is None or entry.exponent is None else entry.exponent
 
 
 def keeps_exponents(law: str, scene: Scene) -> bool:
-    """Whether a law can be run with the exponents of the scene."""
+    """Return whether a law can be run with the exponents of the scene."""
     return all(needed_exponent(law, exponent) == exponent for _, exponent, _ in _tables(scene))
 
 
 def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
-    """Where the law of `contact` acts: the path of the table, exponent and stiffness."""
+    """Yield where the law of `contact` acts: the path of the table, exponent and stiffness."""
     contact, stops = scene.contact, scene.stops
     if point_wall_pairs(scene) or not scene.chain.stops:
         yield ("contact",), contact.exponent, contact.stiffness
@@ -85,20 +85,20 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
 
 
 def _equally_deep(stiffness: float, n: float, needed: float, impact: np.void) -> float:
-    """The stiffness that makes an impact without losses as deep with another exponent."""
+    """Return the stiffness that makes an impact without losses as deep with another exponent."""
     energy = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
     depth = ((n + 1.0) * energy / stiffness) ** (1.0 / (n + 1.0))
     return float((needed + 1.0) * energy / depth ** (needed + 1.0))
 
 
 def stiffened(scene: Scene, factor: float) -> Scene:
-    """The scene with larger stiffnesses wherever the law of `contact` acts."""
+    """Return the scene with larger stiffnesses wherever the law of `contact` acts."""
     changes: Changes = {(*path, "stiffness"): factor * found for path, _, found in _tables(scene)}
     return with_values(scene, changes)
 
 
 def contact_at(scene: Scene, impact: np.void) -> Contact:
-    """The values of the contact law where an impact is: at its wall, or at the stops of joints."""
+    """Return the values of the contact law where an impact is: at its wall, or at the stops of joints."""
     contact, stops = scene.contact, scene.stops
     if at_stop(scene, impact["wall"]):
         keys = ("stiffness", "exponent", "restitution", "minimum_impact_speed")
@@ -114,7 +114,7 @@ def contact_at(scene: Scene, impact: np.void) -> Contact:
 
 
 def with_law(contact: Contact, law: str, impact: np.void) -> Contact:
-    """A contact with another law, for the same elastic depth of an impact."""
+    """Return a contact with another law, for the same elastic depth of an impact."""
     needed = needed_exponent(law, contact.exponent)
     if needed == contact.exponent:
         return replace(contact, model=law)

@@ -106,7 +106,7 @@ class LawRuns:
     reached: tuple[Reached, ...]
 
     def __getitem__(self, law: str) -> LawRun:
-        """The run of a law."""
+        """Return the run of a law."""
         return next(run for run in self.runs if run.law == law)
 
     @property
@@ -142,6 +142,6 @@ class LawRuns:
 
 
 def first_of(result: Result | None) -> np.void | None:
-    """The first impact at which the law of `contact` acts, a row of ``Result.impacts``."""
+    """Return the first impact at which the law of `contact` acts, a row of ``Result.impacts``."""
     number = None if result is None else first_number(result.scene, result.impacts)
     return None if result is None or number is None else result.impacts[number]

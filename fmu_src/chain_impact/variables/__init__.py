@@ -1,1 +1,1 @@
-"""What others see of a scene: its variables under the names of the FMU, and its record with their values."""
+"""The variables of a scene under their names in the FMU, and the record of an instance with their values."""

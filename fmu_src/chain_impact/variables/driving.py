@@ -1,4 +1,4 @@
-"""The signals of a scene in their places of a new record (kernel/chain/signals.py)."""
+"""The signals of a scene, written to their places in a new record (kernel/chain/signals.py)."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ _DRIVEN = {
     "slider_target_position": kernel.SLIDER_TARGET,
     "slider_target_velocity": kernel.SLIDER_TARGET_VELOCITY,
 }
-"""Where the record has an input that is given → its number in the kernel."""
+"""Field of the record with an input → the input's number in the kernel."""
 NUMBERS = (
     *("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
     *("start", "rise", "initial", "final", "duration"),
 )
-"""The keys of signals that are numbers, 0 in the record where a form does not have them."""
+"""The keys of signals that are numbers. The record has 0 for a key that a form does not have."""
 
 
 def fill_signals(d: Any, scene: Scene) -> None:
-    """Put what drives the inputs of a scene in its places in a new instance."""
+    """Write the signals of a scene to their places in a new instance."""
     if not scene.signals:
         return
     shape, own = shape_of(scene), d["signal"]
@@ -62,22 +62,22 @@ def fill_signals(d: Any, scene: Scene) -> None:
 
 
 def acting(place: Place) -> tuple[int, str | int]:
-    """What the kernel calls an input with a place in the record: its number, and the index behind it."""
+    """Return the kernel's number of the input at a place in the record, and the index of its element."""
     part, field, *index = place
     return kernel.CHANNEL if part == MOTION else _DRIVEN[str(field)], index[0] if index else 0
 
 
 def table_of(signal: Signal, driven: Driven, stop: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """The polynomials of a table for one input, integrated as often as that needs.
+    """Return the polynomials of a table for one input, integrated as many times as the input's order says.
 
     Args:
-        signal: the table.
+        signal: the signal with the table.
         driven: the input.
         stop: end of the run [s].
 
     Returns:
-        The time at which each begins, shape (R,) [s], the coefficients of the powers of the time since then,
-        shape (R, P), and by how much the last integral grows in a period.
+        The start of each polynomial, shape (R,) [s], the coefficients of the powers of the time since its
+        start, shape (R, P), and the growth of the last integral in a period.
     """
     assert signal.samples
     at, values = np.array(signal.samples.times), np.array(signal.samples.values(driven.input))
@@ -86,7 +86,7 @@ def table_of(signal: Signal, driven: Driven, stop: float) -> tuple[np.ndarray, n
         at, values = np.append(at, at[0] + period), np.append(values, values[0])
     powers = _interpolated(signal, driven.input, at, values, stop)
     if not period:
-        # the first value holds before, and the last one from its time on
+        # the first value holds before the table, and the last one from its own time on
         held = np.zeros((2, powers.shape[1]))
         held[:, 0] = values[[0, -1]]
         at, powers = np.append(at[0], at), np.concatenate([held[:1], powers, held[1:]])
@@ -104,7 +104,7 @@ def table_of(signal: Signal, driven: Driven, stop: float) -> tuple[np.ndarray, n
 
 
 def _interpolated(signal: Signal, driven: str, at: np.ndarray, values: np.ndarray, stop: float) -> np.ndarray:
-    """The coefficients of the polynomials between rows, those of rising powers of the time since each row."""
+    """Return the coefficients of the polynomials between rows, in rising powers of the time since the row."""
     kind, moves = joined_by(signal, driven), is_motion(driven)
     if kind == "hold" or len(at) == 1:
         return values[:-1, np.newaxis]
@@ -112,14 +112,14 @@ def _interpolated(signal: Signal, driven: str, at: np.ndarray, values: np.ndarra
         return np.stack([values[:-1], np.diff(values) / np.diff(at)], axis=1)
     from scipy.interpolate import CubicSpline
 
-    # what moves is at rest where the table does not last for the whole run
+    # base and walls are at rest where the table does not last for the whole run
     ends = ["clamped" if moves and inside else "not-a-knot" for inside in (at[0] > 0.0, at[-1] < stop)]
     spline = CubicSpline(at, values, bc_type="periodic" if signal.period else tuple(ends))
     return np.asarray(spline.c[::-1].T)
 
 
 def _at(powers: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """The values of polynomials, each at one argument."""
+    """Return the values of polynomials, one argument for each."""
     total = np.zeros(len(x))
     for column in powers.T[::-1]:
         total = total * x + column

@@ -1,7 +1,7 @@
-"""The parameters of a scene in their places of a new record.
+"""The parameters of a scene, written to their places in a new record.
 
-The record of a scene is kept: of another one that differs from it in numbers of some tables only, as one that
-``with_values`` has made, only these tables are written anew.
+The record of the last scene is kept. If the next scene differs from it only in numbers of some tables, as a
+scene of ``with_values`` does, only these tables are written again.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from chain_impact.variables.places import WORD, Sizes, layout_of, word_index
 
 @dataclass(frozen=True)
 class _Kept:
-    """A scene and the words of its record, not to be written to."""
+    """A scene and the words of its record, which must not be written to."""
 
     scene: Scene
     words: np.ndarray
@@ -42,31 +42,31 @@ _kept: dict[Sizes, _Kept] = {}
 """The last scene of each size, with its record."""
 MOST_KEPT = 16
 _GIVEN_IF = {kind.given_if for _, kinds in PARAMETERS for kind in kinds if kind.given_if}
-"""Conditions for given values."""
+"""The conditions under which given values have a place of their own."""
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
-"""Tables of the scene whose numbers can be written anew alone."""
+"""The tables of the scene whose numbers can be written again alone."""
 _DECISIVE = [
     str(kind.path[-1])
     for of, kinds in PARAMETERS
     for kind in kinds
     if of == "link" and kind.path and kind.path[0] == "chain" and (kind.hint or kind.if_missing)
 ]
-"""Keys of a link on whose values the variables depend."""
+"""The keys of a link on whose values the variables depend."""
 
 
 def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> np.ndarray:
-    """An instance with the parameters of a scene, an array with one record, not yet initialized.
+    """Return an instance with the parameters of a scene: an array with one record, not yet initialized.
 
     Args:
-        scene: what it is of.
+        scene: the scene.
         pairs: the candidates.
-        sizes: of the record.
+        sizes: the sizes of the record.
     """
     layout, before = layout_of(*sizes), _kept.get(sizes)
     changes = None if before is None else changed_numbers(before.scene, scene)
     if before is None or changes is None:
         words = np.zeros(layout.itemsize // WORD)
-        # a view would compare the types first, which takes longer than all else here
+        # a view would compare the types first, which takes longer than the rest of this function
         block = np.ndarray(1, layout, words)
         _fill(block[0], scene, pairs)
         for table in _tables():
@@ -83,10 +83,10 @@ def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> 
 
 
 def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
-    """The tables in whose numbers two scenes differ; None if all of the record has to be written.
+    """Return the tables in whose numbers two scenes differ; None if the whole record has to be written.
 
-    That is where scenes differ in more than numbers, or in numbers on which the layout of the record or the
-    variables depend. A table that is the same object in both has not changed.
+    The whole record is written if the scenes differ in more than numbers, or in numbers on which the layout
+    of the record or the variables depend. A table that is the same object in both has not changed.
     """
     if before is scene:
         return []
@@ -101,13 +101,13 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
 
 
 def _kind_of_contact(scene: Scene) -> tuple[Any, ...]:
-    """Values on which the layout of the record or the variables depend."""
+    """Return the values of the contact on which the layout of the record or the variables depend."""
     contact = scene.contact
     return id(contact.wall), contact.points, contact.law_file, contact.friction, contact.static_friction
 
 
 def _kind_of_chain(scene: Scene) -> tuple[Any, ...]:
-    """Values on which the layout of the record or the variables depend."""
+    """Return the values of the chain on which the layout of the record or the variables depend."""
     links, slider = scene.chain.links, scene.chain.slider
     ends = slider and (slider.min, slider.max, slider.friction, slider.force_limit, slider.angle)
     kinds = [[getattr(link, name) for name in _DECISIVE] for link in links]
@@ -115,7 +115,7 @@ def _kind_of_chain(scene: Scene) -> tuple[Any, ...]:
 
 
 def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
-    """Put the parameters of a scene, and its candidates, in their places in a new instance."""
+    """Write the parameters of a scene, and its candidates, to their places in a new instance."""
     d["links"], d["candidates"] = len(scene.chain.links), len(pairs)
     d["elements"], d["loads"] = len(d["element"]["mode"]), len(d["transmitted"]["peak"])
     d["channels"], d["sites"] = len(d["motion"]["position"]), len(scene.chain.sites)
@@ -151,7 +151,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
 
 @cache
 def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
-    """Table of the scene → the kinds of parameters in it, and what gets the values of each for the record."""
+    """Return table of the scene → its kinds of parameters, each with the function that reads the values."""
     found: dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]] = {}
     for of, kinds in PARAMETERS:
         for kind in kinds:
@@ -162,7 +162,7 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
 
 
 def _reader(kind: Kind, path: Place) -> Callable[[Scene], list[Any]]:
-    """Return what gets the values at a path, and behind them those for the place ``given``."""
+    """Return the function that reads the values at a path, followed by the values for the place ``given``."""
     split = path.index(AT) if AT in path else len(path)
     whole, part, given_if = _getter(path[:split]), _getter(path[split + 1 :]), attrgetter(kind.given_if)
 
@@ -182,7 +182,7 @@ def _reader(kind: Kind, path: Place) -> Callable[[Scene], list[Any]]:
 
 
 def _site_reader(kind: Kind) -> Callable[[Scene], list[Any]]:
-    """Return what gets the values of a parameter of all points of links, and behind them those given."""
+    """Return the function that reads a parameter of all points of links, followed by the given values."""
     *_, key = kind.path or ()
 
     def read(scene: Scene) -> list[Any]:
@@ -199,13 +199,13 @@ def _site_reader(kind: Kind) -> Callable[[Scene], list[Any]]:
 
 
 def _given(scene: Scene, paths: Sequence[Place], values: Sequence[Any]) -> list[Any]:
-    """The values at some paths, but of what is derived that it is."""
+    """Return the values at some paths, with a mark in place of each derived value."""
     derived = frozenset(scene.derived_places)
     return [DERIVED if path in derived else value for path, value in zip(paths, values, strict=True)]
 
 
 def _getter(path: Place) -> Callable[[Any], Any]:
-    """Return what gets the value at a path, of names and, at its end, an index."""
+    """Return the function that reads the value at a path of names, which may end with an index."""
     names, indices = (tuple(step for step in path if isinstance(step, kind)) for kind in (str, int))
     named = attrgetter(".".join(map(str, names))) if names else _itself
     return (lambda whole: named(whole)[indices[0]]) if indices else named
@@ -216,14 +216,15 @@ def _itself(value: Any) -> Any:
 
 
 def _choice(kind: Kind, name: str) -> float:
-    """The number of a choice, counted from 1, as a real number of the same bits."""
+    """Return the number of a choice, counted from 1, as a real number of the same bits."""
     number = SOLVER_METHODS.index(name) + 1 if kind.choices == METHODS else _law_number(name)
     return float(np.int64(number).view(np.float64))
 
 
 def _write(table: str, words: np.ndarray, scene: Scene, sizes: Sizes) -> None:
-    """Write the numbers of a table of the scene to the words of its record."""
-    lines = len(scene.walls) if scene.may_touch else 0  # there is room where points may touch them
+    """Write the numbers of a table of the scene to the words of the scene's record."""
+    # the record has room for these walls only where points may touch them
+    lines = len(scene.walls) if scene.may_touch else 0
     counts = (
         *(("one", 1), ("link", sizes.links), ("line", lines)),
         *(("site", sizes.sites), ("slider", int(scene.chain.slider is not None))),
@@ -238,7 +239,10 @@ def _write(table: str, words: np.ndarray, scene: Scene, sizes: Sizes) -> None:
 def _words_of(
     table: str, sizes: Sizes, counts: tuple[tuple[str, int], ...], met: tuple[str, ...]
 ) -> np.ndarray:
-    """The words for the numbers of a table, in the order in which they are read; ``met`` are conditions."""
+    """Return the words for the numbers of a table, in the order of reading.
+
+    ``met`` are the conditions that the scene meets.
+    """
     layout, found = layout_of(*sizes), []
     for kind, _ in _tables()[table]:
         given = kind.given if not kind.given_if or kind.given_if in met else None
@@ -249,7 +253,7 @@ def _words_of(
 
 
 def _fill_motion(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
-    """Put which channels move the base and the walls in its places."""
+    """Write to its places which channels move the base and the walls."""
     d["model"]["base_moves"], d["motion"]["follows"] = scene.inputs.base_motion, 1
     first = 2 if scene.inputs.base_motion else 0
     moving = {scene.wall_names.index(name): first + 2 * w for w, name in enumerate(scene.moving_walls)}
@@ -258,7 +262,7 @@ def _fill_motion(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None
 
 
 def _fill_materials(d: Any, scene: Scene) -> None:
-    """Put what is given of the materials of single walls in its places."""
+    """Write the given values of the materials of single walls to their places."""
     for kind in (kind for of, kinds in PARAMETERS if of == "material" for kind in kinds):
         part, key, _ = map(str, kind.place)
         d[part][key] = kind.if_missing
@@ -274,7 +278,10 @@ def _law_number(name: str) -> int:
 
 
 def with_tangents(block: np.ndarray, places: Sequence[Place]) -> np.ndarray:
-    """An instance, and behind it those of dual numbers, each parameter of these places with a direction."""
+    """Return an instance, followed by instances of dual numbers in which each parameter has a direction.
+
+    ``places`` are the places of the parameters.
+    """
     layout, count = block.dtype, -(-len(places) // DIRECTIONS)
     names = layout.names or ()
     behind = (BEHIND, tangent_dtype(layout), (count,))
@@ -292,7 +299,7 @@ def with_tangents(block: np.ndarray, places: Sequence[Place]) -> np.ndarray:
 
 
 def _copy_values(source: Any, target: np.ndarray) -> None:
-    """Copy the values of a record to each of some records of dual numbers."""
+    """Copy the values of a record to each of several records of dual numbers."""
     for name in source.dtype.names:
         part = target[name]
         if source.dtype[name].base.names:

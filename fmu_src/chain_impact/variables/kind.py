@@ -1,8 +1,8 @@
-"""A kind of variables: those that differ in the numbers of links and points, or in walls, only.
+"""A kind of variables: variables that differ only in the number of a link or point, or in the wall.
 
 Texts and places are templates: ``{n}`` stands for the number of an element, ``{name}`` for the name of a
-wall, ``{axis}`` for an axis, other words in braces for words of a scene or an element (shape.py). In a place
-``{at}`` stands for the index of the element, ``{next}`` for the index behind it.
+wall, ``{axis}`` for an axis, other words in braces for words of a scene or an element (shape.py). In a place,
+``{at}`` stands for the index of the element and ``{next}`` for the index after it.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from chain_impact.scene.names import Place, sensitivity_name
 
 NEXT = "{next}"
 ALWAYS = "always"
-"""The condition that holds in all scenes."""
+"""The condition that all scenes meet."""
 MOTION = "motion"
-"""The part of the record with what is given of motions."""
+"""The part of the record with the given motions."""
 MOTIONS = ("position", "velocity", "acceleration")
-"""Where the record has what is given of motions."""
+"""The fields of the record with the given motions."""
 
 
 class Heading(NamedTuple):
-    """The words that a description begins with, and those for all of a kind."""
+    """The first words of a description: for one variable, and for all variables of the kind."""
 
     text: str = ""
     general: str = ""
@@ -46,12 +46,12 @@ class Kind:
     """One row of the table of variables.
 
     Attributes:
-        name: of the variables, a template.
-        owner: what the name begins with, if the variables of this owner make a terminal in FMI 3.0.
-        of: the element that there is one for: a key of ``shape.ELEMENTS``, "one" for no element.
+        name: the template of the variables' names.
+        owner: the first part of the name, if the variables with this part make a terminal in FMI 3.0.
+        of: the elements that have such a variable: a key of ``shape.ELEMENTS``, "one" for no element.
         heading: see ``Heading``.
         text: the rest of the description, a template.
-        axis: x or y, of one component of a vector.
+        axis: x or y for a component of a vector.
         unit: name of the unit, "" unless real.
         causality: ``parameter``, ``input`` or ``output``.
         place: path into the instance record, a template.
@@ -59,20 +59,20 @@ class Kind:
         minimum: value >= minimum; a name stands for a number of the scene.
         above: value > above.
         maximum: value <= maximum; a name stands for a number of the scene.
-        path: of a parameter, its path in the scene file, a template.
+        path: a parameter's path in the scene file, a template.
         given: the place of the given value of a parameter that may be derived, a template.
         given_if: condition for the place ``given``; without one it is always there.
         derived: how the scene may derive the value.
         tunable: condition under which a parameter can be set at any time.
-        trivial: value with which a scene does not have the parameter.
-        if_missing: number in the record of a scene that has no value.
-        choices: of an enumeration, the name of its list of choices.
-        smooth: whether there are derivatives with respect to it.
-        hint: how a scene comes to have the parameter.
+        trivial: a scene with this value does not have the parameter.
+        if_missing: number in the record of a scene without the value.
+        choices: name of an enumeration's list of choices.
+        smooth: whether there are derivatives with respect to the variable.
+        hint: tells users how to get the parameter into a scene.
         at_once: whether an input acts on the output without passing through a state.
         nominal: the magnitude of the output, a key of ``nominal_values``; "" for none.
-        rate_of: field of the output record that the output is the derivative of.
-        array: name of the array of all of the kind, in FMI 3.0 and in datasets; "" for none.
+        rate_of: field of the output record whose derivative the output is.
+        array: name of the array of all variables of the kind, in FMI 3.0 and in datasets; "" for none.
     """
 
     name: str
@@ -105,41 +105,44 @@ class Kind:
 
     @cached_property
     def pattern(self) -> str:
-        """The name of all of the kind: `link[i].length`, `contact[k].<wall>.force`, `signal.<name>.start`."""
+        """The name for all variables of the kind: `link[i].length`, `contact[k].<wall>.force`."""
         name = "<name>" if self.of in OF_SIGNALS else "<wall>"
         return self.name.format(n=LETTERS.get(self.of, "i"), of="i", name=name)
 
     @cached_property
     def description(self) -> str:
-        """The description of one of the kind, a template."""
+        """The description of one variable of the kind, a template."""
         text = self.ended(f"{self.heading.text}: {self.text}" if self.heading.text else self.text)
         return text.replace("{axis}", self.axis)
 
     def in_general(self, words: Mapping[str, Any]) -> str:
-        """The description of all of the kind, by the words of a scene; "general" are those of any element."""
+        """Return the description for all variables of the kind, with the words of a scene.
+
+        The words under "general" stand for any element.
+        """
         general = {**words, **words.get("general", {}), "n": LETTERS.get(self.of, "i"), "axis": self.axis}
         text = self.text.format_map(general)
         return self.ended(f"{self.heading.general}: {text}" if self.heading.general else text)
 
     def derivative(self, parameter: Kind) -> Kind:
-        """The kind of the derivatives of outputs of this kind with respect to parameters of another one."""
+        """Return the kind of the derivatives of this kind's outputs with respect to a kind of parameters."""
         of, by = self.pattern, parameter.pattern
         text = f"derivative of {of} with respect to {by}"
         return Kind(name=sensitivity_name(of, by), text=text, place=(), at_once=self.at_once)
 
     def ended(self, text: str) -> str:
-        """A description with the open limit of a parameter: the attributes of FMI have closed limits only."""
+        """Return a description with a parameter's open limit, which FMI's attributes cannot tell."""
         return text if self.above is None else f"{text}; must be > {self.above:g}"
 
 
 OF_SIGNALS = ("signal", "step")
-"""The elements that are of signals."""
+"""The elements that belong to signals."""
 LETTERS = {"point": "k", "contact": "k", "site": "j", "step": "k"}
-"""Element → the letter for its number, where it is not i."""
+"""Element → the letter for its number where it is not i."""
 
 
 class Block(NamedTuple):
-    """Kinds that take turns: each element has one variable of each, before the next element has its own."""
+    """Kinds that take turns: all variables of one element come before those of the next element."""
 
     of: str
     kinds: tuple[Kind, ...]
@@ -166,7 +169,7 @@ def block(
 
 
 def filled(place: Place, element: Mapping[str, Any]) -> Place:
-    """A place, or a path in the scene file, of an element."""
+    """Return a place in the record, or a path in the scene file, with an element's words filled in."""
     if not element:
         return place
     steps: dict[str | int, Any] = {f"{{{word}}}": value for word, value in element.items()}

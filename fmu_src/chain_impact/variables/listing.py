@@ -22,16 +22,16 @@ from chain_impact.variables.shape import ELEMENTS, Element, Shape, shape_of
 from chain_impact.variables.units import quotient
 from chain_impact.variables.variable import Item, Variable
 
-SHAPES = 64  # of scenes, whose outputs are kept
+SHAPES = 64  # number of shapes of scenes whose outputs are kept
 BEHIND = "behind"
-"""The field of the instances of dual numbers behind an instance (model.py)."""
+"""The field with the instances of dual numbers after an instance (model.py)."""
 _METHODS = tuple(
     Item(name, "as each phase needs" if name == "auto" else f"{name} steps only") for name in SOLVER_METHODS
 )
 
 
 def parameters(scene: Scene) -> Iterator[Variable]:
-    """The parameters of the scene's FMU: those that it has a value for."""
+    """Yield the parameters of the scene's FMU: the parameters for which the scene has a value."""
     derived, choices = frozenset(scene.derived_places), choices_of(scene)
     for kind, element, known in _each(PARAMETERS, shape_of(scene)):
         path = filled(kind.path or (), element)
@@ -54,30 +54,33 @@ def parameters(scene: Scene) -> Iterator[Variable]:
 
 
 def inputs(scene: Scene) -> Iterator[Variable]:
-    """The inputs that the scene asks for, but for those that signals drive."""
+    """Return the inputs that the scene asks for, except the inputs that signals drive."""
     shape = shape_of(scene)
     return (variable for variable in inputs_asked(shape) if variable.name not in shape.of_signals)
 
 
 def inputs_asked(shape: Shape) -> Iterator[Variable]:
-    """The inputs that a scene of a shape asks for, whether signals drive them or not."""
+    """Return the inputs that a scene of a shape asks for, including the inputs that signals drive."""
     return (Variable.of(*found, variability="continuous") for found in _each(INPUTS, shape))
 
 
 def all_outputs(scene: Scene) -> dict[str, Variable]:
-    """The outputs that the scene asks for, by their names, those of its candidates too. They are kept."""
+    """Return the outputs that the scene asks for, by their names, including those of its candidates."""
     return outputs_of(shape_of(scene))
 
 
 @lru_cache(SHAPES)
 def outputs_of(shape: Shape) -> dict[str, Variable]:
-    """The outputs of all scenes of a shape, made once: that takes as long as a short simulation."""
+    """Return the outputs of all scenes of a shape.
+
+    They are made once, because that takes as long as a short simulation.
+    """
     made = (Variable.of(*found) for found in _each(OUTPUTS, shape))
     return {variable.name: variable for variable in (*_driven(shape), *made)}
 
 
 def _driven(shape: Shape) -> Iterator[Variable]:
-    """What signals drive, under the names of the inputs that it would be without them."""
+    """Yield the driven quantities of signals as outputs, under the names of the inputs that they replace."""
     for kind, element, known in _each(INPUTS, shape) if shape.signals else ():
         place = shape.of_signals.get(kind.name.format_map(known))
         if place is not None:
@@ -88,7 +91,7 @@ def _driven(shape: Shape) -> Iterator[Variable]:
 
 
 def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iterator[Variable]:
-    """The derivatives of some outputs with respect to some parameters and inputs."""
+    """Yield the derivatives of some outputs with respect to some parameters and inputs."""
     for number, parameter in enumerate(varied):
         tangent, direction = divmod(number, DIRECTIONS)
         kinds: dict[str, Kind] = {}
@@ -107,7 +110,7 @@ def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iter
 
 
 def value_at(scene: Any, path: Place) -> Any:
-    """The value at a path of a scene, or of a part of it; None where there is none."""
+    """Return the value at a path of a scene or of a part of a scene; None if it does not exist."""
     for step in path:
         if isinstance(step, int):
             scene = scene[step]
@@ -117,13 +120,13 @@ def value_at(scene: Any, path: Place) -> Any:
 
 
 def absent_hint(name: str) -> str | None:
-    """What to do about the name of a parameter that only the FMU of a scene with such a part has."""
+    """Return how to get a parameter that only some scenes have into the FMU; None for another name."""
     kinds = (kind for block in PARAMETERS for kind in block.kinds if kind.hint)
     return next((kind.hint for kind in kinds if is_like(name, kind.name)), None)
 
 
 def _each(blocks: Iterable[Block], shape: Shape) -> Iterator[tuple[Kind, Element, dict[str, Any]]]:
-    """Each kind that each element has, with the element and all that is known of it and of its scene."""
+    """Yield each kind for each element that has it, with the element and the scene's words."""
     scene = shape.known()
     for of, kinds in blocks:
         for element in ELEMENTS[of](shape):
@@ -134,7 +137,7 @@ def _each(blocks: Iterable[Block], shape: Shape) -> Iterator[tuple[Kind, Element
 
 
 def choices_of(scene: Scene) -> dict[str, tuple[Item, ...]]:
-    """The lists of choices: of the laws in the order of their numbers, a user's last, and of the methods."""
+    """Return the lists of choices: contact laws in the order of their numbers, a user's last, and methods."""
     laws = [Item(law.id, law.source) for law in CONTACT_LAWS.values()]
     if scene.contact.law_file:
         own = read_law(Path(scene.contact.law_file))

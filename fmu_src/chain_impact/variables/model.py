@@ -1,7 +1,7 @@
-"""The model: data that are derived from a scene once, and kept.
+"""The model: data that are derived from a scene once and kept.
 
-It has the candidates, the variables of the FMU by name, their places in the instance record
-(kernel/record/), and makes new instances with the parameters of the scene in their places.
+It has the candidates, the variables of the FMU by name and their places in the instance record
+(kernel/record/), and it makes new instances with the parameters of the scene in their places.
 """
 
 from __future__ import annotations
@@ -41,18 +41,18 @@ SAME = (
 
 
 class Model:
-    """A scene with all that follows from it, each part worked out once, most of them when first asked for.
+    """A scene with the data that follow from it. Each part is computed once, most parts at their first use.
 
     Attributes:
-        scene: what the model is of.
+        scene: the scene.
         candidates: the C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch.
-        sizes: of a record.
+        sizes: the sizes of a record.
         layout: the record of an instance without derivatives.
         row: the record of the outputs, a row of ``Result.outputs``.
     """
 
     _last: Model | None = None
-    """The last model made. One of a scene that differs from its scene in numbers only has its variables."""
+    """The last model made. The next model takes over its variables if the scenes differ in numbers only."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene, before = scene, Model._last
@@ -71,16 +71,16 @@ class Model:
             self.sizes = Sizes(links, pairs, elements, loads, channels, sites, len(driven), knots)
             self.layout = layout_of(*self.sizes)
             self.row: np.dtype = self.layout["output"]
-        Model._last = self  # complete: another thread may take over what it has
+        Model._last = self  # the model is complete, so another thread may take over its parts
 
     def __eq__(self, other: object) -> bool:
-        """Whether it is the model of an equal scene."""
+        """Return whether the other model has an equal scene."""
         return self.scene == other.scene if isinstance(other, Model) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[type[Model], tuple[Scene]]:
-        """So that what follows from the scene does not go to another process."""
+        """Pickle only the scene; another process computes the rest again."""
         return type(self), (self.scene,)
 
     @cached_property
@@ -95,22 +95,22 @@ class Model:
 
     @cached_property
     def driven(self) -> dict[str, str]:
-        """What the signals of the scene drive: name that an input would have → name of the signal."""
+        """The quantities that signals drive: name that an input would have → name of the signal."""
         return {name: one.signal for one in driven_by(self.scene) for name in one.outputs if name}
 
     @cached_property
     def outputs(self) -> list[Variable]:
-        """The outputs of the FMU, but for derivatives."""
+        """The outputs of the FMU, without derivatives."""
         return list(self._own_outputs.values())
 
     @cached_property
     def _own_outputs(self) -> dict[str, Variable]:
-        """The outputs of the FMU, but for derivatives, by their names."""
+        """The outputs of the FMU by their names, without derivatives."""
         return all_outputs(self.scene)
 
     @cached_property
     def outputs_by_name(self) -> dict[str, Variable]:
-        """The outputs of the FMU, derivatives among them, by their names."""
+        """The outputs of the FMU by their names, with derivatives."""
         return {variable.name: variable for variable in self.variables if variable.causality == "output"}
 
     @cached_property
@@ -120,7 +120,7 @@ class Model:
 
     @cached_property
     def motion(self) -> list[Variable]:
-        """The outputs that change all the time: those of ``Result.outputs``."""
+        """The outputs that change all the time, as in ``Result.outputs``."""
         return [variable for variable in self.outputs if variable.place[0] == "output"]
 
     @cached_property
@@ -128,66 +128,66 @@ class Model:
         """The parameters and inputs with respect to which the FMU has derivatives.
 
         Raises:
-            UnknownNameError: when the scene names one without.
+            UnknownNameError: when the scene names a variable without derivatives.
         """
         names = self.scene.outputs.sensitivities
         return self.varied_by(names) if names else []
 
     @cached_property
     def variables(self) -> list[Variable]:
-        """All variables of the FMU, in the order of their value references: outputs come last."""
+        """All variables of the FMU, in the order of their value references; outputs come last."""
         return [*self.parameters, *self.inputs, *self.outputs, *derivatives(self.motion, self.varied)]
 
     @cached_property
     def parameter_paths(self) -> dict[str, Place]:
-        """The names of the parameters, and the paths that ``scene.with_values`` takes for them.
+        """Name of a parameter → the path that ``scene.with_values`` takes for it.
 
-        Where the FMU takes the number of a choice, the scene takes its name: ``contact.model`` a law's id.
+        The FMU takes the number of a choice where the scene takes its name, for ``contact.model`` a law's id.
         """
         return {v.name: v.scene_path for v in self.parameters if v.scene_path is not None}
 
     @cached_property
     def differentiable(self) -> dict[str, Variable]:
-        """The parameters and inputs with respect to which there are derivatives, by their names."""
+        """The parameters and inputs that have derivatives, by their names."""
         return {one.name: one for one in (*self.parameters, *self.inputs) if one.kind.smooth}
 
     @cached_property
     def start(self) -> np.ndarray:
-        """An instance as the FMU has it before it is initialized; not to be written to."""
+        """An instance in the state before initialization; it must not be written to."""
         start = self.new_instance()
         start.flags.writeable = False
         return start
 
     def word(self, variable: Variable) -> int:
-        """Where a variable is in an instance of the FMU, counted in words."""
+        """Return the index of a variable in an instance of the FMU, counted in words."""
         return word_index(self.start.dtype, variable.place)
 
     def table_row(self, variable: Variable) -> list[Any]:
-        """What an importer has to know of a variable, as ``variable_row`` gives it."""
+        """Return the data on a variable that an importer needs, as ``variable_row`` gives them."""
         words = (word_index(self.start.dtype, place) for place in (variable.place, variable.set_place))
         return variable_row(variable, *words)
 
     def start_text(self, variable: Variable) -> str:
-        """The start value of a variable, as the shortest text that reads back as the same number."""
+        """Return the start value of a variable as the shortest text that gives the same number when read."""
         words = self.start.view(np.float64 if variable.type == "real" else np.int64)
         return repr(words[self.word(variable)].item())
 
     @cached_property
     def columns(self) -> dict[str, int]:
-        """The outputs that change all the time: name → index into a row."""
+        """Index of each output that changes all the time into a row: name → index."""
         return {variable.name: word_index(self.row, variable.place[1:]) for variable in self.motion}
 
     @cached_property
     def output_words(self) -> np.ndarray:
-        """Which numbers of the record are those of a row, shape (W,)."""
+        """The indices of a row's numbers in the record, shape (W,)."""
         first = first_word(self.layout, "output")
         return np.arange(first, first + self.row.itemsize // WORD)
 
     def varied_by(self, names: str | Iterable[str]) -> list[Variable]:
-        """The parameters and inputs of some names, in which ``*`` stands for any text, each of them once.
+        """Return the parameters and inputs of some names, each once; ``*`` in a name stands for any text.
 
         Raises:
-            UnknownNameError: when there is none of a name with respect to which there are derivatives.
+            UnknownNameError: when no variable with derivatives has such a name.
         """
 
         def hint(name: str) -> str | None:
@@ -206,10 +206,10 @@ class Model:
         return [known[name] for name in self._named(wanted, known, what, hint)]
 
     def outputs_named(self, wanted: str | Iterable[str]) -> list[Variable]:
-        """The outputs of some names or patterns, each of them once, in the order asked for.
+        """Return the outputs of some names or patterns, each once, in the order of the names.
 
         Raises:
-            UnknownNameError: when there is none of a name, or like a pattern.
+            UnknownNameError: when no output has a name, or matches a pattern.
         """
         if not wanted:
             return []
@@ -218,14 +218,14 @@ class Model:
 
     @cached_property
     def output_places(self) -> OutputPlaces:
-        """Where in the record the outputs are."""
+        """The places of the outputs in the record."""
         return output_places(shape_of(self.scene), self.sizes)
 
     def places_named(self, wanted: str | Iterable[str]) -> OutputPlaces:
-        """Those of the outputs of some names or patterns, each of them once, in the order asked for.
+        """Return the places of the outputs of some names or patterns, each once, in the order of the names.
 
         Raises:
-            UnknownNameError: when there is none of a name, or like a pattern.
+            UnknownNameError: when no output has a name, or matches a pattern.
         """
         names, (motion, stepwise, _) = [one.name for one in self.outputs_named(wanted)], self.output_places
         return places_of(
@@ -234,16 +234,16 @@ class Model:
         )
 
     def columns_named(self, wanted: str | Iterable[str]) -> dict[str, int]:
-        """Those of ``columns`` of some names or patterns.
+        """Return the entries of ``columns`` for some names or patterns.
 
         Raises:
-            UnknownNameError: when there is none of a name, or like a pattern.
+            UnknownNameError: when no column has a name, or matches a pattern.
         """
         found = self._named(wanted, self.columns, "no output", elsewhere)
         return {name: self.columns[name] for name in found}
 
     def series(self, outputs: np.ndarray) -> dict[str, np.ndarray]:
-        """The time series in ``Result.outputs`` under the names of the FMU's outputs: name → shape (T,)."""
+        """Return the time series in ``Result.outputs`` by name of the FMU's output, each of shape (T,)."""
         found = {}
         for variable in self.motion:
             values = outputs
@@ -253,12 +253,12 @@ class Model:
         return found
 
     def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
-        """An instance with the parameters of the scene, not yet initialized; an array with one record.
+        """Return an instance with the parameters of the scene: an array with one record, not yet initialized.
 
-        Behind the instance, in the same record, are those of dual numbers that the derivatives need.
+        The same record has, after the instance, the instances of dual numbers that derivatives need.
 
         Args:
-            varied: with respect to what there are derivatives; by default as in the FMU.
+            varied: the variables with respect to which there are derivatives; by default as in the FMU.
         """
         varied = self.varied if varied is None else varied
         block = new_record(self.scene, self.candidates, self.sizes)
@@ -271,24 +271,24 @@ class Model:
         what: str,
         hint: Callable[[str], str | None] = lambda _: None,
     ) -> dict[str, None]:
-        """The names of what is there that are wanted, each once."""
+        """Return the wanted names of ``there``, each once."""
         names = (wanted,) if isinstance(wanted, str) else wanted
         return {one: None for name in names for one in matching(self.scene.name, name, there, what, hint)}
 
 
 def kernel_size(scene: Scene) -> int:
-    """What ``kernel_library`` takes as the number of links for a scene."""
+    """Return the number of links for which ``kernel_library`` finds the kernel of a scene."""
     moves = scene.inputs.base_motion or scene.moving_walls
     return GENERAL if moves or scene.chain.is_body or scene.signals else len(scene.chain.links)
 
 
 def model_of(source: Scene | Model) -> Model:
-    """The model itself, or that of a scene."""
+    """Return the model itself, or the model of a scene."""
     return source if isinstance(source, Model) else Model(source)
 
 
 def elsewhere(name: str) -> str | None:
-    """Where to find what the FMU tells in outputs, but a result does not tell over time."""
+    """Return where to find values that the FMU has as outputs, but a result has not over time."""
     if name.startswith(("impact.", "impact[", "solver.")):
         return "impacts are in result.impacts, counts of the solver in result.statistics"
     return None

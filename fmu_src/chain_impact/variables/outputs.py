@@ -1,8 +1,8 @@
-"""The inputs and outputs in the table of variables, a row for each kind; kind.py tells what a row says.
+"""The inputs and outputs in the table of variables, one row for each kind; kind.py explains the columns.
 
-A row has the name without its owner, the unit, the description, the field of the record if it has another name,
-the nominal magnitude, and further attributes. A row with {axis} stands for two, for x and y, with {j} as 0
-and 1. The order of the rows is that of the value references.
+A row has the name without its owner, the unit, the description, the field of the record if it has another
+name, the nominal magnitude, and further attributes. A row with {axis} stands for two, one for x and one for
+y, with {j} as 0 and 1. The value references follow the order of the rows.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ def _block(
     """Return a block of kinds whose values are in one part of the record.
 
     Args:
-        part: the part.
-        of: the element.
-        owner: what the names begin with.
-        rows: the rows. The index of an element stands behind their fields, unless it stands there already.
+        part: the part of the record.
+        of: the kind of element.
+        owner: the first part of the names.
+        rows: the rows of the table. The index of an element follows each field that does not have it already.
         names: the whole names, if the rows have none.
         array: whether the values of all elements are an array, named after the element and the row.
-        other: attributes that all kinds have; see also ``block``.
+        other: attributes of all kinds; see also ``block``.
     """
     kinds = []
     for number, (name, unit, text, field, nominal, more, axis) in enumerate(_rows(rows)):
@@ -56,7 +56,7 @@ def _block(
 
 
 def _rows(text: str) -> Iterator[list[str]]:
-    """The cells of each row, empty where there is none, and the axis."""
+    """Yield the cells of each row, with empty text for a missing cell, and the axis."""
     for line in text.strip().splitlines():
         cells = [cell.strip() for cell in line.split("|")]
         name, unit, said, *others = cells + [""] * (COLUMNS - len(cells))
@@ -66,7 +66,10 @@ def _rows(text: str) -> Iterator[list[str]]:
 
 
 def _attribute(text: str, unit: str) -> tuple[str, Any]:
-    """Name and value of an attribute of a row, ``minimum=0``; one without a value is true."""
+    """Return the name and value of an attribute in a row, such as ``minimum=0``.
+
+    One without a value is true.
+    """
     name, _, value = text.partition("=")
     if name == "when":
         return name, (value,)
@@ -322,4 +325,4 @@ OUTPUTS = (
         terminal=False,
     ),
 )
-"""The outputs, but for derivatives."""
+"""The outputs, without derivatives."""

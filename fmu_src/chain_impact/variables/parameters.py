@@ -1,7 +1,7 @@
-"""The parameters in the table of variables, a row for each kind; kind.py tells what a row says.
+"""The parameters in the table of variables, one row for each kind; kind.py explains the columns.
 
-What a parameter means, its unit and its range are in the fields of ``scene/tables.py``; the rows add where
-its value is, and which scenes have it. Their order is that of the value references.
+Meaning, unit and range of a parameter are in the fields of ``scene/tables.py``; the rows add where its value
+is, and which scenes have it. The value references follow the order of the rows.
 """
 
 from __future__ import annotations
@@ -33,22 +33,25 @@ from chain_impact.scene.tables import (
 from chain_impact.variables.kind import ALWAYS, LINE, LINK, MOTION, SIGNAL, SITE, SLIDER, WALL, Kind, block
 
 LAWS, METHODS = "laws", "methods"
-"""The lists of choices."""
+"""The names of the lists of choices."""
 HAS_FRICTION = "it is a parameter where the scene has dry friction: give it a value there first"
 HAS_ONE = "it is a parameter where the scene has one: give it a value there first"
 HAS_TARGET = "with inputs.joint_targets the target angle takes its place, whose start value it is"
 KEY, INDEX, AXIS = "{key}", "{index}", "{axis}"
-"""Steps of paths and places here: the key of a parameter, and the axis of a component, by number and name."""
+"""Steps of templates in this module: the key of a parameter, and the number and the name of an axis."""
 
 
 @cache
 def _rules(table: type) -> dict[str, Mapping[str, Any]]:
-    """The metadata of each key of a table of the scene, but for those that stand for others."""
+    """Return the metadata of each key of a table of the scene, without short forms of other keys."""
     return {entry.name: entry.metadata for entry in keys(table) if not entry.metadata.get("file_only")}
 
 
 def _parameter(rule: Mapping[str, Any], path: Place, place: Place, text: str = "{}", **other: Any) -> Kind:
-    """Return the parameter for the value at a path, by the rule of its key; {} in a text is the rule's."""
+    """Return the parameter for the value at a path, by the rule of its key.
+
+    {} in ``text`` is the rule's text.
+    """
     default, limits = rule["default"], {limit: rule[limit] for limit in ("minimum", "above", "maximum")}
     return Kind(
         name=name_of(path),
@@ -71,7 +74,10 @@ def _of(
     text: str = "{}",
     **special: Mapping[str, Any],
 ) -> list[Kind]:
-    """The parameters for some keys of a table, by default for all; ``special`` has more of single ones."""
+    """Return the parameters for some keys of a table, by default all.
+
+    ``special`` adds attributes for single keys.
+    """
     found = []
     for key in names or _rules(table):
         in_scene, in_record = (tuple(key if step == KEY else step for step in one) for one in (path, place))
@@ -81,7 +87,7 @@ def _of(
 
 
 def _vector(table: type, path: Place, place: Place, text: str, **other: Any) -> list[Kind]:
-    """The parameters for the components of a vector, of whose path the last step is a key."""
+    """Return the parameters for the components of a vector; the last step of ``path`` is the vector's key."""
     found, rule = [], _rules(table)[str(path[-1])]
     for j, axis in enumerate(AXES):
         steps: dict[str | int, str | int] = {INDEX: j, AXIS: axis}
@@ -189,7 +195,7 @@ PARAMETERS = (
         "material",
         *_of(
             *(Material, ("contact", "wall", "{name}", KEY), ("walls", KEY, AT)),
-            restitution={"if_missing": -1.0},  # a number below 0 stands for that of all walls
+            restitution={"if_missing": -1.0},  # a number below 0 means the restitution of all walls
             friction={"if_missing": -1.0, "hint": HAS_FRICTION},
             static_friction={"if_missing": -1.0, "hint": HAS_FRICTION},
         ),
@@ -211,7 +217,7 @@ PARAMETERS = (
     ),
     block(
         "one",
-        # an initial position is that of a base that moves, too
+        # the initial position applies to a moving base as well
         *(
             replace(kind, given=(MOTION, "position", j), given_if="inputs.base_motion")
             for j, kind in enumerate(
@@ -264,4 +270,4 @@ PARAMETERS = (
 )
 """The parameters."""
 EXPERIMENT = _of(Simulation, ("simulation", KEY), ())
-"""What can be changed beside the parameters. It is in no record, but given with each run."""
+"""Values that can be changed besides the parameters; each run gets them, they are in no record."""

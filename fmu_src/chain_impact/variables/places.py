@@ -1,4 +1,4 @@
-"""Where in the record of an instance a value is, and where the outputs of all scenes of a shape are."""
+"""The index of a value in the record of an instance, and the places of outputs for each shape of a scene."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from chain_impact.scene.names import Place
 from chain_impact.variables.listing import SHAPES, outputs_of
 from chain_impact.variables.shape import Shape
 
-WORD = 8  # bytes of every scalar in the record
-layout_of = cache(instance_dtype)  # which takes as long as all else of a new instance
+WORD = 8  # [byte] size of every scalar in the record
+# kept, because computing a layout takes as long as the rest of making an instance
+layout_of = cache(instance_dtype)
 
 
 class Sizes(NamedTuple):
@@ -30,7 +31,7 @@ class Sizes(NamedTuple):
 
 
 def word_index(dtype: np.dtype, place: Place) -> int:
-    """The index of a scalar of a record, counted in 8-byte words from the record's start."""
+    """Return the index of a scalar in a record, counted in words of 8 bytes from the record's start."""
     offset = 0
     for step in place:
         if isinstance(step, str):
@@ -48,18 +49,18 @@ def word_index(dtype: np.dtype, place: Place) -> int:
 
 
 def first_word(dtype: np.dtype, part: str) -> int:
-    """The index of the first word of a part of a record."""
+    """Return the index of the first word of a part of a record."""
     offset: int = dtype.fields[part][1]  # type: ignore[index]
     return offset // WORD
 
 
 class OutputPlaces(NamedTuple):
-    """Where in the record outputs are, as numbers of its words, by their names.
+    """The indices of the words of the record with outputs, by the outputs' names.
 
     Attributes:
-        motion: those that change all the time.
-        stepwise: those that change at events and steps only, and whether each is a real number.
-        words: the words of these in order.
+        motion: the outputs that change all the time.
+        stepwise: the outputs that change at events and steps only, and whether each is a real number.
+        words: the sorted words of the stepwise outputs.
     """
 
     motion: dict[str, int]
@@ -68,13 +69,16 @@ class OutputPlaces(NamedTuple):
 
 
 def places_of(motion: dict[str, int], stepwise: dict[str, tuple[int, bool]]) -> OutputPlaces:
-    """Places of outputs, with the words of the stepwise ones."""
+    """Return the places of outputs, with the sorted words of the stepwise ones."""
     return OutputPlaces(motion, stepwise, np.array(sorted(word for word, _ in stepwise.values()), int))
 
 
 @lru_cache(SHAPES)
 def output_places(shape: Shape, sizes: Sizes) -> OutputPlaces:
-    """Of all scenes of a shape, worked out once: that takes as long as a short simulation."""
+    """Return the output places of all scenes of a shape.
+
+    They are kept, because computing them takes as long as a short simulation.
+    """
     layout = layout_of(*sizes)
     motion: dict[str, int] = {}
     stepwise: dict[str, tuple[int, bool]] = {}

@@ -1,4 +1,4 @@
-"""What the variables of a scene depend on: its shape, the elements in it, and what is said of them."""
+"""The shape of a scene, which decides on its variables; the scene's elements, and words for them."""
 
 from __future__ import annotations
 
@@ -16,33 +16,35 @@ from chain_impact.scene.tables import Inputs, Outputs
 from chain_impact.variables.kind import ALWAYS
 
 Element: TypeAlias = dict[str, Any]
-"""An element: its number n, the name of a wall, its index at in the record, other words, and conditions."""
+"""An element: its number n, the name of its wall, its index ``at`` in the record, other words, conditions."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Shape:
-    """All of a scene that its variables depend on, but for values: scenes of one shape have the same outputs.
+    """All properties of a scene that decide on its variables, without values.
+
+    Scenes of one shape have the same outputs.
 
     Attributes:
-        links: how many.
+        links: the number of links.
         sites: the points of links: the indices of the link and of the point in it, its name, and whether
             it is a corner of a box.
-        base: of the chain.
-        slider_stops: the stops of a slider, as they are called among the walls.
+        base: the kind of the chain's base.
+        slider_stops: the names of a slider's stops among the walls.
         slider_rubs: whether a slider has dry friction.
         pairs: the pairs of a point and a wall that can touch.
-        stops: the stops, as such pairs of a joint and a wall.
-        wall_names: as of the scene.
+        stops: the stops, as pairs of a joint and a wall.
+        wall_names: the names of the walls, as ``Scene.wall_names``.
         lines: the names of the walls at any angle.
         materials: the names of the walls with a material.
         contact_friction: whether a contact may have dry friction.
         friction_joints: the joints with dry friction.
         inputs: which inputs the scene asks for.
-        outputs: which outputs.
+        outputs: which outputs the scene asks for.
         driven: whether energy may be supplied.
         moving_walls: the names of the walls that inputs move.
         own_stop_law: whether stops have a law of their own.
-        signals: what signals drive, a row for each input.
+        signals: the driven inputs, one row for each.
     """
 
     links: int
@@ -66,22 +68,22 @@ class Shape:
 
     @property
     def joints(self) -> range:
-        """The joints, numbered as their links; a free base has no joint 1."""
+        """The numbers of the joints, which are their links'; a free base has no joint 1."""
         return range(2 if self.base == "free" else 1, self.links + 1)
 
     @property
     def ground(self) -> str:
-        """What is before link 1."""
+        """The words for the body that carries link 1."""
         return "the carriage" if self.base == "slider" else "the ground"
 
     def label(self, point: int) -> str:
-        """The name of a point in brackets, if it has one."""
+        """Return the name of a point in brackets, if it has one."""
         name = self.sites[point - self.links - 1][2] if point > self.links else ""
         return f" ({name})" if name else ""
 
     @cached_property
     def of_signals(self) -> dict[str, tuple[int, int]]:
-        """What signals drive, by the names of inputs: the signal's row and the order of its derivative."""
+        """The quantities that signals drive: input → row of the signal, order of the derivative."""
         found: dict[str, tuple[int, int]] = {}
         for row, one in enumerate(self.signals):
             found |= {name: (row, order) for order, name in enumerate(one.outputs) if name}
@@ -89,11 +91,11 @@ class Shape:
 
     @property
     def first_channel(self) -> int:
-        """The channel of the first wall that moves, behind those of the base."""
+        """The first channel of moving walls, after the channels of the base."""
         return 2 if self.inputs.base_motion else 0
 
     def known(self) -> dict[str, Any]:
-        """What templates, limits and conditions of variables name of the scene, by its names."""
+        """Return the scene's words, numbers and conditions for templates of variables, by name."""
         has_friction = self.contact_friction or bool(self.friction_joints) or self.slider_rubs
         asked = {f"inputs.{entry.name}": getattr(self.inputs, entry.name) for entry in fields(self.inputs)}
         asked |= {
@@ -118,7 +120,7 @@ class Shape:
         }
         walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(self.wall_names, 1))
         words = {
-            # integers and no enumeration: importers count those from 1, with no room for "none"
+            # an integer, as an enumeration counts from 1 in importers, with no room for "none"
             "wall_numbers": f"0 none, {walls}",
             "wall_numbers_if_any": f"0 if there is none, {walls}",
             "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
@@ -130,7 +132,7 @@ class Shape:
         return asked | conditions | numbers | words | {"general": self._in_general()}
 
     def _in_general(self) -> dict[str, str]:
-        """The words for elements, in the description of all that there are."""
+        """Return the words for elements in the description of all variables of a kind."""
         return {
             "before": "link i − 1, or the base",
             "parent": "the link before" if self.base == "free" else f"the link before, or {self.ground}",
@@ -146,11 +148,11 @@ OF_STOPS = {
     "in_rad": "; of a stop the angle in rad",
     "in_n_m_s": "; of a stop in N.m.s",
 }
-"""How the quantities of an impact are those of a stop, in words; nothing for a scene without stops."""
+"""Words that say how a stop's quantities differ in the list of impacts; empty for a scene without stops."""
 
 
 def shape_of(scene: Scene) -> Shape:
-    """The shape of a scene."""
+    """Return the shape of a scene."""
     return Shape(
         links=len(scene.chain.links),
         sites=tuple(
@@ -178,7 +180,7 @@ def shape_of(scene: Scene) -> Shape:
 
 
 def _links(shape: Shape) -> Iterable[Element]:
-    """With whether the joint's spring and damper follow inputs, and whether the joint has dry friction."""
+    """Yield the links, with whether the joint's spring follows inputs, and whether the joint has friction."""
     for n in range(1, shape.links + 1):
         follows = shape.inputs.joint_targets and n in shape.joints
         yield {
@@ -191,14 +193,14 @@ def _links(shape: Shape) -> Iterable[Element]:
 
 
 def _points(shape: Shape) -> Iterable[Element]:
-    """With whether nothing moves the point."""
+    """Yield the points, with whether nothing moves the point."""
     fixed = shape.base == "pinned" and not shape.inputs.base_motion
     for n in range(shape.links + 1 + len(shape.sites)):
         yield {"n": n, "at": n, "held": n == 0 and fixed, "label": shape.label(n)}
 
 
 def _joints(shape: Shape) -> Iterable[Element]:
-    """With what is before the joint's link."""
+    """Yield the joints, with words for the body before the joint's link."""
     for n in shape.joints:
         before = {"before": f"link {n - 1}", "parent": "the link before", "from_x": ""}
         if n == 1:
@@ -207,7 +209,7 @@ def _joints(shape: Shape) -> Iterable[Element]:
 
 
 def _stops(shape: Shape) -> Iterable[Element]:
-    """The joints with a stop: the kernel puts their outputs in the place of their first candidate."""
+    """Return the joints with a stop, each with its first candidate, which has the joint's outputs."""
     first: dict[int, int] = {}
     for c, (joint, _) in enumerate(shape.stops, len(shape.pairs)):
         first.setdefault(joint, c)
@@ -215,7 +217,7 @@ def _stops(shape: Shape) -> Iterable[Element]:
 
 
 def _contacts(shape: Shape) -> Iterable[Element]:
-    """The pairs of a point and a wall, and the stops of a slider, which come last among the candidates."""
+    """Yield the pairs of a point and a wall, then the stops of a slider, which are the last candidates."""
     for c, (point, wall) in enumerate(shape.pairs):
         touching = f"point {point}{shape.label(point)}"
         yield {"n": point, "name": shape.wall_names[wall], "at": c, "touching": touching}
@@ -224,20 +226,20 @@ def _contacts(shape: Shape) -> Iterable[Element]:
 
 
 def _slider(shape: Shape) -> Iterable[Element]:
-    """The slider, if there is one, with where its dry friction is among the joints'."""
+    """Return the slider, if there is one, with the index of its dry friction among the joints."""
     follows = shape.inputs.joint_targets
     return [{"rests": not follows, "rubs": shape.slider_rubs, "at": shape.links}] * (shape.base == "slider")
 
 
 def _touched_walls(shape: Shape) -> Iterable[Element]:
-    """The walls that a point can touch: the rows of their loads come after those of the links."""
+    """Yield the walls that a point can touch; the rows of their loads come after the rows of the links."""
     for w in sorted({wall for _, wall in shape.pairs}):
         about = "the origin" if w < len(WALLS) else "its point"
         yield {"name": shape.wall_names[w], "at": shape.links + w, "about": about}
 
 
 def _signals(shape: Shape) -> Iterable[Element]:
-    """The signals, each in the row of the first input that it drives, with the unit of its numbers."""
+    """Return the signals, each with the row of its first input and the unit of its numbers."""
     first: dict[str, tuple[int, str]] = {}
     for row, one in enumerate(shape.signals):
         first.setdefault(one.signal, (row, one.input))
@@ -245,7 +247,7 @@ def _signals(shape: Shape) -> Iterable[Element]:
 
 
 def _steps(shape: Shape) -> Iterable[Element]:
-    """The knots of each signal that is given by steps, in the row of its first input."""
+    """Yield the knots of each signal that is given by steps, with the row of its first input."""
     knot, seen = 0, set[str]()
     for one in shape.signals:
         if one.signal not in seen and one.is_steps:
@@ -283,4 +285,4 @@ ELEMENTS: dict[str, Callable[[Shape], Iterable[Element]]] = {
         for n in range(1, shape.outputs.impacts + 1)
     ],
 }
-"""Kind of element → those that a scene has, in the order of their variables."""
+"""Kind of element → function that gives a scene's elements, in the order of their variables."""

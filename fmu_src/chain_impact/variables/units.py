@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """What is measured in a unit, and the unit as powers of SI base units; None if these are not integers."""
+    """The quantity that a unit measures, and the unit as powers of SI base units.
+
+    None if not integer powers.
+    """
 
     quantity: str
     powers: dict[str, int] | None
@@ -43,14 +46,14 @@ UNITS = {
 
 
 def quotient(unit: str, parameter: str) -> str:
-    """The name of the unit of a derivative: a unit over that of a parameter."""
+    """Return the name of the unit of a derivative: the unit of the output over that of the parameter."""
     if parameter == "1":
         return unit
     return "1" if unit == parameter else f"{unit}/({parameter})"
 
 
 def unit_of(name: str) -> Unit:
-    """The unit of a name, a key of ``UNITS`` or a quotient of two."""
+    """Return the unit with a name, a key of ``UNITS`` or a quotient of two keys."""
     if name in UNITS:
         return UNITS[name]
     above, below = (UNITS[part] for part in name.removesuffix(")").split("/("))
@@ -63,5 +66,5 @@ def unit_of(name: str) -> Unit:
 
 
 def in_order(names: set[str]) -> list[str]:
-    """Some names of units: those of ``UNITS`` in its order, then the others; without the empty one."""
+    """Return names of units in order: those of ``UNITS`` first, then the others, without the empty name."""
     return [*(name for name in UNITS if name in names), *sorted(names - UNITS.keys() - {""})]

@@ -1,4 +1,4 @@
-"""What a variable of the FMU is, and its unit."""
+"""One variable of the FMU."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from chain_impact.variables.kind import Kind, filled
 
 LARGEST = sys.float_info.max
 OBSERVED = ("output",), ("latest",)
-"""Parts of the record that the kernel fills when an output is read: their reals may change all the time."""
+"""Parts of the record that the kernel fills when an output is read; their real numbers may always change."""
 
 UNLESS_SET = "; unless set: "
-"""In the description of a parameter that the scene derives: the rule stands behind it."""
+"""Stands in the description of a derived parameter, in front of the rule."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,22 +33,22 @@ class Variable:
     """One variable of the FMU.
 
     Attributes:
-        kind: the row of the table that it is of.
+        kind: the variable's row in the table of variables.
         name: structured name, as in FMI 2.0, section 2.2.9.
         variability: ``fixed``, ``tunable``, ``discrete`` or ``continuous``.
         unit: name of the unit, a key of ``UNITS``; "" unless real.
         description: one line.
         place: path into the instance record, ``("model", "length", 2)`` for one.
-        given_place: likewise, of the given value of a parameter that may be derived, where ``place`` has the
-            value in use (kernel/chain/inertia.py); None for all others.
-        rule: how the scene derives it, None if it is given.
-        scene_path: path of a parameter into the scene file, for ``scene.with_values``; None for all others.
-        minimum: value >= minimum, if any.
+        given_place: path to the given value of a parameter that may be derived, while ``place`` has the value
+            in use (kernel/chain/inertia.py); None for all other variables.
+        rule: the rule by which the scene derives the value, None if it is given.
+        scene_path: path of a parameter into the scene file, for ``scene.with_values``; None for all other
+            variables. minimum: value >= minimum, if any.
         maximum: value <= maximum, if any.
         items: choices of an enumeration.
-        held: whether it is of a point that the base holds, which nothing moves.
-        owner: the terminal that it is a member of in FMI 3.0, "" for none.
-        known: words of its scene, for the description of its kind.
+        held: whether the variable belongs to a point that a base at rest holds.
+        owner: the variable's terminal in FMI 3.0, "" for none.
+        known: words of the scene, for the description of the kind.
     """
 
     kind: Kind
@@ -75,7 +75,7 @@ class Variable:
         return cls(
             kind=kind,
             name=kind.name.format_map(known),
-            # numbers of a signal have the unit of what it drives
+            # numbers of a signal have the unit of the driven input
             unit=element.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
             description=f"{text}{UNLESS_SET}{rule.text}" if rule else text,
             place=filled(kind.place, element),
@@ -104,13 +104,13 @@ class Variable:
 
     @property
     def of_its_kind(self) -> str:
-        """The description of all variables of its kind in its scene."""
+        """The description of all variables of the kind in this scene."""
         text = self.kind.in_general(self.known)
         return f"{text}{UNLESS_SET}{self.rule.text}" if self.rule else text
 
     @property
     def initial(self) -> str | None:
-        """How the start value comes about; an input has, by the rules of FMI 2.0, no such attribute."""
+        """FMI's attribute that says how the start value is determined; an input of FMI 2.0 has none."""
         return {"parameter": "exact", "input": None, "output": "calculated"}[self.causality]
 
     @property
@@ -124,22 +124,22 @@ class Variable:
 
     @property
     def field(self) -> str:
-        """The field of the record that has the value, ``point_position``, of a nested one with a dot."""
+        """The field of the record with the value, ``point_position``; nested fields are joined by dots."""
         return ".".join(step for step in self.place[1:] if isinstance(step, str))
 
     @property
     def set_place(self) -> Place:
-        """The place of the record that makes it another value, and from which derivatives start."""
+        """The place in the record that is written to change the value, and at which derivatives start."""
         return self.given_place or self.place
 
     @property
     def index(self) -> tuple[int, ...]:
-        """The place of the value in its field."""
+        """The index of the value in its field."""
         return tuple(step for step in self.place if isinstance(step, int))
 
     @property
     def allowed(self) -> str:
-        """What a value may be, in words: "a finite number > 0 [m]"."""
+        """The allowed values in words: "a finite number > 0 [m]"."""
         if self.items:
             return "one of " + ", ".join(f"{n} ({item.name})" for n, item in enumerate(self.items, 1))
         limits = {"minimum": self.minimum, "above": self.above, "maximum": self.maximum}
@@ -147,9 +147,9 @@ class Variable:
 
 
 def variable_row(variable: Variable, word: int, set_word: int) -> list[Any]:
-    """Name, type, word, kind, lowest and highest value that can be set, these in words, and a second word.
+    """Return name, type, word, kind, lowest and highest value, the allowed values in words, and set word.
 
-    What is set is written to both words, ``place`` and ``set_place``.
+    A value that is set is written to both words, at ``place`` and at ``set_place``.
     """
     kind = variable.variability if variable.causality == "parameter" else variable.causality
     low, high = -LARGEST, LARGEST

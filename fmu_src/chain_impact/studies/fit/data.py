@@ -90,7 +90,7 @@ class Measurements:
     inputs: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
     def __len__(self) -> int:
-        """How many values."""
+        """Return how many values."""
         return len(self.value)
 
     @property
@@ -103,7 +103,7 @@ class Measurements:
         return found
 
     def until(self, stop: float) -> Measurements:
-        """The same without what was measured later than a time [s].
+        """Return the same without what was measured later than a time [s].
 
         Raises:
             SceneError: when nothing is left.
@@ -179,7 +179,7 @@ class _Book:
                 before = self._add_sample(table, row, samples, before)
 
     def measurements(self, source: str) -> Measurements:
-        """All that was read."""
+        """Return all that was read."""
         if not self._found:
             raise SceneError(f"{source}: no value was measured: all cells are empty")
         names, values, sigmas, places, kinds = zip(*self._found, strict=True)
@@ -206,7 +206,7 @@ class _Book:
         )
 
     def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
-        """The columns of outputs and inputs, and those of quantities of impacts."""
+        """Return the columns of outputs and inputs, and those of quantities of impacts."""
         there, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in there if name in chosen]
         likely = "" if TIME in table.names else likely_time(table.names)
@@ -276,7 +276,7 @@ class _Book:
             self._add(table, row, name, len(self._impacts) - 1.0, True)
 
     def _which(self, table: Table, row: int, name: str) -> int | None:
-        """The number, the point or the wall of a row about an impact."""
+        """Return the number, the point or the wall of a row about an impact."""
         cell = table.cell(row, name)
         if cell is None:
             return None
@@ -317,7 +317,7 @@ class _Book:
             self._found.append((name, value, self._sigma_of(table, row, name, value), place, of_impact))
 
     def _sigma_of(self, table: Table, row: int, name: str, value: float) -> float:
-        """The standard deviation of a value: of its row, else of its column; NaN if there is none."""
+        """Return the standard deviation of a value: of its row, else of its column; NaN if there is none."""
         column = SIGMA.format(name)
         sigma = table.number(row, column)
         if math.isnan(sigma) and name in self._sigma:
@@ -351,5 +351,5 @@ def _is_sigma(name: str) -> bool:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """The columns that are no time, no impact's place or joint, and no standard deviation."""
+    """Return the columns that are no time, no impact's place or joint, and no standard deviation."""
     return [name for name in table.names if name not in (TIME, *WHICH, JOINT) and not _is_sigma(name)]

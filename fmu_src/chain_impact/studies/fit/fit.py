@@ -110,7 +110,7 @@ def fit(
 
 
 def _fit(problem: Problem, progress: Progress) -> Fit:
-    """The fit of one contact law."""
+    """Return the fit of one contact law."""
     found = search(problem, progress)
     at = _on_bounds(problem, found)
     rows = at.usable
@@ -158,7 +158,7 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
 
 
 def _on_bounds(problem: Problem, found: Found) -> Evaluation:
-    """The model where the search ended, with the parameters that come near a bound on it.
+    """Return the model where the search ended, with the parameters that come near a bound on it.
 
     The search stays within the bounds, and nears them without an end.
     """
@@ -175,7 +175,7 @@ def _on_bounds(problem: Problem, found: Found) -> Evaluation:
 
 
 def _runs(data: Source | Sequence[Source | Sequence[Source]]) -> list[Source | Sequence[Source]]:
-    """The tables of each data set."""
+    """Return the tables of each data set."""
     runs = list(cast("Iterable[Source | Sequence[Source]]", [data] if is_table(data) else data))
     if not runs:
         raise SceneError("data: must be at least one table")
@@ -183,7 +183,7 @@ def _runs(data: Source | Sequence[Source | Sequence[Source]]) -> list[Source | S
 
 
 def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float]]) -> list[Scene]:
-    """The scene of each data set, with the values that it starts with."""
+    """Return the scene of each data set, with the values that it starts with."""
     for name, values in set_each.items():
         if len(values) != count:
             raise SceneError(
@@ -197,7 +197,7 @@ def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float]]) -
 
 
 def _long(stop_time: float, data: Sequence[Measurements]) -> Iterator[str]:
-    """A question where data last far longer than the scene, until its stop time [s]."""
+    """Yield a question where data last far longer than the scene, until its stop time [s]."""
     for one in data:
         last = float(np.nanmax(one.order, initial=0.0))
         if last >= LONG * stop_time:
@@ -227,7 +227,7 @@ def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Seque
 
 
 def _interval(parameter: Parameter, place: float, half: float) -> tuple[float, float]:
-    """The ends of an interval on the scale of the search, as values within the bounds."""
+    """Return the ends of an interval on the scale of the search, as values within the bounds."""
     ends = np.array([place - half, place + half])
     if parameter.logarithmic:
         ends[np.abs(ends) > LARGEST] *= math.inf
@@ -236,7 +236,7 @@ def _interval(parameter: Parameter, place: float, half: float) -> tuple[float, f
 
 
 def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.ndarray) -> Scene:
-    """The scene of a data set with the fitted values; inputs have no place in it."""
+    """Return the scene of a data set with the fitted values; inputs have no place in it."""
     there = scene.values
     mine = zip(parameters, values.tolist(), strict=True)
     return scene.with_values({one.name: at for one, at in mine if one.run in (None, k) and one.name in there})
@@ -288,7 +288,7 @@ def _notes(
 
 
 def _not_random(result: Fit) -> Iterator[str]:
-    """Columns in which residuals are like their neighbours: the lag-1 correlation r has √n r > ALIKE.
+    """Yield columns in which residuals are like their neighbours: the lag-1 correlation r has √n r > ALIKE.
 
     Neighbours are of one data set. Of independent residuals √n r of n pairs has about the standard normal
     distribution (R. L. Anderson, Annals of Mathematical Statistics 13 (1942) 1).
@@ -313,7 +313,7 @@ def _not_random(result: Fit) -> Iterator[str]:
 
 
 def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
-    """Columns with so few values that the standard deviation estimated from them is rough."""
+    """Yield columns with so few values that the standard deviation estimated from them is rough."""
     for name in problem.estimated:
         count = int((at.usable & (problem.group == problem.names.index(name))).sum())
         if count < FEW:
@@ -324,7 +324,7 @@ def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
 
 
 def _left_out(problem: Problem, at: Evaluation) -> list[str]:
-    """Which values were not fitted, and why."""
+    """Return which values were not fitted, and why."""
     count, notes = len(problem.value), []
     missing, blind = int((~at.there).sum()), int((at.there & ~at.usable).sum())
     if missing:

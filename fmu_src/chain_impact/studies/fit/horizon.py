@@ -62,7 +62,7 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
 
 
 def _search(problem: Problem, start: Evaluation, far: float, progress: Progress) -> Found:
-    """The search with horizons that end where the model is as far from the data as this."""
+    """Return the search with horizons that end where the model is as far from the data as this."""
     whole, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.order, initial=0.0))
     horizons = [_first_horizon(problem, whole, far)]
@@ -86,7 +86,7 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Progress)
 
 
 def _squares(at: Evaluation, sigma: np.ndarray) -> float:
-    """The mean square of the residuals in standard deviations; infinite if there is none."""
+    """Return the mean square of the residuals in standard deviations; infinite if there is none."""
     rows = at.usable
     return float(np.mean((at.residuals[rows] / sigma[rows]) ** 2)) if rows.any() else math.inf
 
@@ -94,7 +94,7 @@ def _squares(at: Evaluation, sigma: np.ndarray) -> float:
 def _one(
     problem: Problem, whole: Evaluation, sigma: np.ndarray, horizon: float, *, enough: float, most: int
 ) -> tuple[Search, np.ndarray]:
-    """The search with the data until a horizon, and the standard deviations that follow."""
+    """Return the search with the data until a horizon, and the standard deviations that follow."""
     found = minimize(
         lambda place: problem.evaluate(place, horizon),
         problem.until(whole, horizon),
@@ -107,7 +107,7 @@ def _one(
 
 
 def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.ndarray:
-    """Standard deviations, of columns for which none is given from their residuals, shape (M,).
+    """Return standard deviations, of columns for which none is given from their residuals, shape (M,).
 
     A column of n residuals r with ν degrees of freedom has σ² = Σ r²/ν. One with none, as its values are no
     more than the parameters that they determine, tells no σ: it keeps the present one.
@@ -123,7 +123,7 @@ def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.nd
 
 
 def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> dict[int, float]:
-    """Degrees of freedom of each column of which the standard deviation is estimated: its number → ν.
+    """Return degrees of freedom of each column of which the standard deviation is estimated: its number → ν.
 
     A column of n values has ν = n − h, with h the part of the parameters that it determines: the sum of its
     leverages.
@@ -145,7 +145,7 @@ def _first_sigma(problem: Problem) -> np.ndarray:
 
 
 def _estimated(problem: Problem) -> list[tuple[int, float]]:
-    """Number and least standard deviation of the columns for which none is given."""
+    """Return number and least standard deviation of the columns for which none is given."""
     groups = [problem.names.index(name) for name in problem.estimated]
     return [(group, LEAST_SIGMA * float(problem.size[problem.group == group][0])) for group in groups]
 

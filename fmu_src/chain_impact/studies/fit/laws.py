@@ -57,12 +57,12 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
 
 
 def _part(progress: Progress, k: int, count: int) -> Progress:
-    """The progress of one law of several."""
+    """Return the progress of one law of several."""
     return lambda part: progress((k + part) / count)
 
 
 def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
-    """The scene with another law."""
+    """Return the scene with another law."""
     impacts = first.models[0].impacts if first else None
     number = None if impacts is None else first_number(scene, impacts)
     impact = None if impacts is None or number is None else impacts[number]
@@ -77,7 +77,7 @@ def _place(one: LawFit, most: int) -> tuple[bool, bool, float]:
 
 
 def _noted(one: LawFit, most: int) -> LawFit:
-    """A law with what is particular."""
+    """Return a law with what is particular."""
     if one.fit is None:
         return one
     left = most - int(one.fit.used.sum())

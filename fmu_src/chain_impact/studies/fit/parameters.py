@@ -57,17 +57,17 @@ class Parameter:
         )
 
     def coordinate(self, value: float) -> float:
-        """The place of a value on the scale of the search."""
+        """Return the place of a value on the scale of the search."""
         if not self.logarithmic:
             return value
         return math.log(value) if value > 0.0 else -math.inf
 
     def value(self, coordinate: float) -> float:
-        """The value at a place on the scale of the search."""
+        """Return the value at a place on the scale of the search."""
         return min(max(math.exp(coordinate), self.low), self.high) if self.logarithmic else coordinate
 
     def slope(self, value: float) -> float:
-        """Derivative of the value by its place on the scale."""
+        """Return derivative of the value by its place on the scale."""
         return value if self.logarithmic else 1.0
 
 
@@ -134,7 +134,7 @@ def _parameter(
 
 
 def _ends(variable: Variable, bounds: str | tuple[float | None, float | None]) -> tuple[float, float]:
-    """The lower and the upper bound."""
+    """Return the lower and the upper bound."""
     parts = bounds.split(":") if isinstance(bounds, str) else list(bounds)
     try:
         low, high = (sign * math.inf if part in ("", None) else float(in_radians(part, variable.unit))

@@ -91,7 +91,7 @@ def fill(page: Figure, fit: Estimates) -> None:
 
 
 def _model(fit: Estimates, k: int) -> Result:
-    """The run of a data set with the fitted values, with rows close enough for a curve."""
+    """Return the run of a data set with the fitted values, with rows close enough for a curve."""
     data, scene = fit.data[k], fit.scenes[k]
     stop = max(1e-9, float(np.nanmax(data.order, initial=0.0)))
     if np.isnan(data.order).any():  # an impact of which no time was measured can be anywhere
@@ -153,7 +153,7 @@ def _curve(values: Axes, rest: Axes, result: Result, name: str, colour: str) -> 
 
 
 def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
-    """The parts of a column, one for each data set that has it."""
+    """Return the parts of a column, one for each data set that has it."""
     found, first = [], 0
     for k, data in enumerate(fit.data):
         rows = np.flatnonzero(np.array(data.quantity) == name)
@@ -166,7 +166,7 @@ def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
 
 
 def _numbers(data: Measurements, rows: np.ndarray, result: Result) -> np.ndarray:
-    """The numbers, from 1, of the impacts of the model that some rows are about, shape (K,)."""
+    """Return the numbers, from 1, of the impacts of the model that some rows are about, shape (K,)."""
     found = (data.impacts[row].find(result.impacts) for row in rows)
     return np.array([np.nan if one is None else one + 1.0 for one in found])
 
@@ -182,7 +182,7 @@ def _unit(fit: Estimates, name: str) -> str:
 
 
 def _told(fit: Estimates, label: str) -> str:
-    """A parameter and its standard error: "contact.restitution 0.7000 ± 0.0013"."""
+    """Return a parameter and its standard error: "contact.restitution 0.7000 ± 0.0013"."""
     one = next(one for one in fit.parameters if one.label == label)
     value, error = fit.values[label], fit.standard_errors[label]
     return f"{label} {rounded(value, error)} ± {size_of(one, value, error / one.slope(value))}"

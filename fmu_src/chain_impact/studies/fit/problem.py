@@ -118,7 +118,7 @@ class Problem:
         return np.array([one.coordinate(one.start) for one in self.parameters])
 
     def until(self, evaluation: Evaluation, horizon: float) -> Evaluation:
-        """An evaluation of the whole time, without what lies beyond a horizon [s]."""
+        """Return an evaluation of the whole time, without what lies beyond a horizon [s]."""
         beyond = self.order > horizon
         return replace(evaluation, residuals=np.where(beyond, np.nan, evaluation.residuals))
 
@@ -142,11 +142,11 @@ class Problem:
         return LATE * last if data.of_impact.any() else last
 
     def values(self, place: np.ndarray) -> np.ndarray:
-        """The values of the parameters at a place on the scale of the search."""
+        """Return the values of the parameters at a place on the scale of the search."""
         return np.array([one.value(at) for one, at in zip(self.parameters, place.tolist(), strict=True)])
 
     def scale(self, values: np.ndarray) -> np.ndarray:
-        """Derivatives of the values by the places on the scale of the search, shape (P,)."""
+        """Return derivatives of the values by the places on the scale of the search, shape (P,)."""
         return np.array([one.slope(at) for one, at in zip(self.parameters, values.tolist(), strict=True)])
 
     def evaluate(self, place: np.ndarray, horizon: float = math.inf) -> Evaluation:
@@ -163,7 +163,7 @@ class Problem:
         return self.until(Evaluation(place, found - self.value, slopes * scale, tuple(runs)), horizon)
 
     def bounds_reached(self, place: np.ndarray, errors: np.ndarray) -> dict[int, str]:
-        """The parameters that are at a bound → which, lower or upper.
+        """Return the parameters that are at a bound → which, lower or upper.
 
         Args:
             place: on the scale of the search, shape (P,).
@@ -174,7 +174,7 @@ class Problem:
         return {int(p): "lower" if lower[p] else "upper" for p in np.flatnonzero(lower | upper)}
 
     def _near(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
-        """How far from its bound each parameter is at it, shape (P,).
+        """Return how far from its bound each parameter is at it, shape (P,).
 
         That is a part of its standard error, but also of the way from the start to the bound: the standard
         error of what the data do not tell is so large that all values would be near.
@@ -185,7 +185,7 @@ class Problem:
         return np.asarray(np.where(np.isfinite(near), near, 0.0).max(axis=0))
 
     def fault(self, evaluation: Evaluation) -> str:
-        """Why a model did not reach the end; empty if all did."""
+        """Return why a model did not reach the end; empty if all did."""
         for k, run in enumerate(evaluation.runs):
             if run.status != OK:
                 return f"{self.data[k].source}: the simulation stopped: {STATUS_TEXT[run.status]}"

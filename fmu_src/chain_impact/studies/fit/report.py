@@ -18,7 +18,7 @@ EQUAL = 2.0  # of Akaike's criterion, a difference that says nothing
 
 
 def report(fit: Estimates) -> Iterator[str | Table]:
-    """All that a fit says: lines and tables."""
+    """Yield all that a fit says: lines and tables."""
     yield heading(fit)
     yield ""
     yield Table(("parameter", "start", "value", "standard error", "95 % interval"), _parameters(fit))
@@ -41,7 +41,7 @@ def report(fit: Estimates) -> Iterator[str | Table]:
 
 
 def heading(fit: Estimates) -> str:
-    """Which scene, law and data."""
+    """Return which scene, law and data."""
     sets = f"{plural(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
     return (
         f"{fit.scene.name}  {f'{fit.law}, ' if fit.law else ''}{sets}{int(fit.used.sum())} values, "
@@ -69,7 +69,7 @@ def _parameters(fit: Estimates) -> list[Sequence[str]]:
 
 
 def rounded(value: float, error: float) -> str:
-    """A number with the digits that its standard error leaves, and one more."""
+    """Return a number with the digits that its standard error leaves, and one more."""
     if not (math.isfinite(error) and error > 0.0 and value):
         return number(value, 4)
     digits = 2 + math.floor(math.log10(abs(value))) - math.floor(math.log10(error))

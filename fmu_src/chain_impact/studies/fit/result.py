@@ -63,15 +63,15 @@ class Fit(Estimates):
     ranking: tuple[LawFit, ...] = ()
 
     def __repr__(self) -> str:
-        """All of it, as a text of several lines."""
+        """Return all of it, as a text of several lines."""
         return as_text(report(self))
 
     def _repr_html_(self) -> str:
-        """The same in a notebook."""
+        """Return the same in a notebook."""
         return as_html(report(self))
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The estimates as a table of pandas, a row for each free parameter.
+        """Return the estimates as a table of pandas, a row for each free parameter.
 
         ``low`` and ``high`` are the ends of the interval that holds the value with a probability of 95 %.
 

@@ -46,7 +46,7 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
 
 
 def updated(text: str, scene: Scene, source: str) -> str:
-    """The text of a scene file with what is given of a scene; what has that already stays as it is."""
+    """Return the text of a scene file with what is given of a scene; what has that already stays as it is."""
     present = parse_scene(text, source)
     return text if present == scene else _changed(text, scene_to_dict(present), scene_to_dict(scene))
 
@@ -66,7 +66,7 @@ def _copied(law: Path, folder: Path) -> str:
 
 
 def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
-    """The text with the path of a file, at a key, from another folder."""
+    """Return the text with the path of a file, at a key, from another folder."""
     document: Any = tomlkit.parse(text)
     table = document
     for step in key[:-1]:
@@ -76,7 +76,7 @@ def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
 
 
 def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
-    """The text with what differs in it written."""
+    """Return the text with what differs in it written."""
     document: Any = tomlkit.parse(text)
     short = any(key in link for link in document["chain"]["links"] for key in ("count", "shape"))
     if short and wanted["chain"] != present["chain"]:

@@ -76,7 +76,7 @@ class SmallSample:
 def small_sample(
     slopes: np.ndarray, sigma: np.ndarray, groups: Sequence[tuple[np.ndarray, float]]
 ) -> SmallSample:
-    """The correction of Kenward & Roger (Biometrics 53 (1997) 983) for variances by columns.
+    """Return the correction of Kenward & Roger (Biometrics 53 (1997) 983) for variances by columns.
 
     With A_c = J'J/σ² of a column with ν_c degrees of freedom, C the covariance and p_c = C A_c C over C, the
     part of a variance that comes from the column, 1/ν = Σ p_c²/ν_c, which is Satterthwaite's, and the
@@ -105,7 +105,7 @@ def small_sample(
 
 
 def quantiles(freedom: np.ndarray) -> np.ndarray:
-    """Half the width of 95 % intervals in standard errors, by Student's t distribution, shape (P,).
+    """Return half the width of 95 % intervals in standard errors, by Student's t distribution, shape (P,).
 
     With infinite degrees of freedom it is the normal distribution. With hardly any the width is infinite:
     where a column has no more values than the parameters that it determines, they tell no standard deviation.
@@ -119,7 +119,7 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
 
 
 def largest_usual(freedom: float) -> float:
-    """The χ² that a right model exceeds with a probability of 0.1 % only."""
+    """Return the χ² that a right model exceeds with a probability of 0.1 % only."""
     from scipy import special  # takes long
 
     return float(special.chdtri(freedom, 1e-3))

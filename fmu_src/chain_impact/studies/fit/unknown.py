@@ -16,7 +16,7 @@ HUGE = 10.0  # a standard error of a logarithm that is told as a factor
 
 
 def unknown(problem: Problem, at: Evaluation, known: Information, reached: Collection[int]) -> Iterator[str]:
-    """A sentence for each parameter that the data do not determine, but for those at bounds."""
+    """Yield a sentence for each parameter that the data do not determine, but for those at bounds."""
     values, errors = problem.values(at.place), known.errors
 
     def is_weak(p: int, error: float) -> bool:
@@ -50,7 +50,7 @@ def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
 
 
 def size_of(parameter: Parameter, value: float, error: float) -> str:
-    """A standard error in words: in percent of what must be positive, else in its unit."""
+    """Return a standard error in words: in percent of what must be positive, else in its unit."""
     if not math.isfinite(error):
         return "infinite"
     if parameter.logarithmic and error > HUGE:

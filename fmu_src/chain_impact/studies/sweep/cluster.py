@@ -63,17 +63,17 @@ def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator
 
 
 def identity() -> tuple[str, str]:
-    """The version of this package, and that of its kernel's sources."""
+    """Return the version of this package, and that of its kernel's sources."""
     return version("chain-impact"), fingerprint()
 
 
 def _sees(folder: Path) -> bool:
-    """Whether this worker has the folder of a sweep."""
+    """Return whether this worker has the folder of a sweep."""
     return any(folder.glob("*.json"))
 
 
 def _connected(kind: Any, address: str) -> Any:
-    """A client of the scheduler.
+    """Return a client of the scheduler.
 
     One that cannot connect is closed here. If that were left to the garbage collector, it could happen while
     this thread starts another client and holds the lock that closing takes: neither would ever end.

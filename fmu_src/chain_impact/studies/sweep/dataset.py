@@ -56,7 +56,7 @@ class Dataset:
     files: dict[str, Span] = field(default_factory=dict)
 
     def __len__(self) -> int:
-        """How many runs."""
+        """Return how many runs."""
         return self.runs
 
     def add(self, piece: Span, made: str) -> None:
@@ -67,7 +67,7 @@ class Dataset:
         self._list()
 
     def chunks(self, names: Iterable[str]) -> Iterator[Columns]:
-        """Some columns in the order of the runs, so that few are in the memory at once.
+        """Yield some columns in the order of the runs, so that few are in the memory at once.
 
         Raises:
             SceneError: when a file is damaged.
@@ -141,7 +141,7 @@ class Dataset:
             fresh.write_text(json.dumps(self._head | {"files": self.files}), encoding="utf-8")
 
     def _listed(self) -> dict[str, Span]:
-        """The files that the manifest lists, if it is of this sweep."""
+        """Return the files that the manifest lists, if it is of this sweep."""
         manifest = self.path / MANIFEST
         wrong = "remove the folder, or choose another name"
         try:
@@ -209,7 +209,7 @@ def _locked(path: Path) -> Iterator[None]:
 
 
 def _array(column: Any) -> np.ndarray:
-    """A column of Arrow's; words as NumPy has them."""
+    """Return a column of Arrow's; words as NumPy has them."""
     found = np.asarray(column.to_numpy(zero_copy_only=False))
     return found.astype(str) if found.dtype.kind == "O" else found
 

@@ -56,7 +56,7 @@ class Design:
         return math.prod(self.shape) if self.samples is None else self.samples
 
     def values(self, first: int, end: int) -> np.ndarray:
-        """The values of the runs first … end − 1, shape (runs, K)."""
+        """Return the values of the runs first … end − 1, shape (runs, K)."""
         if self.samples is None:
             places = np.unravel_index(np.arange(first, end), self.shape)
             columns = [v.values[at] for v, at in zip(self.variations, places, strict=True)]
@@ -66,7 +66,7 @@ class Design:
         return np.stack(columns, axis=1)
 
     def _cubes(self, first: int, end: int) -> np.ndarray:
-        """Parts of a Latin hypercube of all runs, or of those of ``CUBE`` runs, one after another.
+        """Return parts of a Latin hypercube of all runs, or of those of ``CUBE`` runs, one after another.
 
         The bits are those of SciPy's LatinHypercube, with a generator that is spawned for each.
         """
@@ -98,7 +98,7 @@ class Design:
 
 
 def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
-    """The generator of a Latin hypercube, after so many numbers."""
+    """Return the generator of a Latin hypercube, after so many numbers."""
     bits: Any = np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(cube,)))
     return np.random.Generator(bits.advance(drawn))
 
@@ -114,7 +114,7 @@ def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
 
 
 def grid(variations: Sequence[Variation], source: str) -> Design:
-    """All combinations.
+    """Return all combinations.
 
     Raises:
         SceneError: when a variation is an interval.
@@ -130,7 +130,7 @@ def grid(variations: Sequence[Variation], source: str) -> Design:
 
 
 def sampled(variations: Sequence[Variation], source: str, *, count: int, sampling: str, seed: int) -> Design:
-    """Samples that fill the space of the variations evenly.
+    """Return samples that fill the space of the variations evenly.
 
     McKay, Beckman & Conover, Technometrics 21 (1979) 239, for Latin hypercubes; Sobol', USSR Computational
     Mathematics and Mathematical Physics 7 (1967) 86, scrambled as by Owen, for the other.
@@ -146,7 +146,7 @@ def sampled(variations: Sequence[Variation], source: str, *, count: int, samplin
 
 
 def whole(source: str, name: str, number: int, *, least: int = 1, end: int | None = None) -> int:
-    """An argument of a sweep that is a whole number, of Python's or NumPy's, least ≤ number < end.
+    """Return an argument of a sweep that is a whole number, of Python's or NumPy's, least ≤ number < end.
 
     Raises:
         SceneError: when it is not.

@@ -18,7 +18,7 @@ SUFFIX = ".partial"
 
 
 def partial_path(table: Path) -> Path:
-    """The file beside a table."""
+    """Return the file beside a table."""
     return table.with_name(table.name + SUFFIX)
 
 

@@ -30,7 +30,7 @@ class Pieces:
         self._size, self._least, self._elapsed = FIRST_PIECE, 1, 0.0
 
     def take(self) -> Span | None:
-        """The next piece; None when there is none. Towards the end, each worker gets its share."""
+        """Return the next piece; None when there is none. Towards the end, each worker gets its share."""
         if not self._spans:
             return None
         first, end = self._spans.pop()
@@ -114,7 +114,7 @@ def run_in_threads(work: Work, spans: Sequence[Span], threads: int) -> Generator
 
 
 def missing(done: Sequence[Span], count: int) -> list[Span]:
-    """The runs of 0 … count − 1 that are in none of the spans."""
+    """Return the runs of 0 … count − 1 that are in none of the spans."""
     spans, start = [], 0
     for first, end in sorted(done):
         if first > start:

@@ -130,7 +130,7 @@ def fill(page: Figure, found: Runs) -> None:
 
 
 def kind_of(design: Design) -> str:
-    """How a design is drawn."""
+    """Return how a design is drawn."""
     varying = varying_in(design)
     choices = [one for one in varying if one.choices]
     if len(varying) == 1:
@@ -139,7 +139,7 @@ def kind_of(design: Design) -> str:
 
 
 def usual_size(found: Runs) -> tuple[float, float]:
-    """The size of the page where none is asked for [inches]."""
+    """Return the size of the page where none is asked for [inches]."""
     count, kind = len(_quantities(found)), kind_of(found.design)
     if kind == DOTS:
         return 2.2 + 2.3 * count, 1.3 + 0.24 * len(varying_in(found.design)[0].values)
@@ -167,19 +167,19 @@ def conditions(varying: list[Variation]) -> str:
 
 
 def varying_in(design: Design) -> list[Variation]:
-    """The variations with more than one value; the first one if there is none."""
+    """Return the variations with more than one value; the first one if there is none."""
     found = [one for one in design.variations if len(np.unique(one.values)) > 1]
     return found or list(design.variations[:1])
 
 
 def _main(found: Runs) -> list[Quantity]:
-    """The main results of a scene: those at walls and at stops where it has some."""
+    """Return the main results of a scene: those at walls and at stops where it has some."""
     absent = set() if point_wall_pairs(found.scene) else {*PEAKS}
     return [quantity for quantity in QUANTITIES if quantity.column in {*found.names} - absent]
 
 
 def _quantities(found: Runs) -> list[Quantity]:
-    """The main results, then the outputs that were asked for."""
+    """Return the main results, then the outputs that were asked for."""
     units, main = Model(found.scene).units, _main(found)
     known = {quantity.column for quantity in main}
     asked = [name for name in found.outputs if name not in known]

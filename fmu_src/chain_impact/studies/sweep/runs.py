@@ -36,11 +36,11 @@ class Runs:
         return *self.varied, *(self.rows.dtype.names or ()), STATUS_WORD
 
     def __len__(self) -> int:
-        """How many runs."""
+        """Return how many runs."""
         return len(self.rows)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A column, shape (R,); choices, as a contact law, by their names."""
+        """Return a column, shape (R,); choices, as a contact law, by their names."""
         if name not in self.names:
             raise KeyError(f"{name} is no column of the sweep; there are {', '.join(self.names)}")
         return self._columns([name])[name]
@@ -60,7 +60,7 @@ class Runs:
         return table
 
     def chunks(self, names: Sequence[str]) -> Iterator[Columns]:
-        """Some columns in the order of the runs, of a few thousand at once."""
+        """Yield some columns in the order of the runs, of a few thousand at once."""
         if isinstance(self.rows, Dataset):
             yield from self.rows.chunks(names)
             return
@@ -68,6 +68,6 @@ class Runs:
             yield columns_of(self.design, self.rows[first : first + CHUNK], first, names)
 
     def _columns(self, names: Sequence[str]) -> Columns:
-        """Some columns, whole."""
+        """Return some columns, whole."""
         chunks = list(self.chunks(names))
         return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in names}

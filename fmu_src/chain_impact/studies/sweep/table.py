@@ -66,14 +66,14 @@ class Sweep(Runs):
         return f"{self.scene.name}  {len(self)} run{'s' if len(self) != 1 else ''}: {ends}"
 
     def _repr_html_(self) -> str:
-        """The same in a notebook, with the first runs."""
+        """Return the same in a notebook, with the first runs."""
         first = next(iter(self.chunks(self.names)), {})
         rows = list(zip(*(map(_told, column[:LISTED].tolist()) for column in first.values()), strict=True))
         more = [f"… and {plural(len(self) - LISTED, 'more run')}"] if len(self) > LISTED else []
         return as_html([repr(self), Table(self.names, rows), *more])
 
     def to_dataframe(self) -> Any:
-        """All columns as a pandas ``DataFrame``.
+        """Return all columns as a pandas ``DataFrame``.
 
         Raises:
             MissingExtraError: when pandas is not installed.
@@ -135,12 +135,12 @@ def write_table(path: Path, chunks: Iterable[Columns]) -> None:
 
 
 def is_folder(path: str | Path) -> bool:
-    """Whether the table is a folder of files: it is one, ends in ``/``, or has no suffix."""
+    """Return whether the table is a folder of files: it is one, ends in ``/``, or has no suffix."""
     return str(path).endswith(("/", os.sep)) or not Path(path).suffix or Path(path).is_dir()
 
 
 def table_path(path: str | Path) -> Path:
-    """The path of a table.
+    """Return the path of a table.
 
     Raises:
         SceneError: when it is empty, or is no folder and its suffix is none of ``TABLES``.
@@ -162,12 +162,12 @@ def table_path(path: str | Path) -> Path:
 
 
 def _told(value: object) -> str:
-    """A value in a table to read."""
+    """Return a value in a table to read."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _cells(column: np.ndarray) -> list[Any]:
-    """The values as they are written; NaN as nothing."""
+    """Return the values as they are written; NaN as nothing."""
     if column.dtype.kind != "f":
         return list(column.tolist())
     return ["" if math.isnan(value) else value for value in column.tolist()]

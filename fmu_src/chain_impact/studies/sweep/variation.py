@@ -54,11 +54,11 @@ class Variation:
         return [item.name for item in self.variable.items]
 
     def shown(self, values: np.ndarray) -> np.ndarray:
-        """The values as a reader knows them: a choice by its name."""
+        """Return the values as a reader knows them: a choice by its name."""
         return np.array(["", *self.choices])[values.astype(int)] if self.choices else values
 
     def at(self, parts: np.ndarray) -> np.ndarray:
-        """The values at parts of the whole, each 0 ≤ part < 1."""
+        """Return the values at parts of the whole, each 0 ≤ part < 1."""
         if not self.interval:
             return np.asarray(self.values[(parts * len(self.values)).astype(int)])
         low, high = self.values
@@ -99,7 +99,7 @@ def variations_of(source: Scene | Model, vary: Mapping[str, Values]) -> tuple[Va
 
 
 def _read(variable: Variable, values: Values, source: str) -> Variation:
-    """A variation from text, as on the command line, or from numbers and names of choices."""
+    """Return a variation from text, as on the command line, or from numbers and names of choices."""
     if isinstance(values, str):
         if ":" in values:
             return _range(variable, values, source)
@@ -111,7 +111,7 @@ def _read(variable: Variable, values: Values, source: str) -> Variation:
 
 
 def _range(variable: Variable, text: str, source: str) -> Variation:
-    """The variation for a:b, a:b:n, a:b:log or a:b:n:log."""
+    """Return the variation for a:b, a:b:n, a:b:log or a:b:n:log."""
     parts = text.split(":")
     logarithmic = parts[-1].strip() == LOG
     wrong = SceneError(f"{source}: {variable.name} = {text} must be {FORMS}")
@@ -136,7 +136,7 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
 
 
 def _number(variable: Variable, value: object, source: str) -> float:
-    """A value as a number: of a choice, which can be named, its number."""
+    """Return a value as a number: of a choice, which can be named, its number."""
     names = [item.name for item in variable.items]
     if value in names:
         return float(names.index(str(value)) + 1)

@@ -115,5 +115,5 @@ class Work:
 
 
 def file_name(piece: Span) -> str:
-    """The name of a complete file; in the order of names, files are in that of the runs."""
+    """Return the name of a complete file; in the order of names, files are in that of the runs."""
     return f"runs-{piece[0]:015d}{PARQUET}"
