@@ -87,10 +87,7 @@ class Driven(NamedTuple):
 
 
 def driven_by(scene: Contents) -> tuple[Driven, ...]:
-    """Return the inputs that signals drive.
-
-    A target velocity comes after the target whose derivative it is.
-    """
+    """Return the inputs that signals drive; a target velocity comes after its target."""
     if not scene.signals:
         return ()
     found = [
@@ -127,10 +124,7 @@ def is_closed(signal: Signal) -> bool:
 
 
 def family(name: str) -> tuple[str, ...]:
-    """Return the names of the quantities that an input drives, each the derivative of the one before.
-
-    "" stands for a quantity that is no input.
-    """
+    """Return an input's integrals, the input and its derivatives, in order; "" for one that is no input."""
     head, _, last = name.rpartition(".")
     if head == "base":
         return tuple(f"base.{prefix}{last[-1]}" for prefix in ("", "v", "a"))

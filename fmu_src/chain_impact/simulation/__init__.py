@@ -1,1 +1,1 @@
-"""A simulation in this process: of a whole scene, by hand, and with derivatives."""
+"""Simulation in this process: whole runs of a scene, steps by hand, and derivatives."""

@@ -1,4 +1,4 @@
-"""A chain that is stepped by hand, for controllers and learning: set inputs, step, read, decide."""
+"""A chain that is stepped by hand, for controllers and learning: set inputs, step, read outputs, decide."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
 from chain_impact.variables.variable import Variable
 
-# magic, CRC-32 of what follows it, the scene's digest, whether it has started, contacts, changes
+# magic, CRC-32 of the rest, the scene's digest, whether the chain has started, numbers of contacts and
+# changes
 STATE = struct.Struct("<8sQ16sqqq")
 CHECKED_FROM = 16
 MAGIC = b"chainsv2"
@@ -37,7 +38,7 @@ MAGIC = b"chainsv2"
 
 @dataclass(frozen=True, slots=True)
 class _Place:
-    """Where a variable is in the record, where else a value for it is written, and what that may be."""
+    """The places of a variable: where it is read, where else its value is written, and its allowed values."""
 
     word: int
     set_word: int
@@ -52,7 +53,7 @@ class _Place:
 
 @dataclass(frozen=True, slots=True)
 class _Selection:
-    """Several variables that are read at once: words, which are integers, whether any is worked out."""
+    """Several variables that are read together: their words, which are integers, whether any is computed."""
 
     words: np.ndarray
     whole: np.ndarray
@@ -62,21 +63,21 @@ class _Selection:
 class Chain:
     """An instance of a scene that is stepped by hand.
 
-    The names are those of the FMU, and so are the rules: until the first step, everything but outputs can be
-    set; after it, inputs and tunable parameters. A value acts from the present time on, until it is set
-    again. The size of the steps does not change the solution. A fault is a
-    ``SimulationError``; then ``restore`` and ``reset`` go on from an earlier state.
+    Names and rules are the same as in the FMU: until the first step, everything but outputs can be set; after
+        it, inputs and tunable parameters can be set. A value acts from the present time on, until it is set
+    again. The size of the steps does not change the solution. A fault raises a ``SimulationError``; then
+    ``restore`` and ``reset`` return to an earlier state.
 
     Attributes:
-        scene: what runs.
+        scene: the scene.
     """
 
     def __init__(self, scene: SceneSource) -> None:
         """Begin at the start of the scene, t = 0.
 
         Args:
-            scene: what to simulate: a scene, or what ``load_scene`` takes. The FMU has inputs
-                when the scene asks for them: ``inputs.tip_force``, ``joint_torques``, ``joint_targets``.
+            scene: a scene, or an argument of ``load_scene``. The chain has inputs when the scene asks for
+                them: ``inputs.tip_force``, ``joint_torques``, ``joint_targets``.
 
         Raises:
             SimulationError: when the scene cannot start.
@@ -115,22 +116,29 @@ class Chain:
 
     @property
     def impacts(self) -> np.ndarray:
-        """The contacts so far in order of onset, see ``IMPACT_DTYPE``; the end of one that lasts is NaN."""
+        """The contacts so far in the order of their onsets, see ``IMPACT_DTYPE``.
+
+        A contact that lasts has NaN as end.
+        """
         self._ready()
         before = self._reals.copy()
-        lasting = self._instance.open_contacts()  # drops what was solved ahead
+        # this drops results that were computed ahead, so the record is restored
+        lasting = self._instance.open_contacts()
         self._reals[:] = before
         return in_order([*self._impacts, lasting], self.scene.wall_names)[1]
 
     @property
     def stick_slip(self) -> np.ndarray:
-        """The phases of dry friction so far, see ``STICK_SLIP_DTYPE``; the end of one that lasts is NaN."""
+        """The phases of dry friction so far, see ``STICK_SLIP_DTYPE``.
+
+        A phase that lasts has NaN as its end.
+        """
         self._ready()
         self._collect()
         return phases_of(self._instance.all_changes)
 
     def step(self, duration: float) -> None:
-        """Go on for a duration > 0 [s].
+        """Continue for a duration > 0 [s].
 
         Raises:
             SceneError: when the duration is no finite number > 0.
@@ -141,7 +149,7 @@ class Chain:
         self.step_to(self.time + duration)
 
     def step_to(self, time: float) -> None:
-        """Go on to a time [s], not before the present one.
+        """Continue up to a time [s], not before the present time.
 
         Raises:
             SceneError: when the time lies in the past, or is no finite number.
@@ -154,7 +162,8 @@ class Chain:
         self._stepped, self._observed = True, False
         self._instant[0] = time
         while not self._instance.trajectory(self._instant, self._instant, self._no_words):
-            # a fault, or the log is full, or it is time that Python looks after Ctrl-C
+            # the kernel returns at a fault, when the log is full, and from time to time so that Python
+            # notices Ctrl-C
             self._collect()
             if self._instance.status != OK:
                 raise SimulationError(self._instance.status, self.time, None, self._instance.place)
@@ -168,12 +177,12 @@ class Chain:
         """Return the present value of a variable, or of several.
 
         Args:
-            names: a name, which gives a number; or several, or a name with ``*``, which stands for any text,
-                which gives an array of numbers in their order, shape (M,).
+            names: one name gives a number. Several names, or a name with ``*`` for any text, give an array of
+                numbers in their order, shape (M,).
 
         Raises:
-            UnknownNameError: when there is none of that name.
-            SceneError: when an output is asked for, and what has been set cannot act.
+            UnknownNameError: when there is no variable with a name.
+            SceneError: when an output is asked for, and the values that were set cannot act.
         """
         key = names if isinstance(names, str) else tuple(names)
         selection = self._selections.get(key) or self._select(key)
@@ -189,15 +198,15 @@ class Chain:
         return values
 
     def set(self, values: Mapping[str, Any] | str, value: Any = None) -> None:
-        """Set variables by name: ``{"joint[2].torque": 0.5}``, or one: ``set("joint[2].torque", 0.5)``.
+        """Set variables by name, ``{"joint[2].torque": 0.5}``, or one: ``set("joint[2].torque", 0.5)``.
 
-        If one is refused, none is set.
+        If one value is refused, no value is set.
 
         A contact law or a solver method can be given by its name, or by its number.
 
         Raises:
             UnknownNameError: when there is no variable of that name.
-            SceneError: when it cannot be set at this time, or not to that value.
+            SceneError: when a variable cannot be set at this time, or not to this value.
         """
         given = {values: value} if isinstance(values, str) else values
         checked = [self._checked(name, value) for name, value in given.items()]
@@ -212,7 +221,7 @@ class Chain:
                     self._initialized = False
 
     def save(self) -> bytes:
-        """The whole present state: a chain of the same scene can restore it, and continues bit by bit."""
+        """Return the whole present state, from which another chain of the scene continues bit by bit."""
         self._ready()
         self._collect()
         impacts = np.concatenate([np.zeros(0, LOG_DTYPE), *self._impacts])
@@ -222,10 +231,10 @@ class Chain:
         return MAGIC + zlib.crc32(checked).to_bytes(8, "little") + checked
 
     def restore(self, state: bytes) -> None:
-        """Go to a saved state.
+        """Return to a saved state.
 
         Raises:
-            SceneError: when it is no state of a chain of this scene, or damaged.
+            SceneError: when ``state`` is no state of a chain of this scene, or is damaged.
         """
         if not isinstance(state, bytes | bytearray | memoryview):
             found = f"restore({shown(state)})"
@@ -250,28 +259,28 @@ class Chain:
         self._stepped, self._initialized, self._observed = bool(stepped), True, False
 
     def reset(self) -> None:
-        """Go back to the start of the scene; all values are those of the scene again."""
+        """Return to the start of the scene, with all values from the scene."""
         self._reals[:] = self._start
         self._impacts, self._instance.changes = [], []
         self._stepped, self._initialized, self._observed = False, True, False
 
     def __reduce__(self) -> tuple[Callable[[Scene, bytes], Chain], tuple[Scene, bytes]]:
-        """So that it can be copied, and go to another process: as its scene and its state."""
+        """Pickle the scene and the state, so that the chain can be copied and go to another process."""
         return _restored, (self.scene, self.save())
 
     def __repr__(self) -> str:
-        """Return the scene and the time."""
+        """Return a text with the scene and the time."""
         links = plural(len(self.scene.chain.links), "link")
         return f"Chain({self.scene.name}) of {links} at t = {self.time:.9g} s"
 
     def _ready(self) -> None:
-        """Work the start out anew if something was set since."""
+        """Compute the start again if a value has been set since."""
         if not self._initialized:
             self._instance.initialize()
             self._initialized, self._observed = True, False
 
     def _observe(self) -> None:
-        """Fill the outputs; say why what has been set cannot act, if so."""
+        """Fill the outputs; raise a SceneError if the values that were set cannot act."""
         status = self._instance.observe()
         if status != self._instance.status:
             at = f"{self.scene.name}: at t = {self.time:.9g} s"
@@ -299,7 +308,7 @@ class Chain:
         return selection
 
     def _checked(self, name: str, value: Any) -> tuple[_Place, float]:
-        """Return the place of a variable, and the value for it."""
+        """Return the places of a variable, and the checked value."""
         place = self._places.get(name)
         if place is None:
             raise UnknownNameError(self.scene.name, name, self._places, "no variable", self._hint(name))
@@ -320,7 +329,7 @@ class Chain:
         return place, number
 
     def _hint(self, name: str) -> str | None:
-        """Of an input or a friction that the scene does not have: the key that makes it."""
+        """Return the key of the scene that makes an input or a friction exist."""
         key = input_key(name)
         if key is None or (key != "wall_motion" and getattr(self.scene.inputs, key)):
             return absent_hint(name)
@@ -334,7 +343,7 @@ class Chain:
 
 
 def _restored(scene: Scene, state: bytes) -> Chain:
-    """Return a chain of a scene in a state that was saved."""
+    """Return a chain of a scene in a saved state."""
     chain = Chain(scene)
     chain.restore(state)
     return chain

@@ -1,9 +1,9 @@
-"""Runs that carry the derivatives of all they give with respect to some parameters.
+"""Runs that also compute the derivatives of their results with respect to some parameters.
 
-Beside the instance lie instances of dual numbers, each with the derivatives in a few directions
+After the instance come instances of dual numbers, each with derivatives in a few directions
 (kernel/tangent/). A derivative with respect to a parameter is a partial derivative: all other parameters of
-the FMU are constant. Its unit is the quantity's over the parameter's. Where it does not exist, or cannot be
-trusted, it is NaN, and a sentence says from when on, and why.
+the FMU are constant. Its unit is the quantity's unit over the parameter's. A derivative that does not exist,
+or that cannot be trusted, is NaN, and a sentence gives the time and the reason.
 """
 
 from __future__ import annotations
@@ -35,16 +35,20 @@ from chain_impact.variables.variable import Variable
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
 """The quantities of an impact that have derivatives."""
 TOLD = 1e-5
-"""Of the largest derivative: an error that is told. A smaller one is like those that follow the tolerance."""
-AT_ONSET = ("onset", "impact_speed", "effective_mass")  # those that are known from its onset on
+"""Error of derivatives, as a part of the largest one, from which it is told.
+
+Smaller errors are like those from the tolerance.
+"""
+# quantities of an impact that are known from the onset on
+AT_ONSET = ("onset", "impact_speed", "effective_mass")
 
 
 class DifferentiatedInstance(Instance):
-    """An initialized instance with derivatives beside.
+    """An initialized instance with its derivatives.
 
     Attributes:
         varied: the P parameters and inputs.
-        parameters: their names.
+        parameters: the names of the parameters and inputs.
     """
 
     def __init__(
@@ -53,7 +57,7 @@ class DifferentiatedInstance(Instance):
         varied: Sequence[Variable],
         driven: Drive | None = None,
     ) -> None:
-        """As ``Instance``, for P parameters and inputs.
+        """Make the instance as ``Instance`` does, with derivatives with respect to P parameters and inputs.
 
         Raises:
             SceneError: when there is no parameter.
@@ -70,7 +74,7 @@ class DifferentiatedInstance(Instance):
         super().__init__(model, driven, varied)
 
     def initialize(self) -> None:
-        """Set all to their start.
+        """Set the instance and the derivatives to the start.
 
         Raises:
             SimulationError: when the scene cannot start.
@@ -80,23 +84,23 @@ class DifferentiatedInstance(Instance):
         super().initialize()
 
     def restart(self, places: Sequence[Place], values: np.ndarray) -> None:
-        """Set all to their start, with other values of some parameters.
+        """Set the instance and the derivatives to the start, with other values of some parameters.
 
         Raises:
-            SimulationError: when it cannot start.
+            SimulationError: when the scene cannot start.
         """
         for place, value in zip(places, values, strict=True):
             self.words[word_index(self._block.dtype, place)] = value
         self.initialize()
 
     def slope_words(self, words: np.ndarray) -> np.ndarray:
-        """Return which numbers of the record are the derivatives of some outputs.
+        """Return the indices in the record of the derivatives of some outputs.
 
         Args:
-            words: which numbers of the record are the outputs, shape (W,).
+            words: the indices of the outputs in the record, shape (W,).
 
         Returns:
-            Shape (W · P,), those of an output one after the other.
+            Indices of shape (W · P,); the derivatives of one output come one after the other.
         """
         layout, tangent = self._block.dtype, self._tangents.dtype
         tangents, directions = np.divmod(np.arange(len(self.parameters)), DIRECTIONS)
@@ -108,12 +112,12 @@ class DifferentiatedInstance(Instance):
         return found.ravel()
 
     def rows(self, count: int, words: np.ndarray) -> WordRows:
-        """Return room for some outputs, shape (count, W), and behind these for their derivatives."""
+        """Return a buffer for some outputs, shape (count, W), followed by their derivatives."""
         return WordRows(count, np.concatenate([words, self.slope_words(words)]))
 
     @property
     def _directions(self) -> int:
-        """How many derivatives are carried: P or a few more."""
+        """The number of derivatives that are computed: P, rounded up to a multiple of ``DIRECTIONS``."""
         return len(self._tangents) * DIRECTIONS
 
     @property
@@ -123,21 +127,21 @@ class DifferentiatedInstance(Instance):
         return tangents
 
     def collect(self) -> np.ndarray:
-        """Take the finished contacts out of the log, and their derivatives."""
+        """Take the finished contacts and their derivatives out of the log."""
         places = self._finished_places
         rows = super().collect()
         if len(rows):
             last = int(self.record["finished"]["count"])
-            # in a step that has failed a contact may have ended, of which there are no derivatives
+            # a contact may have ended in a step that failed; such a contact has no derivatives
             self._keep_slopes(rows, places, np.arange(last - len(rows), last) < self._log["count"][0])
         return rows
 
     def open_contacts(self) -> np.ndarray:
-        """Return the contacts that have not ended yet; drops what was solved ahead."""
+        """Return the contacts that have not ended yet; this drops results that were computed ahead."""
         rows = super().open_contacts()
         if len(rows):
             log, places = self._log, self._open_places
-            # after a fault, other contacts may last there
+            # after a fault, other contacts may last in the instances of derivatives
             same = (log["point"][:, places] == rows["point"]) & (log["wall"][:, places] == rows["wall"])
             self._keep_slopes(rows, places, same.all(axis=0) & (self.status == OK))
         return rows
@@ -163,13 +167,13 @@ class DifferentiatedInstance(Instance):
         self._impact_slopes.append(kept)
 
     def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
-        """The derivatives of all impacts that were collected, in an order of them: name → shape (I, P)."""
+        """Return the derivatives of all collected impacts in a given order: name → shape (I, P)."""
         together = np.concatenate([np.zeros(0, self._impact_layout), *self._impact_slopes])[order]
         return {name: together[name] for name in IMPACT_QUANTITIES}
 
     @property
     def limits(self) -> tuple[str, ...]:
-        """From when on derivatives are NaN, and why; and their error by what dry friction has left open."""
+        """Sentences: from what time derivatives are NaN and why, and any error that dry friction causes."""
         trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["share"].max())
         left_open = (LEFT_OPEN.format(share=share),) if share > TOLD else ()
         if trust["reason"] == TRUSTED:
@@ -195,11 +199,11 @@ class Differentiated:
 
     Attributes:
         values: the outputs, shape (T, W); after a fault NaN.
-        slopes: their derivatives, shape (T, W, P).
+        slopes: the derivatives of the outputs, shape (T, W, P).
         impacts: one row for each contact in order of onset, as ``Result.impacts``.
         impact_slopes: derivatives of the impacts' quantities: name → shape (I, P).
         status: 0 if there is no fault, see ``chain_impact.kernel.status``.
-        limits: sentences: from when on derivatives are NaN, and why, and how far friction leaves them open.
+        limits: sentences: from what time derivatives are NaN and why, and their error by dry friction.
     """
 
     __eq__ = same
@@ -224,18 +228,18 @@ class DifferentiatedRun:
         inputs: Mapping[str, Any] | None = None,
         interpolation: str = "follow",
     ) -> None:
-        """Make ready for the derivatives of some outputs with respect to some parameters, all by name.
+        """Prepare runs with derivatives of some outputs with respect to some parameters, all by name.
 
         Args:
-            scene: what runs: a scene, or what ``load_scene`` takes.
-            parameters: of the FMU, P of them: real ones and inputs.
-            outputs: of the FMU, W of them.
+            scene: a scene, or an argument of ``load_scene``.
+            parameters: P real parameters and inputs of the FMU.
+            outputs: W outputs of the FMU.
             inputs: name of an input → its signal over time, as ``simulate`` takes it.
-            interpolation: of the inputs, likewise.
+            interpolation: the interpolation of the inputs, as for ``simulate``.
 
         Raises:
-            UnknownNameError: when there is none of a name.
-            SceneError: when a signal cannot be one.
+            UnknownNameError: when a name does not exist.
+            SceneError: when a signal is invalid.
             SimulationError: when the scene cannot start.
         """
         self._model = Model(scene_of(scene))
@@ -250,8 +254,9 @@ class DifferentiatedRun:
         """Run with some values of the parameters.
 
         Args:
-            values: of the parameters, shape (P,); that of an input with a signal does not count.
-            times: when the outputs are wanted, increasing, shape (T,) [s].
+            values: the values of the parameters, shape (P,). The value for an input with a signal is not
+                used.
+            times: the increasing times of the wanted outputs, shape (T,) [s].
         """
         instance = self._instance
         times = np.ascontiguousarray(times, float)

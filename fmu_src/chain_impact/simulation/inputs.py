@@ -1,4 +1,4 @@
-"""Inputs over time: what drives a simulation, as numbers, functions or samples."""
+"""Inputs over time that drive a simulation, given as numbers, functions or samples."""
 
 from __future__ import annotations
 
@@ -35,32 +35,34 @@ Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 Given = Mapping[str, Signal] | Source
 """Inputs by their names, or a table with the column ``time`` and one for each input."""
 Interpolation = Literal["follow", "hold", "linear"]
-"""What inputs are between samples and communication points."""
+"""How inputs behave between samples and communication points."""
 INTERPOLATIONS = ("follow", "hold", "linear")
-FINER = 1e-3  # of the tolerance: the error of an input that is followed, in parts of its largest value
-SAME_TIME = 1e-12  # of the stop time: samples and communication points no further apart are one
-LISTED = 8  # names in an error's sentence
+# error of an input that is followed, as a part of its largest value and of the solver's tolerance
+FINER = 1e-3
+# distance of samples and communication points below which they are one, as a part of the stop time
+SAME_TIME = 1e-12
+LISTED = 8  # number of names in an error's sentence
 NOTHING = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
-"""The pieces of no input."""
+"""The pieces of a run without inputs."""
 AT_START, NEVER = np.zeros(1, int), np.zeros(1, bool)
 COURSE = "course"
-"""The coefficients of motions in the record."""
+"""The field of the record with the coefficients of motions."""
 
 
 @dataclass(frozen=True)
 class Drive:
-    """Inputs that are polynomials in time, or constant, in each of P pieces of a run.
+    """Inputs that are polynomials in time, or constant, in each of the P pieces of a run.
 
     Attributes:
-        times: communication points, those asked for and those at which pieces begin, shape (G,) [s].
-        asked: which of them were asked for, shape (G,).
-        places: path of each of the M inputs into the instance record, of the position of each motion that is
-            followed that of its course.
-        pieces: what the inputs are.
+        times: communication points, both those asked for and the starts of pieces, shape (G,) [s].
+        asked: whether each communication point was asked for, shape (G,).
+        places: path of each of the M inputs into the instance record; for the position of a motion that is
+            followed, the path of its coefficients.
+        pieces: the inputs as polynomials.
         first: the first row of each piece, shape (P,): row k acts from ``times[k - 1]`` to ``times[k]``,
             row 0 at the start.
-        restarts: whether the solver starts anew at each piece, shape (P,).
-        slips: whether the speed of a belt jumps there, shape (P,).
+        restarts: whether the solver re-initializes at each piece, shape (P,).
+        slips: whether the speed of a belt jumps at the start of each piece, shape (P,).
     """
 
     times: np.ndarray
@@ -80,7 +82,10 @@ class Drive:
         return replace(self, times=merged, asked=np.isin(merged, times), first=first)
 
     def set(self, record: Any, row: int) -> None:
-        """Set the inputs of an instance to those of a row; the solver starts anew if one jumps."""
+        """Set the inputs of an instance to the values of a row.
+
+        The solver re-initializes if an input jumps.
+        """
         if not self.places:
             return
         at = int(np.searchsorted(self.first, row, side="right")) - 1
@@ -100,7 +105,7 @@ class Drive:
             if part != MOTION:
                 course[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)
-        # where motions follow what is given, all else is constant, and the kernel sets the course
+        # where motions follow given values, other inputs are constant, and the kernel sets the coefficients
         steady = motion["follows"] and len(motion["position"]) > 0
         if not steady and (settings["order"] or course["order"]):
             changed |= any(course[name] != value for name, value in settings.items())
@@ -115,14 +120,14 @@ def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) ->
     """Return the inputs for a simulation with some communication points.
 
     Args:
-        model: what is driven.
-        inputs: name of an input of the FMU → its signal; or a table of them.
+        model: the model that the inputs drive.
+        inputs: name of an input of the FMU → its signal; or a table of inputs.
         interpolation: ``follow``, ``hold`` or ``linear``, see ``simulate``.
-        times: communication points, increasing, shape (T,) [s]. The inputs act from t = 0 on, wherever the
-            first of them is.
+        times: communication points, increasing, shape (T,) [s]. The inputs act from t = 0 on, also if the
+            first communication point is later.
 
     Raises:
-        SceneError: when a name is no input of the scene, or a signal cannot be one.
+        SceneError: when a name is no input of the scene, or a signal is invalid.
     """
     scene = model.scene
     if not isinstance(inputs, Mapping) or TIME in inputs:
@@ -174,7 +179,7 @@ def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) ->
         resolved = np.where(forces, RESOLVED, FINELY_RESOLVED)
         pieces = _with_functions(scene.name, values_of, columns, pieces, (accuracy, resolved))
         pieces = replace(pieces, moving=moving)
-    pieces.same[moving] = np.inf  # their jumps are found below
+    pieces.same[moving] = np.inf  # jumps of motions are found below
     belts = np.array([not channel.position for channel in channels], bool)
     refuse_jumps(scene.name, motions, belts, pieces, moving)
     warn(scene.name, contradictions(channels, given, pieces, moving, called))
@@ -196,13 +201,13 @@ def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) ->
 
 
 def _columns(table: Source, stop: float) -> Mapping[str, Signal]:
-    """Return the columns of a table of inputs, by the names of these."""
+    """Return the columns of a table of inputs by their names."""
     times, columns = samples_of(read_table(table), stop)
     return {name: (times, values) for name, values in columns.items()}
 
 
 def _hint(model: Model, name: Any) -> str:
-    """What to say of the name of no input."""
+    """Say how to get an input with this name, or which inputs exist."""
     if name in model.driven:
         return f"signal.{model.driven[name]} drives it"
     other = not isinstance(name, str) or name.startswith(("joint", "tip"))
@@ -211,7 +216,7 @@ def _hint(model: Model, name: Any) -> str:
 
 
 def channels_of(model: Model) -> list[Channel]:
-    """Return the channels of what moves, in their order, with the inputs that give them."""
+    """Return the channels of the moving base and walls in their order, with the names of their inputs."""
     scene, names, found = model.scene, {variable.place: variable.name for variable in model.inputs}, []
     for j in range(model.sizes.channels):
         position, velocity, acceleration = (names.get((MOTION, field, j), "") for field in MOTIONS)
@@ -227,7 +232,7 @@ def _each(called: Callable[[str, float], float], name: str, times: np.ndarray) -
 
 
 def _on_grid(grid: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Return the points of a grid that are nearest to some times in it."""
+    """Return the points of a grid that are nearest to some times within the grid."""
     after = np.searchsorted(grid, times).clip(1, len(grid) - 1) if len(grid) > 1 else np.zeros(0, int)
     nearer = times[: len(after)] - grid[after - 1] < grid[after] - times[: len(after)]
     return np.unique(grid[after - nearer])
@@ -240,7 +245,7 @@ def _with_functions(
     held: Pieces,
     errors: tuple[np.ndarray, np.ndarray],
 ) -> Pieces:
-    """Return pieces of some signals that are functions, by their numbers, and of others that are held."""
+    """Return pieces of signals, of which some are functions, by their numbers, and the others are held."""
     names = list(functions)
 
     def called(times: np.ndarray) -> np.ndarray:
@@ -259,7 +264,7 @@ def _with_functions(
 
 
 def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.ndarray:
-    """Return the communication points, and the times of samples that are not as good as one of them."""
+    """Return the communication points, merged with the times of samples that are not close to one of them."""
     samples = np.unique(samples)
     samples = samples[(samples > 0.0) & (samples < times[-1])]
     after = np.searchsorted(times, samples)  # times[after − 1] < sample ≤ times[after]
@@ -268,7 +273,7 @@ def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.nda
 
 
 def inputs_text(inputs: Iterable[str]) -> str:
-    """What inputs there are, by name, or how there would be some."""
+    """Return a sentence on the inputs of a scene: their names, or how to make inputs."""
     names = list(inputs)
     how = "[inputs] joint_torques, joint_targets, slider_force, tip_force, base_motion and wall_motion"
     how += " in the scene"
@@ -305,7 +310,7 @@ def _samples(what: str, times: np.ndarray | None, values: np.ndarray | None) -> 
 
 
 def _numbers(value: Any) -> np.ndarray | None:
-    """Return the value as an array of reals; None if it is something else."""
+    """Return the value as an array of real numbers; None if it cannot be converted."""
     try:
         array = np.asarray(value)
     except ValueError:  # rows of different lengths

@@ -1,4 +1,4 @@
-"""An instance with the kernel that works on it, in this process."""
+"""An instance and the kernel that works on it, in this process."""
 
 from __future__ import annotations
 
@@ -27,35 +27,37 @@ from chain_impact.variables.model import Model, kernel_size, model_of
 from chain_impact.variables.places import WORD, first_word
 from chain_impact.variables.variable import Variable
 
-# Words at the start of a record: the numbers of links, candidates, elements, loads, channels, sites, signals
-# and knots, two flags, and the number of tangents.
+# number of words at the start of a record that fix its layout: the numbers of links, candidates, elements,
+# loads, channels, sites, signals and knots, two flags, and the number of tangents
 SIZES = 11
 NO_CONTACTS = np.zeros(0, LOG_DTYPE)
-CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000  # that the kernel fills at once, at most
+# largest number of rows, and largest number of bytes, that the kernel fills in one call
+CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000
 
 
 class SimulationError(RuntimeError):
-    """The solver could not go on.
+    """The solver could not continue.
 
     Attributes:
         status: the code, see ``chain_impact.kernel.status``.
-        time: when it stopped [s].
-        place: where the reason for a refusal is, in words, such as a point and a wall; "" if at no one place.
-        result: the ``Result`` up to there.
+        time: the time at which the solver stopped [s].
+        place: the place of the reason in words, such as a point and a wall; "" if the reason has no single
+            place.
+        result: the ``Result`` up to this time.
     """
 
     def __init__(self, status: int, time: float, result: Result | None, place: str = "") -> None:
-        """Say what happened, when and where."""
+        """Make the message from the status, the time and the place."""
         super().__init__(f"the simulation stopped at t = {time:.9g} s: {fault_text(status, place)}")
         self.status, self.time, self.result, self.place = status, time, result, place
 
     def __reduce__(self) -> tuple[type[SimulationError], tuple[int, float, Result | None, str]]:
-        """So that it can come back from another process."""
+        """Pickle the arguments, so that the error can come back from another process."""
         return type(self), (self.status, self.time, self.result, self.place)
 
 
 def fault_text(status: int, place: str) -> str:
-    """Return the sentence of a status, with the place, if there is one."""
+    """Return the sentence of a status, with the place if there is one."""
     return f"{STATUS_TEXT[status]}: {place}" if place else STATUS_TEXT[status]
 
 
@@ -63,25 +65,28 @@ class Rows(Protocol):
     """The output buffer of a run, filled row by row.
 
     Attributes:
-        at_once: rows that are filled between two calls of the run's ``progress``, at most.
+        at_once: largest number of rows that are filled between two calls of ``progress``.
     """
 
     at_once: int
 
     def fill(self, instance: Any, times: np.ndarray, start: int) -> int:
-        """Advance an instance to each of the times [s], keeping rows from ``start`` on; return how many."""
+        """Advance an instance to each of the times [s] and keep rows from ``start`` on.
+
+        Return how many are filled.
+        """
 
 
 class WordRows:
     """Numbers of the record at each communication point.
 
     Attributes:
-        numbers: shape (T, W); of rows that are not filled anything.
-        spans: which of the record's numbers they are, see ``spans_of``.
+        numbers: shape (T, W); rows that are not filled may hold anything.
+        spans: the places of the numbers in the record, see ``spans_of``.
     """
 
     def __init__(self, count: int, words: Sequence[int] | np.ndarray) -> None:
-        """Make room for so many rows."""
+        """Make a buffer for ``count`` rows."""
         self.numbers = np.empty((count, len(words)))
         self.spans = spans_of(words)
         self.at_once = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, 8 * len(words))))
@@ -90,13 +95,13 @@ class WordRows:
         """See ``Rows``."""
         if self.numbers.shape[1]:
             return instance.trajectory(times, self.numbers[start : start + len(times)], self.spans)
-        # a run does not depend on its rows: where they are empty, only the last of them is computed
+        # a run does not depend on its rows: if they are empty, only the last one is computed
         done = instance.trajectory(times[-1:], self.numbers[:1], self.spans)
         return len(times) if done else int(np.searchsorted(times, instance.time, side="right"))
 
 
 def spans_of(words: Sequence[int] | np.ndarray) -> np.ndarray:
-    """Return indices as spans of consecutive ones: the first of each and how many they are, shape (S, 2)."""
+    """Return indices as spans of consecutive ones: the first index and the length of each, shape (S, 2)."""
     return _spans_of(np.asarray(words, np.int64).tobytes())
 
 
@@ -110,7 +115,7 @@ def _spans_of(indices: bytes) -> np.ndarray:
 
 
 def structured(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
-    """The first columns of rows of numbers, shape (T, W), by the names of a layout: a view, shape (T,)."""
+    """Return the first columns of rows of numbers, shape (T, W), as a view with a layout, shape (T,)."""
     size = numbers.shape[1] * numbers.itemsize
     whole = np.dtype({"names": ["first"], "formats": [layout], "offsets": [0], "itemsize": size})
     if not layout.itemsize:
@@ -123,9 +128,9 @@ class Instance:
     """An initialized instance and the kernel that works on it.
 
     Attributes:
-        model: of its scene.
-        record: its data.
-        changes: between sticking and sliding, as the runs since the start have collected them.
+        model: the model of the scene.
+        record: the data of the instance.
+        changes: the changes between sticking and sliding that the runs since the start have collected.
     """
 
     def __init__(
@@ -134,9 +139,9 @@ class Instance:
         driven: Drive | None = None,
         varied: Sequence[Variable] | None = None,
     ) -> None:
-        """Load or compile the kernel and set the instance to its start, with the first of the inputs, if any.
+        """Load or compile the kernel and set the instance to its start, with the first values of the inputs.
 
-        With derivatives with respect to ``varied``, by default as in the scene's FMU.
+        The instance has derivatives with respect to ``varied``, by default as in the scene's FMU.
 
         Raises:
             SimulationError: when the scene cannot start.
@@ -155,7 +160,7 @@ class Instance:
         """Set the instance to its start, t = 0, by the parameters, initial values and inputs in its record.
 
         Raises:
-            SimulationError: when it cannot start.
+            SimulationError: when the scene cannot start.
         """
         self.changes: list[np.ndarray] = []
         if self._kernel.initialize(self._address, 0.0) != OK:
@@ -163,18 +168,19 @@ class Instance:
 
     @property
     def words(self) -> np.ndarray:
-        """The whole record as numbers, each in its word; a view."""
+        """A view of the whole record as numbers, one for each word."""
         return np.ndarray(self._block.nbytes // WORD, np.float64, self._block)
 
     def observe(self) -> int:
-        """Fill the outputs of the record with what holds at the present time; return the status.
+        """Fill the outputs of the record at the present time; return the status.
 
-        If what has been set cannot act, the outputs are those before; the run can go on with others.
+        If the values that were set cannot act, the outputs stay as before; the run can continue with other
+        values.
         """
         if not self.record["given"]["changed"]:
             status: int = self._kernel.observe(self._address)
             return status
-        tried = self._block.copy()  # the run does not depend on what is read in between
+        tried = self._block.copy()  # a copy, as the run must not depend on values that are read in between
         status = self._kernel.observe(tried.ctypes.data)
         self.record["fault"] = tried[0]["fault"]
         self.record["output"] = tried[0]["output"]
@@ -184,25 +190,25 @@ class Instance:
         return status
 
     def is_sound(self, words: np.ndarray) -> bool:
-        """Return whether the words of a record can be those of an instance with this kernel."""
-        # the kernel takes the sizes at its start for granted
+        """Return whether the words of a record can belong to an instance with this kernel."""
+        # the kernel relies on the sizes at the start of the record
         same_sizes = words[:SIZES].tobytes() == self.words[:SIZES].tobytes()
         return same_sizes and bool(self._kernel.sound(words.ctypes.data))
 
     def advance(self, time: float) -> int:
-        """Advance to a time [s], not before the present one; return the status."""
+        """Advance to a time [s], not before the present time; return the status."""
         status: int = PAUSED
-        while status == PAUSED:  # in between, Python looks after Ctrl-C
+        while status == PAUSED:  # Python notices Ctrl-C between two calls
             status = self._kernel.advance_awhile(self._address, time)
         return status
 
     def trajectory(self, times: np.ndarray, rows: np.ndarray, spans: np.ndarray | None = None) -> int:
-        """Advance to each of the times [s], filling a row for each; return how many are filled.
+        """Advance to each of the times [s] and fill a row at each; return how many are filled.
 
         Args:
             times: shape (T,).
             rows: result, T rows of W numbers.
-            spans: which numbers of the record, see ``spans_of``; None for all outputs.
+            spans: the numbers of the record in a row, see ``spans_of``; None for all outputs.
         """
         spans = spans_of(self.model.output_words) if spans is None else spans
         wanted = spans.ctypes.data, len(spans)
@@ -211,7 +217,10 @@ class Instance:
         return filled
 
     def run(self, driven: Drive, rows: Rows, progress: Progress = silent) -> tuple[int, list[np.ndarray]]:
-        """Fill rows at the communication points; return how many, before a fault, and what contacts ended."""
+        """Fill rows at the communication points.
+
+        Return how many are filled before a fault, and the ended contacts.
+        """
         done, impacts, last = 0, [], len(driven.times)
         ends = np.append(driven.first[1:], last) if driven.places else None
         while done < last and self.status == OK:
@@ -234,9 +243,11 @@ class Instance:
 
     @property
     def _finished_places(self) -> np.ndarray:
-        """Where the log has the contacts that have ended since the last time; the oldest may be lost.
+        """The places in the log of the contacts that have ended since the last collection.
 
-        The contacts that have not ended are listed behind these, and overwrite the oldest in a full log.
+        The oldest may be lost.
+
+        Contacts that have not ended are listed after these, and overwrite the oldest ones in a full log.
         """
         log = self.record["finished"]
         count, room = int(log["count"]), len(log["point"])
@@ -252,7 +263,7 @@ class Instance:
         """Take the changes between sticking and sliding out of the log."""
         log = self.record["changes"]
         count, room = int(log["count"]), len(log["time"])
-        # of those that nobody collected in time, the oldest are lost
+        # the oldest changes are lost if they were not collected in time
         places = np.arange(max(0, count - room), count) % max(1, room)
         rows = np.zeros(len(places), CHANGE_DTYPE)
         for name in CHANGE_DTYPE.names or ():
@@ -261,22 +272,25 @@ class Instance:
         return rows
 
     def open_contacts(self) -> np.ndarray:
-        """The contacts that have not ended yet, with their peaks so far; drops what was solved ahead."""
+        """Return the contacts that have not ended yet, with their peaks so far.
+
+        This drops results that were computed ahead.
+        """
         self._kernel.follow(self._address)
         return self._impacts(self._open_places)
 
     @property
     def _open_places(self) -> np.ndarray:
-        """Where the log has the contacts that have not ended: behind those that have."""
+        """The places in the log of the contacts that have not ended, after the ended ones."""
         log = self.record["finished"]
         return (int(log["count"]) + np.arange(int(self.record["touch"]["active_count"]))) % len(log["point"])
 
     def _impacts(self, places: np.ndarray) -> np.ndarray:
-        """The impacts at some places of the log, without the impulses and forces that are not followed."""
+        """Return the impacts at some places of the log; impulses and forces that are not followed are NaN."""
         if not len(places):
             return NO_CONTACTS
         room, columns = len(self.record["finished"]["point"]), len(LOG_DTYPE.names or ())
-        # the log has the columns of the table, in the same order, behind two counts
+        # the log has the columns of the table in the same order, after two counts
         first = first_word(self._block.dtype, "finished") + 2
         table = self.words[first : first + columns * room].reshape(columns, room)
         found = table[:, places].T.copy()
@@ -294,13 +308,13 @@ class Instance:
 
     @property
     def place(self) -> str:
-        """Where the reason for a refusal is, in words; "" if there is none."""
+        """The place of the reason for a refusal, in words; "" if there is none."""
         number = int(self.record["fault"]["place"])
         return places(self.model.scene)[number - 1] if number else ""
 
     @property
     def contradictions(self) -> list[str]:
-        """A sentence on a motion whose positions and velocities contradict each other, if any do."""
+        """A sentence if positions and velocities of a motion contradict each other; else empty."""
         moved = self.record["moved"]
         channel = int(moved["contradiction"])
         places = {variable.place: variable.name for variable in self.model.inputs}
@@ -317,13 +331,13 @@ class Instance:
 
     @property
     def statistics(self) -> dict[str, int]:
-        """The solver's counts."""
+        """The solver's counts, by name."""
         counts = self.record["statistics"]
         return dict(zip(counts.dtype.names, counts.item(), strict=True))
 
 
 def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the order of contacts by onset, and the contacts in it, with the names of their walls."""
+    """Return the order of contacts by onset, and the contacts in this order with the names of their walls."""
     found, start = np.empty(sum(map(len, parts)), LOG_DTYPE), 0
     for part in parts:
         found[start : start + len(part)] = part
@@ -348,7 +362,7 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: tuple[int, ...] | None
         BuildError: when the kernel cannot be compiled.
     """
     links, law = sizes or kernel_size(scene), scene.contact.law_file
-    # who names another folder for kernels means those in it
+    # a kernel counts as loaded only for the same folder of kernels
     known = (links, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
     if not law and known in _loaded:
         return _loaded[known]

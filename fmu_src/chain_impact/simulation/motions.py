@@ -1,7 +1,7 @@
 """The motions of a base and of walls over time, from the inputs that give them.
 
-A channel of the kernel (kernel/chain/motion.py) follows a position, of which velocity and acceleration are
-the derivatives. Where an input gives a velocity or an acceleration and none the position, it is integrated
+A channel of the kernel (kernel/chain/motion.py) follows a position; velocity and acceleration are the
+position's derivatives. If inputs give a velocity or an acceleration but no position, the motion is integrated
 from the start.
 """
 
@@ -19,20 +19,22 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.pieces import Follower, Pieces, joined_points
 
 ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15  # as in pieces.py, for motions
-# Of the largest position, speed and acceleration of a channel: a larger difference between pieces is a jump.
-# The place of a kink is known to the square root of round-off, and so is the speed there.
+# differences between pieces beyond which there is a jump, as parts of the largest position, speed and
+# acceleration of a channel. The time of a kink is known up to the square root of round-off, and so is the
+# speed at the kink.
 JUMPS = 1e-9, 1e-6, 1e-4
-CONTRADICTS = 1e-3  # of the largest speed: by how much one that is given may differ from that of the position
+# largest difference between a given speed and the speed of the position, as a part of the largest speed
+CONTRADICTS = 1e-3
 
 
 @dataclass(frozen=True)
 class Motion:
-    """What a channel follows.
+    """The motion that a channel follows.
 
     Attributes:
-        name: of the input that gives it; "" if none does.
-        position: function of the time [s] for the position [m], also for several times at once.
-        breaks: times at which it may not be smooth [s].
+        name: the name of the input that gives the motion; "" if no input does.
+        position: function of one time or several times [s] that returns the position [m].
+        breaks: times at which the motion may not be smooth [s].
     """
 
     name: str
@@ -42,13 +44,13 @@ class Motion:
 
 @dataclass(frozen=True)
 class Channel:
-    """A channel, and the names of the inputs that give it.
+    """A channel, and the names of the inputs that give its motion.
 
     Attributes:
-        position: name of the input for the position; "" of a belt, which has none.
-        velocity: of the one for the velocity.
-        acceleration: of the one for the acceleration; "" of a belt.
-        start: position at the start if none is given [m].
+        position: name of the input for the position; "" for a belt, which has no position.
+        velocity: name of the input for the velocity.
+        acceleration: name of the input for the acceleration; "" for a belt.
+        start: position at the start if no input gives it [m].
     """
 
     position: str
@@ -58,7 +60,7 @@ class Channel:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of all."""
+        """The names of all inputs of the channel."""
         return tuple(name for name in (self.position, self.velocity, self.acceleration) if name)
 
 
@@ -70,15 +72,15 @@ def motion_of(
     *,
     lines: bool,
 ) -> Motion:
-    """The motion of a channel by what is given: its position, or else its velocity or its acceleration.
+    """Return the motion of a channel, from its position, else from its velocity or its acceleration.
 
     Args:
         channel: the channel.
         signals: name of an input → number, function, or samples (times, values).
         stop: end of the run [s].
-        called: a function (name, time) that gives the value of a function.
-        lines: whether samples are joined by lines; else positions and velocities are by a cubic spline, and
-            the speeds of a belt are held.
+        called: returns the value of a function for (name, time).
+        lines: whether samples are joined by straight lines; else positions and velocities are joined by a
+            cubic spline, and the speed of a belt is held.
     """
     given = next((name for name in channel.names if name in signals), None)
     if given is None:
@@ -100,7 +102,7 @@ def _joined(*, lines: bool, belt: bool) -> str:
 def as_function(
     name: str, signal: Any, called: Callable[[str, float], float], *, joined: str
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
-    """Return a signal as a function of one or several times, and where it may not be smooth."""
+    """Return a signal as a function of one or several times, and the times at which it may not be smooth."""
     if callable(signal):
         return lambda times: np.array([called(name, time) for time in np.ravel(times).tolist()]), np.zeros(0)
     if isinstance(signal, float):
@@ -117,7 +119,7 @@ def as_function(
 
 
 def _integrated(value: Callable[[Any], Any], breaks: np.ndarray, stop: float) -> Callable[[Any], Any]:
-    """Return the integral of a function from 0 on."""
+    """Return the integral of a function from 0 on, as a function of time."""
     inside = breaks[(breaks > 0.0) & (breaks < stop)]
     grid = np.concatenate([[0.0], inside, [stop]])
     held = joined_points(grid, np.arange(len(grid))[:, np.newaxis] * 1.0, lines=False)
@@ -145,7 +147,7 @@ def _integrated(value: Callable[[Any], Any], breaks: np.ndarray, stop: float) ->
 
 
 def derivatives(pieces: Pieces, order: int) -> np.ndarray:
-    """Return the derivative of an order of all signals at both ends of each piece, shape (2, P, M)."""
+    """Return the derivative of some order of all signals at both ends of each piece, shape (2, P, M)."""
     powers, ends = pieces.powers, np.stack([pieces.start, pieces.end])
     x = (ends - pieces.middle) * pieces.scale
     total = np.zeros((*x.shape, powers.shape[2]))
@@ -155,7 +157,10 @@ def derivatives(pieces: Pieces, order: int) -> np.ndarray:
 
 
 def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
-    """Whether a derivative of motions, in some columns, jumps where each piece begins, shape (P, K)."""
+    """Return whether a derivative of some motions jumps at the start of each piece, shape (P, K).
+
+    ``columns`` are the columns of the motions.
+    """
     found = np.zeros((len(pieces.start), len(columns)), bool)
     if not len(columns) or not math.isfinite(pieces.end[-1]):
         return found
@@ -171,10 +176,10 @@ def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
 def refuse_jumps(
     source: str, motions: Sequence[Motion], belts: np.ndarray, pieces: Pieces, columns: np.ndarray
 ) -> None:
-    """Refuse motions of base and walls that jump, or whose velocity jumps: a belt's may.
+    """Refuse motions of base and walls whose position or velocity jumps; the speed of a belt may jump.
 
     Raises:
-        SceneError: where one does.
+        SceneError: when a motion jumps.
     """
     for order, what in enumerate(("position", "velocity")):
         for k in np.flatnonzero((jumps(pieces, columns, order) & ~belts).any(axis=0)):
@@ -187,10 +192,11 @@ def refuse_jumps(
 
 
 def joined(pieces: Pieces, columns: np.ndarray) -> Pieces:
-    """Pieces of motions, in some columns, that meet with equal positions and velocities, up to round-off.
+    """Return pieces of motions that meet with equal positions and velocities, up to round-off.
 
-    A correction (1 − r)⁸ (s + (8 s + v) r), with r from 0 to 1 in the piece, takes away the small differences
-    at its start. A jump of the speed of a belt stays.
+    A correction (1 − r)⁸ (s + (8 s + v) r), with r from 0 to 1 in the piece, removes the small differences s
+    and v at the start of a piece. ``columns`` are the columns of the motions. A jump in the speed of a belt
+    stays.
     """
     ends = [derivatives(pieces, order)[:, :, columns] for order in range(2)]
     x0, x1 = (((at - pieces.middle) * pieces.scale)[1:, np.newaxis] for at in (pieces.start, pieces.end))
@@ -216,7 +222,7 @@ def contradictions(
     columns: np.ndarray,
     called: Callable[[str, float], float],
 ) -> list[str]:
-    """Sentences on velocities and accelerations that are given, but are not those of the motion followed."""
+    """Return sentences on given velocities and accelerations that differ from the motion that is followed."""
     found = []
     for channel, column in zip(channels, columns, strict=True):
         names = [name for name in channel.names if name in signals]

@@ -1,12 +1,11 @@
-"""Polynomials that follow functions of time, piece by piece, as exactly as is asked for.
+"""Polynomials that follow functions of time, piece by piece, to a given accuracy.
 
-A piece of a function is its Chebyshev series from values at Chebyshev–Gauss points, which leave out the ends:
-what it is exactly where it jumps does not matter. A piece whose series does not converge is halved, or parted
-where the function changes from one polynomial to another. What is left around a jump or a kink is too short
-to matter, and is dropped.
+A piece of a function is its Chebyshev series from values at Chebyshev–Gauss points. These leave out the ends,
+so the exact value at a jump does not matter. A piece whose series does not converge is halved, or split where
+the function changes from one polynomial to another. A short rest around a jump or a kink is dropped.
 
-Source: the criterion is that of J. P. Boyd 2001, *Chebyshev and Fourier Spectral Methods*, 2nd ed., Dover,
-section 2.12: the last coefficients bound the error.
+Source: J. P. Boyd 2001, *Chebyshev and Fourier Spectral Methods*, 2nd ed., Dover, section 2.12: the last
+coefficients bound the error.
 """
 
 from __future__ import annotations
@@ -24,28 +23,32 @@ from chain_impact.kernel.forces.inputs import DEGREE
 
 Sampled = Callable[[np.ndarray], np.ndarray]
 """Times, shape (T,) → values of M functions there, shape (T, M)."""
-CHECKED_TIMES = 2000  # in a run, at which every function is called: what is shorter can be missed
-POINTS = 16  # values of a piece
-SHORTEST = 4e-13  # of the run: a piece so short is dropped
-ALIKE = 1e-6  # of a length: lengths that differ by less are equal
-FAR = 4.0  # of the last piece: a longer interval is halved before a fit is tried
-NOISE = 4  # pieces in a row that hold jumps: a function that is nowhere smooth
-FINE = 1 / 65536  # of the run: a function with pieces so short is hardly smooth in pieces
-CALLS = 15_000  # times in a run at which functions are called for fine pieces, jumps and kinks
-CALLS_PER_PIECE = 50  # as many more with each piece of the signals that are held
-SIMPLE = 4  # degree of a polynomial that may be extrapolated in search of a jump or kink
-NEARER = 0.1  # of the larger miss of two polynomials: the smaller one, if a value belongs to one of them
-ROUND_OFF = 4e-15  # of a function's largest value: what its values may err …
-RESOLVED = 1e-14  # … and of the time, for what round-off in the time makes of them
-JOINED = 10.0  # of the error allowed: by what two pieces may differ where they meet, without a jump
-DROPPED = 0.05  # of the error allowed: a last coefficient that is left out
+# number of times in a run at which every function is called; a shorter pulse can be missed
+CHECKED_TIMES = 2000
+POINTS = 16  # number of values of a function in a piece
+SHORTEST = 4e-13  # length of a piece below which it is dropped, as a part of the run
+ALIKE = 1e-6  # relative difference of two lengths below which they are equal
+FAR = 4.0  # length of an interval over the last piece's, beyond which it is halved before a fit is tried
+NOISE = 4  # number of pieces in a row with jumps, from which on the function is smooth nowhere
+# length of a piece, as a part of the run, below which the function is hardly smooth in pieces
+FINE = 1 / 65536
+CALLS = 15_000  # number of times in a run at which functions may be called for fine pieces, jumps and kinks
+CALLS_PER_PIECE = 50  # number of further such times for each piece of the signals that are held
+SIMPLE = 4  # degree up to which a polynomial may be extrapolated in search of a jump or kink
+# smaller miss of two polynomials over the larger one, below which a value belongs to one of them
+NEARER = 0.1
+ROUND_OFF = 4e-15  # error of a function's values, as a part of the largest value
+RESOLVED = 1e-14  # error of a time, as a part of the time; it changes the values
+# difference of two pieces where they meet, over the allowed error, beyond which there is a jump
+JOINED = 10.0
+DROPPED = 0.05  # size of a last coefficient, over the allowed error, below which it is left out
 
 _ANGLES = np.pi * (np.arange(POINTS)[::-1] + 0.5) / POINTS
 _NODES = np.cos(_ANGLES)
 # values at the nodes → coefficients of the Chebyshev series
 _SERIES = np.cos(np.arange(POINTS)[:, np.newaxis] * _ANGLES) * 2.0 / POINTS
 _SERIES[0] /= 2.0
-# the first of them → coefficients of powers
+# coefficients of the Chebyshev series → coefficients of powers
 _POWERS = np.eye(DEGREE + 1)
 for _m in range(2, DEGREE + 1):
     # T_m = 2 x T_{m−1} − T_{m−2}
@@ -54,10 +57,10 @@ for _m in range(2, DEGREE + 1):
 
 
 class NotSmoothError(Exception):
-    """A function cannot be followed around a time [s]."""
+    """A function cannot be followed around a time."""
 
     def __init__(self, time: float, which: int) -> None:
-        """Around a time [s], by the number of the function."""
+        """Keep the time [s] and the number of the function."""
         super().__init__(time, which)
         self.time, self.which = time, which
 
@@ -86,12 +89,12 @@ class Pieces:
 
     Attributes:
         start: where each piece begins, shape (P,) [s].
-        end: where it ends, shape (P,) [s].
+        end: where each piece ends, shape (P,) [s].
         middle: shape (P,) [s].
         scale: shape (P,) [1/s].
         powers: coefficients of x⁰, x¹, …, at most of x^DEGREE, shape (P, K, M).
-        same: what two values of each signal may differ by without a jump, shape (M,).
-        moving: which of the signals are motions, of which the size is how far they go.
+        same: largest difference of two values of each signal that is no jump, shape (M,).
+        moving: which of the signals are motions; the size of a motion is the distance that it covers.
     """
 
     start: np.ndarray
@@ -104,20 +107,20 @@ class Pieces:
 
     @cached_property
     def jumps(self) -> np.ndarray:
-        """Whether a signal jumps where each piece begins; true for the first."""
+        """Whether a signal jumps at the start of each piece; true for the first piece."""
         before = self._at(self.start[1:], slice(None, -1))
         after = self._at(self.start[1:], slice(1, None))
         return np.append(True, (np.abs(after - before) > self.same).any(axis=1))
 
     def _at(self, times: np.ndarray, which: slice) -> np.ndarray:
-        """Return the values of some pieces, each at one of the times."""
+        """Return the values of some pieces, one time for each."""
         x = (times - self.middle[which]) * self.scale[which]
         powers_of_x = x[:, np.newaxis] ** np.arange(self.powers.shape[1])
         return np.asarray(np.einsum("pkm,pk->pm", self.powers[which], powers_of_x))
 
     @cached_property
     def _largest(self) -> np.ndarray:
-        """A bound on the size of each signal, shape (M,), not 0."""
+        """An upper bound of each signal, shape (M,), not 0."""
         sizes = np.abs(self.powers)
         sizes[:, 0, self.moving] = 0.0
         largest = sizes.sum(axis=1).max(axis=0, initial=0.0)
@@ -125,7 +128,7 @@ class Pieces:
 
     @cached_property
     def _changes(self) -> tuple[np.ndarray, np.ndarray]:
-        """The order of each piece, and how fast it changes: (|u⁽ᵐ⁾|/|u|)^(1/m) at the middle, shape (P,)."""
+        """The order of each piece, and its rate of change (|u⁽ᵐ⁾|/|u|)^(1/m) at the middle, shapes (P,)."""
         count = self.powers.shape[1]
         used = self.powers.any(axis=2) * np.arange(count)
         shares = (np.abs(self.powers) / self._largest).max(axis=2, initial=0.0)
@@ -133,7 +136,7 @@ class Pieces:
         return used.max(axis=1, initial=0), np.max(rates, axis=0, initial=0.0) + np.zeros(len(used))
 
     def settings(self, at: int) -> dict[str, float]:
-        """What the record of a course has of a piece, but for the powers."""
+        """Return the fields of a piece for the record, without the powers."""
         order, rate = self._changes
         if order[at] == 0:
             return {"order": 0, "change_rate": 0.0}
@@ -141,7 +144,7 @@ class Pieces:
             "order": order[at],
             "middle": self.middle[at],
             "scale": self.scale[at],
-            # the step that ends with the piece shall not end before it by round-off
+            # round-off must not make the step that ends with the piece end before it
             "until": self.end[at] + 4.0 * np.spacing(self.end[at]),
             "change_rate": self.scale[at] * rate[at],
         }
@@ -150,9 +153,9 @@ class Pieces:
 def joined_points(
     times: np.ndarray, values: np.ndarray, *, lines: bool, breaks: np.ndarray | None = None
 ) -> Pieces:
-    """Return signals by their values of shape (T, M) at T times [s], held until the next, or joined by lines.
+    """Return signals from their values (T, M) at T times [s], held until the next time or joined by lines.
 
-    A single one is held for ever. At ``breaks`` among the times another piece begins in any case.
+    A single value is held for ever. A new piece begins at each of the ``breaks``, which are among the times.
     """
     if len(times) == 1:
         times, values = np.append(times, math.inf), values.repeat(2, axis=0)
@@ -160,7 +163,7 @@ def joined_points(
     powers = np.stack([left, np.zeros_like(left)], axis=1)
     if lines:
         powers = np.stack([np.where(left == right, left, 0.5 * (left + right)), 0.5 * (right - left)], axis=1)
-    # pieces that are constant and equal are one
+    # equal constant pieces are joined into one
     new = (powers[1:] != powers[:-1]).any(axis=(1, 2)) | powers[1:, 1].any(axis=1)
     if breaks is not None:
         new |= np.isin(times[1:-1], breaks)
@@ -178,17 +181,18 @@ def joined_points(
 
 
 class Follower:
-    """Finds pieces of M functions in a run."""
+    """Finds the pieces of M functions in a run."""
 
     def __init__(self, functions: Sampled, stop: float, accuracy: Any, resolved: Any = RESOLVED) -> None:
         """Call the functions at times all over the run.
 
         Args:
-            functions: what is followed.
+            functions: the functions to follow.
             stop: end of the run, which begins at 0 [s].
-            accuracy: error that a piece may have, in parts of each function's largest value, shape (M,), or
-                one for all.
-            resolved: of the time, for what round-off in the time makes of the values, likewise.
+            accuracy: allowed error of a piece, as a part of each function's largest value, shape (M,), or one
+                number for all functions.
+            resolved: error of the time as a part of the time, which changes the values; shape (M,), or one
+                number.
         """
         self._functions, self._shortest, self._fine = functions, SHORTEST * stop, FINE * stop
         self._times = np.linspace(0.0, stop, CHECKED_TIMES + 1)
@@ -197,15 +201,16 @@ class Follower:
         self._resolved = resolved
         self._accuracy = np.maximum(accuracy, ROUND_OFF)
         self._calls_left = CALLS
-        self._refused = np.zeros(len(self._scale), dtype=int)  # fits that each function has prevented
+        # number of fits that each function has prevented
+        self._refused = np.zeros(len(self._scale), dtype=int)
         self._last: Piece | None = None
-        self._failed = math.inf  # s, length of the last interval that was halved
+        self._failed = math.inf  # [s] length of the last interval that was halved
 
     def pieces(self, start: float, end: float) -> list[Piece]:
         """Return pieces of the functions between two times [s], as few as halving and joining find.
 
         Raises:
-            NotSmoothError: where there are none.
+            NotSmoothError: when a function cannot be followed.
         """
         found: list[Piece] = []
         dropped = 0
@@ -218,10 +223,10 @@ class Follower:
         return found
 
     def with_held(self, held: Pieces, columns: np.ndarray) -> Pieces:
-        """Return pieces in which the functions are some of the signals; the others are held ones.
+        """Return pieces of all signals: some signals are the functions, the others are held.
 
         Raises:
-            NotSmoothError: where there are none.
+            NotSmoothError: when a function cannot be followed.
         """
         found, powers = [], []
         for k, (start, end) in enumerate(zip(held.start.tolist(), held.end.tolist(), strict=True)):
@@ -232,7 +237,7 @@ class Follower:
             for piece in pieces:
                 row = np.zeros((DEGREE + 1, held.powers.shape[2]))
                 row[0] = held.powers[k, 0]
-                if held.powers.shape[1] > 1:  # lines
+                if held.powers.shape[1] > 1:  # a held signal may be joined by lines
                     middle, half = 0.5 * (piece.start + piece.end), 0.5 * (piece.end - piece.start)
                     row[0] += held.powers[k, 1] * (middle - held.middle[k]) * held.scale[k]
                     row[1] = held.powers[k, 1] * half * held.scale[k]
@@ -252,7 +257,7 @@ class Follower:
         )
 
     def _join(self, found: list[Piece], piece: Piece) -> None:
-        """Append a piece, as one with the last if that can be."""
+        """Append a piece, or join it with the last piece if one polynomial fits both."""
         meets = bool(found) and found[-1].end == piece.start
         both = (
             self._fitted(found[-1].start, piece.end) if meets and not self._alike(found[-1], piece) else None
@@ -264,12 +269,12 @@ class Follower:
         self._last = found[-1]
 
     def _alike(self, one: Piece, other: Piece) -> bool:
-        """Return whether two pieces are halves of what no piece fits, or as long as such halves."""
+        """Return whether two pieces are, or are as long as, halves of an interval that no piece fits."""
         halves = np.array([one.end - one.start, other.end - other.start, 0.5 * self._failed])
         return bool(np.ptp(halves) <= ALIKE * halves[0])
 
     def _parted(self, start: float, end: float) -> Iterator[Piece | None]:
-        """Yield pieces in order; None for what is too short to matter."""
+        """Yield pieces in order; None for an interval that is too short to matter."""
         if end - start <= self._shortest:
             yield None
             return
@@ -279,7 +284,7 @@ class Follower:
         if fitted is not None:
             yield fitted
             return
-        # what goes on from a piece that is not simple is not simple, so no break is found
+        # an interval that continues a piece of high degree is not simple, so it is not searched for a break
         simple = last is None or last.end != start or not last.powers[SIMPLE + 1 :].any()
         before, after = (self._break(start, end) if simple and not far else None) or (middle, middle)
         self._failed = end - start
@@ -288,10 +293,14 @@ class Follower:
                 yield from self._parted(*part)
 
     def _break(self, start: float, end: float) -> tuple[float, float] | None:
-        """Return times [s] just before and just after the only jump or kink, if there seems to be one."""
+        """Return times [s] just before and just after the only jump or kink, if there seems to be one.
+
+        Else None.
+        """
         quarter = 0.25 * (end - start)
         before, after = start + quarter, end - quarter
-        # extrapolated far, polynomials tell the sides apart; beside the break, they tell where it is
+        # polynomials extrapolated over a distance tell the two sides apart; close to the break, they locate
+        # it
         for until in (0.125 * quarter, self._shortest):
             left = self._simple(before - quarter, before)
             right = self._simple(after, after + quarter) if left is not None else None
@@ -303,14 +312,14 @@ class Follower:
         return before, after
 
     def _simple(self, start: float, end: float) -> Piece | None:
-        """Return the piece between two times [s], if it is exact and of a low degree."""
+        """Return the piece between two times [s] if it is exact and of a low degree; else None."""
         piece = self._fitted(start, end)
         return None if piece is None or piece.powers[SIMPLE + 1 :].any() else piece
 
     def _narrowed(self, left: Piece, right: Piece, until: float) -> tuple[float, float]:
-        """Times [s] between which values cease to be those of the left piece and begin to be the right one's.
+        """Return the last time [s] with values of the left piece, and the first one of the right piece.
 
-        They are further apart than ``until`` if some values seem to be neither.
+        The times are farther apart than ``until`` if some values seem to belong to neither piece.
         """
         before, after = left.end, right.start
         scale = np.where(self._scale > 0.0, self._scale, 1.0)
@@ -329,7 +338,7 @@ class Follower:
         return before, after
 
     def _called(self, times: np.ndarray, *, costly: bool) -> np.ndarray:
-        """Return the values at some times [s], of which there may be a limited number of costly ones."""
+        """Return the values at some times [s]; the number of costly times is limited."""
         if costly:
             self._calls_left -= len(times)
             if self._calls_left < 0:
@@ -340,7 +349,7 @@ class Follower:
         return NotSmoothError(time, int(self._refused.argmax()))
 
     def _fitted(self, start: float, end: float) -> Piece | None:
-        """Return the piece between two times [s], if it is exact."""
+        """Return the piece between two times [s] if it is exact; else None."""
         half, middle = 0.5 * (end - start), 0.5 * (start + end)
         costly = end - start < self._fine
         values = self._called(middle + half * _NODES, costly=costly)
@@ -359,7 +368,7 @@ class Follower:
         powers = np.zeros((DEGREE + 1, values.shape[1]))
         powers[: order + 1] = _POWERS[: order + 1, : order + 1] @ series[: order + 1]
         piece = Piece(start, end, powers)
-        # what happens between an end and the node next to it shows at the end
+        # a change between an end and the node next to it shows at the end
         inside = min(0.1 * self._shortest, 0.002 * half)
         ends = np.array([start + inside, end - inside])
         seen = slice(*np.searchsorted(self._times, ends))

@@ -1,4 +1,4 @@
-"""Why derivatives end: a sentence for each number of ``trust.reason`` (kernel/tangent/trust.py)."""
+"""The reasons why derivatives end: a sentence for each ``trust.reason`` (kernel/tangent/trust.py)."""
 
 from chain_impact.kernel.tangent.trust import (
     AT_FLOOR,

@@ -1,4 +1,4 @@
-"""Run a scene with values set by name."""
+"""The run of a scene with values set by name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from chain_impact.simulation.simulate import simulate
 
 
 class RunError(RuntimeError):
-    """A simulation that could not start or go on; ``recording`` holds what it gave until then."""
+    """A simulation that could not start or continue; ``recording`` holds the results up to the fault."""
 
     def __init__(self, message: str, recording: Recording | None = None) -> None:
         """Keep the recording with the message."""
@@ -32,7 +32,7 @@ def record_scene(
     """Simulate a scene with some values set by name, as ``with_settings`` does.
 
     Args:
-        scene: what to simulate.
+        scene: the scene.
         settings: name → value, or its text.
         progress: as for ``simulate``.
         sensitivities: as for ``simulate``.
@@ -51,7 +51,7 @@ def record_scene(
 
 
 def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:
-    """The scene with some values set by name, as ``scene.with_values`` does, values in text as in TOML.
+    """Return the scene with some values set by name, as ``scene.with_values`` does; text is read as in TOML.
 
     Raises:
         SceneError: when a name is unknown or a value is out of range.
@@ -60,7 +60,10 @@ def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:
 
 
 def value_of(text: Any) -> Any:
-    """The value that a text stands for: a number, what TOML takes for a value, or itself; others stay."""
+    """Return the value that a text stands for: a number, a value of TOML, or the text itself.
+
+    Values of other types are returned unchanged.
+    """
     if not isinstance(text, str):
         return text
     try:

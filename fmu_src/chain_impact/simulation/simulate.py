@@ -1,4 +1,4 @@
-"""Simulate a scene in this process, with the compiled kernel that its FMU would carry."""
+"""The simulation of a scene in this process, with the compiled kernel of its FMU."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.places import WORD
 
 MOST_BYTES = 2_000_000_000
-"""Most bytes that the outputs of a simulation may take: more is refused before anything is computed."""
+"""[byte] largest size of the outputs of a simulation; more is refused before the run, not after it."""
 
 
 def simulate(
@@ -55,44 +55,45 @@ def simulate(
     Inputs act by their ``interpolation``. Communication points are the rows of the result and, between them,
     the times of samples.
 
-    - ``follow``: the solver follows a function between communication points, too, to its tolerance. It finds
-      jumps and kinks; a pulse shorter than a two-thousandth of the run can be missed. A sample acts from its
-      time on until the next one, so that a signal of steps is followed exactly.
-    - ``hold``: a function is called at each communication point, and its value acts until the next, as an
-      FMU has it that is stepped between them. Samples act as with ``follow``.
+    - ``follow``: the solver follows a function to the solver's tolerance, between communication points as
+    well. It finds jumps and kinks; a pulse shorter than a two-thousandth of the run can be missed. A sample
+    acts from its time until the time of the next sample, so a signal of steps is followed exactly.
+    - ``hold``: a function is called at each communication point, and its value acts until the next
+    communication point, as in an FMU. Samples act as with ``follow``.
     - ``linear``: samples, and a function's values at communication points, are joined by straight lines,
       which the solver follows.
 
-    A motion of the base or a wall is followed with its derivatives. Samples of its position or velocity are
-    joined by a cubic spline unless by lines, as it must not jump. What is given of it beside its position is
-    only compared. With ``hold`` it is followed as by an FMU (docs/drive.md).
+    A motion of the base or a wall is followed with its derivatives. Samples of a position or velocity are
+    joined by a cubic spline, or by straight lines with ``linear``, because the motion must not jump. A
+    velocity or acceleration that is given beside the position is only compared with it. With ``hold`` the
+    motion is followed as by an FMU (docs/drive.md).
 
-    The first sample acts before its time, too, and the last one until the end. A row of the result has the
-    accelerations and forces that the inputs until then cause, as an importer sees them that reads the FMU
-    after each step. Functions are called before the simulation begins: they cannot depend on its state. For
-    a controller, step a ``Chain``, or connect one to the FMU.
+    The first sample also acts before its time, and the last one until the end. A row of the result has the
+    accelerations and forces that the inputs before its time cause, as an importer reads them after a step of
+    the FMU. Functions are called before the simulation begins, so they cannot depend on its state. For a
+    controller, step a ``Chain``, or connect a controller to the FMU.
 
     Args:
-        scene: what to simulate: a scene, or what ``load_scene`` takes.
+        scene: a scene, or an argument of ``load_scene``.
         stop_time: end [s]; the scene's by default.
         output_step: distance of the rows of the result [s]; the scene's communication step by default. It
-            changes neither the solution nor its cost, but for functions that are not followed. With
+            changes neither the solution nor the cost, except with functions that are not followed. With
             ``math.inf`` there are two rows, the start and the end.
         method: solver method instead of the scene's.
         tolerance: relative tolerance instead of the scene's.
         output: the outputs of the result, by their names in the FMU, in which ``*`` stands for
             any text: ``["point[4].x", "energy.*"]``; all by default, none if empty. All rows together take
-            at most ``MOST_BYTES``. The impacts are always all there.
+            at most ``MOST_BYTES``. The result always has all impacts.
         inputs: name of an input of the scene's FMU, as ``joint[2].torque`` [N·m] or ``tip.force.x`` [N] →
             a number, a function of the time [s], or a pair (times [s], values), each of shape (T,), times
-            increasing. An input that is not named is zero. Or a table of samples: a CSV or Parquet file, a
-            table of pandas or polars, or columns, with the column ``time`` and one for each input.
-        interpolation: of inputs, ``follow``, ``hold`` or ``linear``.
+            increasing. An input that is not named is zero. A table of samples is allowed as well: a CSV or
+                Parquet file, a table of pandas or polars, or columns, with the column ``time`` and one for
+                each input.
+        interpolation: how inputs act: ``follow``, ``hold`` or ``linear``.
         sensitivities: parameters and inputs by their names in the FMU, ``*`` as in ``output``: the result
             then has the derivatives of its outputs and impacts with respect to each of them, for
             ``Result.sensitivity``. The motion is the same, bit for bit. The derivative with respect to an
-            input is for a constant added to it. By default they are those of the scene's
-            ``outputs.sensitivities``.
+            input is for a constant added to it. The default is the scene's ``outputs.sensitivities``.
         progress: called with the fraction done, if given.
 
     Warns:
@@ -100,7 +101,7 @@ def simulate(
 
     Raises:
         SceneError: when one of the arguments is outside its range, or the result would be too large.
-        SimulationError: when the solver cannot go on; it holds the result up to there.
+        SimulationError: when the solver cannot go on; the error holds the result up to this time.
         BuildError: when the kernel cannot be compiled.
     """
     settings = {
@@ -155,7 +156,7 @@ def simulate(
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
         rerun=Rerun(model, driven),
     )
-    # few runs are so deep that there may be something to say
+    # few runs go so deep that a warning is possible
     if found["max_penetration"].max(initial=0.0) > min([link.length for link in scene.chain.links]):
         warn(scene.name, hints(scene, found))
     if instance.record["moved"]["contradiction"]:
@@ -169,21 +170,21 @@ def check_size(source: str, stop: float, step: float, columns: int) -> None:
     """Refuse a result whose outputs take more than ``MOST_BYTES``.
 
     Args:
-        source: of the error.
+        source: the name of the scene in an error.
         stop: stop time [s].
         step: distance of the rows [s].
         columns: number of outputs.
 
     Raises:
-        SceneError: when it would be too large.
+        SceneError: when the result would be too large.
     """
     asked = f"simulation.stop_time = {stop:g} [s] in steps of simulation.step_size = {step:g} [s]"
     _check_rows(f"{source}: {asked} gives", stop / step + 1.0, columns)
 
 
 def _check_rows(what: str, count: float, columns: int) -> None:
-    """Refuse so many rows of outputs if they are too large, in a sentence that begins with what has them."""
-    size = count * WORD * (1 + columns)  # the time, too
+    """Refuse rows of outputs that are too large; ``what`` begins the sentence."""
+    size = count * WORD * (1 + columns)  # the time is a column as well
     if not size <= MOST_BYTES:
         rows = f"{count:.4g} rows of {columns} outputs, {size / 1e9:.4g} GB"
         limit = f"must be at most {MOST_BYTES / 1e9:g} GB: take longer steps, an earlier end or fewer outputs"
@@ -191,7 +192,7 @@ def _check_rows(what: str, count: float, columns: int) -> None:
 
 
 def _times(stop: float, step: float) -> np.ndarray:
-    """Return the multiples of the step below the stop time, and that [s]: the last step may be shorter."""
+    """Return the times of rows [s]: multiples of the step below the stop time, and the stop time."""
     times = np.arange(np.ceil(stop / step * (1 - 1e-12)) + 1.0)
     times *= step
     times[-1] = stop
@@ -200,13 +201,16 @@ def _times(stop: float, step: float) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Rerun:
-    """The same run once more, with rows at other times."""
+    """The same run again, with rows at other times."""
 
     model: Model
     driven: Drive
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
-        """The outputs at some times that increase [s], shape (S,); fewer, if the solver cannot go on."""
+        """Return the outputs at some increasing times [s], shape (S,).
+
+        Fewer if the solver cannot continue.
+        """
         driven = self.driven.at(times)
         instance = Instance(self.model, driven, ())
         rows = WordRows(len(driven.times), self.model.output_words)
@@ -216,7 +220,7 @@ class Rerun:
 
 
 class _Stepwise(Mapping[str, np.ndarray]):
-    """The columns of outputs that change at events and steps only, by name: views of rows of their words."""
+    """The columns of outputs that change at events and steps only, by name, as views of rows of words."""
 
     def __init__(
         self, numbers: np.ndarray, words: np.ndarray, places: Mapping[str, tuple[int, bool]]
@@ -239,13 +243,13 @@ def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:
     """Return the scene with a Python function as its contact law.
 
     Args:
-        scene: a scene, or what ``load_scene`` takes.
-        law: a function that returns the force [N], as in a ``contact.law_file``. Its source, which has to be
-            known, is kept as a file in the cache folder, which ``Fit.save`` copies to the scene that it
-            writes. It knows the module ``math`` and nothing else that is defined outside it.
+        scene: a scene, or an argument of ``load_scene``.
+        law: a function that returns the force [N], as in a ``contact.law_file``. Python must know its source,
+            which is kept as a file in the cache folder; ``Fit.save`` copies this file to the scene that it
+            writes. The function may use the module ``math`` and no other name from outside.
 
     Raises:
-        SceneError: when it cannot be a law.
+        SceneError: when the function cannot be a law.
     """
     scene = scene_of(scene)
     try:

@@ -1,1 +1,1 @@
-"""Many runs of a scene: every contact law side by side."""
+"""Studies with many runs of a scene: sweeps, fits, comparisons of contact laws, animations, accuracy."""

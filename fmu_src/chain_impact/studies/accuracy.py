@@ -1,4 +1,4 @@
-"""An estimate of the error of positions and onsets: what a run and one at a tighter tolerance differ by."""
+"""An estimate of the errors of positions and onsets, from a run at a tighter tolerance."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ run is no longer small beside the error of the first, and their difference is no
 
 @dataclass(frozen=True)
 class Differences:
-    """The largest differences of two runs, as far as their impacts are the same ones in the same order.
+    """The largest differences between two runs, up to their first different impact.
 
     Attributes:
         impacts: how many impacts are compared.
-        onset: difference of two onsets [s]; 0 without an impact.
-        position: distance of a point's two positions at the same time [m].
-        point: what this point is called.
-        time: when it is [s].
+        onset: the largest difference of onsets [s]; 0 without an impact.
+        position: the largest distance of a point's positions in both runs at the same time [m].
+        point: the name of the point with this distance.
+        time: the time of this distance [s].
         end: the end of the comparison [s].
-        parted: whether the runs have other impacts from there on.
+        parted: whether the runs have different impacts after the end of the comparison.
     """
 
     impacts: int
@@ -40,7 +40,7 @@ class Differences:
 def differences(run: Recording, tighter: Recording) -> Differences:
     """Compare a run with one at a tighter tolerance, row by row and impact by impact.
 
-    Once the runs have other impacts, they are two motions, and their difference is no error.
+    After the first different impact the runs are two different motions, whose difference is no error.
     """
     rows = min(len(run.time), len(tighter.time))
     end, together = float(run.time[rows - 1]), run.time[:rows] == tighter.time[:rows]

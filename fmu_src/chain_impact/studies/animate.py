@@ -1,4 +1,4 @@
-"""An animation of a scene: it is simulated with rows so close in time that each impact can be seen slowly."""
+"""An animation of a scene, which is simulated with close rows so that each impact can be shown slowly."""
 
 from __future__ import annotations
 
@@ -34,15 +34,14 @@ def animate(
     """Write an animation, or show it in a notebook.
 
     Args:
-        recording: what to show: a recording, as every result is one, in which slow motion shows more where
-            rows are close in time; or a scene, or what ``load_scene`` takes, which ``record_slowly``
-            simulates.
+        recording: a recording, such as a result, in which close rows give better slow motion; or a scene, or
+            an argument of ``load_scene``, which ``record_slowly`` simulates.
         path: the file, whose suffix says the kind: ``.html`` is a page that a browser opens and that needs no
             other file, ``.gif`` and ``.mp4`` are films. Without it the page is returned, which a notebook
             shows.
-        speed: simulated seconds in a second on the screen, but for impacts.
-        impact_time: what each impact takes on the screen [s] at the speed 1: shortly before, the animation
-            slows down. 0 shows all at one speed.
+        speed: simulated seconds in a second on the screen, outside of impacts.
+        impact_time: duration of each impact on the screen [s] at the speed 1; the animation slows down
+            shortly before the impact. With 0 the speed is constant.
         size: width and height of a film [pixels].
         progress: called with the fraction done of a film, if given.
 
@@ -50,7 +49,7 @@ def animate(
         AnimationError: when the suffix is unknown, a number is out of its range, the recording has fewer than
             two rows or no position of a point.
         MissingExtraError: when PyAV is not installed, for an mp4.
-        SceneError, SimulationError: when the scene cannot be read, or the solver cannot go on.
+        SceneError, SimulationError: when the scene cannot be read, or the solver cannot continue.
         OSError: when the file cannot be written.
     """
     if not isinstance(recording, Recording):
@@ -66,26 +65,27 @@ def record_slowly(
     *,
     inputs: Mapping[str, Signal] | None = None,
 ) -> Result:
-    """Simulate a scene twice: to find the impacts, and with rows that are close in time around them.
+    """Simulate a scene twice: first to find the impacts, then with close rows around them.
 
     The rows do not change the solution.
 
     Args:
-        scene: what to simulate: a scene, or what ``load_scene`` takes.
-        impact_time: what each impact takes on the screen [s], 0 for no slow motion.
+        scene: a scene, or an argument of ``load_scene``.
+        impact_time: duration of each impact on the screen [s], 0 for no slow motion.
         progress: called with the fraction done, if given.
         inputs: as for ``simulate``.
 
     Raises:
-        SceneError: when an input cannot be one.
-        SimulationError: when the solver cannot go on; it holds the result up to there, with even rows.
+        SceneError: when an input is invalid.
+        SimulationError: when the solver cannot continue; the error holds the result so far, with evenly
+            spaced rows.
         BuildError: when the kernel cannot be compiled.
     """
     scene, show = scene_of(scene), progress or silent
     result = simulate(scene, inputs=inputs, progress=lambda done: show(done / 2))
     stop, onsets = float(result.time[-1]), result.impacts["onset"]
     shown, _ = frame_times(0.0, stop, slow_spans(result), impact_time, MOST_ROWS)
-    # an impact that is too weak to be shown slowly has rows for its peak force
+    # an impact that is too weak for slow motion still gets rows for its peak force
     lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
     others = (onsets[:, None] + lasting * WITHIN).ravel()[:MOST_ROWS]
     driven = drive(result.model, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))

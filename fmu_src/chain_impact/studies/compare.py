@@ -49,29 +49,31 @@ STIFFER = (10.0, 100.0)
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Comparison(LawRuns):
-    """All laws on one scene, or some of them. Printed, it is a table with a line for each, and the advice.
+    """All laws on one scene, or some of them.
+
+    Its text is a table with a line for each law, and advice.
 
     Attributes:
         scene: the scene.
         reference: id of the law whose impacts the others are compared with.
         runs: one for each law, in the order of the registry, then the scene's own law if it has one.
-        reached: the restitution of the first impact that can be reached, at the scene's stiffness and, if
-            the impact is not free, at larger ones.
+        reached: the restitution that the first impact can reach, at the scene's stiffness and, if the impact
+            is not free, at larger stiffnesses.
     """
 
     def __repr__(self) -> str:
-        """Return the table and the advice, as a text of several lines."""
+        """Return the table and the advice as text of several lines."""
         return as_text(report(self))
 
     def _repr_html_(self) -> str:
-        """Return the same in a notebook."""
+        """Return the table and the advice for a notebook."""
         return as_html(report(self))
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the table of pandas with a row for each law; the columns are those of ``save_csv``.
+        """Return a table of pandas with a row for each law; the columns are as in ``save_csv``.
 
         Raises:
-            MissingExtraError: when pandas is not there: the extra ``pandas``.
+            MissingExtraError: when pandas (the extra ``pandas``) is not installed.
         """
         columns = {name: [value(run) for run in self.runs] for name, value in COLUMNS.items()}
         return require("pandas", "pandas").DataFrame(columns)
@@ -86,10 +88,10 @@ class Comparison(LawRuns):
         """Draw the loops of all laws, force over penetration in the first impact, and the energy over time.
 
         Args:
-            path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
+            path: a file, whose suffix png, svg or pdf gives its kind. Without a file the figure is returned,
                 which a notebook shows.
             size: width and height [inches]. On a page narrower than 6 inches the loops are above the energy.
-            ax: axes of matplotlib to draw the loops into; they are returned.
+            ax: axes of matplotlib for the loops; these axes are returned.
 
         Raises:
             ValueError: when a page is too small, or axes are given with a file or a size.
@@ -100,7 +102,7 @@ class Comparison(LawRuns):
         return plot_comparison(self, path, size, ax)
 
     def save_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the table as CSV, numbers in full precision; missing values are empty."""
+        """Write the table as CSV with all digits; missing values are empty."""
         with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(COLUMNS)
@@ -135,20 +137,21 @@ def compare(
     *,
     laws: Sequence[str] | None = None,
 ) -> Comparison:
-    """Simulate a scene with each law of the registry, and with its own law if it has one, or with some.
+    """Simulate a scene with each law of the registry and with the scene's own law, or with some laws.
 
-    A law that needs another exponent than the scene's is run with that, and with the stiffness that makes
-    the first impact equally deep if it were elastic. A law that does not allow the scene's restitution, or
-    fails, is listed with the reason. Stops with a law of their own keep it: then the laws are those of the
-    walls, and are compared by the first impact there.
+    A law that needs another exponent than the scene's runs with its exponent, and with the stiffness that
+    gives the first impact the same penetration if it were elastic. A law that does not allow the scene's
+    restitution, or fails, is listed with the reason. Stops with their own law keep it; then only the law of
+    the walls changes, and the first impact at a wall is compared.
 
     Args:
         scene: a scene, or what ``load_scene`` takes; its contact model does not matter.
         progress: called with the fraction done, if given.
-        laws: ids of the laws, all by default. The scene's own is added if all others need another exponent.
+        laws: ids of the laws, all by default. The scene's own law is added if all others need another
+            exponent.
 
     Raises:
-        UnknownNameError: when the scene can have no such law.
+        UnknownNameError: when a law does not exist.
         SceneError: when there is no impact.
         BuildError: when the kernel cannot be compiled.
     """
@@ -183,7 +186,10 @@ def compare(
 
 
 def _reached(scene: Scene, factor: float, known: Mapping[str, LawRun]) -> Reached:
-    """What restitution can be reached with a larger stiffness; the runs of some laws may be known."""
+    """Return the restitution that can be reached with a larger stiffness.
+
+    ``known`` has runs that were made.
+    """
     stiffer = scene if factor == 1.0 else stiffened(scene, factor)
     lossless, exact = (known.get(law) or _run(stiffer, law, None, silent) for law in (LOSSLESS, EXACT))
     return Reached(lossless.stiffness, lossless.restitution, exact.restitution)
@@ -200,10 +206,10 @@ def _why_none(scene: Scene) -> str:
 
 
 def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
-    """The ids of the laws to compare, in the order of the registry, at least one with the scene's exponent.
+    """Return the ids of the laws to compare, in the registry's order, with one of the scene's exponent.
 
     Raises:
-        UnknownNameError: when the scene can have no law of an id.
+        UnknownNameError: when an id belongs to no law.
     """
     known = law_names(scene)
     for law in laws or ():
@@ -245,7 +251,8 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     impact = impact.copy()
     law = CONTACT_LAWS.get(contact_at(result.scene, impact).model)
     if law and law.impulsive and impact["end"] != impact["onset"]:
-        # stopped by the impulse; how long the wall holds the point then is no part of the impact
+        # the impulse stops the point; the time for which the wall then holds the point is no part of the
+        # impact
         impact["end"], impact["separation_speed"], impact["peak_force"] = impact["onset"], 0.0, 0.0
     values = {
         "restitution": impact["separation_speed"] / impact["impact_speed"],
@@ -263,7 +270,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
 
 
 def _against(expected: Result, run: LawRun) -> LawRun:
-    """Return the run with the first impact that is another than expected."""
+    """Return the run with the number and time of its first impact that differs from the expected one."""
     if run.result is None:
         return run
     rows = run.result.impacts, expected.impacts

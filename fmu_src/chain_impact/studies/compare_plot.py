@@ -1,7 +1,7 @@
 """The picture of a comparison of contact laws: the first impact, and energy over time.
 
-Six laws have a colour and a name: the reference, the scene's own, the one that differs most, and others that
-are much used. The rest is grey.
+Six laws have a colour and a name: the reference, the scene's own law, the law that differs most, and other
+common laws. The other laws are grey.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns
 
 SIZE = (11.0, 4.5)  # inches
-NAMED = 6  # laws with a colour
+NAMED = 6  # number of laws with a colour
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
 """Laws that are found in many programs and papers."""
 MILLI, KILO = 1e3, 1e-3
@@ -37,7 +37,7 @@ def plot_comparison(
     size: Sequence[float] | None = None,
     ax: Any = None,
 ) -> Any:
-    """See ``Comparison.plot``."""
+    """Draw the picture; see ``Comparison.plot``."""
     if ax is None:
         return drawn(partial(fill, comparison=comparison), path, size, SIZE)
     check_alone(path, size)
@@ -60,7 +60,7 @@ def fill(page: Figure, comparison: LawRuns) -> None:
 
 
 def message(comparison: LawRuns) -> str:
-    """Return how far the laws are apart in the first impact."""
+    """Return a sentence on how much the laws differ in the first impact."""
     found = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
     e, name = comparison.contact.restitution, comparison.scene.name
     if not found:
@@ -72,7 +72,7 @@ def message(comparison: LawRuns) -> str:
 
 
 def conditions(comparison: LawRuns, looks: Looks) -> str:
-    """Return the first impact, the scene's contact, and what is grey."""
+    """Return the first impact, the scene's contact, and the meaning of grey lines."""
     contact, impact = comparison.contact, comparison.first_impact
     mass, speed, per = ("kg m²", "rad/s", "N m/rad") if comparison.at_stop else ("kg", "m/s", "N/m")
     moving = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
@@ -88,10 +88,11 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:
-    """Return the laws that get a colour, at most NAMED, and why.
+    """Return the laws that get a colour, at most NAMED, and the reasons.
 
-    The law that differs most is the one whose restitution in the first impact is farthest from that of the
-    reference. If it is the law without losses, which ignores the prescribed one, the next is told, too.
+    The law that differs most is the one whose restitution in the first impact is farthest from the
+    reference's. If this is the law without losses, which ignores the prescribed restitution, the next law is
+    named as well.
     """
     reference = comparison.reference
     why = {reference: "reference"}
@@ -113,12 +114,15 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
 
 
 def _add_reason(why: dict[str, str], law: str, reason: str) -> None:
-    """Add a reason to those for which a law has a colour."""
+    """Add a reason why a law has a colour."""
     why[law] = f"{why[law]}, {reason}" if law in why else reason
 
 
 def looks_of(comparison: LawRuns) -> Looks:
-    """How each law is drawn; the second of two laws with the same force has no look, but shares a label."""
+    """Return how each law is drawn.
+
+    Of two laws with the same force, the second has no line of its own, but shares the label.
+    """
     why, colours = named_laws(comparison), iter(PALETTE)
     twins: dict[str, list[str]] = {}
     for run in comparison.runs:
@@ -139,12 +143,12 @@ def looks_of(comparison: LawRuns) -> Looks:
 
 
 def _alike(one: np.ndarray | None, other: np.ndarray | None) -> bool:
-    """Return whether two loops are one; impulses, which have none, are told apart."""
+    """Return whether two loops are equal; impulses, which have no loop, are never equal."""
     return one is not None and other is not None and one.size > 0 and np.array_equal(one, other)
 
 
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
-    """Force over penetration in the first impact; an impulse is a line at no penetration."""
+    """Draw force over penetration in the first impact; an impulse is a line at no penetration."""
     for law, look in looks.items():
         run = comparison[law]
         if run.loop is None:
@@ -159,7 +163,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
-    """Total energy over time."""
+    """Draw the total energy over time."""
     for law, look in looks.items():
         result = comparison[law].result
         if result is not None:

@@ -1,4 +1,4 @@
-"""A comparison of contact laws as text: a table, and which laws realise the restitution."""
+"""A comparison of contact laws as text: a table, and the laws that realise the restitution."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from chain_impact.results.text import Table
 from chain_impact.studies.law_change import EXACT, first_place
 from chain_impact.studies.law_runs import LawRun, LawRuns
 
-NEAR = 0.05  # part of the prescribed restitution
+NEAR = 0.05  # difference from the prescribed restitution, as a part of it, below which a law realises it
 NOTHING = "–"
 NUMBERS = ("e′", "peak, kN", "depth, mm", "time, ms", "lost, J", "impacts", "differs at", "steps")
 AT_STOPS = {"peak, kN": "peak, kN m", "depth, mm": "depth, mrad"}
 
 
 def head(comparison: LawRuns) -> tuple[str, ...]:
-    """Return the head of the table: the law, then the names of numbers, then nothing for the note."""
+    """Return the head of the table: the law, the names of the numbers, and an empty cell for the note."""
     numbers = (AT_STOPS.get(name, name) if comparison.at_stop else name for name in NUMBERS)
     return ("law", *numbers, "")
 
 
 def report(comparison: LawRuns) -> Iterator[str | Table]:
-    """Yield all of it: lines and a table."""
+    """Yield the whole text: lines and a table."""
     yield heading(comparison)
     yield Table(head(comparison), [cells(run) for run in comparison.runs])
     yield legend(comparison)
@@ -48,7 +48,7 @@ def cells(run: LawRun) -> tuple[str, ...]:
     return (
         run.law,
         told(run.restitution, ".4f"),
-        told(1e-3 * run.peak_force or math.nan, "#.4g"),  # an impulse has no peak
+        told(1e-3 * run.peak_force or math.nan, "#.4g"),  # an impulse has no peak force
         told(1e3 * run.max_penetration, "#.4g"),
         told(1e3 * run.duration, "#.4g"),
         told(run.energy_lost, "#.4g"),
@@ -60,12 +60,12 @@ def cells(run: LawRun) -> tuple[str, ...]:
 
 
 def told(value: float, form: str) -> str:
-    """Return a number; a dash where there is none."""
+    """Return a number; a dash for NaN."""
     return NOTHING if math.isnan(value) else format(value, form)
 
 
 def legend(comparison: LawRuns) -> str:
-    """What the columns are, and which law the stops keep, if any."""
+    """Return the meaning of the columns, and the law that stops keep, if any."""
     scene = comparison.scene
     kept = f" The stops keep {scene.stops.model} under every law." if scene.stops.model else ""
     return (
@@ -78,8 +78,8 @@ def legend(comparison: LawRuns) -> str:
 def advice(comparison: LawRuns) -> str:
     """Return which laws realise the prescribed restitution in the impact that the table describes.
 
-    In an impact that is not free, it is also told what can be reached. Only an impulse prescribes the
-    restitution there; a force comes near it by chance.
+    For an impact that is not free, the restitution that can be reached is told as well. Only an impulse
+    prescribes the restitution of such an impact; a force gives a similar one by chance.
     """
     e = comparison.contact.restitution
     near = [run.law for run in comparison.runs if abs(run.restitution - e) <= NEAR * e]
@@ -93,7 +93,7 @@ def advice(comparison: LawRuns) -> str:
 
 
 def _reach(comparison: LawRuns) -> str:
-    """What restitution a force reaches in an impact that is not free, over the stiffness."""
+    """Return the restitution that a force reaches in an impact that is not free, over the stiffness."""
     e = comparison.contact.restitution
     values = ", ".join(
         f"{told(one.lossless, '.2f')} and {told(one.exact, '.2f')} at K = {one.stiffness:.4g}"

@@ -1,4 +1,4 @@
-"""Another contact law for a scene: its exponent, and the stiffness for the same elastic depth."""
+"""Another contact law for a scene: its exponent, and the stiffness for the same elastic penetration."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ def law_names(scene: Scene) -> list[str]:
 
 
 def needed_exponent(law: str, exponent: float) -> float:
-    """Return the exponent that a law is defined for, by default the one that is given."""
+    """Return the exponent that a law needs; the given one if the law allows any."""
     entry = CONTACT_LAWS.get(law)
     return exponent if entry is None or entry.exponent is None else entry.exponent
 
 
 def keeps_exponents(law: str, scene: Scene) -> bool:
-    """Return whether a law can be run with the exponents of the scene."""
+    """Return whether a law can run with the exponents of the scene."""
     return all(needed_exponent(law, exponent) == exponent for _, exponent, _ in _tables(scene))
 
 
 def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
-    """Yield where the law of `contact` acts: the path of the table, exponent and stiffness."""
+    """Yield the tables where the law of `contact` acts: their paths, exponents and stiffnesses."""
     contact, stops = scene.contact, scene.stops
     if point_wall_pairs(scene) or not scene.chain.stops:
         yield ("contact",), contact.exponent, contact.stiffness
@@ -53,24 +53,26 @@ def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
 
 
 def first_number(scene: Scene, impacts: np.ndarray) -> int | None:
-    """Which row of ``Result.impacts`` is the first where the law of `contact` acts; None if there is none.
+    """Return the row in ``Result.impacts`` of the first impact with the law of `contact`.
 
-    At stops with a law of their own it does not act.
+    None if none has it.
+
+    Stops with a law of their own do not have the law of `contact`.
     """
     own = scene.stops.model is not None
     return next((k for k, row in enumerate(impacts) if not (own and at_stop(scene, row["wall"]))), None)
 
 
 def first_place(scene: Scene) -> str:
-    """What the impact that laws are compared by is called."""
+    """Return the words for the impact by which laws are compared."""
     return "first impact" if scene.stops.model is None else "first impact at a wall"
 
 
 def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
-    """What to change in a scene to give it a law: stops with a law of their own keep it.
+    """Return the changes that give a scene another law; stops with their own law keep it.
 
-    ``impact``, a row of ``Result.impacts``, is the one in which the elastic depth shall stay as it is if the
-    law needs another exponent: K δⁿ⁺¹/(n+1) = ½ m v₀².
+    If the law needs another exponent, the elastic penetration of ``impact``, a row of ``Result.impacts``,
+    stays the same: K δⁿ⁺¹/(n+1) = ½ m v₀².
     """
     changes: Changes = {("contact", "model"): law}
     for path, exponent, stiffness in _tables(scene):
@@ -79,13 +81,14 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
             if len(path) == 1:
                 changes[*path, "exponent"] = needed
             changes[*path, "stiffness"] = _equally_deep(stiffness, exponent, needed, impact)
-    if scene.stops.model and ("contact", "exponent") in changes:  # which these may have theirs from
+    # the stops may take their exponent from the contact
+    if scene.stops.model and ("contact", "exponent") in changes:
         changes["stops", "exponent"] = scene.stops.exponent
     return changes
 
 
 def _equally_deep(stiffness: float, n: float, needed: float, impact: np.void) -> float:
-    """Return the stiffness that makes an impact without losses as deep with another exponent."""
+    """Return the stiffness that gives an impact without losses the same penetration with another exponent."""
     energy = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
     depth = ((n + 1.0) * energy / stiffness) ** (1.0 / (n + 1.0))
     return float((needed + 1.0) * energy / depth ** (needed + 1.0))
@@ -114,7 +117,7 @@ def contact_at(scene: Scene, impact: np.void) -> Contact:
 
 
 def with_law(contact: Contact, law: str, impact: np.void) -> Contact:
-    """Return a contact with another law, for the same elastic depth of an impact."""
+    """Return a contact with another law, which gives an impact the same elastic penetration."""
     needed = needed_exponent(law, contact.exponent)
     if needed == contact.exponent:
         return replace(contact, model=law)

@@ -1,4 +1,4 @@
-"""What was found with each contact law, below the text and the picture of a comparison."""
+"""The results of each contact law, without the text and the picture of a comparison."""
 
 from __future__ import annotations
 
@@ -14,31 +14,31 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Contact
 from chain_impact.studies.law_change import contact_at, first_number
 
-FREE = 0.05  # of restitution: by less, an impact is taken to be free
+FREE = 0.05  # difference in restitution below which an impact counts as free
 
 
 @dataclass(frozen=True, eq=False)
 class LawRun:
     """The result of one law.
 
-    The values of the first impact are NaN where there is none, or it has not ended. Where stops have a law of
-    their own, the first impact is the first one at a wall.
+    The values of the first impact are NaN if there is no impact, or it has not ended. If stops have their own
+    law, the first impact is the first one at a wall.
 
     Attributes:
-        law: its id.
-        exponent: n that it was run with.
-        stiffness: K that it was run with [N/m^n].
-        restitution: realised in the first impact.
-        peak_force: of the first impact [N]; 0 for an impulse. Of one at a stop [N·m], as all here is
-            that of the angle.
-        max_penetration: of the first impact [m].
-        duration: of the first impact [s]; 0 for an impulse.
-        energy_lost: from the onset to the end of the first impact, by all contacts [J].
+        law: the id of the law.
+        exponent: exponent n of the run.
+        stiffness: stiffness K of the run [N/m^n].
+        restitution: restitution that the first impact realises.
+        peak_force: peak force of the first impact [N]; 0 for an impulse. At a stop this and the other
+            quantities belong to the angle: the peak is a moment [N·m].
+        max_penetration: largest penetration in the first impact [m].
+        duration: duration of the first impact [s]; 0 for an impulse.
+        energy_lost: energy that all contacts lose between the onset and the end of the first impact [J].
         loop: penetration [m] and force [N] in the first impact, shape (2, S); empty for an impulse.
-        divergence: number, from 1, of the first impact at another point or wall than with the reference
-            law; None if there is none.
-        divergence_time: its onset [s].
-        note: why there is no result or not all of it, or a remark.
+        divergence: number, from 1, of the first impact whose point or wall differs from the reference law's
+            run; None if none differs.
+        divergence_time: onset of this impact [s].
+        note: why the result is missing or incomplete, or a remark.
         result: the simulation, if there is one.
     """
 
@@ -61,23 +61,23 @@ class LawRun:
 
     @property
     def impacts(self) -> int:
-        """How many impacts there were."""
+        """The number of impacts."""
         return len(self.result.impacts) if self.result else 0
 
     @property
     def steps(self) -> int:
-        """Steps of the solver."""
+        """The number of steps of the solver."""
         return self.result.statistics["steps"] if self.result else 0
 
 
 @dataclass(frozen=True)
 class Reached:
-    """What restitution the first impact has at a stiffness; NaN where it has not ended.
+    """The restitution of the first impact at a stiffness; NaN if the impact has not ended.
 
     Attributes:
         stiffness: K of the impact [N/m^n].
-        lossless: without any loss, 1 in a free impact: about the most that a law can give.
-        exact: under the law that realises the scene's restitution in a free impact.
+        lossless: restitution without losses, about the largest that a law can give; 1 in a free impact.
+        exact: restitution with the law that realises the scene's restitution in a free impact.
     """
 
     stiffness: float
@@ -93,8 +93,8 @@ class LawRuns:
         scene: the scene.
         reference: id of the law whose impacts the others are compared with.
         runs: one for each law.
-        reached: the restitution of the first impact that can be reached, at the scene's stiffness and, if
-            the impact is not free, at larger ones.
+        reached: the restitution that the first impact can reach, at the scene's stiffness and, if the impact
+            is not free, at larger stiffnesses.
     """
 
     __eq__ = same
@@ -111,12 +111,12 @@ class LawRuns:
 
     @property
     def first_impact(self) -> np.void:
-        """The first impact under the reference law, a row of ``Result.impacts``.
+        """The first impact with the reference law, a row of ``Result.impacts``.
 
-        Where stops have a law of their own, it is the first one at a wall.
+        If stops have their own law, it is the first impact at a wall.
         """
         impact = first_of(self[self.reference].result)
-        assert impact is not None  # that is what makes it the reference
+        assert impact is not None  # the reference law is chosen because it has this impact
         return impact
 
     @property
@@ -126,10 +126,10 @@ class LawRuns:
 
     @property
     def is_free(self) -> bool:
-        """Whether nothing else acts in the first impact.
+        """Whether no other force acts in the first impact.
 
-        Then it has the restitution 1 without losses, and that of the scene under the exact law. An impact
-        that has not ended counts as free.
+        A free impact has the restitution 1 without losses, and the scene's restitution with the exact law. An
+        impact that has not ended counts as free.
         """
         found = self.reached[0]
         off = (abs(found.lossless - 1.0), abs(found.exact - self.contact.restitution))
@@ -137,7 +137,7 @@ class LawRuns:
 
     @property
     def at_stop(self) -> bool:
-        """Whether the first impact is at a stop of a joint: then its quantities are those of the angle."""
+        """Whether the first impact is at a stop of a joint, so that its quantities belong to the angle."""
         return at_stop(self.scene, self.first_impact["wall"])
 
 

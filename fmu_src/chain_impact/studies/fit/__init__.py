@@ -1,1 +1,1 @@
-"""Parameters of a scene from measurements."""
+"""Fits: parameters of a scene are estimated from measurements."""

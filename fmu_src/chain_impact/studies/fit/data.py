@@ -1,4 +1,4 @@
-"""Measurements of one run: values of outputs over time, and of impacts."""
+"""Measurements of one run: values of outputs over time, and values of impacts."""
 
 from __future__ import annotations
 
@@ -31,14 +31,15 @@ PERCENT = "%"
 
 @dataclass(frozen=True)
 class ImpactRow:
-    """Which impact of the run a row is about.
+    """The impact of the run that a row of measurements describes.
 
     Attributes:
-        number: from 1, in order of onset; of all impacts, or if ``alike`` of those at its point and wall.
-        point: 0…N; None if it is not said.
-        wall: index into ``scene.wall_names``; None if it is not said.
-        alike: whether only impacts at the same point and wall are counted.
-        order: the measured onset, or else the end [s]; NaN if neither is measured.
+        number: number in the order of onsets, from 1, among all impacts, or if ``alike`` among the impacts of
+            the same point and wall.
+        point: 0…N; None if the row does not give it.
+        wall: index into ``scene.wall_names``; None if the row does not give it.
+        alike: whether ``number`` counts only impacts at the same point and wall.
+        order: the measured onset, or else the measured end [s]; NaN if neither is measured.
     """
 
     number: int
@@ -48,7 +49,10 @@ class ImpactRow:
     order: float
 
     def find(self, impacts: np.ndarray) -> int | None:
-        """The row of ``Result.impacts`` that is meant; None if there is none, or it is at another place."""
+        """Return the row in ``Result.impacts`` of this impact.
+
+        None if it is not there or has another place.
+        """
         same = np.ones(len(impacts), bool)
         for name, value in ((POINT, self.point), (WALL, self.wall)):
             if value is not None:
@@ -62,16 +66,16 @@ class ImpactRow:
 
 @dataclass(frozen=True)
 class Measurements:
-    """What was measured in one run, as M single values.
+    """The measurements of one run, as M single values.
 
     Attributes:
         source: the files.
-        times: at which outputs were measured, shape (T,) [s].
-        outputs: names of the W outputs that were measured.
-        impacts: the impacts that were measured.
-        quantity: name of each value's output or of its quantity of an impact, shape (M,).
-        value: shape (M,).
-        sigma: its standard deviation, shape (M,); NaN where it is to be estimated.
+        times: times of the measured outputs, shape (T,) [s].
+        outputs: names of the W measured outputs.
+        impacts: the measured impacts.
+        quantity: name of the output, or of the quantity of an impact, for each value, shape (M,).
+        value: the measured values, shape (M,).
+        sigma: the standard deviation of each value, shape (M,); NaN if it has to be estimated.
         row, column: index into times and outputs, or into impacts and ``QUANTITIES``, shape (M,).
         of_impact: which of the values belong to an impact, shape (M,).
         inputs: name of an input → its signal, times [s] and values.
@@ -90,12 +94,12 @@ class Measurements:
     inputs: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
     def __len__(self) -> int:
-        """Return how many values."""
+        """Return the number of values."""
         return len(self.value)
 
     @property
     def order(self) -> np.ndarray:
-        """When each value was measured, shape (M,) [s]; NaN for an impact of which no time is known."""
+        """The time of each value, shape (M,) [s]; NaN for an impact without a measured time."""
         onsets = np.array([impact.order for impact in self.impacts])
         found = np.zeros(len(self))
         found[~self.of_impact] = self.times[self.row[~self.of_impact]]
@@ -103,10 +107,10 @@ class Measurements:
         return found
 
     def until(self, stop: float) -> Measurements:
-        """Return the same without what was measured later than a time [s].
+        """Return the measurements up to a time [s].
 
         Raises:
-            SceneError: when nothing is left.
+            SceneError: when no measurement is left.
         """
         kept = ~(self.order > stop)
         if not kept.any():
@@ -128,14 +132,15 @@ def read_measurements(
 ) -> Measurements:
     """Read the tables of one run.
 
-    A row with a cell in ``impact``, ``point`` or ``wall`` is about an impact, any other about the outputs and
-    the inputs at a ``time``. Empty cells were not measured.
+    A row with a cell in ``impact``, ``point`` or ``wall`` describes an impact; any other row has outputs and
+    inputs at a ``time``. Empty cells were not measured.
 
     Args:
         sources: a table, or several of the same run.
-        scene: its outputs and inputs are the columns.
-        sigma: column → standard deviation of its values, in their unit, or in percent of each: ``"2%"``.
-        columns: names or patterns of the columns to be used; all by default. Inputs are used in any case.
+        scene: the scene, whose outputs and inputs are the columns.
+        sigma: column → standard deviation of the values, in their unit, or in percent of each value:
+            ``"2%"``.
+        columns: names or patterns of the columns to use; all by default. Inputs are used in any case.
 
     Raises:
         SceneError: when a table cannot be used.
@@ -165,7 +170,7 @@ class _Book:
         self._seen: dict[str, str] = {}
         self._impacts: list[ImpactRow] = []
         self._counts: dict[tuple[int | None, int | None], int] = {}
-        # name, value, sigma, time or row of an impact, whether it is of an impact
+        # name, value, sigma, time or row of an impact, whether the value belongs to an impact
         self._found: list[tuple[str, float, float, float, bool]] = []
 
     def read(self, table: Table, chosen: Set[str]) -> None:
@@ -179,7 +184,7 @@ class _Book:
                 before = self._add_sample(table, row, samples, before)
 
     def measurements(self, source: str) -> Measurements:
-        """Return all that was read."""
+        """Return all measurements that were read."""
         if not self._found:
             raise SceneError(f"{source}: no value was measured: all cells are empty")
         names, values, sigmas, places, kinds = zip(*self._found, strict=True)
@@ -206,7 +211,7 @@ class _Book:
         )
 
     def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
-        """Return the columns of outputs and inputs, and those of quantities of impacts."""
+        """Return the columns of outputs and inputs, and the columns of quantities of impacts."""
         there, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in there if name in chosen]
         likely = "" if TIME in table.names else likely_time(table.names)
@@ -250,7 +255,7 @@ class _Book:
         )
 
     def _add_sample(self, table: Table, row: int, names: list[str], before: float) -> float:
-        """Add the outputs and inputs at a time; return it."""
+        """Add the outputs and inputs at a time; return the time."""
         time = table.number(row, TIME)
         if not (time >= 0.0 and time > before):
             later = f" and > {before:g}, that of the row before" if before >= 0.0 else ""
@@ -263,7 +268,7 @@ class _Book:
         return time
 
     def _add_impact(self, table: Table, row: int, names: list[str]) -> None:
-        """Add what was measured of an impact."""
+        """Add the measurements of an impact."""
         number, point, wall = (self._which(table, row, name) for name in WHICH)
         alike = number is None
         if number is None:
@@ -276,7 +281,7 @@ class _Book:
             self._add(table, row, name, len(self._impacts) - 1.0, True)
 
     def _which(self, table: Table, row: int, name: str) -> int | None:
-        """Return the number, the point or the wall of a row about an impact."""
+        """Return the number, the point or the wall in a row of an impact."""
         cell = table.cell(row, name)
         if cell is None:
             return None
@@ -317,7 +322,10 @@ class _Book:
             self._found.append((name, value, self._sigma_of(table, row, name, value), place, of_impact))
 
     def _sigma_of(self, table: Table, row: int, name: str, value: float) -> float:
-        """Return the standard deviation of a value: of its row, else of its column; NaN if there is none."""
+        """Return the standard deviation of a value, from its row or else from its column.
+
+        NaN if neither has one.
+        """
         column = SIGMA.format(name)
         sigma = table.number(row, column)
         if math.isnan(sigma) and name in self._sigma:
@@ -329,10 +337,10 @@ class _Book:
 
 
 def standard_deviation(name: str, given: float | str, value: float) -> float:
-    """A standard deviation that was given for all values of a column: a number, or percent of each value.
+    """Return the standard deviation of a value that is given for a column, as a number or in percent.
 
     Raises:
-        SceneError: when it is no such thing.
+        SceneError: when ``given`` is neither.
     """
     text = str(given).strip()
     try:
@@ -351,5 +359,5 @@ def _is_sigma(name: str) -> bool:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """Return the columns that are no time, no impact's place or joint, and no standard deviation."""
+    """Return the columns of values: not the time, the place of an impact, or a standard deviation."""
     return [name for name in table.names if name not in (TIME, *WHICH, JOINT) and not _is_sigma(name)]

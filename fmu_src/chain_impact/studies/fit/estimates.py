@@ -1,4 +1,4 @@
-"""What a fit has found, below its report and its picture."""
+"""The results of a fit, without its report and its picture."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from chain_impact.studies.fit.parameters import Parameter
 
 @dataclass(frozen=True)
 class LawEstimates:
-    """What was found with one contact law; see ``LawFit``."""
+    """The results of one contact law; see ``LawFit``."""
 
     law: str
     fit: Estimates | None
@@ -61,7 +61,7 @@ class Estimates:
 
     @property
     def freedom(self) -> int:
-        """Degrees of freedom: values that were fitted, less free parameters."""
+        """Degrees of freedom: the number of fitted values minus the number of free parameters."""
         return int(self.used.sum()) - len(self.parameters)
 
     @property
@@ -73,8 +73,8 @@ class Estimates:
     def aic(self) -> float:
         """Akaike's criterion (IEEE Trans. Automatic Control 19 (1974) 716): smaller is better.
 
-        Only differences of fits of the same data mean something; from 10 on, hardly anything speaks for the
-        fit with more (Burnham & Anderson, Sociological Methods & Research 33 (2004) 261).
+        Only differences between fits of the same data have a meaning; from 10 on, hardly anything supports
+        the fit with the larger criterion (Burnham & Anderson, Sociological Methods & Research 33 (2004) 261).
         """
         return self.deviance + 2.0 * (len(self.parameters) + len(self.estimated))
 
@@ -88,6 +88,6 @@ class Estimates:
 
     @cached_property
     def columns(self) -> dict[str, np.ndarray]:
-        """Name of a measured column → which of the M values are its, shape (M,)."""
+        """Name of a measured column → which of the M values belong to the column, shape (M,)."""
         names = np.array([name for one in self.data for name in one.quantity])
         return {str(name): names == name for name in dict.fromkeys(names.tolist())}

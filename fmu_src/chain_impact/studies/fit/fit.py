@@ -1,4 +1,4 @@
-"""Parameters of a scene from measurements."""
+"""The fit: parameters of a scene are estimated from measurements."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.uncertainty import information, largest_usual, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 
-VISIBLE = 0.01  # mean square of residuals in standard deviations; smaller ones do not matter
-LARGEST = 700.0  # whose exponential is a number
-FEW = 10  # values of a column, below which its standard deviation is estimated roughly
-ALIKE = 2.0  # correlation of neighbours times √n of n pairs, which chance exceeds in 2 % of all cases
-LONG = 100.0  # times the scene's stop time: data that last so long may have their time in another unit
+VISIBLE = 0.01  # mean square of the residuals in standard deviations, below which they do not matter
+LARGEST = 700.0  # largest number whose exponential is finite
+FEW = 10  # number of values of a column, below which its standard deviation is estimated roughly
+ALIKE = 2.0  # correlation of n neighbouring pairs times √n, which chance exceeds in 2 % of all cases
+LONG = 100.0  # length of the data over the scene's stop time, beyond which their time may have another unit
 
 
 def fit(
@@ -47,23 +47,23 @@ def fit(
 ) -> Fit:
     """Estimate parameters of a scene from measurements, by weighted least squares.
 
-    The search starts from the values of the scene, with early data, and goes on with more and more of
-    them. It uses exact derivatives through all impacts.
+    The search starts from the values of the scene with early data, and uses more and more data. It uses exact
+    derivatives through all impacts.
 
     Args:
-        scene: what was measured: a scene, or what ``load_scene`` takes.
+        scene: the measured system: a scene, or an argument of ``load_scene``.
         data: a table: a CSV file, a mapping of columns, or a ``DataFrame`` of pandas; or a list with an entry
             for each data set, which is a table or a list of tables of the same run. See ``docs/fit.md``.
-        free: names of FMU parameters, and of inputs, which then are constant, that all data sets share.
-        free_each: names of those that each data set has for itself, as initial values.
-        set_each: name → values that are known, one for each data set.
-        sigma: column → standard deviation of its values, in their unit, or in percent of each: ``"2%"``.
-            Of columns for which none is given here or in the data it is estimated from the residuals.
-        bounds: name → bounds beside those that the scene's keys have, ``"0.1:0.9"`` or a pair.
+        free: names of FMU parameters that all data sets share. An input among them is constant.
+        free_each: names of parameters that differ between data sets, such as initial values.
+        set_each: name → known values, one for each data set.
+        sigma: column → standard deviation of the values, in their unit, or in percent of each value:
+            ``"2%"``. If neither this nor the data give it, it is estimated from the residuals.
+        bounds: name → bounds in addition to the limits of the scene's keys, ``"0.1:0.9"`` or a pair.
         columns: names or patterns of the columns that are used; all by default.
-        laws: whether to fit every contact law, and return the fit of the best with the ranking of all.
-        stop_time: until when [s] data are used, and that of the fitted scene; all data by default.
-        interpolation: of inputs in the data, between the rows, as in ``simulate``.
+        laws: whether to fit every contact law, and return the fit of the best law with the ranking of all.
+        stop_time: time [s] up to which data are used, and stop time of the fitted scene; all data by default.
+        interpolation: interpolation of inputs between the rows of the data, as in ``simulate``.
         progress: called with the fraction done, if given.
 
     Raises:
@@ -158,9 +158,9 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
 
 
 def _on_bounds(problem: Problem, found: Found) -> Evaluation:
-    """Return the model where the search ended, with the parameters that come near a bound on it.
+    """Return the model at the end of the search, with parameters that come close to a bound set to the bound.
 
-    The search stays within the bounds, and nears them without an end.
+    The search stays within the bounds, and approaches them without ever reaching them.
     """
     at = found.search.best
     alone = information(at.slopes[at.usable], found.sigma[at.usable]).alone
@@ -183,7 +183,7 @@ def _runs(data: Source | Sequence[Source | Sequence[Source]]) -> list[Source | S
 
 
 def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float]]) -> list[Scene]:
-    """Return the scene of each data set, with the values that it starts with."""
+    """Return the scene of each data set, with its start values."""
     for name, values in set_each.items():
         if len(values) != count:
             raise SceneError(
@@ -197,7 +197,7 @@ def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float]]) -
 
 
 def _long(stop_time: float, data: Sequence[Measurements]) -> Iterator[str]:
-    """Yield a question where data last far longer than the scene, until its stop time [s]."""
+    """Yield a question for data that last far longer than the scene's stop time [s]."""
     for one in data:
         last = float(np.nanmax(one.order, initial=0.0))
         if last >= LONG * stop_time:
@@ -208,7 +208,7 @@ def _long(stop_time: float, data: Sequence[Measurements]) -> Iterator[str]:
 
 
 def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurements]) -> None:
-    """Refuse a standard deviation of a column that is not there."""
+    """Refuse a standard deviation for a column that does not exist."""
     names = {name for one in measured for name in one.quantity}
     for name in sigma:
         if name not in names:
@@ -218,7 +218,7 @@ def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurem
 
 
 def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Sequence[Measurements]) -> None:
-    """Refuse to fit an input that is known."""
+    """Refuse to fit an input that the data give."""
     for parameter in parameters:
         for k, one in enumerate(measured):
             if parameter.run in (None, k) and parameter.name in one.inputs:
@@ -236,16 +236,16 @@ def _interval(parameter: Parameter, place: float, half: float) -> tuple[float, f
 
 
 def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.ndarray) -> Scene:
-    """Return the scene of a data set with the fitted values; inputs have no place in it."""
+    """Return the scene of a data set with the fitted values; the scene has no place for inputs."""
     there = scene.values
     mine = zip(parameters, values.tolist(), strict=True)
     return scene.with_values({one.name: at for one, at in mine if one.run in (None, k) and one.name in there})
 
 
 def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
-    """−2 log of the likelihood of normal errors, without a constant.
+    """Return −2 log of the likelihood of normal errors, without a constant.
 
-    Of n values with given σ it is Σ (r/σ)², of those with an estimated one n log(Σ r²/n).
+    A column of n values with given σ adds Σ (r/σ)², a column with estimated σ adds n log(Σ r²/n).
     """
     total = 0.0
     for group, name in enumerate(problem.names):
@@ -262,7 +262,7 @@ def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
 def _notes(
     problem: Problem, result: Fit, at: Evaluation, found: Found, reached: Mapping[int, str]
 ) -> list[str]:
-    """What has to be said beside the numbers."""
+    """Return remarks on the result."""
     notes = []
     if not result.converged and np.isfinite(list(result.standard_errors.values())).any():
         notes.append(
@@ -288,10 +288,10 @@ def _notes(
 
 
 def _not_random(result: Fit) -> Iterator[str]:
-    """Yield columns in which residuals are like their neighbours: the lag-1 correlation r has √n r > ALIKE.
+    """Yield a remark on columns with correlated residuals: the lag-1 correlation r has √n r > ALIKE.
 
-    Neighbours are of one data set. Of independent residuals √n r of n pairs has about the standard normal
-    distribution (R. L. Anderson, Annals of Mathematical Statistics 13 (1942) 1).
+    Neighbours belong to the same data set. For n pairs of independent residuals, √n r has about the standard
+    normal distribution (R. L. Anderson, Annals of Mathematical Statistics 13 (1942) 1).
     """
     found = []
     data_set = np.repeat(np.arange(len(result.data)), [len(one) for one in result.data])
@@ -313,7 +313,7 @@ def _not_random(result: Fit) -> Iterator[str]:
 
 
 def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
-    """Yield columns with so few values that the standard deviation estimated from them is rough."""
+    """Yield a remark on columns with so few values that their estimated standard deviation is rough."""
     for name in problem.estimated:
         count = int((at.usable & (problem.group == problem.names.index(name))).sum())
         if count < FEW:
@@ -324,7 +324,7 @@ def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
 
 
 def _left_out(problem: Problem, at: Evaluation) -> list[str]:
-    """Return which values were not fitted, and why."""
+    """Return remarks on the values that were not fitted, with the reasons."""
     count, notes = len(problem.value), []
     missing, blind = int((~at.there).sum()), int((at.there & ~at.usable).sum())
     if missing:

@@ -1,8 +1,8 @@
-"""The search with a growing horizon: first early data, at last all.
+"""The search with a growing horizon: early data first, all data at the end.
 
 After some impacts the motion depends so strongly on the parameters that the sum of squares of all data has
-many minima; that of early data has one. So the horizon grows, as far as the model already follows the data,
-and each search starts where the last one ended.
+many minima; the sum over early data has one. So the horizon grows as far as the model already follows the
+data, and each search starts at the result of the last one.
 """
 
 from __future__ import annotations
@@ -17,27 +17,35 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.fit.least_squares import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
 
-ROWS = 3  # values in the first horizon, for each parameter, but no more than a third of all if that is enough
-FAR = (0.01, 0.0025)  # of the size of a column: a model so far away is not followed; first and second trial
-WORSE, EXACT = 1.2, 1e-6  # growth of the mean square that asks for a second trial, unless it is as small
-MANY = 20  # values, from which on a mean square says something
-GROWTH = 1.1  # of the horizon, at least
-ROUGH, FINE = 1e-2, 1e-9  # relative change of the sum of squares that is small enough
+# number of values in the first horizon for each parameter, but at most a third of all values if these suffice
+ROWS = 3
+# distance of the model from the data, as a part of a column's size, beyond which the model does not follow
+# them; in the first and in the second trial
+FAR = (0.01, 0.0025)
+# growth of the mean square that leads to a second trial; mean square below which no second trial is made
+WORSE, EXACT = 1.2, 1e-6
+MANY = 20  # number of values, from which on a mean square is meaningful
+GROWTH = 1.1  # smallest growth of the horizon in a step
+ROUGH, FINE = 1e-2, 1e-9  # relative change of the sum of squares that ends a rough and a fine search
 ROUGH_STEPS, FINE_STEPS = 10, 100
-LEAST_SIGMA = 1e-8  # of the size of a column: less is no noise, but the tolerance of the solver
-NO_FREEDOM = 1e-9  # degrees: less is round-off; a little is enough, as a column with a larger σ has more
-SETTLED, ROUNDS = 0.01, 20  # relative change of an estimated standard deviation
+# smallest standard deviation, as a part of a column's size; less is the solver's tolerance, not noise
+LEAST_SIGMA = 1e-8
+# number of degrees of freedom below which there are none: round-off. A small number is enough, as a column
+# with a larger σ has more
+NO_FREEDOM = 1e-9
+# relative change of an estimated standard deviation that ends the rounds; largest number of rounds
+SETTLED, ROUNDS = 0.01, 20
 
 
 @dataclass(frozen=True)
 class Found:
-    """Where the search ended.
+    """The end of a search.
 
     Attributes:
-        search: the last one, with all data.
+        search: the last search, with all data.
         sigma: standard deviation of each value, given or estimated, shape (M,).
-        horizons: until when [s] data were used, one after the other.
-        worse: mean square of the residuals, over the least of those with fewer data.
+        horizons: the times [s] up to which data were used, one after the other.
+        worse: mean square of the residuals, divided by the smallest mean square with fewer data.
     """
 
     search: Search
@@ -50,7 +58,7 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
     """Fit the free parameters.
 
     Raises:
-        SceneError: when the model has nothing to compare with the data.
+        SceneError: when the model has no value to compare with the data.
     """
     start = problem.evaluate(problem.start)
     _check(problem, start)
@@ -62,7 +70,10 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
 
 
 def _search(problem: Problem, start: Evaluation, far: float, progress: Progress) -> Found:
-    """Return the search with horizons that end where the model is as far from the data as this."""
+    """Return the result of a search with growing horizons.
+
+    A horizon ends where the model is farther than ``far`` from the data.
+    """
     whole, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.order, initial=0.0))
     horizons = [_first_horizon(problem, whole, far)]
@@ -94,7 +105,7 @@ def _squares(at: Evaluation, sigma: np.ndarray) -> float:
 def _one(
     problem: Problem, whole: Evaluation, sigma: np.ndarray, horizon: float, *, enough: float, most: int
 ) -> tuple[Search, np.ndarray]:
-    """Return the search with the data until a horizon, and the standard deviations that follow."""
+    """Return the search with the data up to a horizon, and the standard deviations that follow from it."""
     found = minimize(
         lambda place: problem.evaluate(place, horizon),
         problem.until(whole, horizon),
@@ -107,10 +118,10 @@ def _one(
 
 
 def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.ndarray:
-    """Return standard deviations, of columns for which none is given from their residuals, shape (M,).
+    """Return the standard deviations, shape (M,), with estimates from the residuals where none is given.
 
-    A column of n residuals r with ν degrees of freedom has σ² = Σ r²/ν. One with none, as its values are no
-    more than the parameters that they determine, tells no σ: it keeps the present one.
+    A column of n residuals r with ν degrees of freedom has σ² = Σ r²/ν. A column without degrees of freedom,
+    whose values are no more than the parameters that they determine, gives no σ: it keeps the present one.
     """
     found, rows = sigma.copy(), at.usable
     free = freedom_of_columns(problem, at, sigma)
@@ -123,10 +134,10 @@ def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.nd
 
 
 def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> dict[int, float]:
-    """Return degrees of freedom of each column of which the standard deviation is estimated: its number → ν.
+    """Return the degrees of freedom of each column with an estimated standard deviation: its number → ν.
 
-    A column of n values has ν = n − h, with h the part of the parameters that it determines: the sum of its
-    leverages.
+    A column of n values has ν = n − h, where h is the sum of the leverages: the number of parameters that the
+    column determines.
     """
     rows = np.flatnonzero(at.usable)
     left, singular, _ = np.linalg.svd(at.slopes[rows] / sigma[rows, None], full_matrices=False)
@@ -137,7 +148,7 @@ def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> d
 
 
 def _first_sigma(problem: Problem) -> np.ndarray:
-    """What is given, and a hundredth of the size of the columns for which nothing is given."""
+    """Return the given standard deviations, and a hundredth of a column's size where none is given."""
     sigma = problem.sigma.copy()
     for group, least in _estimated(problem):
         sigma[problem.group == group] = 0.01 / LEAST_SIGMA * least
@@ -145,13 +156,13 @@ def _first_sigma(problem: Problem) -> np.ndarray:
 
 
 def _estimated(problem: Problem) -> list[tuple[int, float]]:
-    """Return number and least standard deviation of the columns for which none is given."""
+    """Return the number and the smallest standard deviation of each column for which none is given."""
     groups = [problem.names.index(name) for name in problem.estimated]
     return [(group, LEAST_SIGMA * float(problem.size[problem.group == group][0])) for group in groups]
 
 
 def _check(problem: Problem, whole: Evaluation) -> None:
-    """Refuse data with which nothing can be done."""
+    """Refuse data that cannot determine anything."""
     for name in problem.estimated:
         mine = problem.group == problem.names.index(name)
         sources = ", ".join(one.source for one in problem.data)
@@ -170,7 +181,7 @@ def _check(problem: Problem, whole: Evaluation) -> None:
 
 
 def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
-    """Until when [s] the first data reach that can determine the parameters; infinite for all data."""
+    """Return the time [s] of the first data that can determine the parameters; infinite for all data."""
     times = np.sort(problem.order[np.isfinite(problem.order)])
     least = len(problem.parameters)
     rows = max(least, min(ROWS * least, len(times) // ROWS))
@@ -182,9 +193,10 @@ def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
 
 
 def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: float) -> float:
-    """As far as the model follows the data roughly, and farther than before; infinite for all data.
+    """Return the time [s] up to which the model follows the data roughly, later than ``horizon``.
 
-    It follows them as long as outputs over time are near, or times of impacts if no outputs were measured.
+    It is infinite for all data. The model follows the data as long as outputs over time are close, or times
+    of impacts if no outputs were measured.
     """
     away = problem.followed & ~(np.abs(whole.residuals) <= far * problem.size)
     order = problem.order

@@ -12,19 +12,21 @@ from chain_impact.scene.scene import Scene
 from chain_impact.studies.fit.result import Fit, LawFit
 from chain_impact.studies.law_change import first_number, law_names, law_values, needed_exponent
 
-DIGITS = 1  # of the criterion: laws that differ by less stay in order, the scene's own first
+# number of decimals of the criterion: laws with the same rounded criterion keep their order, the scene's own
+# first
+DIGITS = 1
 FitOne = Callable[[Sequence[Scene], Progress], Fit]
 
 
 def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     """Fit every contact law; return the best fit, with the ranking of all.
 
-    The scene's own law is fitted first, and the others start from what it found. A law that needs another
-    exponent starts with the stiffness that makes the first impact equally deep.
+    The scene's own law is fitted first, and the others start from its result. A law that needs another
+    exponent starts with the stiffness that gives the first impact the same penetration.
 
     Args:
         fit: fits the scenes of all data sets.
-        scenes: with the values to start from.
+        scenes: the scenes with the start values.
         progress: called with the fraction done.
 
     Raises:
@@ -53,11 +55,12 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     ranked = tuple(_noted(one, most) for one in sorted(found, key=lambda one: _place(one, most)))
     best = ranked[0].fit
     assert best is not None
-    return replace(best, parameters=(first or best).parameters, ranking=ranked)  # the others began there
+    # the other laws started from the result of the scene's own law
+    return replace(best, parameters=(first or best).parameters, ranking=ranked)
 
 
 def _part(progress: Progress, k: int, count: int) -> Progress:
-    """Return the progress of one law of several."""
+    """Return the progress function for one law of several."""
     return lambda part: progress((k + part) / count)
 
 
@@ -70,14 +73,14 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
 
 
 def _place(one: LawFit, most: int) -> tuple[bool, bool, float]:
-    """What the laws are ordered by: those that could use all values, then the criterion."""
+    """Return the key for the order of laws: those that use all values first, then by the criterion."""
     if one.fit is None:
         return True, True, math.inf
     return False, bool(one.fit.used.sum() < most), round(one.fit.aic, DIGITS)
 
 
 def _noted(one: LawFit, most: int) -> LawFit:
-    """Return a law with what is particular."""
+    """Return a law with remarks."""
     if one.fit is None:
         return one
     left = most - int(one.fit.used.sum())

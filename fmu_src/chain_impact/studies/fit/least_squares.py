@@ -1,9 +1,9 @@
-"""Weighted least squares by SciPy, for values that come and go.
+"""Weighted least squares by SciPy, for values that may appear and disappear.
 
-What a chain with impacts gives changes from one set of parameters to another: an impact may not be there, or
-a derivative not exist. So a search is for the values that can be fitted where it starts. A step that loses
-one of them is refused, as one to a sum of squares that is not finite, of residuals or of a derivative that
-grows without end towards a bound, and SciPy takes a shorter one.
+The results of a chain with impacts change with the parameters: an impact may disappear, or a derivative may
+not exist. So a search fits the values that exist at its start. A step that loses one of them is refused, as
+is a step to a sum of squares that is not finite because a residual or a derivative grows without limit
+towards a bound; SciPy then takes a shorter step.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ import numpy as np
 
 from chain_impact.studies.fit.problem import Evaluation
 
-EXACT = 1e-14  # relative change, below which there is round-off only
+EXACT = 1e-14  # relative change below which there is only round-off
 
 
 @dataclass(frozen=True)
 class Search:
-    """Where a search ended.
+    """The end of a search.
 
     Attributes:
-        best: the model there.
-        converged: whether it is where no step within the bounds makes the sum of squares much smaller.
-        steps: how many there were.
+        best: the model at the end.
+        converged: whether no step within the bounds makes the sum of squares much smaller.
+        steps: the number of steps.
     """
 
     best: Evaluation
@@ -42,18 +42,18 @@ def minimize(
     enough: float,
     most: int,
 ) -> Search:
-    """Search the least sum of squares, by the trust-region method of Branch, Coleman & Li (1999).
+    """Search the least sum of squares by the trust-region method of Branch, Coleman & Li (1999).
 
     Args:
         evaluate: the model at a place, shape (P,).
         first: the model where the search starts.
         sigma: standard deviations of the values, shape (M,).
         bounds: the lowest and the highest place, each of shape (P,).
-        enough: the search has converged when a step changes the sum of squares by a smaller part of it.
-        most: steps, at most.
+        enough: relative change of the sum of squares in a step, below which the search has converged.
+        most: the largest number of steps.
     """
     rows = first.usable
-    moved = first.slopes[rows].any(axis=0)  # SciPy takes many steps along what has no effect
+    moved = first.slopes[rows].any(axis=0)  # SciPy takes many steps along parameters without effect
     if not moved.any():
         return Search(first, False, 0)
     kept = {first.place[moved].tobytes(): first}

@@ -1,4 +1,4 @@
-"""What is fitted: parameters with their start, their bounds, and the scale on which they are sought."""
+"""The fitted parameters, with their start, their bounds, and the scale on which they are searched."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
 Bounds = Mapping[str, str | tuple[float | None, float | None]]
-WIDEST = 1e8  # from the start to the end of a search, as a factor
+WIDEST = 1e8  # largest ratio between the start and the end of a search
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number that is fitted.
+    """One number to fit.
 
     Attributes:
         name: as in the FMU.
-        unit: of its value.
+        unit: the unit of the value.
         start: value in the scene.
-        low, high: bounds of its value, infinite if there are none.
-        logarithmic: whether it is sought as its logarithm: it is positive, of a size that is not known.
-        run: index of the data set that it belongs to; None if all have the same.
+        low, high: bounds of the value, infinite if there are none.
+        logarithmic: whether its logarithm is searched, as for a positive number of unknown size.
+        run: index of the data set that the number belongs to; None if all data sets share it.
     """
 
     name: str
@@ -43,12 +43,12 @@ class Parameter:
 
     @property
     def label(self) -> str:
-        """Its name, and of which data set it is, counted from 1."""
+        """The name, with the number of the data set, counted from 1, if it belongs to one."""
         return self.name if self.run is None else f"{self.name} of data set {self.run + 1}"
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The ends of the search on its scale: the bounds, and of a logarithm not very far from the start."""
+        """The ends of the search on its scale: the bounds; for a logarithm not too far from the start."""
         if not self.logarithmic:
             return self.low, self.high
         return (
@@ -57,30 +57,31 @@ class Parameter:
         )
 
     def coordinate(self, value: float) -> float:
-        """Return the place of a value on the scale of the search."""
+        """Return the coordinate of a value on the scale of the search."""
         if not self.logarithmic:
             return value
         return math.log(value) if value > 0.0 else -math.inf
 
     def value(self, coordinate: float) -> float:
-        """Return the value at a place on the scale of the search."""
+        """Return the value at a coordinate on the scale of the search."""
         return min(max(math.exp(coordinate), self.low), self.high) if self.logarithmic else coordinate
 
     def slope(self, value: float) -> float:
-        """Return derivative of the value by its place on the scale."""
+        """Return the derivative of the value with respect to its coordinate."""
         return value if self.logarithmic else 1.0
 
 
 def parameters_of(
     scenes: Sequence[Scene], free: Sequence[str], free_each: Sequence[str], bounds: Bounds
 ) -> tuple[Parameter, ...]:
-    """What is fitted: the free parameters of all data sets, then those of each.
+    """Return the parameters to fit: the free parameters of all data sets, then those of each data set.
 
     Args:
-        scenes: one for each data set, with the start values; the first has those of the shared parameters.
+        scenes: one for each data set, with the start values; those of shared parameters are in the first
+            scene.
         free: names of parameters that all data sets share.
         free_each: names of parameters that differ from one data set to another.
-        bounds: name → bounds, as text ``0.1:0.9``, in which one of both can be missing, or as a pair.
+        bounds: name → bounds, as text ``0.1:0.9``, in which one bound may be missing, or as a pair.
 
     Raises:
         SceneError: when a name is unknown, is given twice, or a bound is not allowed.

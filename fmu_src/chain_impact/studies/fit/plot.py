@@ -1,6 +1,7 @@
-"""The picture of a fit: each measured column with the model, and below it the residuals.
+"""The picture of a fit: each measured column with the model, and the residuals below.
 
-Outputs are drawn over time, with a line at each impact of the model; quantities of impacts over numbers.
+Outputs are drawn over time, with a line at each impact of the model; quantities of impacts are drawn over the
+impacts' numbers.
 """
 
 from __future__ import annotations
@@ -39,12 +40,12 @@ from chain_impact.studies.fit.report import heading, rounded
 from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.model import Model
 
-MOST_PANELS = 8  # columns that are shown
-MOST_TOLD = 10  # parameters in the lines below the headline
-POINTS = 1500  # of the model's curve
-WIDTH, HEIGHT = 5.2, 2.9  # inches, of a panel
-BESIDE = 0.5  # of the distance of two impacts, the room at the ends of the axis of their numbers
-USUAL = 2.0  # standard deviations, the band of the residuals
+MOST_PANELS = 8  # number of columns that are shown
+MOST_TOLD = 10  # number of parameters in the lines below the headline
+POINTS = 1500  # number of points of the model's curve
+WIDTH, HEIGHT = 5.2, 2.9  # [inch] size of a panel
+BESIDE = 0.5  # room at the ends of an axis of impact numbers, as a part of the distance of two impacts
+USUAL = 2.0  # half the width of the residuals' band, in standard deviations
 
 
 @dataclass(frozen=True)
@@ -53,8 +54,8 @@ class Column:
 
     Attributes:
         run: index of the data set.
-        rows: index of its values among all, shape (K,).
-        at: time [s], or number of the impact among all of the model, shape (K,); NaN where it has none.
+        rows: indices of the column's values among all values, shape (K,).
+        at: time [s], or number of the impact in the model, shape (K,); NaN if the model lacks the impact.
     """
 
     run: int
@@ -65,7 +66,7 @@ class Column:
 def plot_fit(
     fit: Estimates, path: str | os.PathLike[str] | None = None, size: Sequence[float] | None = None
 ) -> Figure | None:
-    """See ``Fit.plot``."""
+    """Draw the picture; see ``Fit.plot``."""
     count = min(len(fit.columns), MOST_PANELS)
     width = 1.5 * WIDTH if count == 1 else 2.0 * WIDTH
     return drawn(partial(fill, fit=fit), path, size, (width, 0.7 + math.ceil(count / 2) * HEIGHT))
@@ -91,10 +92,10 @@ def fill(page: Figure, fit: Estimates) -> None:
 
 
 def _model(fit: Estimates, k: int) -> Result:
-    """Return the run of a data set with the fitted values, with rows close enough for a curve."""
+    """Return the run of a data set with the fitted values, with rows close enough for a smooth curve."""
     data, scene = fit.data[k], fit.scenes[k]
     stop = max(1e-9, float(np.nanmax(data.order, initial=0.0)))
-    if np.isnan(data.order).any():  # an impact of which no time was measured can be anywhere
+    if np.isnan(data.order).any():  # an impact without a measured time can happen at any time
         stop = max(stop, scene.simulation.stop_time)
     inputs = {
         one.name: fit.values[one.label]
@@ -105,7 +106,7 @@ def _model(fit: Estimates, k: int) -> Result:
 
 
 def _panel(place: SubplotSpec, fit: Estimates, name: str, results: list[Result]) -> None:
-    """One column: data and model, and below the residuals in standard deviations."""
+    """Draw one column: data and model, and below the residuals in standard deviations."""
     axes: Any = place.subgridspec(2, 1, height_ratios=(3, 1)).subplots(sharex=True)
     values, rest = axes
     parts = _columns(fit, name, results)
@@ -143,7 +144,7 @@ def _panel(place: SubplotSpec, fit: Estimates, name: str, results: list[Result])
 
 
 def _curve(values: Axes, rest: Axes, result: Result, name: str, colour: str) -> None:
-    """The model over time, and lines at its impacts."""
+    """Draw the model over time, and lines at its impacts."""
     for axes in (values, rest):
         onsets = result.impacts["onset"]
         axes.vlines(onsets, 0.0, 1.0, GREY, linewidth=0.6, zorder=0, transform=axes.get_xaxis_transform())
@@ -153,7 +154,7 @@ def _curve(values: Axes, rest: Axes, result: Result, name: str, colour: str) -> 
 
 
 def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
-    """Return the parts of a column, one for each data set that has it."""
+    """Return the parts of a column, one for each data set with this column."""
     found, first = [], 0
     for k, data in enumerate(fit.data):
         rows = np.flatnonzero(np.array(data.quantity) == name)
@@ -166,7 +167,7 @@ def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
 
 
 def _numbers(data: Measurements, rows: np.ndarray, result: Result) -> np.ndarray:
-    """Return the numbers, from 1, of the impacts of the model that some rows are about, shape (K,)."""
+    """Return the numbers, from 1, of the model's impacts that some rows describe, shape (K,)."""
     found = (data.impacts[row].find(result.impacts) for row in rows)
     return np.array([np.nan if one is None else one + 1.0 for one in found])
 

@@ -17,10 +17,14 @@ from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.fit.data import DURATION, QUANTITIES, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
-SMALLEST = 1e-300  # so that a column of zeros has a size
-AT_BOUND = 0.01  # standard errors from a bound are at the bound, if it is as near by the way to it; so is
-AT_BOUND_PART = 1e-9  # of the distance between both bounds
-LATE = 1.25  # how much later than measured an impact of the model may be, as a factor of its time
+SMALLEST = 1e-300  # gives a column of zeros a size
+# distance from a bound, in standard errors, below which a parameter is at the bound, if the way from the
+# start to the bound is as large; …
+AT_BOUND = 0.01
+# … distance from a bound, as a part of the distance between both bounds, below which a parameter is at the
+# bound
+AT_BOUND_PART = 1e-9
+LATE = 1.25  # latest time of a model's impact, over the measured time
 
 
 @dataclass(frozen=True)
@@ -28,10 +32,11 @@ class Evaluation:
     """The model at one set of parameters.
 
     Attributes:
-        place: the parameters on the scale of the search, shape (P,).
-        residuals: model − measured, shape (M,), in the unit of each value; NaN where there is no value of
-            the model: beyond the horizon, after a fault, of an impact that is not there.
-        slopes: their derivatives by the place, shape (M, P); NaN where they do not exist.
+        place: the coordinates of the parameters on the scale of the search, shape (P,).
+        residuals: model − measured, shape (M,), in the unit of each value; NaN where the model has no value:
+            beyond the horizon, after a fault, or for a missing impact.
+        slopes: derivatives of the residuals with respect to the coordinates, shape (M, P); NaN where they do
+            not exist.
         runs: the run of each data set.
     """
 
@@ -42,12 +47,12 @@ class Evaluation:
 
     @property
     def there(self) -> np.ndarray:
-        """Of which values the model has one, too, shape (M,)."""
+        """For which values the model has a value, shape (M,)."""
         return np.asarray(np.isfinite(self.residuals))
 
     @property
     def usable(self) -> np.ndarray:
-        """Which values can be fitted: those with derivatives, shape (M,)."""
+        """Which values can be fitted because they have derivatives, shape (M,)."""
         found: np.ndarray = self.there & np.isfinite(self.slopes).all(axis=1)
         return found
 
@@ -56,15 +61,16 @@ class Problem:
     """All data sets, and a model for each.
 
     Attributes:
-        parameters: what is free.
-        data: one for each data set.
-        value, sigma: of all values, shape (M,); the standard deviation is NaN where it is to be estimated.
-        order: when each was measured, shape (M,) [s]; NaN for an impact of which no time is known.
-        size: of the column of each value, shape (M,): its range, or its largest value if that is more.
+        parameters: the free parameters.
+        data: the measurements, one entry for each data set.
+        value, sigma: all values and their standard deviations, shape (M,); NaN for one that has to be
+            estimated.
+        order: time of each value, shape (M,) [s]; NaN for an impact without a known time.
+        size: size of the column of each value, shape (M,): the range, or the largest value if it is larger.
         group: index of each value into ``names``, shape (M,).
-        names: of the columns.
-        own: of each data set, the indices of the parameters on which its model depends.
-        evaluations: how many runs with derivatives there were.
+        names: the names of the columns.
+        own: for each data set, the indices of the parameters on which its model depends.
+        evaluations: the number of runs with derivatives.
     """
 
     def __init__(
@@ -74,7 +80,7 @@ class Problem:
         parameters: Sequence[Parameter],
         interpolation: str = "follow",
     ) -> None:
-        """Prepare a run for each data set, with the inputs in it and their interpolation.
+        """Prepare a run for each data set, with the data set's inputs and their interpolation.
 
         Raises:
             SceneError: when a scene cannot start.
@@ -114,26 +120,26 @@ class Problem:
 
     @property
     def start(self) -> np.ndarray:
-        """Where the search starts, shape (P,)."""
+        """The coordinates at the start of the search, shape (P,)."""
         return np.array([one.coordinate(one.start) for one in self.parameters])
 
     def until(self, evaluation: Evaluation, horizon: float) -> Evaluation:
-        """Return an evaluation of the whole time, without what lies beyond a horizon [s]."""
+        """Return an evaluation of the whole time, without the values beyond a horizon [s]."""
         beyond = self.order > horizon
         return replace(evaluation, residuals=np.where(beyond, np.nan, evaluation.residuals))
 
     @property
     def followed(self) -> np.ndarray:
-        """The values that show if the model moves as measured, shape (M,): outputs, else times of impacts."""
+        """Which values show if the model moves as measured, shape (M,): outputs, else times of impacts."""
         outputs = np.concatenate([~one.of_impact for one in self.data])
         if outputs.any():
             return outputs
         return np.array([self.names[group] in ("onset", "end") for group in self.group])
 
     def end(self, k: int) -> float:
-        """Until when [s] the model of a data set runs, to have all that was measured.
+        """Return the time [s] up to which the model of a data set runs, to cover all measurements.
 
-        An impact of which no time was measured can be anywhere until the scene's stop time.
+        An impact without a measured time may happen at any time until the scene's stop time.
         """
         data = self.data[k]
         last = float(np.nanmax(data.order, initial=0.0))
@@ -142,15 +148,15 @@ class Problem:
         return LATE * last if data.of_impact.any() else last
 
     def values(self, place: np.ndarray) -> np.ndarray:
-        """Return the values of the parameters at a place on the scale of the search."""
+        """Return the values of the parameters at some coordinates."""
         return np.array([one.value(at) for one, at in zip(self.parameters, place.tolist(), strict=True)])
 
     def scale(self, values: np.ndarray) -> np.ndarray:
-        """Return derivatives of the values by the places on the scale of the search, shape (P,)."""
+        """Return derivatives of the values with respect to the coordinates, shape (P,)."""
         return np.array([one.slope(at) for one, at in zip(self.parameters, values.tolist(), strict=True)])
 
     def evaluate(self, place: np.ndarray, horizon: float = math.inf) -> Evaluation:
-        """Run the models until a horizon [s], and compare."""
+        """Run the models up to a horizon [s], and compare them with the measurements."""
         values = self.values(place)
         scale = self.scale(values)
         found, slopes = np.full(len(self.value), np.nan), np.zeros((len(self.value), len(place)))
@@ -163,21 +169,21 @@ class Problem:
         return self.until(Evaluation(place, found - self.value, slopes * scale, tuple(runs)), horizon)
 
     def bounds_reached(self, place: np.ndarray, errors: np.ndarray) -> dict[int, str]:
-        """Return the parameters that are at a bound → which, lower or upper.
+        """Return the parameters that are at a bound: index → "lower" or "upper".
 
         Args:
-            place: on the scale of the search, shape (P,).
-            errors: standard error of each with all others held, shape (P,).
+            place: the coordinates, shape (P,).
+            errors: standard error of each parameter with all others fixed, shape (P,).
         """
         lower = place - self.low <= self._near(self.low, errors)
         upper = self.high - place <= self._near(self.high, errors)
         return {int(p): "lower" if lower[p] else "upper" for p in np.flatnonzero(lower | upper)}
 
     def _near(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
-        """Return how far from its bound each parameter is at it, shape (P,).
+        """Return the distance from its bound below which each parameter is at the bound, shape (P,).
 
-        That is a part of its standard error, but also of the way from the start to the bound: the standard
-        error of what the data do not tell is so large that all values would be near.
+        It is a part of the standard error, but also of the way from the start to the bound: an undetermined
+        parameter has so large a standard error that every value would be near.
         """
         way = np.abs(self.start - bounds)
         known = AT_BOUND * np.minimum(errors, np.where(way > 0.0, way, np.inf))
@@ -185,7 +191,7 @@ class Problem:
         return np.asarray(np.where(np.isfinite(near), near, 0.0).max(axis=0))
 
     def fault(self, evaluation: Evaluation) -> str:
-        """Return why a model did not reach the end; empty if all did."""
+        """Return why a model did not reach the end; "" if all did."""
         for k, run in enumerate(evaluation.runs):
             if run.status != OK:
                 return f"{self.data[k].source}: the simulation stopped: {STATUS_TEXT[run.status]}"
@@ -209,7 +215,7 @@ class Problem:
 
 
 def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.ndarray]:
-    """The values of the model where there are measured ones, shape (M,), and their derivatives, (M, P)."""
+    """Return the model's values that were measured, shape (M,), and their derivatives, shape (M, P)."""
     found = np.full(len(data), np.nan)
     slopes = np.full((len(data), run.slopes.shape[2]), np.nan)
     sampled = np.flatnonzero(~data.of_impact & (data.row < len(run.values)))
@@ -223,9 +229,9 @@ def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.nda
 
 
 def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray]:
-    """A quantity of an impact of the model, and its derivatives, shape (P,); NaN while the contact lasts.
+    """Return a quantity of a model's impact, and its derivatives, shape (P,); NaN while the contact lasts.
 
-    The peak forces of an impulse are NaN, too: it has none.
+    The peak force of an impulse is NaN as well, because an impulse has none.
     """
     if name == DURATION:
         end, onset = quantity(run, at, "end"), quantity(run, at, "onset")

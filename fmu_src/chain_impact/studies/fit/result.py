@@ -1,4 +1,4 @@
-"""What a fit returns."""
+"""The result of a fit."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LawFit(LawEstimates):
-    """How one contact law fits.
+    """The fit of one contact law.
 
     Attributes:
-        law: its id.
-        fit: the fit; None if there is none.
-        note: why there is none, or a remark.
-        fewer: how many values fewer than others it could use; if any, its criterion cannot be compared.
+        law: the id of the law.
+        fit: the fit; None if it failed.
+        note: why there is no fit, or a remark.
+        fewer: how many values fewer than the others this law uses; if any, its criterion cannot be compared.
     """
 
     fit: Fit | None
@@ -34,9 +34,10 @@ class LawFit(LawEstimates):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Fit(Estimates):
-    """The estimates of the free parameters. Printed, it is a report.
+    """The estimates of the free parameters.
 
-    A parameter is called by its name in the FMU, of one data set among several ``initial.y of data set 2``.
+    Its text is a report. A parameter is called by its name in the FMU, with its data set if there are
+    several: ``initial.y of data set 2``.
 
     Attributes:
         scene: the scene with the fitted values, of the first data set.
@@ -45,16 +46,16 @@ class Fit(Estimates):
         values: name → value.
         standard_errors: name → standard error, in the unit of the value; infinite if nothing determines it.
         intervals: name → ends of the interval that holds the value with a probability of 95 %.
-        correlation: of the estimates, shape (P, P); NaN where one is not determined.
-        data: what was measured, M values in all.
-        residuals: model − measured, shape (M,), in the unit of each value; NaN of values that were left out.
+        correlation: correlation of the estimates, shape (P, P); NaN for one that is not determined.
+        data: the measurements, M values in all.
+        residuals: model − measured, shape (M,), in the unit of each value; NaN for values that were left out.
         sigma: standard deviation of each value, as given or estimated from the residuals, shape (M,).
         estimated: columns whose standard deviation was estimated.
         deviance: −2 log of the likelihood, up to a constant that depends on the data only.
-        converged: whether the search ended where no step makes the fit better.
-        runs: how many runs with derivatives it took.
-        horizons: until when [s] data were used, one after the other.
-        unknown: what the data cannot tell, in words.
+        converged: whether the search ended because no step makes the fit better.
+        runs: the number of runs with derivatives.
+        horizons: the times [s] up to which data were used, one after the other.
+        unknown: sentences on parameters that the data do not determine.
         notes: further remarks: values that were left out, bounds that were reached.
         ranking: the contact laws, the best first, if they were compared.
         models: the run of each data set with the fitted values.
@@ -63,20 +64,20 @@ class Fit(Estimates):
     ranking: tuple[LawFit, ...] = ()
 
     def __repr__(self) -> str:
-        """Return all of it, as a text of several lines."""
+        """Return the whole report as text of several lines."""
         return as_text(report(self))
 
     def _repr_html_(self) -> str:
-        """Return the same in a notebook."""
+        """Return the whole report for a notebook."""
         return as_html(report(self))
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the estimates as a table of pandas, a row for each free parameter.
+        """Return the estimates as a table of pandas, one row for each free parameter.
 
         ``low`` and ``high`` are the ends of the interval that holds the value with a probability of 95 %.
 
         Raises:
-            MissingExtraError: when pandas is not there: the extra ``pandas``.
+            MissingExtraError: when pandas (the extra ``pandas``) is not installed.
         """
         rows = [
             (one.label, one.unit, one.start, self.values[one.label], self.standard_errors[one.label])
@@ -92,12 +93,12 @@ class Fit(Estimates):
         """Draw data, model, residuals and impacts.
 
         Args:
-            path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
+            path: a file, whose suffix png, svg or pdf gives its kind. Without a file the figure is returned,
                 which a notebook shows.
             size: width and height [inches]. On a page narrower than 6 inches all panels are in one column.
 
         Raises:
-            ValueError: when a page cannot have the size, or has no room for what is drawn.
+            ValueError: when a page cannot have the size, or has no room for the panels.
             OSError: when the file cannot be written.
         """
         from chain_impact.studies.fit.plot import plot_fit
@@ -105,11 +106,11 @@ class Fit(Estimates):
         return plot_fit(self, path, size)
 
     def save(self, path: str | Path, like: str | Path | None = None) -> None:
-        """Write the fitted scene as TOML, with the comments and the order of the scene file that it is like.
+        """Write the fitted scene as TOML, with the comments and the order of the original scene file.
 
         Args:
             path: the file.
-            like: the scene file that was fitted; without, all keys are written, and no comments.
+            like: the original scene file. Without it all keys are written, without comments.
 
         Raises:
             OSError: when a file cannot be read or written.

@@ -1,4 +1,4 @@
-"""A scene as a TOML file that keeps the comments and the order of the file that it came from."""
+"""A scene as a TOML file that keeps the comments and the order of the original file."""
 
 from __future__ import annotations
 
@@ -17,15 +17,17 @@ from chain_impact.system import written_whole
 
 
 def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) -> None:
-    """Write a scene file, and beside it the file of a law that only the cache has, as of ``with_law``.
+    """Write a scene file, and beside it the file of a law that only the cache has, as from ``with_law``.
 
     Args:
-        scene: what it shall hold.
+        scene: the scene to write.
         path: the file.
-        like: a scene file, of which all stays as it is but what differs; without, all keys are written.
+        like: an original scene file, in which only the different values are changed. Without it all keys are
+            written.
 
     Raises:
-        SceneError: when the file that it is like holds no scene, or another law is where its law would be.
+        SceneError: when the original file holds no scene, or a file with another law is at the place of the
+            scene's law.
         OSError: when a file cannot be read or written.
     """
     path, law = Path(path), scene.contact.law_file
@@ -46,13 +48,13 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
 
 
 def updated(text: str, scene: Scene, source: str) -> str:
-    """Return the text of a scene file with what is given of a scene; what has that already stays as it is."""
+    """Return the text of a scene file with the given values of a scene; equal values keep their text."""
     present = parse_scene(text, source)
     return text if present == scene else _changed(text, scene_to_dict(present), scene_to_dict(scene))
 
 
 def _copied(law: Path, folder: Path) -> str:
-    """Put the file of a law into a folder, unless it is there; return its name."""
+    """Copy the file of a law into a folder, unless the folder has it; return its name."""
     copy, source = folder / law.name, law.read_bytes()
     if not copy.exists():
         with written_whole(copy) as fresh:
@@ -66,7 +68,7 @@ def _copied(law: Path, folder: Path) -> str:
 
 
 def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
-    """Return the text with the path of a file, at a key, from another folder."""
+    """Return the text with the path of a file at a key, which is seen from another folder."""
     document: Any = tomlkit.parse(text)
     table = document
     for step in key[:-1]:
@@ -76,11 +78,11 @@ def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
 
 
 def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
-    """Return the text with what differs in it written."""
+    """Return the text with the values that differ."""
     document: Any = tomlkit.parse(text)
     short = any(key in link for link in document["chain"]["links"] for key in ("count", "shape"))
     if short and wanted["chain"] != present["chain"]:
-        document["chain"]["links"] = present["chain"]["links"] = wanted["chain"]["links"]  # they differ
+        document["chain"]["links"] = present["chain"]["links"] = wanted["chain"]["links"]  # the links differ
     for name, value in wanted.items():
         if value != present.get(name):
             if isinstance(value, Mapping):
@@ -91,7 +93,7 @@ def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
 
 
 def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -> None:
-    """Write the values of a table that differ, and remove those that no one gives."""
+    """Write the values of a table that differ, and remove the values that are no longer given."""
     for key in present:
         if key not in wanted and key in table:
             del table[key]
@@ -109,9 +111,9 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
 
 
 def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
-    """Write one value; of a list only the entries that differ. A comment behind it keeps its column.
+    """Write one value; in a list write only the entries that differ.
 
-    What is present in the scene may be in degrees in the table.
+    A comment after the value keeps its column. The scene's present value may be in degrees in the table.
     """
     here = table.get(key)
     before = len(here.as_string()) if hasattr(here, "as_string") else 0

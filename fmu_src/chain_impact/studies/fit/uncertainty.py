@@ -1,4 +1,4 @@
-"""How well the data determine the parameters, from the derivatives where the search ended."""
+"""The uncertainty of the parameters, from the derivatives at the end of the search."""
 
 from __future__ import annotations
 
@@ -9,23 +9,28 @@ from dataclasses import dataclass
 import numpy as np
 
 PROBABILITY = 0.95
-LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9  # degrees, with fewer nothing is known, with more it is as with all
-SINGULAR = 1e-7  # of the largest, a singular value that may be round-off of the derivatives
+# numbers of degrees of freedom: below the first nothing is known, above the second they count as infinite
+LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
+# singular value, as a part of the largest one, below which it may be round-off of the derivatives
+SINGULAR = 1e-7
 
 
 @dataclass(frozen=True)
 class Information:
-    """What the data say on the parameters: J'J, with J the derivatives in standard deviations of the values.
+    """The information of the data on the parameters: J'J, with derivatives J in standard deviations.
 
     Attributes:
-        matrix: shape (P, P), on the scale of the search.
+        matrix: J'J on the scale of the search, shape (P, P).
     """
 
     matrix: np.ndarray
 
     @property
     def covariance(self) -> np.ndarray:
-        """Of the parameters on the scale of the search, shape (P, P); infinite of what is not determined."""
+        """The covariance of the parameters on the scale of the search, shape (P, P).
+
+        It is infinite for a parameter that is not determined.
+        """
         size = np.sqrt(np.diag(self.matrix))
         scale = np.divide(1.0, size, out=np.zeros(len(size)), where=size > 0.0)
         values, vectors = np.linalg.eigh(self.matrix * np.outer(scale, scale))
@@ -45,28 +50,29 @@ class Information:
 
     @property
     def alone(self) -> np.ndarray:
-        """Standard errors with all other parameters held, shape (P,); infinite of what has no effect."""
+        """Standard errors with all other parameters fixed, shape (P,); infinite for one without effect."""
         with np.errstate(divide="ignore"):
             return np.asarray(1.0 / np.sqrt(np.diag(self.matrix)))
 
     def with_held(self, p: int) -> Information:
-        """What it would be with one parameter held: of all others, shape (P − 1, P − 1)."""
+        """Return the information with one parameter fixed: for the others, shape (P − 1, P − 1)."""
         return Information(np.delete(np.delete(self.matrix, p, 0), p, 1))
 
 
 def information(slopes: np.ndarray, sigma: np.ndarray) -> Information:
-    """What values with some derivatives, shape (M, P), and standard deviations, shape (M,), say."""
+    """Return the information of values with some derivatives, shape (M, P), and standard deviations, (M,)."""
     whitened = slopes / sigma[:, None]
     return Information(whitened.T @ whitened)
 
 
 @dataclass(frozen=True)
 class SmallSample:
-    """What it does to the standard errors that standard deviations are estimated, from values that are few.
+    """The effect on standard errors if standard deviations are estimated from few values.
 
     Attributes:
-        factor: by which a standard error is larger, as the values were weighted by estimates, shape (P,).
-        freedom: its degrees of freedom, shape (P,); infinite if no standard deviation is estimated.
+        factor: by which a standard error grows because the values are weighted by estimates, shape (P,).
+        freedom: degrees of freedom of a standard error, shape (P,); infinite if no standard deviation is
+            estimated.
     """
 
     factor: np.ndarray
@@ -79,13 +85,13 @@ def small_sample(
     """Return the correction of Kenward & Roger (Biometrics 53 (1997) 983) for variances by columns.
 
     With A_c = J'J/σ² of a column with ν_c degrees of freedom, C the covariance and p_c = C A_c C over C, the
-    part of a variance that comes from the column, 1/ν = Σ p_c²/ν_c, which is Satterthwaite's, and the
+    part of a variance that comes from the column, Satterthwaite's formula is 1/ν = Σ p_c²/ν_c, and the
     variance grows by Σ 4/ν_c C (A_c − A_c C A_c) C.
 
     Args:
         slopes: derivatives of the values, shape (M, P).
         sigma: standard deviations of the values, shape (M,).
-        groups: of each column with an estimated standard deviation, which of the values are its, shape (M,),
+        groups: for each column with an estimated standard deviation, which values belong to it, shape (M,),
             and the degrees of freedom of its residuals.
     """
     covariance = np.nan_to_num(information(slopes, sigma).covariance, posinf=0.0)
@@ -107,8 +113,8 @@ def small_sample(
 def quantiles(freedom: np.ndarray) -> np.ndarray:
     """Return half the width of 95 % intervals in standard errors, by Student's t distribution, shape (P,).
 
-    With infinite degrees of freedom it is the normal distribution. With hardly any the width is infinite:
-    where a column has no more values than the parameters that it determines, they tell no standard deviation.
+    With infinite degrees of freedom this is the normal distribution. With hardly any the width is infinite: a
+    column with no more values than the parameters that it determines gives no standard deviation.
     """
     from scipy import special  # takes long
 
@@ -119,7 +125,7 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
 
 
 def largest_usual(freedom: float) -> float:
-    """Return the χ² that a right model exceeds with a probability of 0.1 % only."""
+    """Return the χ² that a correct model exceeds with a probability of only 0.1 %."""
     from scipy import special  # takes long
 
     return float(special.chdtri(freedom, 1e-3))

@@ -1,4 +1,4 @@
-"""What the data cannot tell, in words, and with what it acts together."""
+"""Sentences on parameters that the data do not determine, and on others that act together with them."""
 
 from __future__ import annotations
 
@@ -9,14 +9,16 @@ from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.uncertainty import Information
 
-UNKNOWN = 0.3  # of its value, the standard error of what is not determined
-UNKNOWN_PART = 0.125  # of the range between two bounds: then the 95 % interval is half of it
-BETTER = 0.5  # of the present standard error, what holding another parameter must reach to be worth a word
-HUGE = 10.0  # a standard error of a logarithm that is told as a factor
+UNKNOWN = 0.3  # standard error as a part of the value, beyond which the value is not determined
+# standard error as a part of the range between two bounds, beyond which the 95 % interval is half the range
+UNKNOWN_PART = 0.125
+# standard error with another parameter fixed, over the present one, below which that parameter is mentioned
+BETTER = 0.5
+HUGE = 10.0  # standard error of a logarithm, from which on it is told as a factor
 
 
 def unknown(problem: Problem, at: Evaluation, known: Information, reached: Collection[int]) -> Iterator[str]:
-    """Yield a sentence for each parameter that the data do not determine, but for those at bounds."""
+    """Yield a sentence for each parameter that the data do not determine, except those at bounds."""
     values, errors = problem.values(at.place), known.errors
 
     def is_weak(p: int, error: float) -> bool:
@@ -39,7 +41,10 @@ def unknown(problem: Problem, at: Evaluation, known: Information, reached: Colle
 
 
 def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
-    """Whether a standard error, on the scale of the search, is too large to say that a value is known."""
+    """Return whether a standard error is too large for a value to count as known.
+
+    The standard error is on the scale of the search.
+    """
     if not math.isfinite(error):
         return True
     if parameter.logarithmic:
@@ -50,7 +55,7 @@ def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
 
 
 def size_of(parameter: Parameter, value: float, error: float) -> str:
-    """Return a standard error in words: in percent of what must be positive, else in its unit."""
+    """Return a standard error in words: in percent for a positive parameter, else in its unit."""
     if not math.isfinite(error):
         return "infinite"
     if parameter.logarithmic and error > HUGE:

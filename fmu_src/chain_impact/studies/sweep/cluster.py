@@ -17,30 +17,31 @@ from chain_impact.simulation.record_scene import RunError
 from chain_impact.studies.sweep.pieces import hand_out
 from chain_impact.studies.sweep.work import Made, Span, Work
 
-CONNECT, PATIENCE = 10.0, 30.0  # s, for the scheduler to answer, and without any worker
+# [s] time limits for the scheduler's answer, and for waiting without any worker
+CONNECT, PATIENCE = 10.0, 30.0
 
 
 def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator[tuple[Span, Made]]:
-    """Yield what comes of the runs in some spans, piece by piece as they are done.
+    """Yield the results of the runs in some spans, piece by piece as they are done.
 
-    When a worker is lost the others take over its pieces.
+    If a worker is lost, other workers take over its pieces.
 
     Args:
-        work: what is done with each piece.
+        work: the work on each piece.
         spans: the runs.
-        address: of the scheduler, ``tcp://host:port``.
+        address: the address of the scheduler, ``tcp://host:port``.
 
     Raises:
         MissingExtraError: when distributed is not installed.
         SceneError: when there is no scheduler, or its workers do not have the same chain-impact, or cannot
-            see the folder that they write to.
+            see the sweep's folder.
         BuildError: when a worker cannot compile the kernel.
-        RunError: when the cluster gives up a piece, has no workers left, or is lost.
+        RunError: when the cluster gives up a piece, has no workers left, or the connection is lost.
     """
     lost = RunError(f"scheduler {address}: the connection was lost")
 
     def check() -> None:
-        """Go on waiting only while there are workers."""
+        """Continue waiting only while there are workers."""
         try:
             threads = client.nthreads()
         except OSError:
@@ -63,20 +64,20 @@ def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator
 
 
 def identity() -> tuple[str, str]:
-    """Return the version of this package, and that of its kernel's sources."""
+    """Return the version of this package, and the fingerprint of its kernel's sources."""
     return version("chain-impact"), fingerprint()
 
 
 def _sees(folder: Path) -> bool:
-    """Return whether this worker has the folder of a sweep."""
+    """Return whether this worker sees the folder of a sweep."""
     return any(folder.glob("*.json"))
 
 
 def _connected(kind: Any, address: str) -> Any:
     """Return a client of the scheduler.
 
-    One that cannot connect is closed here. If that were left to the garbage collector, it could happen while
-    this thread starts another client and holds the lock that closing takes: neither would ever end.
+    A client that cannot connect is closed here. The garbage collector could close it while this thread starts
+    another client and holds the lock that closing needs: neither would ever end.
     """
     client = kind.__new__(kind)
     try:
@@ -84,14 +85,14 @@ def _connected(kind: Any, address: str) -> Any:
     except Exception as error:
         with suppress(Exception):
             client.close()
-        client.status = "closed"  # whatever came of it, the collector has nothing left to do
+        client.status = "closed"  # the garbage collector has nothing left to close, whatever the result
         reason = str(error) or type(error).__name__
         raise SceneError(f"scheduler {address}: no dask scheduler answers there: {reason}") from None
     return client
 
 
 def _check_workers(client: Any, work: Work, address: str) -> int:
-    """Refuse workers that would not give the same rows; return the number of their threads."""
+    """Refuse workers that would give different rows; return the number of their threads."""
     threads = client.nthreads()
     if not threads:
         raise SceneError(f"scheduler {address}: it has no workers; start some with: dask worker {address}")

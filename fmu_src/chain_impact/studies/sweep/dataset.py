@@ -1,9 +1,9 @@
-"""The folder that the rows of a sweep go to as they come, in files of some runs each.
+"""The folder of a sweep, which gets the rows as they come, in files of some runs each.
 
-Its manifest, a JSON file, says what sweep it is, which columns it has, and which runs are in which file.
-Whoever makes the runs writes their file under another name. When it is complete it is renamed, and then
-listed. What the manifest does not list is no part of the sweep. So a sweep that has died goes on after the
-last complete file.
+The manifest, a JSON file, identifies the sweep and lists the columns and the runs in each file. A file of
+runs is written under another name; when it is complete, it is renamed and then listed. Files that the
+manifest does not list do not belong to the sweep. So a sweep that was interrupted continues after the last
+complete file.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from chain_impact.studies.sweep.pieces import missing
 from chain_impact.studies.sweep.work import CHUNK, PARQUET, Columns, Span, columns_of, file_name
 from chain_impact.system import remove_lock, written_whole
 
-MANIFEST = "_manifest.json"  # readers of Parquet take names with _ and . for no data
+MANIFEST = "_manifest.json"  # readers of Parquet ignore files whose names begin with _ or .
 LOCK = ".lock"
-# what file_name gives, or is not complete yet
+# names of complete files, as ``file_name`` gives them, and of incomplete files
 OWN = re.compile(rf"runs-\d{{15}}{re.escape(PARQUET)}|\.runs-.*")
-FORMAT = 2  # of the folder; raised when it changes
+FORMAT = 2  # version of the folder's format; raised when the format changes
 
 
 @dataclass
@@ -44,9 +44,9 @@ class Dataset:
 
     Attributes:
         path: the folder.
-        runs: how many the sweep has.
-        dtype: of the rows, which have no values and no word for the status.
-        files: name → its runs, of the complete ones.
+        runs: the number of runs of the sweep.
+        dtype: type of the rows, which lack the varied values and the word for the status.
+        files: name of a complete file → its runs.
     """
 
     path: Path
@@ -56,18 +56,18 @@ class Dataset:
     files: dict[str, Span] = field(default_factory=dict)
 
     def __len__(self) -> int:
-        """Return how many runs."""
+        """Return the number of runs."""
         return self.runs
 
     def add(self, piece: Span, made: str) -> None:
-        """Add a complete file, which has another name until now."""
+        """Add a complete file under its final name."""
         name = file_name(piece)
         (self.path / made).replace(self.path / name)
         self.files[name] = piece
         self._list()
 
     def chunks(self, names: Iterable[str]) -> Iterator[Columns]:
-        """Yield some columns in the order of the runs, so that few are in the memory at once.
+        """Yield some columns in the order of the runs, part by part, so that memory stays small.
 
         Raises:
             SceneError: when a file is damaged.
@@ -85,7 +85,7 @@ class Dataset:
                 ) from None
 
     def tidy(self) -> None:
-        """Remove what is no complete file of the sweep, and the manifest of a sweep without any."""
+        """Remove files that are no complete part of the sweep, and the manifest if no file is complete."""
         if not self.files:
             (self.path / MANIFEST).unlink(missing_ok=True)
         for path in self.path.iterdir():
@@ -93,10 +93,10 @@ class Dataset:
                 path.unlink()
 
     def is_complete(self) -> bool:
-        """Whether the folder has all runs of the sweep, whose files are then taken over. Nothing is written.
+        """Return whether the folder has all runs of the sweep; then take over its files. Nothing is written.
 
         Raises:
-            SceneError: when it is of another sweep.
+            SceneError: when the folder belongs to another sweep.
             OSError: when the manifest cannot be read.
         """
         if not (self.path / MANIFEST).is_file():
@@ -105,13 +105,13 @@ class Dataset:
         return not missing(list(self.files.values()), self.runs) and not any(map(self._fault, self.files))
 
     def read(self) -> None:
-        """Take over what an earlier call has left here; begin, where there is nothing.
+        """Take over the files of an earlier call; begin a new folder if there are none.
 
         Raises:
-            SceneError: when it is not of this sweep.
+            SceneError: when the folder belongs to another sweep.
             OSError: when the folder cannot be read or written.
         """
-        for left in self.path.glob(f".{MANIFEST}-*"):  # of a manifest that a kill has left incomplete
+        for left in self.path.glob(f".{MANIFEST}-*"):  # a manifest that a killed process left incomplete
             rmtree(left, ignore_errors=True)
         if (self.path / MANIFEST).exists():
             self.files = self._listed()
@@ -126,7 +126,7 @@ class Dataset:
         self._list()
 
     def _fault(self, name: str) -> str:
-        """What is wrong with a file, as far as it can be told at once; nothing if it is complete."""
+        """Return the fault of a file as far as a quick look tells it; "" if the file is complete."""
         try:
             with require("pyarrow.parquet", "sweep").ParquetFile(self.path / name) as file:
                 found = file.metadata.num_rows
@@ -141,7 +141,7 @@ class Dataset:
             fresh.write_text(json.dumps(self._head | {"files": self.files}), encoding="utf-8")
 
     def _listed(self) -> dict[str, Span]:
-        """Return the files that the manifest lists, if it is of this sweep."""
+        """Return the files that the manifest lists; refuse a manifest of another sweep."""
         manifest = self.path / MANIFEST
         wrong = "remove the folder, or choose another name"
         try:
@@ -160,11 +160,11 @@ class Dataset:
 
 @contextmanager
 def kept(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
-    """The folder of a sweep, which no other one writes meanwhile; a complete one is only read.
+    """Give the folder of a sweep, protected from other sweeps; a complete folder is only read.
 
     Raises:
-        SceneError: when another sweep has left it, or writes it now.
-        OSError: when it cannot be read or written.
+        SceneError: when the folder belongs to another sweep, or another sweep writes to it now.
+        OSError: when the folder cannot be read or written.
     """
     if path.exists() and not path.is_dir():
         raise SceneError(f"{path} must be a folder: remove the file, or choose another name")
@@ -182,10 +182,10 @@ def kept(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Keep other sweeps from writing the same folder meanwhile, and remove it if nothing is in it at the end.
+    """Keep other sweeps from writing to the same folder, and remove the folder at the end if it is empty.
 
     Raises:
-        SceneError: when one does.
+        SceneError: when another sweep writes to the folder.
         OSError: when the folder cannot be made or written.
     """
     from filelock import FileLock, Timeout
@@ -198,24 +198,24 @@ def _locked(path: Path) -> Iterator[None]:
         raise SceneError(
             f"{path} is being written by another sweep: wait until it has ended, or choose another folder"
         ) from None
-    except OSError as error:  # the user knows nothing of the lock
+    except OSError as error:  # an error about the lock would not help the user, who does not know it
         raise type(error)(error.errno, error.strerror, str(path)) from None
     try:
         yield
     finally:
         remove_lock(lock)
-        with suppress(OSError):  # what is not empty stays
+        with suppress(OSError):  # a folder that is not empty stays
             path.rmdir()
 
 
 def _array(column: Any) -> np.ndarray:
-    """Return a column of Arrow's; words as NumPy has them."""
+    """Return a column of Arrow as a NumPy array; words as strings."""
     found = np.asarray(column.to_numpy(zero_copy_only=False))
     return found.astype(str) if found.dtype.kind == "O" else found
 
 
 def known_by(job: Job, design: Design) -> dict[str, Any]:
-    """What a sweep is known by: all that its rows follow from."""
+    """Return the data that identify a sweep: all data that its rows follow from."""
     values = hashlib.sha256(repr((design.samples, design.sampling, design.seed)).encode())
     for one in design.variations:
         values.update(repr((one.name, len(one.values), one.interval, one.logarithmic)).encode())

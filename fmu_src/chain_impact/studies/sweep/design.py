@@ -1,6 +1,6 @@
-"""Which values each run has: all combinations of the variations, or samples of them.
+"""The values of each run: all combinations of the variations, or samples of them.
 
-The values of a run follow from its number, so that no array has those of all runs.
+The values of a run are computed from its number, so that no array holds the values of all runs.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from chain_impact.studies.sweep.variation import Variation
 
 Sampling = Literal["lhs", "sobol"]
 SAMPLINGS = ("lhs", "sobol")
-MOST_NUMBERS = 10**8  # in a table, 800 MB
+MOST_NUMBERS = 10**8  # number of numbers in a table, 800 MB
 MOST_RUNS = 10**15
-MOST_SOBOL = 2**30  # points of SciPy's sequence
+MOST_SOBOL = 2**30  # number of points of SciPy's sequence
 MOST_SEEDS = 2**32
-FEWEST_RESULTS = 16  # columns of every table, besides the values
-CUBE = 2**16  # runs of each Latin hypercube where one of all runs would not fit in the memory
+FEWEST_RESULTS = 16  # smallest number of columns of results in a table
+CUBE = 2**16  # number of runs of each Latin hypercube, if one hypercube of all runs would not fit into memory
 _own = threading.local()
 
 
@@ -34,10 +34,11 @@ class Design:
     """The values of every run.
 
     Attributes:
-        variations: what is varied, in the order of the columns.
-        samples: how many; None for a grid, all combinations, in which the last parameter changes first.
+        variations: the variations, in the order of the columns.
+        samples: the number of samples; None for a grid of all combinations, in which the last parameter
+            changes first.
         sampling: how samples are drawn.
-        seed: random seed of the samples.
+        seed: the random seed of the samples.
     """
 
     variations: tuple[Variation, ...]
@@ -47,12 +48,12 @@ class Design:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """How many values each parameter has in a grid; () for samples."""
+        """The number of values of each parameter in a grid; () for samples."""
         return tuple(len(v.values) for v in self.variations) if self.samples is None else ()
 
     @property
     def runs(self) -> int:
-        """How many runs; ``len()`` ends at what an index of the machine can be."""
+        """The number of runs, which may be larger than ``len()`` can return."""
         return math.prod(self.shape) if self.samples is None else self.samples
 
     def values(self, first: int, end: int) -> np.ndarray:
@@ -66,9 +67,9 @@ class Design:
         return np.stack(columns, axis=1)
 
     def _cubes(self, first: int, end: int) -> np.ndarray:
-        """Return parts of a Latin hypercube of all runs, or of those of ``CUBE`` runs, one after another.
+        """Return a part of a Latin hypercube of all runs, or of consecutive hypercubes of ``CUBE`` runs.
 
-        The bits are those of SciPy's LatinHypercube, with a generator that is spawned for each.
+        The bits equal SciPy's LatinHypercube with a generator that is spawned for each hypercube.
         """
         count, varied, parts = self.runs, len(self.variations), []
         size = count if count * (varied + FEWEST_RESULTS) <= MOST_NUMBERS else CUBE
@@ -83,7 +84,10 @@ class Design:
         return np.concatenate(parts)
 
     def _sobol(self, first: int, end: int) -> np.ndarray:
-        """Parts of the sequence; each thread goes forward in one of its own, which takes 5 ns for a run."""
+        """Return a part of the Sobol' sequence.
+
+        Each thread moves forward in its own sequence, which takes 5 ns for a run.
+        """
         key, engine = (self.seed, len(self.variations)), getattr(_own, "engine", None)
         if engine is None or _own.key != key or engine.num_generated > first:
             from scipy.stats import qmc  # takes long
@@ -92,20 +96,20 @@ class Design:
             _own.engine, _own.key = engine, key
         if first > engine.num_generated:
             engine.fast_forward(first - engine.num_generated)
-        # SciPy warns of a start with a number of points that is no power of two
+        # SciPy warns if the first call asks for a number of points that is no power of two
         counts = [end - first] if first else [1, end - 1]
         return np.concatenate([engine.random(count) for count in counts if count])
 
 
 def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
-    """Return the generator of a Latin hypercube, after so many numbers."""
+    """Return the generator of a Latin hypercube after ``drawn`` numbers."""
     bits: Any = np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(cube,)))
     return np.random.Generator(bits.advance(drawn))
 
 
 @functools.lru_cache(maxsize=8)
 def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
-    """In which part of each axis every sample of a Latin hypercube is, shape (varied, count)."""
+    """Return the part of each axis that every sample of a Latin hypercube is in, shape (varied, count)."""
     order = np.tile(np.arange(1, count + 1, dtype=np.int32), (varied, 1))
     generator = _generator(seed, cube, count * varied)
     for row in order:
@@ -114,7 +118,7 @@ def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
 
 
 def grid(variations: Sequence[Variation], source: str) -> Design:
-    """Return all combinations.
+    """Return the design of all combinations.
 
     Raises:
         SceneError: when a variation is an interval.
@@ -130,10 +134,10 @@ def grid(variations: Sequence[Variation], source: str) -> Design:
 
 
 def sampled(variations: Sequence[Variation], source: str, *, count: int, sampling: str, seed: int) -> Design:
-    """Return samples that fill the space of the variations evenly.
+    """Return a design of samples that fill the space of the variations evenly.
 
-    McKay, Beckman & Conover, Technometrics 21 (1979) 239, for Latin hypercubes; Sobol', USSR Computational
-    Mathematics and Mathematical Physics 7 (1967) 86, scrambled as by Owen, for the other.
+    Latin hypercubes: McKay, Beckman & Conover, Technometrics 21 (1979) 239. Sobol' sequence: Sobol', USSR
+    Computational Mathematics and Mathematical Physics 7 (1967) 86, scrambled by Owen's method.
 
     Raises:
         SceneError: when an argument is not allowed.
@@ -146,10 +150,10 @@ def sampled(variations: Sequence[Variation], source: str, *, count: int, samplin
 
 
 def whole(source: str, name: str, number: int, *, least: int = 1, end: int | None = None) -> int:
-    """Return an argument of a sweep that is a whole number, of Python's or NumPy's, least ≤ number < end.
+    """Return a whole number of Python or NumPy that an argument of a sweep gives, least ≤ number < end.
 
     Raises:
-        SceneError: when it is not.
+        SceneError: when the argument is no such number.
     """
     bound = "" if end is None else f" and < {end}"
     integral = isinstance(number, Integral) and not isinstance(number, bool)
@@ -159,7 +163,7 @@ def whole(source: str, name: str, number: int, *, least: int = 1, end: int | Non
 
 
 def check_size(design: Design, columns: int, source: str, *, streamed: bool) -> None:
-    """Refuse a table that does not fit in the memory, unless it is streamed.
+    """Refuse a table that does not fit into memory, unless it is streamed.
 
     Raises:
         SceneError: when there are too many runs.

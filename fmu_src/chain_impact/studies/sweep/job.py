@@ -1,8 +1,8 @@
-"""What all runs of a sweep have in common, and one block of them in the kernel.
+"""The job of a sweep: the data that all runs share, and the execution of one block of runs in the kernel.
 
-A run begins with the parameters and initial values of the scene's instance record, and those that vary are
-written to their places. So a parameter is set as the FMU sets it, and the kernel derives from it what the
-scene derives.
+A run begins with the parameters and initial values in the scene's instance record; the values that vary are
+written to their places. So a parameter is set as in the FMU, and the kernel derives from it the values that
+the scene derives.
 """
 
 from __future__ import annotations
@@ -33,20 +33,20 @@ STOP_PEAKS: dict[str, Place] = {
 """The same at stops of joints [N·m], [rad], in a scene with stops."""
 JOINT_FORCE = "joint_force"
 """The largest force in any joint [N], in a scene with loads."""
-ENDED = "time"  # s, where a run ended
+ENDED = "time"  # [s] column with the time at which a run ended
 STATUS = "solver.status"
 
 
 @dataclass(frozen=True)
 class Job:
-    """What all runs of a sweep share.
+    """The data that all runs of a sweep share.
 
     Attributes:
-        model: of the scene from which the runs differ in the values that vary only.
+        model: the model of the scene; the runs differ from it only in the values that vary.
         varied: the places of the parameters in the instance record, in the order of the values; the empty
             place is the stop time.
-        kinds: ``real`` or ``enumeration``, of each.
-        outputs: names of the outputs that are wanted of the end, besides those of every sweep.
+        kinds: ``real`` or ``enumeration`` for each parameter.
+        outputs: names of the outputs at the end that are wanted in addition to those of every sweep.
     """
 
     model: Model
@@ -56,7 +56,7 @@ class Job:
 
     @property
     def scene(self) -> Scene:
-        """That scene."""
+        """The scene of the model."""
         return self.model.scene
 
     @property
@@ -66,7 +66,7 @@ class Job:
 
     @property
     def columns(self) -> dict[str, Variable]:
-        """What is read from the record at the end of each run: name → variable."""
+        """The variables that are read from the record at the end of each run, by name."""
         found = self.model.outputs_by_name
         standard = [name for name in found if name.startswith(("energy.", "solver."))]
         wanted = dict.fromkeys(["impact.count", *standard, *self.outputs])
@@ -74,14 +74,14 @@ class Job:
 
     @property
     def loads(self) -> dict[str, Variable]:
-        """What ``joint_force`` is the largest of: name → output, in a scene with loads."""
+        """The outputs whose largest value is ``joint_force``, by name, in a scene with loads."""
         known = self.model.outputs_by_name
         names = (f"joint[{n}].peak_force" for n in range(1, len(self.scene.chain.links) + 1))
         return {name: known[name] for name in names if name in known}
 
     @property
     def dtype(self) -> np.dtype:
-        """The row of one run."""
+        """The type of the row of one run."""
         kinds = {"integer": np.int64, "real": np.float64}
         columns = [(name, kinds[variable.type]) for name, variable in self.columns.items()]
         largest = (*self.peaks, *((JOINT_FORCE,) if self.loads else ()), ENDED)
@@ -89,10 +89,11 @@ class Job:
 
 
 def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequence[str]) -> Job:
-    """What the runs of a sweep share.
+    """Return the job of a sweep's runs.
 
     Raises:
-        SceneError: when there is no such output, or the scene asks for no status.
+        SceneError: when an output does not exist, or the scene does not have the solver's status as an
+            output.
     """
     model = model_of(source)
     known = model.outputs_by_name
@@ -111,7 +112,7 @@ def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequ
 
 
 class Runner:
-    """Runs blocks of a job in the kernel, in one thread: it has one instance to work with."""
+    """Runs blocks of a job in the kernel, with one instance, in one thread."""
 
     def __init__(self, job: Job, *, own: bool = False) -> None:
         """Load or compile the kernel.
@@ -130,7 +131,7 @@ class Runner:
         self._kernel = kernel_for(job.scene, derivatives=bool(varied), sizes=sizes)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns, self._loads = job.columns, job.loads
-        # to follow impulses of walls takes time: it is done for the columns that have them only
+        # impulses of walls take time to follow, so they are followed only if a column needs them
         looked_at = {
             part for column in (*self._columns.values(), *self._loads.values()) for part in column.place
         }
@@ -152,14 +153,14 @@ class Runner:
         self._output_indices = np.array([word_index(layout, place) for place in places], np.int64)
 
     def run(self, values: np.ndarray, wanted: Callable[[], bool] = lambda: True) -> np.ndarray:
-        """Run the chain once for each row of values, shape (R, K); what came of it, shape (R,).
+        """Run the chain once for each row of values, shape (R, K); return the rows of results, shape (R,).
 
         Args:
-            values: of the parameters.
-            wanted: asked within every second.
+            values: the values of the parameters.
+            wanted: is asked at least once a second whether the run is still wanted.
 
         Raises:
-            CancelledError: when the answer is no.
+            CancelledError: when the run is no longer wanted.
         """
         words = np.ascontiguousarray(values[:, self._in_record], np.float64)
         for k, whole in enumerate(self._whole):
@@ -191,7 +192,7 @@ class Runner:
         return self._told(rows)
 
     def _told(self, words: np.ndarray) -> np.ndarray:
-        """The rows of the table from what the kernel wrote, which ends with the loads of each joint."""
+        """Return the rows of the table from the kernel's rows, which end with the loads of each joint."""
         rows = words
         if self._loads:
             rows = np.zeros(len(words), self._dtype)
@@ -203,7 +204,7 @@ class Runner:
         return rows
 
     def _forget_unknown(self, rows: np.ndarray) -> None:
-        """Set to NaN what speaks of the end, in the runs that did not get there."""
+        """Set to NaN the values at the end in the runs that did not reach the end."""
         failed = rows[STATUS] != OK
         for name, variable in self._columns.items():
             if variable.place[0] in {"output", BEHIND}:

@@ -1,4 +1,4 @@
-"""What an interrupted sweep into one file has done, kept beside the file until the same sweep has ended."""
+"""The finished runs of an interrupted sweep into one file, which are kept until the sweep is complete."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ SUFFIX = ".partial"
 
 
 def partial_path(table: Path) -> Path:
-    """Return the file beside a table."""
+    """Return the path of the file with the finished runs, beside the table."""
     return table.with_name(table.name + SUFFIX)
 
 
 def keep(table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[Span]) -> None:
-    """Write the rows of the runs that are done, and the ``head`` by which the sweep is known.
+    """Write the rows of the finished runs, and the ``head`` that identifies the sweep.
 
     Raises:
         OSError: when the file cannot be written.
@@ -33,11 +33,11 @@ def keep(table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[
 
 
 def take_up(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list[Span]:
-    """Fill in the rows that an interrupted call of the same sweep has left; return which runs they are.
+    """Fill in the rows that an interrupted call of the same sweep has left; return the spans of these runs.
 
     Raises:
-        SceneError: when the file is damaged, or another sweep has left it.
-        OSError: when it cannot be read.
+        SceneError: when the file is damaged, or belongs to another sweep.
+        OSError: when the file cannot be read.
     """
     path, wrong = partial_path(table), "remove it, or choose another name"
     if not path.is_file():

@@ -1,4 +1,4 @@
-"""Which runs are still to be done, cut into pieces, and handed out to whoever does them."""
+"""The missing runs of a sweep, cut into pieces and handed out to threads or workers."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from threading import Event
 from chain_impact.studies.sweep.work import Made, Span, Work
 from chain_impact.system import LISTEN
 
-FIRST_PIECE, LONGEST_PIECE = 8, 2**18  # runs
-SHORTEST, LONGEST = 0.5, 60.0  # s
-SHARE = 0.2  # of the time so far: the most that is lost of a sweep that dies
-ALIKE = 16  # times as long as the last pieces, and at the end as short
-AHEAD = 2  # pieces for each worker, so that none waits for who listens
+FIRST_PIECE, LONGEST_PIECE = 8, 2**18  # numbers of runs in the first and in the longest piece
+SHORTEST, LONGEST = 0.5, 60.0  # [s] shortest and longest time that a piece may take
+SHARE = 0.2  # time of a piece as a part of the time so far; so much is lost at most if a sweep is interrupted
+ALIKE = 16  # largest size of a piece over the last ones, and at the end its smallest size as the inverse
+AHEAD = 2  # number of pieces for each worker, so that no worker waits for the caller
 
 
 class Pieces:
-    """The runs that are missing, handed out piece by piece.
+    """The missing runs, handed out piece by piece.
 
-    A piece takes a part of the time so far, so that an hour of a core has some hundred of them.
+    A piece takes a part of the time so far, so that an hour of a core has some hundred pieces.
     """
 
     def __init__(self, spans: Sequence[Span], workers: int) -> None:
-        """Take the missing runs, in order, and how many ask for pieces."""
+        """Take the missing runs in order, and the number of workers."""
         self._spans, self._workers = list(reversed(spans)), workers
         self._left = sum(end - first for first, end in spans)
         self._size, self._least, self._elapsed = FIRST_PIECE, 1, 0.0
 
     def take(self) -> Span | None:
-        """Return the next piece; None when there is none. Towards the end, each worker gets its share."""
+        """Return the next piece; None if there is none. Towards the end, each worker gets its share."""
         if not self._spans:
             return None
         first, end = self._spans.pop()
@@ -42,7 +42,7 @@ class Pieces:
         return first, middle
 
     def took(self, piece: Span, seconds: float) -> None:
-        """Say how long a piece took, so that the next ones are cut to size."""
+        """Record how long a piece took, which decides on the size of the next ones."""
         self._elapsed += seconds / self._workers
         a_second = (piece[1] - piece[0]) / max(seconds, 1e-6)
         wanted = min(max(SHORTEST, SHARE * self._elapsed), LONGEST)
@@ -59,15 +59,15 @@ def hand_out(
     check: Callable[[], None] = lambda: None,
     patience: float = LISTEN,
 ) -> Generator[tuple[Span, Made]]:
-    """Yield what comes of the runs in some spans, piece by piece as they are done.
+    """Yield the results of the runs in some spans, piece by piece as they are done.
 
     Args:
-        executor: who does the pieces: the threads of this machine, or the workers of a cluster.
-        count: how many at the same time.
-        do: what is done with a piece: gives what comes of it, and how long it took [s].
+        executor: executes the pieces: in threads of this machine, or on workers of a cluster.
+        count: the number of pieces at the same time.
+        do: does a piece; returns the result and the time it took [s].
         spans: the runs, in order.
-        check: called when no piece was done for some time; raises what is wrong, if anything.
-        patience: that time [s]. Ctrl-C is heard in between.
+        check: is called when no piece was done for some time; raises an error if there is a fault.
+        patience: the time after which ``check`` is called, and Ctrl-C is noticed [s].
     """
     pieces = Pieces(spans, count)
     at_work: dict[Future[tuple[Made, float]], Span] = {}
@@ -95,16 +95,16 @@ def hand_out(
 
 
 def run_in_threads(work: Work, spans: Sequence[Span], threads: int) -> Generator[tuple[Span, Made]]:
-    """Yield what comes of the runs in some spans: the kernel lets other threads work while it does.
+    """Yield the results of the runs in some spans; the kernel lets other threads work meanwhile.
 
-    Who stops listening gets all threads back in less than a second.
+    If the caller stops listening, all threads end in less than a second.
 
     Raises:
         BuildError: when the kernel cannot be compiled.
         OSError: when a file cannot be written.
     """
     if spans:
-        work.runner()  # compiles the kernel, here
+        work.runner()  # compiles the kernel before the threads start
     enough = Event()
     with ThreadPoolExecutor(threads) as pool:
         try:
@@ -114,7 +114,7 @@ def run_in_threads(work: Work, spans: Sequence[Span], threads: int) -> Generator
 
 
 def missing(done: Sequence[Span], count: int) -> list[Span]:
-    """Return the runs of 0 … count − 1 that are in none of the spans."""
+    """Return the spans of 0 … count − 1 that are in none of the given spans."""
     spans, start = [], 0
     for first, end in sorted(done):
         if first > start:

@@ -1,8 +1,8 @@
-"""The picture of a sweep: its main results over what was varied.
+"""The picture of a sweep: its main results over the varied parameters.
 
-One number varied gives lines, two a map, one choice dots. A choice beside a number, such as the contact law,
-gives a line for each of up to ten; more become the rows of a map. Runs that failed are crosses, or grey in a
-map.
+One varied number gives lines, two numbers a map, one choice dots. A choice beside a number, such as the
+contact law, gives a line for each of up to ten choices; more become the rows of a map. Runs that failed are
+crosses, or grey in a map.
 """
 
 from __future__ import annotations
@@ -38,23 +38,24 @@ COLOURS = (
 )  # fmt: skip
 MAP_COLOURS, FAILED_COLOUR = "cividis", "0.8"
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
-NAMES, DOTS_WIDTH = 0.9, 2.0  # inches, of the names of choices, and at least of a panel with dots
-MOST_VARIED, MOST_ASKED = 2, 4  # parameters that vary, outputs that were asked for
-MOST_DRAWN = 2**18  # runs
-WIDE_RANGE, MOST = 1e3, 0.95  # of most values, from which on an axis is logarithmic
+NAMES, DOTS_WIDTH = 0.9, 2.0  # [inch] width of the names of choices, and smallest width of a panel with dots
+MOST_VARIED, MOST_ASKED = 2, 4  # largest number of parameters that vary, and of outputs that were asked for
+MOST_DRAWN = 2**18  # largest number of runs in a picture
+# ratio of values, from which on an axis is logarithmic, and the part of the values that counts for it
+WIDE_RANGE, MOST = 1e3, 0.95
 DOTS, CURVES, MAPS = "dots", "curves", "maps"
 NEVER = "no run has a finite value"
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a panel shows: a column of the table, in a unit that is easy to read.
+    """The quantity of a panel: a column of the table, in a readable unit.
 
     Attributes:
-        column: its name.
-        label: of the axis.
+        column: the name of the column.
+        label: the label of the axis.
         factor: from the column to the unit of the panel.
-        told: what the headline says of the smallest and the largest value, if anything.
+        told: words of the headline for the smallest and the largest value; "" for none.
     """
 
     column: str
@@ -63,7 +64,7 @@ class Quantity:
     told: str = ""
 
     def of(self, found: Runs) -> np.ndarray:
-        """Its values, NaN where a run failed, shape (R,)."""
+        """Return the values, NaN where a run failed, shape (R,)."""
         return np.where(found.failed, np.nan, self.factor * found[self.column].astype(float))
 
 
@@ -83,7 +84,7 @@ QUANTITIES = (
 
 
 def check_picture(varied: int, samples: int | None, runs: int, source: str) -> None:
-    """Refuse what has no picture, before any run.
+    """Refuse a sweep that has no picture, before any run.
 
     Raises:
         SceneError: when too many parameters vary, there are samples in place of all combinations, or too many
@@ -130,7 +131,7 @@ def fill(page: Figure, found: Runs) -> None:
 
 
 def kind_of(design: Design) -> str:
-    """Return how a design is drawn."""
+    """Return the kind of picture of a design."""
     varying = varying_in(design)
     choices = [one for one in varying if one.choices]
     if len(varying) == 1:
@@ -139,7 +140,7 @@ def kind_of(design: Design) -> str:
 
 
 def usual_size(found: Runs) -> tuple[float, float]:
-    """Return the size of the page where none is asked for [inches]."""
+    """Return the default size of the page [inches]."""
     count, kind = len(_quantities(found)), kind_of(found.design)
     if kind == DOTS:
         return 2.2 + 2.3 * count, 1.3 + 0.24 * len(varying_in(found.design)[0].values)
@@ -147,7 +148,7 @@ def usual_size(found: Runs) -> tuple[float, float]:
 
 
 def title(found: Runs, mark: str) -> str:
-    """What came of the runs."""
+    """Return the headline: the results of the runs."""
     parts, failed = [f"{found.scene.name}: {plural(len(found), 'run')}"], int(found.failed.sum())
     for quantity in _main(found):
         values = quantity.of(found)
@@ -158,7 +159,7 @@ def title(found: Runs, mark: str) -> str:
 
 
 def conditions(varying: list[Variation]) -> str:
-    """What was varied, and how far."""
+    """Return the varied parameters and their ranges."""
     parts = []
     for one in varying:
         ends = " to ".join(number(end) for end in dict.fromkeys((one.values.min(), one.values.max())))
@@ -173,7 +174,7 @@ def varying_in(design: Design) -> list[Variation]:
 
 
 def _main(found: Runs) -> list[Quantity]:
-    """Return the main results of a scene: those at walls and at stops where it has some."""
+    """Return the main results of a scene: those at walls and at stops, if the scene has them."""
     absent = set() if point_wall_pairs(found.scene) else {*PEAKS}
     return [quantity for quantity in QUANTITIES if quantity.column in {*found.names} - absent]
 
@@ -190,7 +191,7 @@ def _quantities(found: Runs) -> list[Quantity]:
 
 
 def _panels(page: Figure, count: int, most: int = 2, *, sharey: bool = False) -> list[Axes]:
-    """Empty panels, at most so many in a row, and one below the other on a narrow page."""
+    """Return empty panels, at most ``most`` in a row, and one below the other on a narrow page."""
     across = min(count, most) if page.get_figwidth() >= WIDE else 1
     grid = page.subplots(math.ceil(count / across), across, squeeze=False, sharey=sharey)
     panels = list(grid.flat)
@@ -206,7 +207,7 @@ def _curves(
     across: Variation,
     choice: Variation | None = None,
 ) -> None:
-    """A panel for each quantity over a parameter: one line for each choice."""
+    """Draw a panel for each quantity over a parameter, with one line for each choice."""
     panels = _panels(page, len(quantities))
     values = found[across.name]
     for axes, quantity in zip(panels, quantities, strict=True):
@@ -216,7 +217,7 @@ def _curves(
             own = own[np.argsort(values[own], kind="stable")]
             label = f"{name} (failed)" if choice and found.failed[own].all() else name
             marks: dict[str, Any] = {}
-            if len(own) <= 40:  # noqa: PLR2004 - so that single values are seen
+            if len(own) <= 40:  # noqa: PLR2004 - few values are drawn with markers
                 marks = {"marker": "o", "markersize": 3.0}
             axes.plot(values[own], shown[own], color=colour, label=label, linewidth=1.4, **marks)
         failed = values[found.failed]
@@ -234,7 +235,7 @@ def _curves(
 
 
 def _dots(page: Figure, found: Runs, quantities: list[Quantity], across: Variation) -> None:
-    """One panel for each quantity, with a dot in the row of each choice."""
+    """Draw a panel for each quantity, with a dot in the row of each choice."""
     names = across.shown(across.values).tolist()
     panels = _panels(
         page, len(quantities), max(1, int((page.get_figwidth() - NAMES) / DOTS_WIDTH)), sharey=True
@@ -253,7 +254,7 @@ def _dots(page: Figure, found: Runs, quantities: list[Quantity], across: Variati
 
 
 def _maps(page: Figure, found: Runs, quantities: list[Quantity], first: Variation, second: Variation) -> None:
-    """One map for each quantity, over two parameters."""
+    """Draw a map for each quantity, over two parameters."""
     x, y = _axis(first), _axis(second)
     colours = mpl.colormaps[MAP_COLOURS].with_extremes(bad=FAILED_COLOUR)
     grey: list[Patch] = []
@@ -287,7 +288,7 @@ def _maps(page: Figure, found: Runs, quantities: list[Quantity], first: Variatio
 
 @dataclass(frozen=True)
 class _Scale:
-    """An axis of a map: the order of its values, the edges of their cells, and the names of choices."""
+    """An axis of a map: the order of the values, the edges of their cells, and the names of choices."""
 
     order: np.ndarray
     edges: np.ndarray
@@ -313,7 +314,7 @@ def _is_logarithmic(variation: Variation) -> bool:
 
 
 def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
-    """The vertical axis of a panel."""
+    """Draw the vertical axis of a panel."""
     axes.set_ylabel(quantity.label)
     finite = shown[np.isfinite(shown)]
     if not finite.size:

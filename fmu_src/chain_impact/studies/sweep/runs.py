@@ -1,4 +1,4 @@
-"""The runs of a sweep, below its table and its picture."""
+"""The runs of a sweep, without their table and picture."""
 
 from __future__ import annotations
 
@@ -36,18 +36,18 @@ class Runs:
         return *self.varied, *(self.rows.dtype.names or ()), STATUS_WORD
 
     def __len__(self) -> int:
-        """Return how many runs."""
+        """Return the number of runs."""
         return len(self.rows)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Return a column, shape (R,); choices, as a contact law, by their names."""
+        """Return a column, shape (R,); choices, such as a contact law, are given by name."""
         if name not in self.names:
             raise KeyError(f"{name} is no column of the sweep; there are {', '.join(self.names)}")
         return self._columns([name])[name]
 
     @property
     def failed(self) -> np.ndarray:
-        """Which runs did not reach their end, shape (R,)."""
+        """Which runs did not reach the end, shape (R,)."""
         return np.asarray(self[STATUS] != OK)
 
     @functools.cached_property
@@ -60,7 +60,7 @@ class Runs:
         return table
 
     def chunks(self, names: Sequence[str]) -> Iterator[Columns]:
-        """Yield some columns in the order of the runs, of a few thousand at once."""
+        """Yield some columns in the order of the runs, a few thousand runs at once."""
         if isinstance(self.rows, Dataset):
             yield from self.rows.chunks(names)
             return
@@ -68,6 +68,6 @@ class Runs:
             yield columns_of(self.design, self.rows[first : first + CHUNK], first, names)
 
     def _columns(self, names: Sequence[str]) -> Columns:
-        """Return some columns, whole."""
+        """Return some complete columns."""
         chunks = list(self.chunks(names))
         return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in names}

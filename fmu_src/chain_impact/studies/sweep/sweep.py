@@ -1,4 +1,4 @@
-"""Many runs of one scene, each with other values of some parameters."""
+"""Sweeps: many runs of one scene, each with other values of some parameters."""
 
 from __future__ import annotations
 
@@ -44,34 +44,34 @@ def sweep(
 ) -> Sweep:
     """Simulate a scene many times, each time with other values of some parameters.
 
-    Every run is what ``simulate`` gives for these values, bit by bit. A run that fails is a row that says
-    so; it does not end the sweep.
+    Every run gives the same bits as ``simulate`` with these values. A run that fails is a row with the
+    reason; it does not end the sweep.
 
     Args:
-        scene: what is varied: a scene, or what ``load_scene`` takes.
+        scene: a scene, or an argument of ``load_scene``.
         vary: name of a parameter of the scene's FMU, or ``simulation.stop_time`` → its values: numbers or
             names of choices, or text as on the command line: ``"0.1:0.9:9"`` for nine values from 0.1 to
             0.9, ``"1e6:1e9:4:log"`` for four that are even in the logarithm, ``"flores,zhang_sharf"``, and
             with ``samples`` an interval, ``"0.1:0.9"`` or ``"1e6:1e9:log"``. A value replaces that
             one parameter only, as in the FMU: the inertia of a link does not follow its length.
-        samples: how many runs, with values that fill the space of the variations evenly; without, all
+        samples: number of runs whose values fill the space of the variations evenly. Without it all
             combinations of the values are run.
         sampling: ``lhs``, a Latin hypercube, or ``sobol``, a scrambled Sobol' sequence.
-        seed: of the samples; the same seed gives the same samples.
-        outputs: names of further FMU outputs for the table, as they are at the end of each run.
+        seed: random seed of the samples; the same seed gives the same samples.
+        outputs: names of further FMU outputs for the table, with their values at the end of each run.
         path: file for the table, CSV or Parquet; or a folder, which ends in ``/`` or has no suffix: rows are
-            written there as they come, to Parquet files of some runs each, and are not kept in the memory.
-            After an interruption, the same call goes on with what is not there yet: the folder, or the file
-            with the suffix ``.partial`` beside a table, has the runs that are done.
-        threads: how many runs are made at the same time; as many as there are cores by default.
+            written there as they come, to Parquet files of some runs each, and are not kept in memory. After
+                an interruption, the same call continues with the missing runs: the folder, or the file with
+                the suffix ``.partial`` beside a table, has the finished runs.
+        threads: number of runs at the same time; the number of cores by default.
         scheduler: address of a dask.distributed scheduler, ``tcp://host:port``, whose workers do the runs in
-            place of this machine. They need the same version of this package, and write to the folder.
+            place of this machine. Workers need the same version of this package and write to the folder.
         progress: called with the fraction done, if given.
 
     Raises:
-        SceneError: when an argument is not allowed, which is said before any run; or when another sweep has
-            left its runs at the path, or writes there now.
-        MissingExtraError: when a library is not installed that samples, Parquet or a cluster need.
+        SceneError: when an argument is not allowed, which is reported before any run; or when the path
+            belongs to another sweep, or another sweep writes there now.
+        MissingExtraError: when a library that samples, Parquet or a cluster need is not installed.
         RunError: when the cluster cannot finish the sweep.
         OSError: when a file cannot be read or written.
         BuildError: when the kernel cannot be compiled.
@@ -130,7 +130,7 @@ def sweep(
 def _interruptible(
     table: Path, head: Mapping[str, Any], rows: np.ndarray, done: list[Span], design: Design
 ) -> Iterator[None]:
-    """Keep the runs that are done if the sweep is interrupted: as a table, and so that it can go on."""
+    """Keep the finished runs if the sweep is interrupted, as a table and so that the sweep can continue."""
     try:
         yield
     except BaseException:

@@ -1,4 +1,4 @@
-"""What a sweep returns: one row for each run."""
+"""The result of a sweep: one row for each run."""
 
 from __future__ import annotations
 
@@ -27,37 +27,38 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TABLES = (".csv", PARQUET)
-LISTED = 10  # runs in a notebook
+LISTED = 10  # number of runs that a notebook shows
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sweep(Runs):
     """The runs of a sweep, one row each.
 
-    ``sweep["peak_force"]`` is a column, with one value for each run. The columns are the parameters that
-    vary, then:
+    ``sweep["peak_force"]`` is a column with one value for each run. The first columns are the parameters that
+    vary. Then come:
 
     - ``peak_force`` [N] and ``max_penetration`` [m]: the largest of all contacts at walls; 0 without a
       contact, and a force of 0 for an impulse.
     - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]: the same at stops of joints, in a scene
       with stops.
     - ``joint_force`` [N]: the largest over joints and time, in a scene with ``outputs.loads``.
-    - ``time`` [s]: where the run ended: the stop time, or earlier after a fault.
+    - ``time`` [s]: the time at which the run ended: the stop time, or an earlier time after a fault.
     - ``impact.count``, ``energy.kinetic`` and so on, ``solver.steps`` and so on, and the outputs that were
-      asked for: as the FMU has them at the end.
-    - ``status``: ``ok``, or what went wrong; ``solver.status`` has its number. A run that did not reach the
+    asked for: the FMU's values at the end.
+    - ``status``: ``ok``, or a word for the fault; ``solver.status`` has its number. A run that did not reach
+    the
       end has NaN for its energies and outputs.
 
     Attributes:
         scene: the scene that was varied.
-        design: which values each run has.
-        rows: the results, shape (R,), without the values and the word for the status; of a sweep into a
-            folder that folder, whose columns are read when they are asked for.
+        design: the values of each run.
+        rows: the results, shape (R,), without the values and the word for the status; for a sweep into a
+            folder, the folder, whose columns are read when they are asked for.
         outputs: the outputs that were asked for.
     """
 
     def __repr__(self) -> str:
-        """How many runs there were, and how they ended: "FourLinkBox  9 runs: 8 ok, 1 too_much_work"."""
+        """Return the number of runs, and how they ended: "FourLinkBox  9 runs: 8 ok, 1 too_much_work"."""
         ended: Counter[int] = Counter()
         for chunk in self.chunks([STATUS]):
             ended.update(dict(zip(*(part.tolist() for part in np.unique_counts(chunk[STATUS])), strict=True)))
@@ -66,7 +67,7 @@ class Sweep(Runs):
         return f"{self.scene.name}  {len(self)} run{'s' if len(self) != 1 else ''}: {ends}"
 
     def _repr_html_(self) -> str:
-        """Return the same in a notebook, with the first runs."""
+        """Return the same text for a notebook, with the first runs."""
         first = next(iter(self.chunks(self.names)), {})
         rows = list(zip(*(map(_told, column[:LISTED].tolist()) for column in first.values()), strict=True))
         more = [f"… and {plural(len(self) - LISTED, 'more run')}"] if len(self) > LISTED else []
@@ -81,12 +82,12 @@ class Sweep(Runs):
         return require("pandas", "pandas").DataFrame(self._columns(self.names))
 
     def save(self, path: str | Path) -> None:
-        """Write the table, as CSV or as Parquet: the suffix says which.
+        """Write the table as CSV or as Parquet, as the suffix says.
 
-        CSV has all digits of each number, and nothing where a number is not known.
+        CSV has all digits of each number, and an empty cell for an unknown number.
 
         Raises:
-            SceneError: when the suffix is another.
+            SceneError: when the suffix is neither.
             MissingExtraError: when pyarrow is not installed, for Parquet.
             OSError: when the file cannot be written.
         """
@@ -97,16 +98,16 @@ class Sweep(Runs):
     def plot(
         self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float] | None = None
     ) -> Figure | None:
-        """Draw the main results over what was varied.
+        """Draw the main results over the varied parameters.
 
         Args:
-            path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
+            path: a file, whose suffix png, svg or pdf gives its kind. Without a file the figure is returned,
                 which a notebook shows.
             size: width and height [inches]. On a page narrower than 6 inches all panels are in one column.
 
         Raises:
             SceneError: when too many parameters vary for a picture.
-            ValueError: when a page cannot have the size, or has no room for what is drawn.
+            ValueError: when a page cannot have the size, or has no room for the panels.
             OSError: when the file cannot be written.
         """
         from chain_impact.studies.sweep.plot import plot_sweep
@@ -115,7 +116,7 @@ class Sweep(Runs):
 
 
 def write_table(path: Path, chunks: Iterable[Columns]) -> None:
-    """Write columns as they come, as CSV or as Parquet: the suffix says which.
+    """Write columns as they come, as CSV or as Parquet, as the suffix says.
 
     Raises:
         MissingExtraError: when pyarrow is not installed, for Parquet.
@@ -135,17 +136,17 @@ def write_table(path: Path, chunks: Iterable[Columns]) -> None:
 
 
 def is_folder(path: str | Path) -> bool:
-    """Return whether the table is a folder of files: it is one, ends in ``/``, or has no suffix."""
+    """Return whether a path means a folder of files: it is a folder, ends in ``/``, or has no suffix."""
     return str(path).endswith(("/", os.sep)) or not Path(path).suffix or Path(path).is_dir()
 
 
 def table_path(path: str | Path) -> Path:
-    """Return the path of a table.
+    """Return the path of a table after a check.
 
     Raises:
-        SceneError: when it is empty, or is no folder and its suffix is none of ``TABLES``.
+        SceneError: when the path is empty, or is no folder and has none of the suffixes ``TABLES``.
         MissingExtraError: when pyarrow is not installed, for Parquet.
-        OSError: when nothing can be written there.
+        OSError: when nothing can be written at the path.
     """
     if not str(path):
         raise SceneError("the path of the table is empty: it must name a file or a folder")
@@ -162,12 +163,12 @@ def table_path(path: str | Path) -> Path:
 
 
 def _told(value: object) -> str:
-    """Return a value in a table to read."""
+    """Return the text of a value for a table."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _cells(column: np.ndarray) -> list[Any]:
-    """Return the values as they are written; NaN as nothing."""
+    """Return the values for a file, with "" for NaN."""
     if column.dtype.kind != "f":
         return list(column.tolist())
     return ["" if math.isnan(value) else value for value in column.tolist()]

@@ -1,4 +1,4 @@
-"""What one parameter is varied over: a list of values, or an interval to take samples from."""
+"""The variation of one parameter: a list of values, or an interval for samples."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from chain_impact.variables.variable import Variable
 Values = str | float | Sequence[float | str] | np.ndarray
 STOP_TIME = Variable.of(EXPERIMENT[0], {}, {}, variability="fixed")
 LOG = "log"
-MOST_VALUES = 10**7  # of a range
+MOST_VALUES = 10**7  # largest number of values of a range
 FORMS = (
     "a list (0.1,0.5,0.9), a range with a number of values (0.1:0.9:9, or 1e6:1e9:4:log), "
     "or for samples an interval (0.1:0.9, or 1e6:1e9:log)"
@@ -29,7 +29,7 @@ FORMS = (
 
 @dataclass(frozen=True)
 class Variation:
-    """What one parameter is varied over.
+    """The variation of one parameter.
 
     Attributes:
         variable: the parameter.
@@ -45,20 +45,20 @@ class Variation:
 
     @property
     def name(self) -> str:
-        """Of the parameter."""
+        """The name of the parameter."""
         return self.variable.name
 
     @property
     def choices(self) -> list[str]:
-        """The names of an enumeration's choices, in the order of their numbers; none of a number."""
+        """The names of an enumeration's choices, in the order of their numbers; empty for a number."""
         return [item.name for item in self.variable.items]
 
     def shown(self, values: np.ndarray) -> np.ndarray:
-        """Return the values as a reader knows them: a choice by its name."""
+        """Return values for a reader: a choice is given by its name."""
         return np.array(["", *self.choices])[values.astype(int)] if self.choices else values
 
     def at(self, parts: np.ndarray) -> np.ndarray:
-        """Return the values at parts of the whole, each 0 ≤ part < 1."""
+        """Return the values at parts of the whole range, each with 0 ≤ part < 1."""
         if not self.interval:
             return np.asarray(self.values[(parts * len(self.values)).astype(int)])
         low, high = self.values
@@ -67,12 +67,12 @@ class Variation:
 
 
 def sweepable(source: Scene | Model) -> dict[str, Variable]:
-    """What can be varied: the parameters of the scene's FMU, and the stop time. Name → variable."""
+    """Return the parameters that can be varied, and the stop time: name → variable."""
     return {variable.name: variable for variable in (*model_of(source).parameters, STOP_TIME)}
 
 
 def variations_of(source: Scene | Model, vary: Mapping[str, Values]) -> tuple[Variation, ...]:
-    """What each parameter is varied over.
+    """Return the variation of each parameter.
 
     Raises:
         SceneError: when a name is unknown, or a value is not allowed.
@@ -121,7 +121,7 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
         low, high, *count = parts[: len(parts) - logarithmic]
         ends = np.array([float(in_radians(end, variable.unit)) for end in (low, high)])
         numbers = [int(one) for one in count]
-    except ValueError:  # also where there is no second part
+    except ValueError:  # ValueError: also if the second part is missing
         raise wrong from None
     if len(numbers) > 1:
         raise wrong
@@ -136,7 +136,7 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
 
 
 def _number(variable: Variable, value: object, source: str) -> float:
-    """Return a value as a number: of a choice, which can be named, its number."""
+    """Return a value as a number; a choice may be given by its name."""
     names = [item.name for item in variable.items]
     if value in names:
         return float(names.index(str(value)) + 1)

@@ -1,4 +1,4 @@
-"""What is done with each piece of a sweep: its runs are made, and given back as rows or written to a file."""
+"""The work on each piece of a sweep: the runs are made and returned as rows, or written to a file."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ Made = np.ndarray | str
 """The rows of a piece, or the name of the file that has them."""
 Columns = dict[str, np.ndarray]
 PARQUET = ".parquet"
-CHUNK = 2**14  # runs that are in the memory at once, 3 MB
-STATUS_WORD = "status"  # the column with the status in a word
+CHUNK = 2**14  # number of runs that are in memory at once, 3 MB
+STATUS_WORD = "status"  # name of the column with the word for the status
 _STATUS_WORDS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
 
 
 def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str] = ()) -> Columns:
-    """Columns of the table for the rows of the runs from ``first`` on; all of them if none is named."""
+    """Return columns of the table for the rows of the runs from ``first`` on; by default all columns."""
     varied = {variation.name: k for k, variation in enumerate(design.variations)}
     found: Columns = {}
     values = None
@@ -64,10 +64,10 @@ def write_parquet(path: Path, chunks: Iterable[Columns]) -> None:
 
 @dataclass(frozen=True)
 class Work:
-    """What is done with each piece of a sweep.
+    """The work on each piece of a sweep.
 
     Attributes:
-        job: what the runs share.
+        job: the data that the runs share.
         design: the values of each run.
         folder: where Parquet files are written; None if rows are given back.
         own: whether the kernel is one for the sizes of this scene.
@@ -87,10 +87,10 @@ class Work:
         return Runner(self.job, own=self.own)
 
     def do(self, piece: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Made, float]:
-        """Make some runs; give back their rows, or the name of the file, and how long it took [s].
+        """Make some runs; return their rows, or the name of the file, and the time it took [s].
 
         Raises:
-            CancelledError: when the answer to ``wanted``, which is asked within every second, is no.
+            CancelledError: when ``wanted``, which is asked at least once a second, returns False.
             OSError: when the file cannot be written.
         """
         runner, started = self.runner(), perf_counter()
@@ -115,5 +115,5 @@ class Work:
 
 
 def file_name(piece: Span) -> str:
-    """Return the name of a complete file; in the order of names, files are in that of the runs."""
+    """Return the name of a complete file; sorted names are in the order of the runs."""
     return f"runs-{piece[0]:015d}{PARQUET}"
