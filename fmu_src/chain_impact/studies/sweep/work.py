@@ -69,7 +69,7 @@ class Work:
     Attributes:
         job: the data that the runs share.
         design: the values of each run.
-        folder: where Parquet files are written; None if rows are given back.
+        folder: the folder for Parquet files; None if rows are returned.
         own: whether the kernel is one for the sizes of this scene.
     """
 
@@ -79,7 +79,7 @@ class Work:
     own: bool = False
 
     def runner(self) -> Runner:
-        """Who makes the runs of a piece.
+        """Return the runner for the runs of a piece.
 
         Raises:
             BuildError: when the kernel cannot be compiled.
