@@ -1,1 +1,1 @@
-"""Scenes from URDF and MJCF, the formats of robots, and back to MJCF."""
+"""Conversion of the robot formats URDF and MJCF to scenes, and of scenes to MJCF."""

@@ -1,4 +1,4 @@
-"""Convert a file: URDF or MJCF to a scene, a scene to MJCF."""
+"""The conversion of a file: URDF or MJCF to a scene, a scene to MJCF."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
         OSError: when the file cannot be read.
     """
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SceneWarning)  # numbers of a file are in the units that it says
+        warnings.simplefilter("ignore", SceneWarning)  # the numbers of a file are in the units of its format
         done = chain_of(read_robot(path, choices.keyframe), choices, str(path), lambda one: _scene(one, path))
         return _scene(done, path), done
 
@@ -57,7 +57,8 @@ def _scene(done: Converted, path: Path) -> Scene:
 def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Converted:
     """Write the scene of a robot (.toml), or the MJCF of a scene (.xml).
 
-    A scene has what is to be said as comments at its beginning. Raises as ``of_robot`` and ``load_scene`` do.
+    A scene file has the remarks of the conversion as comments at its beginning. Raises as ``of_robot`` and
+    ``load_scene`` do.
     """
     if output.suffix.lower() == ".xml":
         scene = scene_of(source)
@@ -73,6 +74,6 @@ def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Convert
 
 
 def told_lines(done: Converted) -> list[tuple[str, str]]:
-    """What is to be said of a conversion, each with its title: first where the robot moves otherwise."""
+    """Return the remarks of a conversion, each with its title; differences in the motion come first."""
     titles = (("warning", done.warnings), ("left out", done.left_out), ("note", done.notes))
     return [(title, line) for title, lines in titles for line in lines]

@@ -1,4 +1,4 @@
-"""What of a robot's file a scene does not have, or has otherwise: one line each, the largest effect first."""
+"""The differences between a robot's file and its scene, in one line each, the largest effect first."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
 
-NEGLIGIBLE = 0.02  # of a length, up to which a shift is no warning
-SHOWN = 6  # names in a line
+NEGLIGIBLE = 0.02  # shift as a part of a length, up to which there is no warning
+SHOWN = 6  # number of names in a line
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}
 
 
 class Effect(IntEnum):
-    """What a difference changes; the first is told first."""
+    """The effects of a difference, in the order in which they are reported."""
 
     MASS = 0
     MOTION = 1
@@ -24,17 +24,18 @@ class Effect(IntEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Difference:
-    """Something that a scene does not have, or has otherwise.
+    """A part of a robot's file that the scene lacks, or has in another form.
 
     Attributes:
-        kind: of the element of the file, as ``joint``.
-        name: of the element, empty if the kind says all.
+        kind: the kind of element in the file, such as ``joint``.
+        name: the name of the element; empty if the kind suffices.
         text: the rest of the sentence.
-        effect: what it changes.
-        size: how much, as a part of a length, where that is known; the larger, the earlier.
-        joints: names of joints, of which one must move if there is to be an effect; none: there is one.
-        bodies: positions of bodies that must not all be in the same link if there is to be an effect, −1 for
-            the world; none: there is one.
+        effect: the effect of the difference.
+        size: the size as a part of a length, if known; larger differences come first.
+        joints: names of joints; there is no effect if all of them are held. Without names there is always
+            one.
+        bodies: indices of bodies, −1 for the world; there is no effect if all are in the same link. Without
+            indices there is always one.
     """
 
     kind: str
@@ -47,24 +48,27 @@ class Difference:
 
     @property
     def warns(self) -> bool:
-        """Whether the robot moves otherwise in the scene, by more than what is negligible."""
+        """Whether the difference changes the robot's motion by more than a negligible amount."""
         return self.effect == Effect.MOTION or self.size > NEGLIGIBLE
 
     def matters(self, held: Collection[str], owner: dict[int, int]) -> bool:
-        """Whether it has an effect, if some joints are held, and each body is part of a link, −1 for none."""
+        """Return whether the difference has an effect, for some held joints and the link of each body.
+
+        The link is −1 for a body in no link.
+        """
         if self.joints and self.joints <= set(held):
             return False
         return not self.bodies or len({owner[b] for b in self.bodies}) > 1
 
 
 def of_joint(name: str, text: str, effect: Effect) -> Difference:
-    """Return a difference of a joint, which has no effect where the joint is held."""
+    """Return a difference of a joint, which has no effect if the joint is held."""
     return Difference(kind="joint", name=name, text=text, effect=effect, joints=frozenset([name]))
 
 
 @contextmanager
 def heard(package: str) -> Iterator[list[Difference]]:
-    """Keep what a package warns of, as differences."""
+    """Keep the warnings of a package, as differences."""
     told: list[Difference] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -74,7 +78,7 @@ def heard(package: str) -> Iterator[list[Difference]]:
 
 
 def lines(differences: Iterable[Difference], *, warning: bool) -> list[str]:
-    """Return the warnings, or all others, a sentence each, those with the largest effect first."""
+    """Return the warnings, or all other differences, in one sentence each, the largest effect first."""
     ordered = sorted(differences, key=lambda one: (one.effect, -one.size))
     names: dict[tuple[str, str], list[str]] = {}
     for one in ordered:
@@ -91,6 +95,6 @@ def line(kind: str, names: Sequence[str], text: str, shown: int = SHOWN) -> str:
 
 
 def few(names: Sequence[str], shown: int = SHOWN) -> str:
-    """Return some names, and how many more there are."""
+    """Return some names, and the number of further names."""
     more = f" and {len(names) - shown} more" if len(names) > shown else ""
     return f"{', '.join(names[:shown])}{more}"

@@ -1,4 +1,4 @@
-"""The plane in which a chain moves, and where its axes are in space."""
+"""The plane in which a chain moves, and the directions of its axes in space."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from chain_impact.conversion.joints import PARALLEL
 from chain_impact.scene.reading import SceneError
 
-TINY = 1e-9  # m, what round-off may be
-ROUND = 1e-14  # of a number of the order of 1, what is round-off of a rotation
+TINY = 1e-9  # [m] largest length that counts as round-off
+ROUND = 1e-14  # largest number that counts as round-off in a rotation, whose numbers are of the order of 1
 X, Y, Z = np.eye(3)
 
 
@@ -19,8 +19,8 @@ class Plan(NamedTuple):
 
     Attributes:
         x: direction of the robot along which x of the scene points.
-        y: likewise.
-        axis: about which angles of the scene count.
+        y: direction of the robot along which y of the scene points.
+        axis: axis about which the scene's angles are positive.
     """
 
     x: np.ndarray
@@ -33,19 +33,20 @@ class Plan(NamedTuple):
 
     @property
     def told(self) -> str:
-        """Where its axes point, in a sentence."""
+        """A sentence on the directions of the scene's axes."""
         axes = [" ".join(f"{part:.4g}" for part in axis) for axis in (self.x, self.y)]
         return f"plane: x of the scene is ({axes[0]}) of the robot, y is ({axes[1]})"
 
 
 def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
-    """Return the plane across the axes of the joints.
+    """Return the plane that is normal to the axes of the joints.
 
-    Unless ``directions`` say otherwise, as ``-x,z``, y points up, and x along x of the robot if it can, else
-    along y of the robot. Where the axes are upright, both point along x and y of the robot.
+    By default y points up, and x along the robot's x if possible, else along the robot's y. If the axes of
+    the joints are vertical, x and y point along the robot's x and y. ``directions``, such as ``-x,z``,
+    replace this default.
 
     Raises:
-        SceneError: when the directions are not two that are across each other and the axes.
+        SceneError: when the directions are not two that are at right angles to each other and to the axes.
     """
     axis = axis / np.linalg.norm(axis)
     if directions is not None:
@@ -61,7 +62,7 @@ def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
 
 
 def _across(direction: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """Return the part of a direction that is across an axis."""
+    """Return the part of a direction that is normal to an axis."""
     return np.asarray(direction - np.dot(direction, axis) * axis)
 
 
@@ -90,11 +91,11 @@ def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray,
 
 
 def near(value: float) -> float:
-    """Return a number, or 0 where it is round-off of one."""
+    """Return a number, or 0 if it is round-off."""
     return 0.0 if abs(value) < ROUND else value
 
 
 def _cleaned(axis: np.ndarray) -> np.ndarray:
-    """Return a direction without round-off, so that axes along those of the robot are exact."""
+    """Return a direction without round-off, so that a direction along an axis of the robot is exact."""
     whole = np.rint(axis)
     return np.where(np.abs(axis - whole) < ROUND, whole, axis) + 0.0

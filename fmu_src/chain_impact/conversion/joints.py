@@ -1,4 +1,4 @@
-"""The joints of a robot that make a planar chain: which they are, and where, before any of them moves."""
+"""The joints of a robot that make a planar chain, and their places before any of them moves."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ import numpy as np
 from chain_impact.conversion.robot import Joint, Robot
 from chain_impact.scene.reading import SceneError, UnknownNameError
 
-PARALLEL = 1e-6  # rad, between axes
+PARALLEL = 1e-6  # [rad] angle between axes, below which they are parallel
 
 
 class NoChainError(SceneError):
-    """A robot whose joints are no planar chain.
+    """A robot whose joints make no planar chain.
 
     Attributes:
-        joints: names of those of which one may be held so that the others are one.
+        joints: names of joints; if one of them is held, the others may make a chain.
     """
 
     def __init__(self, message: str, joints: Sequence[str] = ()) -> None:
-        """Keep the names."""
+        """Keep the names of the joints."""
         super().__init__(message)
         self.joints = tuple(joints)
 
 
 @dataclass(frozen=True)
 class Moving:
-    """A joint of the chain: the joint, its body, its place and its axis in space, before any joint moves."""
+    """A joint of the chain with its body, and its place and axis in space before any joint moves."""
 
     joint: Joint
     body: int
@@ -43,10 +43,10 @@ class Chosen(NamedTuple):
     """The joints of a chain.
 
     Attributes:
-        poses: rotation and position of each body in space, with held joints at their start and all others
-            at zero.
-        hinges: from the base to the tip.
-        slides: the two of a free base, the one of a base on a slider, or none.
+        poses: rotation and position of each body in space, with held joints at their start and the others at
+            zero.
+        hinges: the hinges, from the base to the tip.
+        slides: two slides for a free base, one for a base on a slider, else none.
         held: names of the joints that do not move.
     """
 
@@ -57,12 +57,12 @@ class Chosen(NamedTuple):
 
     @property
     def base(self) -> str:
-        """What the base of the scene is."""
+        """The kind of the scene's base."""
         return ("pinned", "slider", "free")[len(self.slides)]
 
 
 def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
-    """Return the joints that move; for arguments and errors see ``planar_chain``."""
+    """Return the joints that move; ``planar_chain`` describes the arguments and errors."""
     held = _held(robot, wanted, source)
     poses, moving = moving_joints(robot, held)
     slides = [one for one in moving if one.joint.kind == "slide"]
@@ -83,13 +83,16 @@ def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
 
 
 def moving_joints(robot: Robot, held: set[str]) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[Moving]]:
-    """Rotation and position of each body, with some joints held at their start, and the other joints."""
+    """Return the poses of the bodies with some joints held at their start, and the other joints.
+
+    A pose is a rotation and a position.
+    """
     poses = _poses(robot, held)
     return poses, [one for one in _placed(robot, poses) if one.joint.name not in held]
 
 
 def joints_at_start(robot: Robot) -> list[Moving]:
-    """Return all joints, where they are and point at the start."""
+    """Return all joints with their places and axes at the start."""
     return list(_placed(robot, _poses(robot, set(joint_names(robot)))))
 
 
@@ -114,7 +117,10 @@ def _held(robot: Robot, wanted: Sequence[str], source: str) -> set[str]:
 
 
 def _poses(robot: Robot, held: set[str]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Rotation and position of each body in space, with held joints at their start and all others at zero."""
+    """Return the rotation and position of each body in space.
+
+    Held joints are at their start, the others at zero.
+    """
     poses: list[tuple[np.ndarray, np.ndarray]] = []
     for body in robot.bodies:
         before, origin = poses[body.parent] if body.parent >= 0 else (np.eye(3), np.zeros(3))
@@ -134,7 +140,7 @@ def _poses(robot: Robot, held: set[str]) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
-    """Of an angle about an axis of length 1 (Rodrigues)."""
+    """Return the rotation matrix of an angle about an axis of length 1 (Rodrigues)."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.asarray(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross)
@@ -159,7 +165,7 @@ def _check_parallel(hinges: list[Moving], source: str) -> None:
 
 
 def parallel(hinges: Sequence[Moving]) -> list[list[Moving]]:
-    """Return the joints, those with parallel axes together."""
+    """Return groups of joints with parallel axes."""
     groups: list[list[Moving]] = []
     for hinge in hinges:
         group = next((g for g in groups if _parallel(g[0].axis, hinge.axis)), None)
@@ -175,7 +181,7 @@ def _parallel(one: np.ndarray, other: np.ndarray) -> bool:
 
 
 def _check_slides(robot: Robot, slides: list[Moving], order: list[Moving], source: str) -> None:
-    """Refuse slides that are neither one nor two at right angles, in the plane and before the first hinge."""
+    """Refuse slides, except one, or two at right angles, in the plane and before the first hinge."""
     first = next(one for one in order if one.joint.kind == "hinge")
     before = [one for one in order[: order.index(first)] if one.body in above(robot, first.body)]
     along = [abs(float(np.dot(slide.axis, first.axis))) for slide in slides]
@@ -207,7 +213,7 @@ def _check_serial(robot: Robot, hinges: list[Moving], source: str) -> None:
 
 
 def above(robot: Robot, b: int) -> Iterator[int]:
-    """Yield the positions of a body and of all bodies before it."""
+    """Yield the indices of a body and of all bodies before it."""
     while b >= 0:
         yield b
         b = robot.bodies[b].parent

@@ -22,10 +22,10 @@ from chain_impact.extras import require
 from chain_impact.scene.reading import UnknownNameError
 
 CARRIED = "chain_impact"
-"""The name of the text in a file of ours that has what MJCF has no place for, as JSON."""
-UNLIMITED = 1e9  # rad, a limit of a joint that has one on the other side only
+"""The name of a text in files of this package, which holds as JSON the data without a place in MJCF."""
+UNLIMITED = 1e9  # [rad] stands for the missing limit of a joint that has only one limit
 NONE = "none"
-"""The keyframe of a robot that starts where the file puts its bodies."""
+"""The keyframe's name if a robot starts where the file puts its bodies."""
 
 
 class Start(NamedTuple):
@@ -40,12 +40,12 @@ class Start(NamedTuple):
 
 
 def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
-    """Return the robot of an MJCF file, as a keyframe has it at the start: the first one, if none is named.
+    """Return the robot of an MJCF file at the start that a keyframe gives: the first one, if none is named.
 
-    Files of meshes and pictures that nothing needs may be absent.
+    Files of meshes and pictures may be missing if nothing needs them.
 
     Raises:
-        SceneError: when MuJoCo cannot read the file, or it has no such keyframe.
+        SceneError: when MuJoCo cannot read the file, or the file has no such keyframe.
         MissingExtraError: when mujoco is not installed.
     """
     mujoco = require("mujoco", "convert")
@@ -55,7 +55,7 @@ def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
 
 
 def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[Start, list[str]]:
-    """Return the state at the start, and a note on where it is from."""
+    """Return the state at the start, and a note on its source."""
     names = [model.key(k).name or f"{k}" for k in range(model.nkey)]
     wanted = (names[0] if names else NONE) if keyframe is None else keyframe
     if wanted != NONE and wanted not in names:
@@ -72,7 +72,7 @@ def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[
 
 
 class _Reader:
-    """Reads a compiled model; collects what is left out."""
+    """Reads a compiled model, and collects the parts that are left out."""
 
     def __init__(self, mujoco: Any, file: Compiled, start: Start) -> None:
         self.mujoco, self.spec, self.model, self.start = mujoco, file.spec, file.model, start
@@ -84,7 +84,7 @@ class _Reader:
         self.differences = list(file.differences)
 
     def robot(self, name: str, notes: list[str]) -> Robot:
-        """Return the robot, which has another name if the file gives one."""
+        """Return the robot with a given name, or with the name that the file gives."""
         model, own = self.model, self.carried is not None
         bodies = [self.body(b) for b in range(1, model.nbody)]
         weightless = self._off("GRAVITY")
@@ -107,12 +107,12 @@ class _Reader:
         )
 
     def _off(self, *flags: str) -> bool:
-        """Return whether one of some flags is disabled."""
+        """Return whether one of several flags is disabled."""
         bits = (getattr(self.mujoco.mjtDisableBit, f"mjDSBL_{flag}") for flag in flags)
         return any(self.model.opt.disableflags & bit for bit in bits)
 
     def body(self, b: int) -> Body:
-        """Return body ``b``, counted from the world, which is 0."""
+        """Return body ``b``; the world is body 0."""
         model = self.model
         inertial = self._axes(model.body_iquat[b])
         joints = range(model.body_jntadr[b], model.body_jntadr[b] + model.body_jntnum[b])
@@ -134,7 +134,10 @@ class _Reader:
         )
 
     def _pose(self, b: int) -> tuple[np.ndarray, np.ndarray]:
-        """Position and quaternion of body ``b``: at the start, if a free joint or mocap says where it is."""
+        """Return the position and quaternion of body ``b``.
+
+        A free joint or a mocap body gives the values at the start; else the file gives them.
+        """
         model, j = self.model, self.model.body_jntadr[b]
         if model.body_mocapid[b] >= 0:
             m = model.body_mocapid[b]
@@ -145,7 +148,7 @@ class _Reader:
         return model.body_pos[b], model.body_quat[b]
 
     def joint(self, j: int) -> Joint:
-        """Return joint ``j``, with what its drives are in a scene."""
+        """Return joint ``j``, with its drives as a scene has them."""
         model, kinds = self.model, self.mujoco.mjtJoint
         at, dof = int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
         kind = {kinds.mjJNT_HINGE: "hinge", kinds.mjJNT_SLIDE: "slide", kinds.mjJNT_BALL: "ball"}.get(
@@ -187,7 +190,7 @@ class _Reader:
             self.differences.append(of_joint(joint, text, Effect.CONTACT))
 
     def _others(self) -> Iterator[Difference]:
-        """Yield how many elements there are that only measure or show."""
+        """Yield the numbers of elements that only measure or show something."""
         model = self.model
         kinds = {"sensor": model.nsensor, "camera": model.ncam, "light": model.nlight, "skin": model.nskin}
         counts = Counter({kind: count for kind, count in kinds.items() if count})

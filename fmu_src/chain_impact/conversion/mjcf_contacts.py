@@ -1,4 +1,4 @@
-"""What of an MJCF model can touch what, by MuJoCo's rules, and with which friction."""
+"""The possible contacts of an MJCF model by MuJoCo's rules, and their friction."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 from chain_impact.conversion.differences import Difference, Effect
 from chain_impact.conversion.robot import Plane, Shape, identifier
 
-BITS = 16  # of the position of a body in the signature of a pair
+BITS = 16  # number of bits of a body's index in the signature of a pair
 
 
 class Contacts:
-    """The shapes of a model, and which of them touch; collects what no scene can hold."""
+    """The shapes of a model and their possible contacts; collects those that no scene can hold."""
 
     def __init__(self, mujoco: Any, model: Any, stand_ins: set[str]) -> None:
-        """Of a model, of which some meshes are stand-ins."""
+        """Find the shapes of a model, in which some meshes are stand-ins."""
         self.mujoco, self.model = mujoco, model
         self.stand_ins = {m for m in range(model.nmesh) if model.mesh(m).name in stand_ins}
         flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
@@ -38,7 +38,7 @@ class Contacts:
         return self._is_still(g) and self.model.geom_type[g] == self.mujoco.mjtGeom.mjGEOM_PLANE
 
     def _touch(self, one: int, other: int) -> bool:
-        """Return whether two shapes can touch: they are a pair, or their types and affinities match."""
+        """Return whether two shapes can touch: they are a listed pair, or types and affinities match."""
         model = self.model
         if not self.works:
             return False
@@ -51,7 +51,7 @@ class Contacts:
         return bool(types[one] & affinities[other] or types[other] & affinities[one])
 
     def _rubs(self, one: int, other: int) -> float:
-        """Friction between two shapes: of the pair, else of the one with priority, else the larger one."""
+        """Return the friction between two shapes: the pair's, else that of the shape with priority or the larger one."""
         model = self.model
         if frozenset((one, other)) in self.pairs:
             p = self.pairs[frozenset((one, other))]
@@ -65,7 +65,10 @@ class Contacts:
         return friction if rubs else 0.0
 
     def planes(self, own: bool) -> Iterator[Plane]:
-        """Yield the planes that do not move. In a file of ours they have their friction elsewhere."""
+        """Yield the planes that do not move.
+
+        A file that this package wrote has the planes' friction elsewhere.
+        """
         model, data = self.model, self.mujoco.MjData(self.model)
         self.mujoco.mj_kinematics(model, data)
         for g in filter(self._is_wall, self.still):
@@ -106,7 +109,7 @@ class Contacts:
             corners = np.array(model.mesh_vert[start : start + model.mesh_vertnum[m]], float)
         elif kind == kinds.mjGEOM_MESH:
             corners = np.zeros((0, 3))
-        else:  # a box, or the box about an ellipsoid
+        else:  # a box, or the box around an ellipsoid
             signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
             corners = signs * size
         axes, name = rotation.reshape(3, 3), model.geom(g).name
@@ -121,7 +124,7 @@ class Contacts:
         )
 
     def differences(self) -> Iterator[Difference]:
-        """What touches in the file and is no wall, and how it does so."""
+        """Yield the contacts of the file that are not with a wall, and differences in properties."""
         model = self.model
         walls = False
         for g in self.still:

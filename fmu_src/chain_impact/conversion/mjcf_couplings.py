@@ -1,4 +1,4 @@
-"""What of an MJCF model couples joints and bodies: equalities, tendons, flexes. No scene has any."""
+"""The couplings between joints and bodies of an MJCF model: equalities, tendons, flexes; scenes have none."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FORCES = {
 
 
 def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
-    """What acts between joints or bodies, and is not in the scene."""
+    """Yield the couplings between joints or bodies, which a scene does not have."""
     flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
     off = {name for name in dir(bits) if name.startswith("mjDSBL_") and flags & int(getattr(bits, name))}
     if "mjDSBL_EQUALITY" not in off and "mjDSBL_CONSTRAINT" not in off:
@@ -35,7 +35,7 @@ def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
 
 
 def _equality(mujoco: Any, model: Any, e: int) -> Difference:
-    """Return an equality that holds at the start."""
+    """Return the difference of an equality that holds at the start."""
     kinds, ids = mujoco.mjtObj, (int(model.eq_obj1id[e]), int(model.eq_obj2id[e]))
     kind = mujoco.mjtEq(model.eq_type[e]).name.removeprefix("mjEQ_").lower()
     joints, bodies = frozenset[str](), frozenset[int]()
@@ -56,7 +56,7 @@ def _equality(mujoco: Any, model: Any, e: int) -> Difference:
 
 
 def _tendon(mujoco: Any, model: Any, t: int, off: set[str]) -> Iterator[Difference]:
-    """Yield a tendon, if it acts."""
+    """Yield the difference of a tendon that acts."""
     acting = [
         field.removeprefix("tendon_")
         for field, flag in FORCES.items()

@@ -1,4 +1,4 @@
-"""What the actuators of MJCF do at a joint: motors, and servos, which are springs and dampers."""
+"""The effects of MJCF's actuators at a joint: motors, and servos, which are springs and dampers."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ import numpy as np
 from chain_impact.conversion.differences import Difference, Effect, of_joint
 from chain_impact.conversion.robot import Joint
 
-FAST = 20.0  # rad/s, which joints of robots hardly reach
-ALIKE = 1e-9  # of the larger of two limits, in which they may differ and are the same
+FAST = 20.0  # [rad/s] speed that joints of robots hardly reach
+ALIKE = 1e-9  # difference of two limits, as a part of the larger one, below which they are equal
 
 
 @dataclass(frozen=True)
 class Drive:
-    """The torque of an actuator at a joint: ``torque − stiffness q − damping q̇``, q as MuJoCo counts it.
+    """The torque of an actuator at a joint: ``torque − stiffness q − damping q̇``, with MuJoCo's value q.
 
     Attributes:
-        name: of the actuator.
-        torque: of its control at the start [N·m].
-        gain: torque by control.
+        name: the name of the actuator.
+        torque: torque of the control at the start [N·m].
+        gain: torque over control.
         stiffness: [N·m/rad].
         damping: [N·m·s/rad].
         low: least torque [N·m], −∞ if there is none.
-        high: largest one.
+        high: largest torque [N·m], ∞ if there is none.
     """
 
     name: str
@@ -40,17 +40,20 @@ class Drive:
 
     @property
     def is_servo(self) -> bool:
-        """Whether it holds an angle or a speed."""
+        """Whether the actuator controls an angle or a speed."""
         return self.stiffness > 0.0 or self.damping > 0.0
 
 
 class Drives:
-    """The actuators of a model; collects what no scene can hold."""
+    """The actuators of a model; collects those that no scene can hold."""
 
     def __init__(
         self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray, own: bool
     ) -> None:
-        """Of a model, with the controls and activations at the start, and whether the file is of a scene."""
+        """Find the actuators of a model, with the controls and activations at the start.
+
+        ``own`` says that this package wrote the file.
+        """
         self.mujoco, self.model, self.control, self.activation = mujoco, model, control, activation
         self.own = own
         self.differences: list[Difference] = []
@@ -81,9 +84,9 @@ class Drives:
         )
 
     def _tell_other(self, a: int) -> None:
-        """An actuator that acts on no joint."""
+        """Report an actuator that acts on no joint."""
         kind = self.mujoco.mjtTrn(self.model.actuator_trntype[a]).name.removeprefix("mjTRN_").lower()
-        sticks = kind == "body"  # adhesion of what touches
+        sticks = kind == "body"  # adhesion between touching bodies
         self._tell(
             a,
             f"acts on no joint, but on a {kind}: is not in the scene",
@@ -91,7 +94,10 @@ class Drives:
         )
 
     def driven(self, joint: Joint, j: int, zero: float) -> Joint:
-        """Joint ``j`` with its actuators; ``zero`` is its value in MuJoCo where that of the scene is 0."""
+        """Return joint ``j`` with its actuators.
+
+        ``zero`` is MuJoCo's value of the joint where the scene's is 0.
+        """
         for a in self.at.get(j, []):
             joint = self._geared(joint, a)
         if joint.kind not in ("hinge", "slide"):
@@ -105,7 +111,7 @@ class Drives:
         return joint
 
     def _geared(self, joint: Joint, a: int) -> Joint:
-        """Return a joint with the damper and the rotor of actuator ``a``, reflected through its gear."""
+        """Return a joint with the damping and the rotor of actuator ``a``, reflected through the gear."""
         model, gear = self.model, self._gear(a)
         if np.any(model.actuator_dampingpoly[a]):
             self._tell(
@@ -124,10 +130,10 @@ class Drives:
         return float(self.model.actuator_gear[self.model.actuator_outadr[a], 0])
 
     def _drive(self, joint: Joint, a: int) -> Drive | None:
-        """Return actuator ``a`` as a motor or a servo, None if it is neither.
+        """Return actuator ``a`` as a motor or a servo; None if it is neither.
 
-        Its force is gain · control + b0 + b1 · length + b2 · velocity, with length = gear · q, and its torque
-        gear · force.
+        The actuator's force is gain · control + b0 + b1 · length + b2 · velocity, with length = gear · q, and
+        its torque is gear · force.
         """
         model, kinds = self.model, self.mujoco
         gear, gain, bias = self._gear(a), model.actuator_gainprm[a], np.array(model.actuator_biasprm[a][:3])
@@ -153,7 +159,7 @@ class Drives:
         return Drive(self._name(a), torque, scale, float(stiffness), float(damping), low, high)
 
     def _control(self, joint: Joint, a: int) -> float:
-        """What acts as the control at the start."""
+        """Return the control that acts at the start."""
         model, kinds = self.model, self.mujoco.mjtDyn
         value = float(self.control[model.actuator_ctrladr[a]])
         if self._clamps(a):
@@ -192,7 +198,7 @@ class Drives:
         return low, high
 
     def _with(self, joint: Joint, j: int, drives: list[Drive], zero: float) -> Joint:
-        """Return a joint with its drives. Springs and dampers at a joint act as one."""
+        """Return a joint with its drives; their springs and dampers act as one."""
         stiffness = joint.stiffness + sum(one.stiffness for one in drives)
         damping = joint.damping + sum(one.damping for one in drives)
         # Σ kᵢ (rᵢ − q) + τ = k (r − q), with k r = Σ kᵢ rᵢ + τ
@@ -219,7 +225,7 @@ class Drives:
     def _told(
         self, joint: Joint, j: int, drives: list[Drive], stiffness: float, torque: float
     ) -> Iterator[Difference]:
-        """What of the drives at a joint is otherwise."""
+        """Yield the differences of the drives at a joint."""
         about = frozenset([joint.name])
         if stiffness == 0.0 and torque:
             text = f"its drives act with {torque:.6g} at the start, which is an input of the scene"
@@ -252,7 +258,7 @@ class Drives:
             self._tell_joint(joint, text, Effect.MOTION if speed < FAST else Effect.NONE)
 
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:
-        """Return the largest torque of all drives together, which in a scene is the same both ways."""
+        """Return the largest torque of all drives together; a scene has the same limit in both directions."""
         low, high = (sum(one.low for one in drives), sum(one.high for one in drives))
         if self.model.jnt_actfrclimited[j]:
             low, high = np.clip((low, high), *self.model.jnt_actfrcrange[j])

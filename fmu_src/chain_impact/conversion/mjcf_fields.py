@@ -1,4 +1,4 @@
-"""What becomes of each field of MuJoCo's compiled model and options: used, told, or without effect here."""
+"""The treatment of each field of MuJoCo's compiled model and options: used, reported, or without effect."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ USED = """
     tendon_stiffnesspoly tendon_dampingpoly names name_actuatoradr opt
     opt.gravity opt.disableflags opt.enableflags opt.disableactuator opt.o_friction
 """
-"""Fields that the conversion reads: what they say is in the scene, or told where they are read."""
+"""Fields that the conversion reads: their values are in the scene, or are reported where they are read."""
 
 WITHOUT_EFFECT = {
     "counts, addresses and names": """
@@ -68,7 +68,7 @@ WITHOUT_EFFECT = {
         opt.solver opt.cone opt.o_margin
     """,
 }
-"""Why fields have no effect here → their names, in which ``*`` stands for any text."""
+"""Reason why fields have no effect here → names of the fields, in which ``*`` stands for any text."""
 DISABLED = {
     "CONSTRAINT": "no contacts, limits, dry friction and equalities",
     "EQUALITY": "no equalities",
@@ -81,7 +81,7 @@ DISABLED = {
     "CLAMPCTRL": "no limits of controls",
     "ACTUATION": "no actuators",
 }
-"""Flags that switch something off, which the scene then does not have either."""
+"""Flags that switch a feature off, so that the scene does not have it either."""
 WITHOUT_EFFECT_FLAGS = """
     WARMSTART FILTERPARENT REFSAFE SENSOR MIDPHASE EULERDAMP AUTORESET NATIVECCD ISLAND MULTICCD
     OVERRIDE ENERGY FWDINV INVDISCRETE SLEEP DIAGEXACT IPC SPECULATIVE
@@ -91,14 +91,14 @@ MOTION, CONTACT, NONE = Effect.MOTION, Effect.CONTACT, Effect.NONE
 
 
 class Told(NamedTuple):
-    """A field that is told where it is not at its default.
+    """A field that is reported if it does not have its default.
 
     Attributes:
-        field: its name.
-        kind: of the elements that it belongs to.
-        default: a number.
-        effect: what it changes.
-        text: what is said of the element.
+        field: the name of the field.
+        kind: the kind of element that the field belongs to.
+        default: the default, a number.
+        effect: the effect of another value.
+        text: the sentence on the element.
     """
 
     field: str
@@ -131,7 +131,7 @@ TOLD = (
 
 
 def told_fields(model: Any) -> Iterator[Difference]:
-    """What a compiled model says beyond all that a scene has."""
+    """Yield the values of a compiled model that a scene cannot hold."""
     values = dict(fields(model))
     counts = {kind: count(model) for kind, count in COUNTS.items()}
     for row in TOLD:
@@ -176,9 +176,9 @@ def _about(model: Any, row: Told, i: int) -> Difference:
 
 
 def fates(field: str) -> list[str]:
-    """What becomes of a field of the model, or of an option as ``opt.name``: none, if it is not known.
+    """Return the treatments of a field of the model, or of an option as ``opt.name``; empty if unknown.
 
-    What is used or told by its name is no part of a pattern.
+    A field that is used or reported by name counts in no pattern.
     """
     named = ["used"] * (field in USED.split()) + ["told"] * any(row.field == field for row in TOLD)
     patterns = (
@@ -198,7 +198,7 @@ def fields(model: Any) -> Iterator[tuple[str, Any]]:
 
 
 def flag_notes(mujoco: Any, model: Any) -> Iterator[str]:
-    """What is switched off, in the scene, too."""
+    """Yield notes on features that are switched off, in the scene as well."""
     flags = model.opt.disableflags
     found = [
         text for name, text in DISABLED.items() if flags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")

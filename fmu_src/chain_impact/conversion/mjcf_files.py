@@ -1,4 +1,4 @@
-"""An MJCF file, compiled by MuJoCo, if need be with stand-ins for files that are absent."""
+"""An MJCF file, compiled by MuJoCo, if necessary with stand-ins for missing files."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from chain_impact.scene.reading import SceneError
 
 CORNERS = (0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
 FACES = (0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3)
-"""A tetrahedron, in place of a mesh."""
+"""A tetrahedron that stands in for a mesh."""
 
 
 class Compiled(NamedTuple):
     """A compiled file.
 
     Attributes:
-        spec: its elements.
-        model: what MuJoCo computes with.
-        stand_ins: names of the meshes that are others than in the file.
-        differences: what could not be read.
+        spec: the elements of the file.
+        model: MuJoCo's compiled model.
+        stand_ins: names of the meshes that stand in for missing ones.
+        differences: the parts that could not be read.
     """
 
     spec: Any
@@ -30,10 +30,10 @@ class Compiled(NamedTuple):
 
 
 def compiled(mujoco: Any, path: Path) -> Compiled:
-    """Compile a file. What MuJoCo warns of is among the differences.
+    """Compile a file; MuJoCo's warnings are among the differences.
 
     Raises:
-        SceneError: when MuJoCo cannot read the file, or a body has no mass but that of a mesh that is absent.
+        SceneError: when MuJoCo cannot read the file, or a body has its mass only from a missing mesh.
     """
     try:
         with heard("MuJoCo") as told:
@@ -61,7 +61,7 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
 
 
 def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
-    """Put something in place of each file that is not there, or of all files; name of a mesh → its file."""
+    """Put a stand-in in place of each missing file, or of all files; return name of a mesh → its file."""
     assets = [*spec.meshes, *spec.textures, *spec.hfields, *spec.skins]
     absent = [one for one in assets if _file(one) and not _found(spec, path, _file(one))]
     replaced: dict[str, str] = {}
@@ -84,7 +84,7 @@ def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
 
 
 def _file(asset: Any) -> str:
-    """Return the file of an asset, or one of them."""
+    """Return the file of an asset, or one of its files."""
     return str(asset.file or next(filter(None, getattr(asset, "cubefiles", ())), ""))
 
 
@@ -94,7 +94,10 @@ def _found(spec: Any, path: Path, file: str) -> bool:
 
 
 def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[Any, str]]:
-    """Give no mass to stand-ins of meshes; bodies that lack the mass of one, and its name."""
+    """Set the mass of the meshes' stand-ins to 0.
+
+    Return the bodies without this mass, and the mesh's name.
+    """
     by_geometry = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     low, high = spec.compiler.inertiagrouprange
     found = []
@@ -108,7 +111,7 @@ def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[An
 
 
 def _compiled_without(spec: Any, weightless: list[tuple[Any, str]]) -> Any:
-    """Return the model, if it needs no mass of a mesh that is absent."""
+    """Return the model, if it needs no mass of a missing mesh."""
     try:
         return spec.compile()
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""From a robot in space to a planar chain: its joints turn about parallel axes, so it moves in a plane."""
+"""From a robot in space to a planar chain: joints with parallel axes move it in a plane."""
 
 from __future__ import annotations
 
@@ -16,18 +16,19 @@ from chain_impact.conversion.robot import Body, Joint, Robot
 from chain_impact.conversion.walls import Walls
 from chain_impact.scene.reading import UnknownNameError
 
-DIGITS = 14  # of the numbers of a scene: what follows is round-off, as the files of robots have fewer
+DIGITS = 14  # number of digits in a scene; further digits are round-off, as robot files have fewer
 
 
 class Choices(NamedTuple):
-    """What a user can choose of a conversion.
+    """The choices of a user for a conversion.
 
     Attributes:
-        joints: names of the joints that move, all others are held at their start; none: all move.
-        plane: directions of the robot along which x and y of the scene point, as ``-x,z``; None: see
+        joints: names of the joints that move; all others are held at their start. Without names all joints
+            move.
+        plane: directions of the robot along which x and y of the scene point, such as ``-x,z``; for None see
             ``plan_of``.
-        tip: the frame where the last link ends; None: the one that is farthest from the last joint.
-        keyframe: the one at which the robot starts; None: the first one of the file.
+        tip: the frame where the last link ends; None for the frame that is farthest from the last joint.
+        keyframe: the keyframe at which the robot starts; None for the first one of the file.
     """
 
     joints: Sequence[str] = ()
@@ -40,10 +41,10 @@ class Converted(NamedTuple):
     """The result of a conversion.
 
     Attributes:
-        data: of a scene.
-        warnings: what of the robot moves otherwise in the scene, a sentence each, the largest effect first.
-        left_out: what else of the robot the scene does not have, or has otherwise, likewise.
-        notes: how the scene is to be read beside the robot, likewise.
+        data: the data of the scene.
+        warnings: sentences on differences in the motion, the largest effect first.
+        left_out: sentences on other parts of the robot that the scene lacks or has in another form.
+        notes: sentences on how the scene relates to the robot.
     """
 
     data: dict[str, Any]
@@ -53,7 +54,7 @@ class Converted(NamedTuple):
 
 
 def planar_chain(robot: Robot, choices: Choices, source: str) -> Converted:
-    """Return the scene of a robot; ``source`` is the file, for messages.
+    """Return the scene of a robot; ``source`` is the file's name for messages.
 
     Raises:
         NoChainError: when the robot is no planar chain.
@@ -63,7 +64,7 @@ def planar_chain(robot: Robot, choices: Choices, source: str) -> Converted:
 
 
 class _Conversion:
-    """One conversion; collects what it leaves out."""
+    """One conversion, which collects the parts that it leaves out."""
 
     def __init__(self, robot: Robot, choices: Choices, source: str) -> None:
         self.robot, self.choices, self.source = robot, choices, source
@@ -76,7 +77,7 @@ class _Conversion:
         self.notes = [self.plan.told, *robot.notes]
 
     def run(self) -> Converted:
-        """Return the data of the scene, and what is to be said of it."""
+        """Return the data of the scene, and the remarks on the conversion."""
         gravity = [near(float(part)) for part in self.plan.flat(self._gravity())]
         places = [self.plan.flat(hinge.anchor) for hinge in self.hinges]
         places.append(places[-1] + self._tip())
@@ -119,7 +120,7 @@ class _Conversion:
         return Converted(data, lines(told, warning=True), lines(told, warning=False), self.notes)
 
     def _inputs(self) -> dict[str, dict[str, bool]]:
-        """Return the table of the inputs that the drives ask for; a free base has no joint 1."""
+        """Return the table of the inputs that the drives need; a free base has no joint 1."""
         free, slides = self.chosen.base == "free", self.chosen.base == "slider"
         found = {name for one in self.hinges[free:] for name in one.joint.inputs}
         for name in self.slides[0].joint.inputs if slides else ():
@@ -127,15 +128,15 @@ class _Conversion:
         return {"inputs": dict.fromkeys(sorted(found), True)} if found else {}
 
     def _carriage(self) -> list[int]:
-        """Return the bodies that slide, but are in no link."""
+        """Return the bodies that slide but belong to no link."""
         before = {slide.body for slide in self.slides}
         bodies = range(len(self.robot.bodies))
         return [b for b in bodies if self.owner[b] < 0 and before & {*above(self.robot, b)}]
 
     def _parts(self) -> tuple[dict[int, int], list[list[int]]]:
-        """Return body → the link that it is part of, −1 for none; and the bodies of each link.
+        """Return body → the index of its link, −1 for none; and the bodies of each link.
 
-        A link has all bodies from one joint of the chain to the next.
+        A link has all bodies from one joint of the chain to the next joint.
         """
         parts: list[list[int]] = [[] for _ in self.hinges]
         owner: dict[int, int] = {-1: -1}
@@ -147,7 +148,7 @@ class _Conversion:
         return owner, parts
 
     def _gravity(self) -> np.ndarray:
-        """Return gravity [m/s²], less what of the weight something else than the joints bears."""
+        """Return gravity [m/s²], reduced by the part of the weight that the joints do not bear."""
         still = []
         for b, body in enumerate(self.robot.bodies):
             if self.owner[b] >= 0 or body.mass == 0.0:
@@ -187,7 +188,7 @@ class _Conversion:
         self.differences.append(Difference(kind=kind, name=name, text=text, effect=effect, size=size))
 
     def _tip(self) -> np.ndarray:
-        """Where the last link ends, from its joint: at a frame, or twice as far as its centre of mass."""
+        """Return the last link's end from its joint: a frame, or twice as far as the centre of mass."""
         part, hinge = self.parts[-1], self.hinges[-1]
         found: dict[str, np.ndarray] = {}
         for b in part:
@@ -225,12 +226,12 @@ class _Conversion:
         )
 
     def _from(self, hinge: Moving, b: int, point: np.ndarray) -> np.ndarray:
-        """Return a point of body ``b``, in its axes, from a joint, in the plane, shape (2,) [m]."""
+        """Return a point in the axes of body ``b`` as a place in the plane, from a joint, shape (2,) [m]."""
         rotation, position = self.poses[b]
         return self.plan.flat(position - hinge.anchor + rotation @ point)
 
     def _inertia(self, part: list[int], hinge: Moving) -> tuple[float, np.ndarray, float]:
-        """Mass of several bodies, their centre of mass from a joint, and the inertia about that centre."""
+        """Return mass, centre of mass relative to a joint, and inertia about this centre, of several bodies."""
         bodies: list[Body] = [self.robot.bodies[b] for b in part]
         masses = np.array([body.mass for body in bodies])
         centers = np.array([self._from(hinge, b, self.robot.bodies[b].center) for b in part])
@@ -243,7 +244,7 @@ class _Conversion:
         return mass, center, about
 
     def _mass(self, part: list[int], hinge: Moving, along: np.ndarray) -> dict[str, float]:
-        """Return mass, centre of mass and inertia of a link."""
+        """Return the mass, centre of mass and inertia of a link."""
         name = hinge.joint.name
         mass, center, inertia = self._inertia(part, hinge)
         if mass <= 0.0:
@@ -254,7 +255,10 @@ class _Conversion:
         return found | ({"center_of_mass_offset": beside} if abs(beside) > TINY else {})
 
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
-        """Fill in what the joints have; the angles and angular velocities of the links at the start."""
+        """Write the joints' values into the links.
+
+        Return the angles and angular velocities of the links at the start.
+        """
         angle, speed, before = 0.0, 0.0, 0.0
         angles, speeds, turned = [], [], []
         for i, (link, hinge, direction) in enumerate(zip(links, self.hinges, directions, strict=True)):
@@ -272,7 +276,10 @@ class _Conversion:
         return angles, speeds
 
     def _joint(self, link: dict[str, Any], joint: Joint, offset: float, sign: float, grounded: bool) -> float:
-        """Fill in what a joint has; its angle at the start. A free base has no joint 1."""
+        """Write a joint's values into its link; return the joint's angle at the start.
+
+        A free base has no joint 1.
+        """
         start, low, high = (offset + sign * value for value in (joint.start, joint.low, joint.high))
         low, high = (low, high) if sign > 0.0 else (high, low)
         if not grounded:
@@ -292,7 +299,7 @@ class _Conversion:
         return self._within(joint, low, start, high, "rad")
 
     def _within(self, joint: Joint, low: float, start: float, high: float, unit: str) -> float:
-        """Return the start of a joint, which is at a stop if the file has it beyond."""
+        """Return the start of a joint, moved to the stop if the file has it beyond the stop."""
         stop = min(max(start, low), high)
         if stop != start:
             away = f"{abs(start - stop):.6g} {unit}"
@@ -301,7 +308,7 @@ class _Conversion:
         return stop
 
     def _tell_unheld(self, joint: Joint) -> None:
-        """Say what a joint has that is none in the scene: those of a free base."""
+        """Report the values of a joint that is none in the scene, because the base is free."""
         keys = ("damping", "stiffness", "friction", "armature", "torque_limit", "low", "high")
         values = {key.replace("_", " "): getattr(joint, key) for key in keys}
         found = [f"{key} {value:.6g}" for key, value in values.items() if value and math.isfinite(value)]
@@ -332,7 +339,7 @@ class _Conversion:
         }
 
     def _slider(self, joint: Joint, way: np.ndarray, start: float, gravity: list[float]) -> dict[str, Any]:
-        """Return the table of a slider: its position is 0 at the start."""
+        """Return the table of a slider, whose position is 0 at the start."""
         if joint.armature:
             amount = f"{joint.armature:.6g} kg"
             text = f"its armature, {amount}, is part of the mass of the carriage, which has weight"
@@ -355,7 +362,7 @@ class _Conversion:
 
 
 def _rounded(data: Any) -> Any:
-    """Return data without the round-off of what has been added up."""
+    """Return data without the round-off of sums."""
     if isinstance(data, dict):
         return {key: _rounded(value) for key, value in data.items()}
     if isinstance(data, list):

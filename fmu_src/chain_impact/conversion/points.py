@@ -1,4 +1,4 @@
-"""The points with which a link touches straight walls, from the shapes of its bodies."""
+"""The points with which a link touches straight walls, from the shapes of the link's bodies."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ from chain_impact.conversion.joints import PARALLEL
 from chain_impact.conversion.robot import Shape
 
 OUTLINED = ("sphere", "capsule", "box", "cylinder")
-"""Kinds of shapes that points can stand for: hulls of few balls."""
-TURN = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)  # rad, directions in which a wall may lie
+"""Kinds of shapes that points can replace: hulls of a few balls."""
+TURN = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)  # [rad] directions in which a wall may lie
 DIRECTIONS = np.stack([np.cos(TURN), np.sin(TURN)], axis=1)
-RIM = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)  # rad, places on the rim of a disc seen aslant
+# [rad] places on the rim of a disc that is seen at an angle
+RIM = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
 
 
 class Ball(NamedTuple):
-    """A ball that may touch: its centre in the plane, shape (2,) [m], its radius [m], its shape's name."""
+    """A ball that may touch: centre in the plane, shape (2,) [m], radius [m], and name of its shape."""
 
     at: np.ndarray
     radius: float
@@ -29,11 +30,12 @@ class Ball(NamedTuple):
 
 
 def balls_of(shape: Shape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> Iterator[Ball]:
-    """Yield the balls whose hull is a shape, as the plane of the motion shows it."""
+    """Yield the balls whose hull is the shape as it is seen in the plane of the motion."""
     rotation, position = pose
     centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius
     if shape.disc is not None:
-        along = plan.flat(rotation @ shape.disc)  # radius of the disc times its axis, as seen
+        # radius of the disc times the disc's axis, as seen in the plane
+        along = plan.flat(rotation @ shape.disc)
         size, seen = float(np.linalg.norm(shape.disc)), float(np.linalg.norm(along))
         if seen < PARALLEL * size:
             radius += size
@@ -49,18 +51,18 @@ def balls_of(shape: Shape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> I
 
 
 def reach(balls: Sequence[Ball]) -> np.ndarray:
-    """Return how far balls reach in each direction [m], shape (directions, balls)."""
+    """Return how far each ball reaches in each direction [m], shape (directions, balls)."""
     centers = np.array([ball.at for ball in balls])
     return np.asarray(DIRECTIONS @ centers.T + np.array([ball.radius for ball in balls]))
 
 
 def outermost(balls: Sequence[Ball]) -> list[Ball]:
-    """Return the balls that a straight wall can touch first, in some direction."""
+    """Return the balls that a straight wall in some direction can touch first."""
     return [balls[k] for k in sorted(set(reach(balls).argmax(axis=1).tolist()))] if balls else []
 
 
 def tables_of(balls: Sequence[Ball], joint: np.ndarray, along: np.ndarray) -> list[dict[str, Any]]:
-    """Return the tables of points of a link, which begins at a joint and points along a direction."""
+    """Return the tables of the points of a link, which begins at a joint and points along a direction."""
     counts, seen = Counter(ball.name for ball in balls), Counter[str]()
     tables: list[dict[str, Any]] = []
     for ball in balls:

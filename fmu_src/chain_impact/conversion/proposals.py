@@ -1,4 +1,4 @@
-"""Joints of a robot that make a planar chain, where all of them do not: tried before they are proposed."""
+"""Proposals of joints that make a planar chain, if all joints of a robot make none; each one is tried."""
 
 from __future__ import annotations
 
@@ -9,16 +9,18 @@ from chain_impact.conversion.planar import Choices, Converted, planar_chain
 from chain_impact.conversion.robot import Robot
 from chain_impact.scene.reading import SceneError
 
-TRIALS = 200  # conversions that are tried for a proposal, a few ms each
+TRIALS = 200  # number of conversions that are tried for a proposal, a few ms each
 
 
 def chain_of(
     robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object] = lambda done: done
 ) -> Converted:
-    """The scene of a robot; ``source`` is the file, for messages, and ``check`` raises what else is wrong.
+    """Return the scene of a robot; ``check`` raises further errors.
+
+    ``source`` is the file's name for messages.
 
     Raises:
-        NoChainError: when the robot is no planar chain; says which joints would make one, if any do.
+        NoChainError: when the robot is no planar chain; the message names joints that would make one, if any.
         SceneError: when the choices do not fit the robot.
     """
     try:
@@ -36,7 +38,7 @@ def chain_of(
 def _proposed(
     robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object]
 ) -> list[str] | None:
-    """Return the names of the most joints that were found to make a chain."""
+    """Return the names of the largest set of joints that was found to make a chain."""
     best: list[str] = []
     trials = 0
     for start in _candidates(robot, choices.joints):
@@ -58,7 +60,7 @@ def _proposed(
 
 
 def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
-    """Yield joints with parallel axes that follow one another, of those that are wanted; the most first."""
+    """Yield lists of wanted joints with parallel axes that follow one another, the longest first."""
     pool = [one for one in joints_at_start(robot) if not wanted or one.joint.name in wanted]
     paths: list[list[Moving]] = []
     for group in parallel([one for one in pool if one.joint.kind == "hinge"]):
@@ -72,7 +74,7 @@ def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
 
 
 def _paths(robot: Robot, group: Sequence[Moving]) -> Iterator[list[Moving]]:
-    """From each last joint of a group the way back to the base, in the order of the bodies."""
+    """Yield the way from each last joint of a group back to the base, in the order of the bodies."""
     for last in group:
         before = set(above(robot, last.body))
         if not any(last.body in set(above(robot, one.body)) - {one.body} for one in group):

@@ -1,4 +1,4 @@
-"""A robot as its file has it: a tree of bodies in space, before it is made a planar chain."""
+"""A robot as its file describes it: a tree of bodies in space, before the conversion to a planar chain."""
 
 from __future__ import annotations
 
@@ -14,33 +14,33 @@ from chain_impact.conversion.differences import Difference
 
 
 def identifier(name: str, prefix: str) -> str:
-    """A name of letters, digits and _ that does not begin with a digit, but with a prefix if it would."""
+    """Return a name of letters, digits and _; the prefix is added if the name would begin with a digit."""
     plain = re.sub(r"\W+", "_", name, flags=re.ASCII)
     return plain if re.match(r"[A-Za-z_]", plain) else f"{prefix}_{plain}"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Joint:
-    """What a body can do relative to the one before it. Angles count from the pose that the file gives.
+    """A joint between a body and its parent. Angles count from the pose that the file gives.
 
     Attributes:
-        name: as in the file.
+        name: the name in the file.
         kind: ``hinge``, ``slide`` or another that no scene has.
-        axis: its direction, in the axes of the body.
-        anchor: a point on it [m], likewise.
+        axis: direction of the joint's axis, in the body's axes.
+        anchor: a point on the axis, in the body's axes [m].
         low: least angle [rad] or position [m], −∞ if there is none.
-        high: largest one.
-        damping: [N·m·s/rad], of a slide [N·s/m], and so on.
+        high: largest angle or position, ∞ if there is none.
+        damping: [N·m·s/rad]; for a slide [N·s/m], and the other units in the same way.
         stiffness: [N·m/rad].
         rest: angle at which the spring is slack [rad].
         friction: dry friction [N·m].
         armature: [kg·m²].
         torque_limit: [N·m], None if there is none.
         start: angle [rad] or position [m] at the start.
-        speed: its rate at the start.
-        turn: of a joint that is neither hinge nor slide: its rotation at the start, shape (3, 3).
-        inputs: what of ``[inputs]`` its drives ask for.
-        drives: their names.
+        speed: rate of the angle or position at the start.
+        turn: rotation at the start of a joint that is neither hinge nor slide, shape (3, 3).
+        inputs: keys of ``[inputs]`` that the joint's drives need.
+        drives: names of the drives.
     """
 
     name: str
@@ -64,16 +64,16 @@ class Joint:
 
 @dataclass(frozen=True, kw_only=True)
 class Shape:
-    """A shape of a body, which touches or is only seen.
+    """A shape of a body, which may touch or is only seen.
 
     Attributes:
-        kind: as ``capsule``.
+        kind: the kind of shape, such as ``capsule``.
         touches: whether it can touch anything.
-        name: of letters, digits and _, or empty.
+        name: a name of letters, digits and _, or empty.
         walls: whether it can touch a plane that does not move.
-        corners: points of the body [m], shape (n, 3); the shape is the hull of balls about them.
-        radius: of the balls [m].
-        disc: of a hull of discs in place of balls: the axis of the discs, as long as their radius [m].
+        corners: points of the body [m], shape (n, 3); the shape is the hull of balls around these points.
+        radius: radius of the balls [m].
+        disc: axis of discs that replace the balls, as long as the discs' radius [m]; None for balls.
     """
 
     kind: str
@@ -90,17 +90,17 @@ class Body:
     """A rigid body.
 
     Attributes:
-        name: as in the file.
-        parent: position of the body before it in ``Robot.bodies``, −1 for the world.
-        rotation: of its axes relative to those of its parent, shape (3, 3).
-        position: of its origin in its parent [m].
+        name: the name in the file.
+        parent: index of the parent in ``Robot.bodies``, −1 for the world.
+        rotation: rotation of the body's axes relative to the parent's axes, shape (3, 3).
+        position: position of the body's origin in the parent [m].
         mass: [kg].
-        center: centre of mass, in its own axes [m].
-        inertia: about the centre of mass, in its own axes, shape (3, 3) [kg·m²].
-        joints: in the order in which they act.
-        frames: named points [m] in its own axes, of which one may be the tip.
-        shapes: what of it can touch or be seen.
-        borne: part of its weight that something else than the joints bears.
+        center: centre of mass in the body's axes [m].
+        inertia: inertia about the centre of mass in the body's axes, shape (3, 3) [kg·m²].
+        joints: the joints, in the order in which they act.
+        frames: named points [m] in the body's axes, of which one may be the tip.
+        shapes: the shapes of the body.
+        borne: part of the weight that the joints do not bear.
     """
 
     name: str
@@ -118,14 +118,15 @@ class Body:
 
 @dataclass(frozen=True, kw_only=True)
 class Plane:
-    """A plane that does not move: its free side is where its normal points.
+    """A plane that does not move; its normal points to the free side.
 
     Attributes:
-        name: as in the file.
-        point: on it [m].
-        normal: of length 1.
-        friction: with whatever touches it.
-        touching: positions of the bodies that can touch it, and the friction with each; None: all can.
+        name: the name in the file.
+        point: a point on the plane [m].
+        normal: unit vector.
+        friction: coefficient of friction with all bodies.
+        touching: indices of the bodies that can touch the plane, with the friction of each; None for all
+            bodies.
     """
 
     name: str
@@ -140,15 +141,15 @@ class Robot:
     """A tree of bodies, parents first.
 
     Attributes:
-        name: of the model.
-        bodies: see above.
+        name: the name of the model.
+        bodies: the bodies.
         gravity: [m/s²].
-        planes: walls.
+        planes: the planes that do not move.
         tables: tables of a scene that the file carries.
-        first_link: what link 1 has as a joint, which has no effect where the base is free.
-        link_tables: what the file carries of the points and the shape of each link, as a scene file has it.
-        notes: how the file was read, a sentence each.
-        differences: what of the file no scene can hold.
+        first_link: keys of link 1 for its joint, which has no effect if the base is free.
+        link_tables: points and shape of each link that the file carries, in the form of a scene file.
+        notes: sentences on how the file was read.
+        differences: the parts of the file that no scene can hold.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""A scene as MJCF: what MuJoCo knows, and a text with all else, which makes the same scene again."""
+"""A scene as MJCF: elements for MuJoCo, and a text with the other data, from which the same scene is read."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from chain_impact.scene.scene import Scene, scene_to_dict
 from chain_impact.scene.tables import Link, Slider
 
 WRITTEN = ("name", "gravity", "chain", "box", "walls", "initial")
-"""What of a scene the elements of MJCF hold."""
-HINGE = "0 -1 0"  # the plane of the motion is x–z, in which MuJoCo's pictures have z upwards
-LEAST_INERTIA = 2e-15  # kg·m², which MuJoCo asks for
+"""The parts of a scene that MJCF's elements can hold."""
+HINGE = "0 -1 0"  # the plane of the motion is x–z, because z points upwards in MuJoCo's pictures
+LEAST_INERTIA = 2e-15  # [kg·m²] smallest inertia that MuJoCo accepts
 BODY = ("shape", "height", "points")  # keys of a link
-LEAST_RADIUS = 1e-4  # of the longest link, of points, which have none in MuJoCo
-LARGEST_STEP = 2e-3  # s, MuJoCo's usual one
+LEAST_RADIUS = 1e-4  # radius of points without a radius, as a part of the longest link; MuJoCo needs one
+LARGEST_STEP = 2e-3  # [s] MuJoCo's default step
 JOINT_KEYS = {
     "joint_damping": "damping",
     "joint_stiffness": "stiffness",
@@ -39,7 +39,7 @@ SLIDER_KEYS = {
 
 
 def mjcf_of(scene: Scene) -> tuple[str, list[str]]:
-    """Return the MJCF of a scene, and what MuJoCo does not do as the scene says, a sentence each."""
+    """Return the MJCF of a scene, and a sentence on each feature that MuJoCo treats differently."""
     root = Element("mujoco", model=scene.name)
     SubElement(root, "compiler", angle="radian", autolimits="true")
     SubElement(
@@ -73,7 +73,7 @@ def mjcf_of(scene: Scene) -> tuple[str, list[str]]:
 
 
 def _add_walls(world: Element, scene: Scene) -> None:
-    """A plane for each wall: its z axis is the normal."""
+    """Add a plane for each wall; the plane's z axis is the normal."""
     points = {wall.name: wall.point for wall in scene.walls}
     size = sum(link.length for link in scene.chain.links)
     for name, plane in scene.half_planes.items():
@@ -99,7 +99,7 @@ def _add_walls(world: Element, scene: Scene) -> None:
 
 
 def _add_chain(world: Element, scene: Scene) -> None:
-    """A body for each link, with its origin in the joint nearer to the base and x along the link."""
+    """Add a body for each link, with the origin in the joint nearer to the base, and x along the link."""
     free, links = scene.chain.base == "free", scene.chain.links
     base, radius = scene.initial.position, LEAST_RADIUS * max(link.length for link in links)
     width = repr(0.02 * sum(link.length for link in links) / len(links) ** 0.5)
@@ -112,7 +112,7 @@ def _add_chain(world: Element, scene: Scene) -> None:
     for i, link in enumerate(links, 1):
         body = SubElement(parent, "body", name=f"link[{i}]", pos=place)
         _add_inertial(body, link.mass, (link.center_of_mass, link.center_of_mass_offset), link.inertia)
-        if slider is not None and slider.mass == 0.0 and i == 1:  # MuJoCo knows no body without mass
+        if slider is not None and slider.mass == 0.0 and i == 1:  # MuJoCo accepts no body without mass
             _add_slide(body, slider)
         if free and i == 1:
             SubElement(body, "joint", name="base.x", type="slide", axis="1 0 0")
@@ -132,14 +132,14 @@ def _add_chain(world: Element, scene: Scene) -> None:
 
 
 def _add_inertial(body: Element, mass: float, center: tuple[float, float], inertia: float) -> None:
-    """Mass, centre of mass and inertia of a body."""
+    """Add the mass, centre of mass and inertia of a body."""
     x, y = center
     about = _numbers(*[max(inertia, LEAST_INERTIA)] * 3)
     SubElement(body, "inertial", pos=_numbers(x, 0.0, y), mass=repr(mass), diaginertia=about)
 
 
 def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float) -> None:
-    """A point that touches walls."""
+    """Add a point that touches walls."""
     x, y = at
     ball = {"type": "sphere", "size": repr(radius), "pos": _numbers(x, 0.0, y), "condim": "1"}
     ball |= {"friction": "0 0 0", "mass": "0", "contype": "2", "conaffinity": "1"}
@@ -147,14 +147,14 @@ def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float
 
 
 def _add_slide(body: Element, slider: Slider) -> None:
-    """The joint of a base on a slider."""
+    """Add the joint of a base on a slider."""
     axis = _numbers(math.cos(slider.angle), 0.0, math.sin(slider.angle))
     keys = _attributes(slider, SLIDER_KEYS, slider.min, slider.max, slider.force_limit)
     SubElement(body, "joint", {"name": "slider", "type": "slide", "axis": axis, **keys})
 
 
 def _joint(link: Link) -> dict[str, str]:
-    """What the joint of a link has, as attributes of its element."""
+    """Return the values of a link's joint as attributes of the joint's element."""
     return _attributes(link, JOINT_KEYS, link.joint_min, link.joint_max, link.joint_torque_limit)
 
 
@@ -165,7 +165,7 @@ def _attributes(
     high: float | None,
     limit: float | None,
 ) -> dict[str, str]:
-    """What a joint has, as attributes of its element."""
+    """Return the values of a joint as attributes of the joint's element."""
     found = {name: repr(value) for key, name in names.items() if (value := getattr(table, key))}
     if low is not None or high is not None:
         found["range"] = _numbers(-UNLIMITED if low is None else low, UNLIMITED if high is None else high)
@@ -173,13 +173,13 @@ def _attributes(
 
 
 def _of_the_joint(link: Link) -> dict[str, Any]:
-    """Return the keys of a joint that is none, as the base is free."""
+    """Return the keys of link 1 for its joint, which does not exist because the base is free."""
     keys = (*JOINT_KEYS, "joint_min", "joint_max", "joint_torque_limit")
     return {key: value for key in keys if (value := getattr(link, key))}
 
 
 def _add_start(root: Element, scene: Scene) -> None:
-    """The start, as a keyframe."""
+    """Add the start, as a keyframe."""
     start = scene.initial
     places, rates = {
         "pinned": ((), ()),
@@ -201,7 +201,7 @@ def _steps(values: tuple[float, ...]) -> Iterator[float]:
 
 
 def _differences(scene: Scene) -> Iterator[str]:
-    """What MuJoCo does otherwise, or not at all."""
+    """Yield sentences on features that MuJoCo treats differently or lacks."""
     contact, links = scene.contact, scene.chain.links
     radii = [contact.radius for _ in contact.points] + [site.radius for _, site in scene.chain.sites]
     if scene.half_planes and radii:

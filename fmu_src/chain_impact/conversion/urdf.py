@@ -21,15 +21,17 @@ from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError
 
 KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
-"""Type of a joint that moves → its kind; a fixed joint merges two bodies."""
+"""Type of a moving joint → its kind; a fixed joint merges two bodies."""
 GRAVITY = np.array([0.0, 0.0, -9.81])
-"""URDF says nothing of it, and its z axis points up."""
+"""URDF does not give gravity; its z axis points up."""
 XACRO = "xacro"
-ROUND = 1e-6  # of a moment of inertia, what may be round-off of the file
+ROUND = 1e-6  # part of a moment of inertia that may be the file's round-off
 
 
 def read_urdf(path: Path) -> Robot:
-    """Return the robot of a URDF file; its shapes and colours are not read, and so no mesh need be there.
+    """Return the robot of a URDF file.
+
+    Its meshes need not exist, because shapes and colours are not loaded.
 
     Raises:
         SceneError: when the file holds no robot.
@@ -47,7 +49,8 @@ def read_urdf(path: Path) -> Robot:
         by_parent.setdefault(joint.parent, []).append(joint)
         if joint.type != "fixed" and joint.axis is not None and not np.any(joint.axis):
             raise SceneError(f"{path}: joint {joint.name}: its axis is 0 0 0, must have a direction")
-    named = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])  # "world" may be named only
+    # "world" may have no element of its own
+    named = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])
     roots = [name for name in named if name not in {joint.child for joint in robot.joints}]
     if len(roots) != 1:
         found = f"has {few(roots)}" if roots else "has none" if named else "it has no link at all"
@@ -67,11 +70,11 @@ def read_urdf(path: Path) -> Robot:
 
 
 def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
-    """Return the links and joints as yourdfpy reads them."""
+    """Return the links and joints, read by yourdfpy."""
     options = dict.fromkeys(("load_meshes", "load_collision_meshes", "build_scene_graph"), False)
     try:
         return yourdfpy.URDF.load(io.BytesIO(moving_parts(root)), **options).robot
-    except Exception:  # of lxml and of yourdfpy, which has many
+    except Exception:  # lxml and yourdfpy raise errors of many kinds
         for part in root:
             alone = Element("robot", name="alone")
             alone.append(part)
@@ -84,7 +87,7 @@ def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
 
 
 def _check_parts(root: Element, path: Path) -> None:
-    """Refuse links and joints without what yourdfpy takes for granted, and names that are not unique."""
+    """Refuse links and joints without attributes that yourdfpy needs, and names that are not unique."""
     for kind in ("link", "joint"):
         names = [part.get("name") for part in root.findall(kind)]
         for name in names:
@@ -107,10 +110,10 @@ def _check_parts(root: Element, path: Path) -> None:
 
 
 def xml_of(path: Path) -> Element:
-    """Return the root of a file, which may have prefixes that it does not declare.
+    """Return the root of a file, which may use prefixes without declaring them.
 
     Raises:
-        SceneError: when it is no XML.
+        SceneError: when the file is no XML.
     """
     try:
         return ElementTree.parse(path).getroot()
@@ -134,10 +137,10 @@ def local_name(tag: str) -> str:
 
 
 def urdf_of(path: Path) -> Element:
-    """Return the elements of a file, without namespaces.
+    """Return the root element of a file, without namespaces.
 
     Raises:
-        SceneError: when it is no XML, or xacro has yet to make URDF of it.
+        SceneError: when the file is no XML, or must first be expanded by xacro.
     """
     root = xml_of(path)
     for element in root.iter():
@@ -156,7 +159,7 @@ def urdf_of(path: Path) -> Element:
 
 
 def moving_parts(root: Element) -> bytes:
-    """Return the links and joints as a file, without what is only seen or touched."""
+    """Return the links and joints as a file, without shapes that are only seen or touched."""
     bare = Element("robot", name=root.get("name") or "robot")
     for part in root:
         if part.tag in ("link", "joint"):
@@ -174,7 +177,7 @@ def _shapes(link: Element) -> Iterator[Shape]:
 
 
 def _ordered(name: str, joint: Any, by_parent: dict[str, list[Any]]) -> Iterator[tuple[str, Any]]:
-    """Yield every link below one, and the joint before it, parents first."""
+    """Yield every link below a link, with the joint before it, parents first."""
     waiting = [(name, joint)]
     while waiting:
         one, before = waiting.pop()
@@ -204,7 +207,7 @@ def _body(name: str, link: Any, joint: Any, parent: int) -> Body:
 
 
 def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
-    """Yield moments of inertia A ≤ B ≤ C that no body has, as A + B < C or A < 0."""
+    """Yield moments of inertia A ≤ B ≤ C that no body can have, because A + B < C or A < 0."""
     for b, body in enumerate(bodies):
         low, middle, high = np.linalg.eigvalsh(body.inertia)
         if low + middle < high * (1.0 - ROUND) or low < -ROUND * high:
@@ -237,7 +240,10 @@ def _joint(joint: Any) -> Joint:
 
 
 def _range(joint: Any) -> tuple[float, float]:
-    """The least and largest value of a joint; one that the file does not give is 0, if it gives the other."""
+    """Return the smallest and largest value of a joint.
+
+    A limit that the file does not give is 0 if the file gives the other one.
+    """
     limit = joint.limit
     if limit is None or joint.type == "continuous" or (limit.lower is None and limit.upper is None):
         return -math.inf, math.inf
@@ -245,7 +251,7 @@ def _range(joint: Any) -> tuple[float, float]:
 
 
 def _limits_left_out(joint: Any) -> Iterator[Difference]:
-    """What of a joint's limits is not in the scene, or not as in the file."""
+    """Yield the differences of a joint's limits between the file and the scene."""
     limit = joint.limit
     if limit is None or joint.type not in KINDS:
         return

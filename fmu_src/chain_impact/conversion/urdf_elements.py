@@ -1,4 +1,4 @@
-"""The elements and attributes of URDF, and what becomes of each: a file may have others, which are told."""
+"""The elements and attributes of URDF, and the treatment of each; unknown ones are reported."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ USED = {
     "robot/joint/limit": "lower upper effort velocity",
     "robot/joint/dynamics": "damping friction",
 }
-"""Path of an element that is read → its attributes that are in the scene, or told where they are read."""
+"""Path of an element that is read → the attributes that are in the scene, or reported when read."""
 SHAPES = ("visual", "collision")
-"""Elements of a link that are counted, and told together."""
+"""Elements of a link that are counted and reported together."""
 NO_EFFECT = {"version", "schemaLocation", "noNamespaceSchemaLocation"}
 """Attributes that have no effect anywhere."""
 WITHOUT_EFFECT = ("material",)
 """Elements that have no effect anywhere: colours."""
 MOVES = {"mimic": "it follows another joint in the file, and moves freely in the scene"}
-"""Element of a joint → what of its motion is not in the scene."""
+"""Element of a joint → the effect on its motion that the scene does not have."""
 
 
 def other_elements(root: Element) -> Iterator[Difference]:
-    """What of a robot's file is neither in the scene nor known to have no effect."""
+    """Yield the parts of a robot's file that are neither in the scene nor known to have no effect."""
     yield from _attributes(root, "robot", root)
     for part in root:
         if not isinstance(part.tag, str) or part.tag in WITHOUT_EFFECT:
@@ -54,7 +54,7 @@ def other_elements(root: Element) -> Iterator[Difference]:
 
 
 def _below(part: Element, path: str) -> Iterator[tuple[str, Element]]:
-    """Yield all elements below one, but not below those that are told as a whole."""
+    """Yield all elements below one, except below elements that are reported as a whole."""
     for element in part:
         if isinstance(element.tag, str):
             inside = f"{path}/{element.tag}"

@@ -1,4 +1,4 @@
-"""The walls of a robot's world, and which points of the chain touch them."""
+"""The walls in a robot's surroundings, and the points of the chain that touch them."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ Points = list[dict[str, Any]]
 
 @dataclass
 class Walls:
-    """Makes walls; collects what touches otherwise.
+    """Makes walls, and collects contacts that the scene has in another form.
 
     Attributes:
-        robot: its planes and shapes are read.
-        chosen: its joints.
+        robot: the robot, with planes and shapes.
+        chosen: the joints of the chain.
         plan: the plane of the motion.
         parts: the bodies of each link.
-        places: of the joints and the tip in the plane, before any joint moves [m].
+        places: positions of the joints and the tip in the plane, before any joint moves [m].
         start: position of the base [m] and angles of the links [rad] at the start.
     """
 
@@ -49,7 +49,7 @@ class Walls:
         self.owner = {b: i for i, part in enumerate(self.parts) for b in part}
 
     def made(self) -> tuple[dict[str, Any], list[Points], list[Difference]]:
-        """The tables of a scene that walls need, the points of each link, and what touches otherwise."""
+        """Return the scene's tables for walls, the points of each link, and differences in contacts."""
         box: dict[str, float] = {}
         walls: list[dict[str, Any]] = []
         materials: dict[str, dict[str, float]] = {}
@@ -98,7 +98,7 @@ class Walls:
         return {self.owner[b] for b, _ in plane.touching if b in self.owner}
 
     def _friction(self, plane: Plane) -> float:
-        """Return the friction of a plane with what can touch it: the largest, if that varies."""
+        """Return the friction of a plane with the bodies that can touch it: the largest, if it varies."""
         if plane.touching is None:
             return plane.friction
         found = sorted({friction for b, friction in plane.touching if b in self.owner})
@@ -111,18 +111,18 @@ class Walls:
         return found[-1]
 
     def _points(self, touching: set[int], bare: set[int], has_balls: bool) -> dict[str, Any]:
-        """The joints and ends that touch walls, if not all do: those of links that touch without points."""
+        """Return the joints and ends that touch walls, if not all do: those of links without points."""
         if not has_balls and len(touching) in (0, len(self.parts)):
             return {}
         ends = {end for i in bare for end in (i, i + 1)}
         return {"points": sorted(ends - ({0} if self.chosen.base == "pinned" else set()))}
 
     def _is_point(self, shape: Shape) -> bool:
-        """Whether points stand for a shape: it can touch a wall, or anything where there are no walls."""
+        """Return whether points replace a shape: it can touch a wall, or anything if there are no walls."""
         return shape.kind in OUTLINED and (shape.walls if self.robot.planes else shape.touches)
 
     def _balls(self, i: int, touching: set[int]) -> list[Ball]:
-        """Return the balls of link ``i`` that can touch; not one about a pivot that does not move."""
+        """Return the balls of link ``i`` that can touch, without one around a pivot that does not move."""
         if self.robot.planes and i not in touching:
             return []
         fixed = i == 0 and self.chosen.base == "pinned"
@@ -135,7 +135,7 @@ class Walls:
         return [ball for ball in found if not fixed or np.linalg.norm(ball.at - self.places[0]) > TINY]
 
     def _started(self, balls: Sequence[list[Ball]]) -> list[Points]:
-        """Return the tables of the points of each link, none of which starts within a wall."""
+        """Return the tables of the points of each link; no point starts inside a wall."""
         at, points = np.array(self.start[0]), []
         for i, (found, angle) in enumerate(zip(balls, self.start[1], strict=True)):
             arm = self.places[i + 1] - self.places[i]
@@ -149,7 +149,7 @@ class Walls:
     def _fits(
         self, i: int, table: dict[str, Any], joint: np.ndarray, along: np.ndarray, length: float
     ) -> bool:
-        """Return whether a point starts outside all walls, if need be with a smaller radius."""
+        """Return whether a point starts outside all walls, if necessary with a smaller radius."""
         at = joint + table["x"] * along + table["y"] * np.array([-along[1], along[0]])
         for name, point, normal in self.walls:
             free = float(normal @ (at - point))
@@ -171,7 +171,7 @@ class Walls:
         return True
 
     def _tell_shapes(self, touching: set[int], balls: Sequence[list[Ball]]) -> None:
-        """Say which shapes are no points, and how far they reach beyond what touches in the scene."""
+        """Report shapes that are no points, and how far they reach beyond the scene's points."""
         shapes = [shape for b in self.owner for shape in self.robot.bodies[b].shapes]
         for touches, text in (
             (True, "touch nothing as such: points, joints and tip touch walls, and nothing else does"),
@@ -194,7 +194,7 @@ class Walls:
                 self._tell("body", body.name, "touches walls in the file; it is on no link, and touches none")
 
     def _tell_reach(self, i: int, balls: Sequence[Ball]) -> None:
-        """Say how far the shapes of a link reach beyond what touches walls: its points, or its two ends."""
+        """Report how far the shapes of a link reach beyond its points or ends, which touch walls."""
         ends = self.places[i : i + 2]
         held = balls or [Ball(end, 0.0, "") for end in ends]
         others = [
