@@ -1,9 +1,9 @@
-"""The kernel against that of another commit: ``python benchmarks/against.py REVISION``.
+"""The kernel compared with the kernel of another commit: ``python benchmarks/against.py REVISION``.
 
-Each side's own package makes instances of the same scenes and its kernel (against_side.py). Both kernels then
-run in this process, in turn, and what they leave in the records ``output`` and ``statistics`` is compared,
-byte by byte. A run begins with the initialization, and before it with a copy of a new record if the kernel of
-that commit needs one because runs leave something behind.
+The package of each side makes instances of the same scenes and its own kernel (against_side.py). Both kernels
+then run in this process, in turn, and the records ``output`` and ``statistics`` after a run are compared byte
+by byte. A run begins with the initialization, and with a copy of a new record before it if the kernel of that
+commit does not reset all of a used record.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 ROUNDS = 15
-LINE, PLACE = 64, 16  # bytes: NumPy puts large arrays 16 bytes behind the start of a line of the cache
+LINE, PLACE = 64, 16  # bytes: NumPy puts large arrays 16 bytes after the start of a line of the cache
 
 
 class Run:
@@ -48,14 +48,14 @@ class Run:
         assert self.outcome() == self.expected
 
     def __call__(self) -> int:
-        """From parameters to the end; the status."""
+        """Run from the parameters to the end; return the status."""
         if self.copies:
             self.block[:] = self.fresh
         self.kernel.initialize(self.address, 0.0)
         return int(self.kernel.advance(self.address, self.stop))
 
     def outcome(self) -> list[bytes]:
-        """Return the records that are compared, after one more run."""
+        """Return the records to compare, after one more run."""
         self()
         self.kernel.observe(self.address)
         return [self.block[start:end].tobytes() for start, end in self.compared]
@@ -63,7 +63,7 @@ class Run:
 
 @contextmanager
 def worktree(revision: str) -> Iterator[Path]:
-    """The files of a commit, in a temporary folder."""
+    """Give the files of a commit, in a temporary folder."""
     with TemporaryDirectory() as scratch:
         folder = Path(scratch, "tree")
         git("worktree", "add", "--quiet", "--detach", str(folder), revision)
@@ -74,13 +74,13 @@ def worktree(revision: str) -> Iterator[Path]:
 
 
 def git(*arguments: str) -> str:
-    """What git says, in this repository."""
+    """Return the output of git in this repository."""
     done = subprocess.run(["git", *arguments], cwd=common.ROOT, stdout=subprocess.PIPE, text=True, check=True)
     return done.stdout.strip()
 
 
 def sides(root: Path) -> dict[str, dict]:
-    """What the package of a tree makes of each scene; a kernel that is not cached is compiled."""
+    """Return the kernels and instances of a tree's package; a kernel that is not cached is compiled."""
     environment = {**os.environ, "PYTHONPATH": str(root / "fmu_src")}
     command = [sys.executable, str(Path(__file__).with_name("against_side.py"))]
     done = subprocess.run(command, cwd=root, env=environment, stdout=subprocess.PIPE, check=True)

@@ -1,6 +1,6 @@
-"""What the package of some commit makes of the scenes of against.py, pickled, on standard output.
+"""The instances and kernels of one commit for the scenes of against.py, pickled, on standard output.
 
-It is run in a process of its own, which imports the package of that commit.
+It runs in a process of its own, which imports the package of that commit.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def scenes() -> dict[str, tuple[Scene, float]]:
 
 
 def main() -> None:
-    """Name → stop time, kernel, bytes of a new instance, and where in these are the records to compare."""
+    """Write name → stop time, kernel, bytes of a new instance, and places of the records to compare."""
     sides = {}
     for name, (scene, stop) in scenes().items():
         block = Model(scene).new_instance()

@@ -1,8 +1,8 @@
-"""What a call costs beside its run: ``python benchmarks/calls.py [--quick]``.
+"""The cost of a call without its run: ``python benchmarks/calls.py [--quick]``.
 
-Calls of ``simulate()``: the default scene to 1.2 s, in CPU time over that of a run in a sweep, one thread.
-Steps of 1 ms in FMPy, with one output: those of an FMU that does nothing show what FMPy and pythonfmu itself
-take. All take turns, so that other work on the machine hits all.
+Calls of ``simulate()``: the default scene to 1.2 s, in CPU time over the time of a run in a sweep with one
+thread. Steps of 1 ms in FMPy, with one output; the steps of an FMU without any content show the time of FMPy
+and pythonfmu themselves. All contenders take turns, so that other work on the machine slows all of them.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Empty(Fmi2Slave):
 
 
 def calls(tolerance: float) -> dict[str, Callable[[], object]]:
-    """Return the calls of ``simulate()``, and the runs in a sweep that they are held against."""
+    """Return the calls of ``simulate()``, and the runs in a sweep that they are compared with."""
     settings = {"solver.tolerance": tolerance, "simulation.stop_time": STOP}
     scene = load_scene("four_link_box").with_values(settings)
     value = scene.values[NAME]

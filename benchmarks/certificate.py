@@ -1,18 +1,18 @@
-"""A certificate for a single step: what is proven of the events in it, in ball arithmetic (Arb).
+"""A certificate for a single step: proofs about the events in the step, in ball arithmetic (Arb).
 
-The dense output P of a step nearly obeys the equations; the defect δ = P′ − f(P) is what is left. With the
-logarithmic norm µ of the Jacobian f′ on a tube around P, Gronwall's inequality bounds the difference to the
-solution y that begins where the step begins, ‖T (y − P)‖ ≤ ∫ e^∫µ ‖T δ‖, as long as this stays within the
-tube. For each candidate the clearances of P then decide: NO_EVENT, ONE_EVENT, UNDECIDED. Nothing is claimed
-of a whole run: its bound would grow like e^∫µ.
+The dense output P of a step nearly obeys the equations, with the defect δ = P′ − f(P). With the logarithmic
+norm µ of the Jacobian f′ on a tube around P, Gronwall's inequality bounds the difference to the solution y
+that begins where the step begins, ‖T (y − P)‖ ≤ ∫ e^∫µ ‖T δ‖, as long as it stays within the tube. For each
+candidate the clearances of P then decide: NO_EVENT, ONE_EVENT, UNDECIDED. No claim is made about a whole run:
+its bound would grow like e^∫µ.
 
-The equations are derived anew: Lagrange's, with an assembled mass matrix, and with the centre of mass in
-place of a free base, x_k = x_C + Σ_j a_kj (cos θ_j, sin θ_j). From the kernel's record come the numbers of
-the scene, the state at the start of the step, its dense output, and what a contact has latched at its onset.
-
-The solution is that of the phase of the step: a force that is cut off or that damps on approach only is
-continued smoothly across its kink, sliding keeps its direction, and in the variable of a contact its δ is
-δ* u². There the verdicts on the others hold up to its end, u = 0: until then time goes on.
+The equations are derived independently: Lagrange's, with an assembled mass matrix, and with the centre of
+mass in place of a free base, x_k = x_C + Σ_j a_kj (cos θ_j, sin θ_j). The kernel's record gives the numbers
+of the scene, the state at the start of the step, the dense output, and the values that a contact has latched
+at its onset. The solution belongs to the phase of the step: a force that is cut off, or that damps on
+approach only, is continued smoothly across its kink, sliding keeps its direction, and in the variable of a
+contact its δ is δ* u². In this variable the verdicts on the other candidates hold up to the end of the
+contact, u = 0, until which time increases.
 """
 
 from __future__ import annotations
@@ -29,34 +29,35 @@ from chain_impact.kernel.events.marks import END, ONSET
 from chain_impact.kernel.ode.dense import POWERS
 
 NO_EVENT, ONE_EVENT, UNDECIDED = "no event", "one event", "undecided"
-ORDER = 12  # of the Taylor polynomials of a part of a step
-PARTS = (2, 6, 18, 54, 162)  # of a step: as many as are needed to decide on all candidates
-BEYOND = 1.01  # times as far as its end a step is followed, in search of an event that is marked there
-MARGINS = (0.3, 1.0, 3.0, 10.0)  # of the logarithmic norm above the largest Re λ, over a step
-TUBE, WIDEST = 1e-4, 0.1  # radius of the tube: the first one that is tried, and a bound
-FASTEST = 30.0  # ∫ µ over a part, at most
-DEEPEST = 14  # halvings of a part, with which a candidate remains undecided
+ORDER = 12  # degree of the Taylor polynomials in a part of a step
+PARTS = (2, 6, 18, 54, 162)  # numbers of parts of a step, which are tried until all candidates are decided
+# part of a step, beyond 1, up to which it is followed in search of an event that is marked at its end
+BEYOND = 1.01
+MARGINS = (0.3, 1.0, 3.0, 10.0)  # margins of the logarithmic norm above the largest Re λ, over a step
+TUBE, WIDEST = 1e-4, 0.1  # radius of the tube: the first one that is tried, and an upper bound
+FASTEST = 30.0  # largest ∫ µ over a part
+DEEPEST = 14  # number of halvings of a part, after which a candidate remains undecided
 ctx.prec = 90
-# of floats: relative for one operation with a margin, for a few of them, and absolute
+# round-off of floats: relative for one operation with a margin, for a few operations, and absolute
 ROUND_OFF, SLACK, TINY = 4e-16, 1 + 1e-9, 1e-300
 Row = list[Any]
 
 
 class RefusalError(ArithmeticError):
-    """There is no bound, for a reason in words."""
+    """The bound does not exist, for a reason in words."""
 
 
 class Step:
     """The last step of a record: its dense output, and equations for q, q̇, and u in a contact's variable.
 
     Attributes:
-        size, kept: h [s of the step's variable], and the part of it at whose end the step ends.
+        size, kept: h [s of the step's variable], and the part of h that the step keeps.
         polynomials: the coefficients of each variable in powers of x = s/h, with the base in place of x_C.
         marked: the candidates whose contact begins or ends at the end of the step.
     """
 
     def __init__(self, d: Any) -> None:
-        """Copy what is needed of the record."""
+        """Copy the needed data from the record."""
         step, touch, model, own = d["step"], d["touch"], d["model"], d["inputs"]
         self.links, self.pinned = int(d["links"]), bool(model["pinned"])
         self.size, self.kept = float(step["size"]), float(step["kept"])
@@ -65,7 +66,7 @@ class Step:
         variables = [*free, *(self.links + 2 + j for j in free)]
         variables += [2 * self.links + 6] if self.regularized >= 0 else []
         self.free = len(free)
-        self.first = self.free - self.links  # of the angles
+        self.first = self.free - self.links  # index of the first angle
         self.polynomials = [_powers(step["state"][j], step["dense"][:, j]) for j in variables]
         place = d["moved"]["position"] if model["base_moves"] else step["state"]
         self.base = [arb(float(value)) for value in place[:2]]
@@ -81,7 +82,8 @@ class Step:
         self.offsets = [arb(float(o)) + float(d["contact"]["radius"]) for o in d["candidate"]["offset"]]
         self.active = touch["active_index"][: touch["active_count"]].tolist()
         rubbing = d["element"]["index"][: d["friction"]["count"]].tolist()
-        slides = {e: -float(d["element"]["mode"][e]) for e in rubbing}  # against the direction of sliding
+        # unit force against the direction of sliding
+        slides = {e: -float(d["element"]["mode"][e]) for e in rubbing}
         for i, joint in enumerate(self.joints):
             joint[0] = arb(joint[0]) + slides.get(len(self.candidates) + i, 0.0) * model["joint_friction"][i]
         self.drags = {c: arb(slides.get(c, 0.0)) * float(d["law"]["friction"][c]) for c in self.active}
@@ -96,7 +98,7 @@ class Step:
         if self.active:
             unit[: 2 * self.free] = 1.0 / touch["depth_scale"][self.active].min()
         unit[self.free : 2 * self.free] *= self.size * self.kept
-        self.unit = 2.0 ** np.round(np.log2(unit))  # of errors: 1 over the scales of the variables
+        self.unit = 2.0 ** np.round(np.log2(unit))  # units of errors: 1 over the scales of the variables
         self.scale = arb(float(touch["depth_scale"][self.regularized])) if self.regularized >= 0 else arb(1)
 
     def _bodies(self, model: Any) -> None:
@@ -109,7 +111,7 @@ class Step:
         self.mass = mass[0] + beyond[0]
         self.balance = [arb(0) if self.pinned else one / self.mass for one in moment]
         self.arms = [[length[j] * (j < k) - self.balance[j] for j in links] for k in (*links, self.links)]
-        self.arms.append(moment if self.pinned else [arb(0)] * self.links)  # on which gravity acts
+        self.arms.append(moment if self.pinned else [arb(0)] * self.links)  # arms on which gravity acts
         self.masses = [[moment[max(i, j)] * length[min(i, j)] for j in links] for i in links]
         for i in links:
             self.masses[i][i] = inertia[i] + mass[i] * middle[i] ** 2 + length[i] ** 2 * beyond[i]
@@ -135,7 +137,7 @@ class Step:
         return z, rate
 
     def inertia(self, values: Row) -> list[Row]:
-        """D: the mass matrix, and 1 for the other variables."""
+        """Return D: the mass matrix, and 1 for the other variables."""
         found = [[arb(int(i == j)) for j in range(len(values))] for i in range(len(values))]
         for k in range(self.first):
             found[self.free + k][self.free + k] = self.mass
@@ -147,7 +149,7 @@ class Step:
         return found
 
     def residual(self, z: Row, rate: Row, asked: Any) -> tuple[Row, dict[int, tuple[Any, Any]]]:
-        """D (z′ − f(z)) of a rate z′ in the step's variable; and g and ġ of the candidates asked for."""
+        """Return D (z′ − f(z)) for a rate z′ in the step's variable, and g and ġ of some candidates."""
         n, links, zero = self.free, range(self.links), arb_series([0])
         theta, omega, alpha = z[self.first : n], z[n + self.first : 2 * n], rate[n + self.first : 2 * n]
         pace = z[-1] / (1 + z[-1] * z[-1]) if self.regularized >= 0 else arb_series([1])
@@ -201,7 +203,7 @@ class Step:
         return gap, rate
 
     def rate(self, z: np.ndarray) -> np.ndarray:
-        """f(z) in floats."""
+        """Return f(z) in floats."""
         ctx.cap = 1
         series = [arb_series([arb(float(value))]) for value in z]
         rest, _ = self.residual(series, [arb_series([0])] * len(z), self.active)
@@ -209,7 +211,7 @@ class Step:
         return np.linalg.solve(inertia, [-float(row[0].mid()) for row in rest])
 
     def phi(self, c: int, z: Row, gap: tuple[Any, Any]) -> tuple[Any, Any]:
-        """φ, which falls through zero at an event, and a rate with its sign: those of g, δ, or u."""
+        """Return φ, which falls through zero at an event, and a rate with its sign: that of g, δ, or u."""
         if c not in self.active:
             return gap
         return z[-1] if c == self.regularized else -gap[0], -gap[1]
@@ -251,7 +253,7 @@ class Matrix:
 
     @classmethod
     def of(cls, rows: list[Row]) -> Matrix:
-        """Return balls of floats that hold those of Arb."""
+        """Return balls of floats that contain those of Arb."""
         middle = np.array([[float(entry.mid()) for entry in row] for row in rows])
         radius = np.array([[float(entry.rad()) for entry in row] for row in rows])
         return cls(middle, (radius + ROUND_OFF * np.abs(middle)) * (1 + ROUND_OFF))
@@ -264,10 +266,10 @@ class Matrix:
         return Matrix(self.middle @ other.middle, spread * SLACK + TINY)
 
     def solve(self, right: Matrix) -> Matrix:
-        """Y with A Y = R: Y = X R + (1 − X A) Y, with an X that is about the inverse of A.
+        """Return Y with A Y = R, from Y = X R + (1 − X A) Y with an approximate inverse X of A.
 
         Raises:
-            RefusalError: when this does not bound Y.
+            RefusalError: when this formula does not bound Y.
         """
         near = Matrix(np.linalg.inv(self.middle))
         first, rest = near @ right, near @ self
@@ -284,7 +286,7 @@ class Linear:
     """The equations linearized on a box: D, and f′ = −D⁻¹ ∂(residual)/∂z, in the units of errors."""
 
     def __init__(self, step: Step, values: Row) -> None:
-        """Find the rate in the box, and differentiate the residual there in each variable."""
+        """Compute the rate in the box, and differentiate the residual with respect to each variable."""
         ctx.cap = 2
         unit, nothing = step.unit, [arb_series([0], 2)] * len(values)
         z = [arb_series([value], 2) for value in values]
@@ -306,16 +308,16 @@ class Linear:
 
 
 class Part:
-    """A part of a step, low ≤ x ≤ high: Taylor polynomials about its middle, their last term over all of it.
+    """A part of a step, low ≤ x ≤ high: Taylor polynomials about its middle; the last term holds everywhere.
 
     Attributes:
         values: balls that hold the variables.
         defects: D (P′ − f(P)) in the units of errors, by powers of x − middle.
-        courses: φ and its rate of each candidate, likewise.
+        courses: φ and its rate for each candidate, in the same form.
     """
 
     def __init__(self, step: Step, low: float, high: float) -> None:
-        """Expand."""
+        """Expand the functions in Taylor polynomials."""
         self.low, self.high, self.middle = low, high, 0.5 * (low + high)
         whole = arb(low).union(arb(high))
         self.radius = _upper(whole - self.middle)
@@ -358,7 +360,7 @@ class Certificate:
     """
 
     def __init__(self, step: Step, count: int) -> None:
-        """Divide the step into so many parts.
+        """Divide the step into ``count`` parts.
 
         Raises:
             RefusalError: when there is no bound.
@@ -371,7 +373,7 @@ class Certificate:
         self.verdicts = [self._decide(c) for c in range(len(step.candidates))]
 
     def _choose_norm(self) -> None:
-        """Choose T, by Lyapunov's equation, so that the logarithmic norm is small at places of the step."""
+        """Choose T by Lyapunov's equation, so that the logarithmic norm is small at points of the step."""
         step = self.step
         places = [arb(share * step.kept) for share in (0.5, 0.0, 1.0)]
         sample = [Linear(step, [z[0] for z in step.course(x, 0)[0]]) for x in places]
@@ -391,10 +393,10 @@ class Certificate:
         self.reference = Matrix((sample[0].inertia @ self.from_norm).middle)
 
     def _bound(self, pieces: list[tuple[float, float]]) -> None:
-        """Find a tube that holds y, and the bound at its end.
+        """Find a tube that contains y, and the bound at the end of the tube.
 
         Raises:
-            RefusalError: when there is none.
+            RefusalError: when no tube is found.
         """
         for _ in range(4):
             error = 0.0
@@ -412,7 +414,7 @@ class Certificate:
         raise RefusalError("the bound grows too fast")
 
     def _of_part(self, part: Part) -> tuple[float, float]:
-        """∫ ‖T δ‖ over a part, and a bound on the integral of the logarithmic norm on the tube."""
+        """Return ∫ ‖T δ‖ over a part, and a bound on the integral of the logarithmic norm on the tube."""
         reach = self.tube * self.reach
         box = [value + arb(0, float(far)) for value, far in zip(part.values, reach, strict=True)]
         linear = Linear(self.step, box)
@@ -447,11 +449,12 @@ class Certificate:
         return float(far[-1] if c == step.regularized else gap) * SLACK, float(rate) * SLACK
 
     def _decide(self, c: int) -> str:
-        """Return whether φ falls through zero in the step; if its event is marked, or just beyond its end."""
+        """Return whether φ falls through zero in the step, or just beyond its end if an event is marked there."""
         balls = [arb(0, size) for size in self.spread(c)]
         parts = [part for part in self.parts if c in self.step.marked or part.high <= self.step.kept]
         waiting = [(part, part.low, part.high, 0) for part in reversed(parts)]
-        above, falling = False, False  # whether φ > 0 where the interval begins; or where it began to fall
+        # whether φ > 0 at the start of the interval, and whether φ began to fall there
+        above, falling = False, False
         while waiting:
             part, low, high, depth = waiting.pop()
             terms = part.courses[c]
@@ -474,7 +477,7 @@ class Certificate:
 
 
 def certify(step: Step) -> tuple[list[str], Certificate | str]:
-    """Return the verdicts on all candidates; and the certificate, or the reason why there is none."""
+    """Return the verdicts on all candidates, and the certificate or the reason why it does not exist."""
     found: Certificate | str = ""
     for count in PARTS:
         try:

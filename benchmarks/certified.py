@@ -1,8 +1,8 @@
-"""Which steps of runs are proven to miss no event: of all models, and of random scenes.
+"""The steps of runs that are proven to miss no event: of all models, and of random scenes.
 
-Steps are taken evenly over a run. What a step has that the certificate has not, is counted with its reason. A
-candidate that is undecided is looked at in an accurate solution of the certificate's equations: a fall
-through zero that the run does not have there is a fault, and so is a proof that contradicts the run.
+Steps are taken evenly over a run. A step with a feature that the certificate lacks is counted with the
+reason. An undecided candidate is followed in an accurate solution of the certificate's equations: a fall
+through zero that the run misses is a fault, and so is a proof that contradicts the run.
 """
 
 from __future__ import annotations
@@ -38,17 +38,19 @@ from tests.random_scenes import (
 )
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-STEPS, LATEST = 60, 4000  # of a model's run, at most, and the last one that is taken
-AIM, ALL = 1e-8, 1000  # the tolerance at which so many are taken
-SHORT, STEPS_OF_LONG = 4, 12  # links; of chains of more links, and as many as STEPS at that tolerance
-SCENES, RANDOM = 500, "random scenes"  # of each of them one step, anywhere in its run
+# number of steps of a model's run, at most, and number of the last step that is taken
+STEPS, LATEST = 60, 4000
+AIM, ALL = 1e-8, 1000  # the tolerance at which ALL steps are taken
+# number of links of a short chain; number of steps of longer chains at that tolerance, as STEPS
+SHORT, STEPS_OF_LONG = 4, 12
+SCENES, RANDOM = 500, "random scenes"  # number of random scenes; each gives one step, anywhere in its run
 KINDS = (0, SLANTED, SPRUNG, FOLDED, TAUT, UNEVEN, STOPPED, RUBBED, DRIVEN)
-CALLS = 600  # of the equations, for a solution
-HIDDEN = 1e-8  # m, or of u: a fall below zero that is deeper was missed; the solution has an error of 1e-10
+CALLS = 600  # number of evaluations of the equations for a solution
+HIDDEN = 1e-8  # [m, or of u] fall below zero, beyond which it was missed; the solution has an error of 1e-10
 
 
 def missing(d: Any) -> str:
-    """What acts in the last step that the certificate does not have, in words; "" if it has all."""
+    """Return the feature of the last step that the certificate lacks, in words; "" if it lacks none."""
     course, touch = d["inputs"]["course"], d["touch"]
     varied = [course[name][1:] for name in course.dtype.names if name.startswith(("joint_", "tip_"))]
     active = touch["active_index"][: touch["active_count"]]
@@ -81,7 +83,10 @@ def steps(scene: Scene) -> Iterator[Any]:
 
 
 def least(step: Step, candidates: list[int]) -> list[float]:
-    """The least φ of candidates in an accurate solution from the start of the step; NaN if there is none."""
+    """Return the least φ of candidates in an accurate solution from the start of the step.
+
+    NaN if it fails.
+    """
     calls = iter(range(CALLS))
 
     def rate(_x: float, z: np.ndarray) -> np.ndarray:
@@ -103,7 +108,7 @@ def least(step: Step, candidates: list[int]) -> list[float]:
 
 
 def look(d: Any, count: Counter) -> None:
-    """Count what is proven of the last step of a record."""
+    """Count the proofs for the last step of a record."""
     count["steps"] += 1
     if reason := missing(d):
         count[f"without {reason}"] += 1
@@ -124,7 +129,7 @@ def look(d: Any, count: Counter) -> None:
 
 
 def look_at_run(scene: Scene, most: int, count: Counter, shift: float = 0.5) -> None:
-    """Count what is proven of so many steps of a run, each at this share of its part of the run."""
+    """Count the proofs for some steps of a run, evenly spaced and shifted by a share of their distance."""
     try:
         total = sum(1 for _ in steps(scene))
     except SimulationError:

@@ -1,4 +1,4 @@
-"""What every benchmark shares: interleaved timing, the record of a run, its charts."""
+"""Shared code of the benchmarks: interleaved timing, the record of a run, charts."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-# before numpy and numba are imported: this module comes first
+# set before numpy and numba are imported; this module is imported first
 PORTABLE_CPU = "x86-64-v2"  # as the shipped kernel, see compilation/compilers.py
 os.environ["NUMBA_CPU_NAME"], os.environ["NUMBA_CPU_FEATURES"] = PORTABLE_CPU, ""
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
-os.environ["CHAIN_IMPACT_RELEASE"] = "1"  # a kernel for each number of links up to ten, as a release has
+os.environ["CHAIN_IMPACT_RELEASE"] = "1"  # a kernel for each number of links up to ten, as in a release
 
 ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT))  # for what the tests have, too
+sys.path.insert(0, str(ROOT))  # gives access to the tests' modules
 RESULTS = Path(__file__).parent / "results"
 IMAGES = ROOT / "docs" / "images"
-DPI = 140  # of the charts
+DPI = 140  # resolution of the charts
 PACKAGES = ("numpy", "numba", "llvmlite", "scipy", "ziglang", "fmpy", "pythonfmu")
 Timings = dict[str, list[float]]
 """CPU seconds per call of each contender, one number for each round."""
@@ -66,7 +66,7 @@ def interleave(
 
 
 def _seconds(call: Callable[[], object], repeats: int) -> float:
-    # the time of this process alone, on one core: other processes' shares of the machine do not count
+    # CPU time of this process on one core; other processes do not count
     start = time.process_time()
     for _ in range(repeats):
         call()
@@ -74,14 +74,14 @@ def _seconds(call: Callable[[], object], repeats: int) -> float:
 
 
 def rounds(text: str | None, usual: int) -> int:
-    """Return how many rounds to time: as many as usual, or two if the command line says ``--quick``."""
+    """Return the number of rounds: the usual number, or two if the command line has ``--quick``."""
     parser = argparse.ArgumentParser(description=text)
     parser.add_argument("--quick", action="store_true", help="two rounds")
     return 2 if parser.parse_args().quick else usual
 
 
 def rounded(value: float, digits: int = 4) -> float:
-    """Return a number with so many digits."""
+    """Return a number with ``digits`` significant digits."""
     return float(f"{value:.{digits}g}")
 
 
@@ -101,7 +101,7 @@ def ratio(timings: Timings, name: str, base: str) -> dict[str, float]:
 
 
 def needed(package: str) -> None:
-    """End this script unless a package of the extra ``bench`` is there."""
+    """End this script unless a package of the extra ``bench`` is installed."""
     try:
         importlib.import_module(package)
     except ImportError as reason:
@@ -114,12 +114,12 @@ def levelled(
     """Return the rows of contenders with times as if all of them had been timed at once.
 
     Contenders with the same values of the keys are timed in turn, but one case after the other, and other
-    programs may slow the machine down during one of them. So ours is timed for all cases in turn, and a time
-    is the ratio to ours in the same case, times that.
+    programs may slow the machine down during one case. So our own run is timed for all cases in turn, and a
+    contender's time is its ratio to our run in the same case, multiplied by this time.
 
     Args:
-        rows: what was measured, with ``times_ours`` unless it failed.
-        keys: what tells cases apart.
+        rows: the measurements, with ``times_ours`` unless a run failed.
+        keys: the keys that distinguish cases.
         ours: values of the keys → our run.
     """
     for run in ours.values():
@@ -134,7 +134,7 @@ def levelled(
 
 
 def environment(packages: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Return machine, versions (also of further packages that are there), commit and date of this run."""
+    """Return machine, versions, commit and date of this run; ``packages`` are further packages."""
     further = {name: _version(name) for name in packages}
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -1,9 +1,9 @@
-"""What a cheaper model costs in truth: ``python benchmarks/fidelity.py [--quick]``.
+"""The error of a cheaper model: ``python benchmarks/fidelity.py [--quick]``.
 
-The default scene with the stiffness of steel and the law zhang_sharf is what is to be found, by the reference
-of reference.py. Every choice of a stiffness, a tolerance and a law is judged by the state that it arrives
-at, and by its first impact; and timed. As a measure of what can be known at all: the errors that a
-restitution or a start have that are wrong by a thousandth.
+The true solution is the default scene with the stiffness of steel and the law zhang_sharf, by the reference
+of reference.py. Every choice of a stiffness, a tolerance and a law is judged by the state at the end and by
+the first impact, and is timed. For comparison: the errors of a restitution or a start that are wrong by a
+thousandth.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from chain_impact.studies.compare import law_values
 PROBLEM = PROBLEMS["steel"]
 STIFFNESSES = (1e5, 1e6, 1e7, 1e8, 1e9, 1e10, STEEL, 1e12)
 TOLERANCES = tuple(10.0**-k for k in range(3, 11))
-TIGHT = 1e-8  # tolerance of the laws and of what is not known
+TIGHT = 1e-8  # tolerance of the runs with other laws and with wrong values
 LAW = "zhang_sharf"
 RIGID = "newton_impact"
 WRONG_BY = 1e-3
 ROUNDS, SPAN = 15, 0.02
 FIRST = ("separation_speed", "peak_force", "max_penetration")
-HOPELESS = 5e3  # mm, of the chart
+HOPELESS = 5e3  # [mm] upper end of the chart's axis
 GRID = "stiffness and tolerance"
 
 
@@ -46,7 +46,7 @@ def scene_with(changes: Mapping[Any, Any], tolerance: float) -> Scene:
 
 
 def choices() -> list[tuple[dict, Scene]]:
-    """What is compared: its description and its scene."""
+    """Return the compared choices, each with a description and a scene."""
     found = []
     for stiffness in STIFFNESSES:
         for tolerance in TOLERANCES:
@@ -74,7 +74,10 @@ def choices() -> list[tuple[dict, Scene]]:
 
 
 def first_impact(scene: Scene, truth: np.void) -> dict[str, float | None]:
-    """The first impact as parts of the true one; None for an impulse's force, and where it has not ended."""
+    """Return the first impact as parts of the true one.
+
+    None stands for an impulse's force, and for a contact that has not ended.
+    """
     impact = simulate(scene, stop_time=0.6).impacts[0]
     ratios = {name: float(impact[name] / truth[name]) for name in FIRST}
     return {
@@ -114,7 +117,7 @@ SIZE = (11.0, 4.6)  # inches, of the chart
 
 
 def draw(page: Any, record: dict) -> None:
-    """Error against CPU time, at both times."""
+    """Draw error against CPU time, at both times."""
     panels = page.subplots(1, 2)
     for stop, axes in zip(PROBLEM.times, panels, strict=True):
         rows = [row for row in record["results"] if row["stop"] == stop and "seconds" in row]
@@ -143,7 +146,7 @@ def draw(page: Any, record: dict) -> None:
 
 
 def draw_stiffness(axes: Any, rows: list[dict]) -> None:
-    """A line over the tolerances for each stiffness; those of steel are named."""
+    """Draw a line over the tolerances for each stiffness, with names at the lines of steel."""
     shades = colormaps["viridis"](np.linspace(0.0, 0.9, len(STIFFNESSES)))
     for stiffness, shade in zip(STIFFNESSES, shades, strict=True):
         mine = [r for r in rows if (r["choice"], r["stiffness"]) == (GRID, stiffness)]
@@ -155,7 +158,7 @@ def draw_stiffness(axes: Any, rows: list[dict]) -> None:
 
 
 def draw_laws(axes: Any, rows: list[dict]) -> None:
-    """The other laws; the nearest one is named."""
+    """Draw the other laws, with the name of the nearest one."""
     laws = [row for row in rows if row["choice"] == "law" and row["law"] != RIGID]
     label = f"other laws, K of steel, tolerance 1e{math.log10(TIGHT):.0f}"
     axes.loglog([1e3 * row["seconds"] for row in laws], [row["tip"] for row in laws], "kx", label=label)
@@ -166,7 +169,7 @@ def draw_laws(axes: Any, rows: list[dict]) -> None:
 
 
 def name_point(axes: Any, text: str, row: dict, colour: str) -> None:
-    """A name beside the point of a row."""
+    """Write a name beside the point of a row."""
     place = 1e3 * row["seconds"], row["tip"]
     axes.annotate(text, place, xytext=(6, 1), textcoords="offset points", color=colour, fontsize=7)
 

@@ -50,13 +50,13 @@ BALL, WALL = (f'contype="{a}" conaffinity="{1 - a}"' for a in (1, 0))
 
 @dataclass(frozen=True)
 class Contact:
-    """How MuJoCo models contacts and friction; the defaults are MuJoCo's own, but for the elliptic cones.
+    """MuJoCo's model of contacts and friction; the defaults are MuJoCo's own except for the elliptic cones.
 
     Attributes:
         solref: time constant [s] and damping ratio.
         solimp: least and largest impedance, and the penetration [m] at which the largest is reached.
-        impratio: how many times as hard friction is as the contact along its normal.
-        noslip: iterations of the solver that takes slip away afterwards.
+        impratio: hardness of friction over the hardness of the contact along its normal.
+        noslip: number of iterations of the solver that removes slip afterwards.
         refsafe: whether time constants below two steps are raised to two steps.
     """
 
@@ -85,7 +85,7 @@ def _planes(scene: Scene) -> str:
 
 
 def _bodies(scene: Scene) -> str:
-    """Return the links, each in the one before."""
+    """Return the links, each inside the one before."""
     links, points = scene.chain.links, {point for point, _ in candidates(scene)}
 
     def ball(point: int, along: float) -> str:
@@ -109,7 +109,7 @@ def _bodies(scene: Scene) -> str:
 
 
 def model_text(scene: Scene, integrator: str, dt: float, contact: Contact) -> str:
-    """MJCF."""
+    """Return the model as MJCF."""
     ref, imp = (" ".join(map(str, values)) for values in (contact.solref, contact.solimp))
     gx, gy = scene.gravity
     return f"""<mujoco><compiler angle="degree" inertiafromgeom="false" boundmass="0"/>
@@ -122,7 +122,7 @@ def model_text(scene: Scene, integrator: str, dt: float, contact: Contact) -> st
 
 
 class Engine:
-    """One model; set back to the start for each run."""
+    """One model, which is reset to the start for each run."""
 
     def __init__(self, scene: Scene, integrator: str, dt: float, contact: Contact) -> None:
         import mujoco  # which the chart does not need
@@ -134,21 +134,21 @@ class Engine:
         self.plane = np.delete(np.arange(self.model.nq), 2)  # all but the slide along y
 
     def run(self, stop: float) -> None:
-        """From the start to ``stop`` [s]."""
+        """Run from the start to ``stop`` [s]."""
         self.mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[self.plane] = [*self.first.position, *np.diff([0.0, *self.first.angles])]
         self.data.qvel[self.plane] = [*self.first.velocity, *np.diff([0.0, *self.first.angular_velocities])]
         self.mujoco.mj_step(self.model, self.data, nstep=round(stop / self.dt))
 
     def state(self, stop: float) -> np.ndarray:
-        """As that of the kernel at ``stop`` [s]: x₀, y₀, angles, and their rates."""
+        """Return the state at ``stop`` [s] in the kernel's form: x₀, y₀, angles, and their rates."""
         self.run(stop)
         q, v = self.data.qpos[self.plane], self.data.qvel[self.plane]
         return np.concatenate([q[:2], np.cumsum(q[2:]), v[:2], np.cumsum(v[2:])])
 
     @property
     def unstable(self) -> bool:
-        """Whether the run has left what numbers can hold, so that MuJoCo began anew."""
+        """Whether numbers have overflowed in the run, so that MuJoCo has reset it."""
         return any(warning.number for warning in self.data.warning)
 
 
@@ -156,7 +156,7 @@ class Engine:
 
 
 def drift(early: np.ndarray, late: np.ndarray, stop: float) -> dict[str, float]:
-    """Return the mean speed along the slope [µm/s] since the rod has settled."""
+    """Return the mean speed along the slope [µm/s] after the rod has settled."""
     moved = (late - early)[:2] @ (math.cos(SLOPE), -math.sin(SLOPE))
     return {"drift": common.rounded(1e6 * abs(moved) / (stop - SETTLED))}
 
@@ -198,7 +198,10 @@ def at_rest() -> Entries:
 
 
 def duration_of_ours() -> Contact:
-    """A linear contact as long as our first impact, which would rebound alike if it were allowed to pull."""
+    """Return a linear contact with the duration of our first impact.
+
+    Its rebound would be the same if it were allowed to pull.
+    """
     scene = thrown(**{"solver.tolerance": 1e-10})
     first, slope = simulate(scene).impacts[0], math.log(scene.contact.restitution)
     ratio, duration = -slope / math.hypot(math.pi, slope), float(first["end"] - first["onset"])
@@ -254,7 +257,7 @@ LOOKS = {
 
 
 def draw(page: Any, record: Any) -> None:
-    """Drift and errors against CPU time."""
+    """Draw drift and errors against CPU time."""
     results, panels = record["results"], page.subplots(1, 3)
     for axes, (key, rows) in zip(panels, results.items(), strict=True):
         value = "drift" if key == "slope" else "error"

@@ -51,16 +51,17 @@ from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.system import HOST
 
 REALS, COUNTS = types.CPointer(float64), types.CPointer(int32)
-PLAIN, CVODE = 4, 3  # how many components at the end of the kernel's state they are without
-AT_ZERO = 1e-12  # s, how far from zero in time a candidate is that has an event
+PLAIN, CVODE = 4, 3  # numbers of components at the end of the kernel's state that they lack
+AT_ZERO = 1e-12  # [s] distance from zero in time at which a candidate has an event
 # m, by which an event comes late: a contact that has just begun or ended is then clear of zero, as peers
 # need a change of sign between the ends of a step
 CLEAR = 1e-13
-HOP = 0.2  # first step of a flight, in parts of separation speed / g: a low hop must not be stepped over
-FIRST_STEP = 0.09  # of expected depth / impact speed: the force rises as δⁿ, unseen at onset
-POLISH = 1e-7  # s, how far a solver's root may be corrected
-POSITION_ERROR = 1e-2  # of the static penetration: what a careful CVODE's position may err by in contact …
-MARGIN = 5e-2  # … and how far above the wall a contact then ends
+HOP = 0.2  # first step of a flight over separation speed / g: a low hop must not be stepped over
+# first step of a contact over expected penetration / impact speed: the force rises as δⁿ, unseen at onset
+FIRST_STEP = 0.09
+POLISH = 1e-7  # [s] largest correction of a solver's root
+POSITION_ERROR = 1e-2  # error of a careful CVODE's position in a contact, over the static penetration
+MARGIN = 5e-2  # height above the wall at which such a contact ends, over the static penetration
 
 
 @compiled
@@ -74,14 +75,14 @@ def rate_at(d, y, out):
 
 @compiled
 def happen(d, time, y, found):
-    """Let the events found take effect.
+    """Let the found events take effect.
 
     Args:
         d: the instance.
         time: [s].
         y: state.
-        found: for each candidate the sign of the change of its clearance, then of what its speed leaves to
-            being latched anew; 0 without an event.
+        found: for each candidate the sign of the change in clearance, then the sign of the change in the
+            distance to the speed at which the contact latches again; 0 without an event.
     """
     d.step.end = time
     for j in range(len(y)):
@@ -97,7 +98,7 @@ def happen(d, time, y, found):
 
 
 def start_and_stop(prefix: str, left_out: int) -> Entries:
-    """Initialize and set the state at 0 s; stand in a state at a time, to be observed."""
+    """Return two functions: one sets the state at 0 s, the other sets a state at a time, to be observed."""
 
     def start(d, y):
         status = initialize(d, 0.0)
@@ -122,7 +123,7 @@ def start_and_stop(prefix: str, left_out: int) -> Entries:
 
 
 def rate(_t, y, out, d):
-    """f(y)."""
+    """Set f(y)."""
     rate_at(d, vector(y, len(d.step.state) - PLAIN), out)
 
 
@@ -143,14 +144,14 @@ def least_event(d, y):
 
 
 def least(_t, y, out, d):
-    """The least event function."""
+    """Set the smallest event function."""
     out[0], _ = least_event(d, vector(y, len(d.step.state) - PLAIN))
 
 
 def switch(d, clock, values, found):
-    """Let the event at clock[0] [s] take effect, and propose a next step in clock[1] [s].
+    """Let the event at clock[0] [s] take effect, and propose the next step in clock[1] [s].
 
-    A root finder with a coarse tolerance in time is helped: the last part to the root is gone by f(y).
+    A root finder with a coarse tolerance in time gets help: the last part up to the root is added by f(y).
     Returns the number of active contacts.
     """
     y = vector(values, len(d.step.state) - PLAIN)
@@ -203,21 +204,22 @@ def looked_at(d, y):
 
 
 def look(y, found, d):
-    """What ``looked_at`` finds in a state."""
+    """Set the results of ``looked_at`` for a state."""
     found[0], found[1], found[2] = looked_at(d, vector(y, len(d.step.state) - PLAIN))
 
 
 def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compiled
-    """Return fixed steps of semi-implicit Euler or of RK4; a contact begins and ends at the end of a step.
+    """Take fixed steps of semi-implicit Euler or of RK4; a contact begins and ends at the end of a step.
 
     Args:
         d: the instance.
         dt: step [s].
-        count: of the steps.
+        count: the number of steps.
         euler: whether to take Euler's steps.
         values: state, changed in place.
         found: room for ``happen``.
-        limits: energy [J] and depth [m] at which it stops; then the highest and the deepest.
+        limits: energy [J] and depth [m] at which the run stops; the result is the highest energy and the
+            largest depth.
 
     Returns:
         The steps made.
@@ -264,29 +266,29 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
 
 @compiled
 def static_depth(d):
-    """Return penetration [m] under the weight of one link."""
+    """Return the penetration [m] under the weight of one link."""
     weight = abs(d.model.gravity[1]) * d.model.mass[0]
     return (weight / d.law.stiffness[0]) ** (1.0 / d.law.exponent[0])
 
 
 def cvode_rate(d, y, out):
-    """f(y)."""
+    """Set f(y)."""
     rate_at(d, vector(y, len(d.step.state) - CVODE), out)
     return 0
 
 
 def cvode_happen(d, time, y, found):
-    """Let the events found take effect."""
+    """Let the found events take effect."""
     happen(d, time, vector(y, len(d.step.state) - CVODE), found)
     return 0
 
 
 def cvode_roots(d, careful, y, value):
-    """For each candidate its clearance, and how far an active one is from being latched anew.
+    """Set each candidate's clearance, and for an active one the distance from latching again.
 
-    CVODE's solution jumps by a part of its tolerance when it starts anew. So a point that leaves slowly is
-    seen to arrive and leave again, up to a million times over, unless the contact ends a margin above the
-    wall. There is no force up there.
+    CVODE's solution jumps by a part of its tolerance when it is re-initialized. So a point that leaves slowly
+    would arrive and leave again, up to a million times, unless the contact ends a margin above the wall.
+    There is no force at this height.
     """
     margin = MARGIN * static_depth(d) if careful else 0.0
     locate_points(d, vector(y, len(d.step.state) - CVODE))
@@ -300,10 +302,10 @@ def cvode_roots(d, careful, y, value):
 
 
 def cvode_weights(d, careful, y, weight):
-    """Return one over the error allowed in each component.
+    """Set one over the allowed error of each component.
 
-    As users have it: tolerance × (|y| + scale), the scale that of the kernel. Careful: positions without the
-    relative part, and while a contact is active no more than a part of the static penetration.
+    In the usual form it is tolerance × (|y| + scale) with the kernel's scale. In the careful form positions
+    have no relative part, and during a contact no more than a part of the static penetration.
     """
     n, tolerance = d.links, d.solver.tolerance
     position = tolerance * d.model.size
@@ -348,7 +350,7 @@ def lower(file: str) -> None:
 
 
 def digest(*sources: Path) -> str:
-    """Return hexadecimal digits that change with the content of the files."""
+    """Return hexadecimal digits that change with the contents of files."""
     return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:12]
 
 
@@ -365,7 +367,7 @@ def built(links: int) -> Path:
 
 
 def link(lowered_file: Path, links: int | None, library: Path) -> None:
-    """Make a library as that of the kernel, but without the C interface of FMUs, which calls the kernel."""
+    """Make a library as for the kernel, but without the C interface of FMUs, which calls the kernel."""
     functions = library.with_name("functions.o")
     compilers.compile_part(lowered_file.read_text(), functions, HOST, compilers.KERNEL, links)
     compilers.prepare_zig(HOST)

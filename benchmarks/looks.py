@@ -1,4 +1,4 @@
-"""How the charts look: colours and marks of the contenders; the style is the package's."""
+"""The colours and marks of the contenders in charts; the style is the package's."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ LOOKS = {
 
 
 def look(name: str) -> dict[str, Any]:
-    """Return how a contender is drawn."""
+    """Return the style of a contender's curve."""
     return strong(name == "chain-impact", *LOOKS[name])
 
 
 def strong(ours: bool, colour: Any, marker: str, line: str = "-") -> dict[str, Any]:
-    """Return how a curve is drawn; ours is bolder than others, and above them."""
+    """Return the style of a curve; ours is bolder than the others, and above them."""
     bold = {"linewidth": 2.4, "zorder": 3} if ours else {"linewidth": 1.2, "zorder": 2}
     return {"color": colour, "marker": marker, "linestyle": line, "markersize": 4.5, **bold}

@@ -1,8 +1,8 @@
-"""The slave: what pythonfmu's wrapper calls in the importing process. It passes each call on to the kernel.
+"""The slave, which pythonfmu's wrapper calls in the importing process; it passes each call on to the kernel.
 
-It needs Python 3.8 and its standard library only. The kernel is the binary of native FMUs, too: it knows the
-states of an instance and checks each call. What it refuses raises a SlaveError and is fatal: the slave could
-only discard a step instead, and then fmpy ends in silence.
+It needs only Python 3.8 and its standard library. The kernel is also the binary of native FMUs: it knows the
+states of an instance and checks each call. A refused call raises a SlaveError and is fatal, because the slave
+could otherwise only discard a step, at which fmpy ends without a message.
 """
 
 from __future__ import annotations
@@ -23,12 +23,14 @@ from xml.etree import ElementTree
 
 from pythonfmu.fmi2slave import Fmi2Slave, Fmi2Status
 
-WARNING, PENDING = 1, 5  # of fmi2Status: the worst of a call that is done, and that of a step to go on with
-SAID = threading.local()  # what the kernel has said to a thread: status and text, which is a format of printf
+# values of fmi2Status: the worst status of a call that succeeded, and the status of an unfinished step
+WARNING, PENDING = 1, 5
+# messages of the kernel in each thread: status and text, which is a format of printf
+SAID = threading.local()
 WRAPPERS: set[Path] = set()  # the libraries of pythonfmu that have made instances
-RESOURCES = Path(__file__).absolute().parent  # this module is imported once in a process
+RESOURCES = Path(__file__).absolute().parent  # a process imports this module once
 NAME, GUID = (RESOURCES / "slavemodule.txt").read_text(encoding="utf-8").split()[1:]
-with suppress(OSError):  # importers have the GUID, which the wrapper does not pass on, from this file
+with suppress(OSError):  # the wrapper does not pass on the GUID, but importers have it from this file
     GUID = ElementTree.parse(RESOURCES.parent / "modelDescription.xml").getroot().attrib["guid"]
 KERNEL = ctypes.CDLL(str(RESOURCES / f"kernel-{'win64.dll' if os.name == 'nt' else 'linux64.so'}"))
 KERNEL.fmi2Instantiate.restype = KERNEL.another_fmi2_instance.restype = c_void_p
@@ -38,45 +40,45 @@ _log = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)(
 
 
 class SlaveError(Exception):
-    """A call to slaves that is refused: for the last reason that the kernel has said, or for another one."""
+    """A refused call of slaves, with the kernel's last message or with another reason."""
 
     def __init__(self, *slaves: ChainImpact, reason: str = "") -> None:
         super().__init__(reason or vars(SAID).pop("messages")[-1][1])
-        # pythonfmu 0.7.0 drops its references at an exception and once more when the importer frees the slave
+        # pythonfmu 0.7.0 drops its references at an exception, and again when the importer frees the slave
         for kept in [kept for slave in slaves for kept in (slave, type(slave), slave.log_queue)]:
             ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
-        # Python writes this to stderr. By default fmpy's user would learn no more than "status 4 (fatal)".
+        # Python writes this to stderr; by default a user of fmpy would only see "status 4 (fatal)"
         text = str(self).replace("%%", "%").replace("##", "#")
         logging.getLogger("chain_impact.fmu").error("%s: %s", NAME, text)
 
-    __repr__ = Exception.__str__  # what the wrapper logs, as a format of printf
+    __repr__ = Exception.__str__  # the wrapper logs this text, as a format of printf
 
 
 _functions = (_log, ctypes.pythonapi.PyMem_RawCalloc, ctypes.pythonapi.PyMem_RawFree)
 _callbacks = (c_void_p * 5)(*(ctypes.cast(function, c_void_p).value for function in _functions))
 _given = (b"first", 1, GUID.encode(), RESOURCES.as_uri().encode(), _callbacks, 0, 1)
-FIRST = c_void_p(KERNEL.fmi2Instantiate(*_given))  # all others share its table
+FIRST = c_void_p(KERNEL.fmi2Instantiate(*_given))  # all other instances share the table of this one
 if not FIRST:
     raise SlaveError
 
 
 @atexit.register
 def _release() -> None:
-    """Release what pythonfmu 0.7.0 would release, in freed memory, when the process ends."""
+    """Release at the end of the process the data that pythonfmu 0.7.0 would release in freed memory."""
     for wrapper in WRAPPERS:
-        with suppress(AttributeError, OSError):  # on Windows, or when it has been unloaded
+        with suppress(AttributeError, OSError):  # on Windows, or when the library has been unloaded
             ctypes.CDLL(str(wrapper), mode=os.RTLD_NOLOAD).finalizePythonInterpreter()
 
 
 class State(c_void_p):
-    """A state, which the kernel keeps as long as something refers to this object."""
+    """A saved state, which the kernel keeps as long as a reference to this object exists."""
 
     def __del__(self) -> None:
         KERNEL.fmi2FreeFMUstate(FIRST, byref(self))
 
 
 def _access(function: str, code: str = "") -> Any:
-    """Return the method that gets or sets values of a type, by its code in ``array`` if there are any."""
+    """Return a method that gets or sets values of a type; ``code`` is the type's code in ``array``."""
     getattr(KERNEL, function).argtypes = (c_void_p, c_void_p, c_size_t, c_void_p)
     zero = array(code or "i", [0])
 
@@ -102,10 +104,10 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         KERNEL.fmi2FreeInstance(self.component)
 
     def _call(self, function: str, *arguments: Any) -> None:
-        """Call a function of the kernel with this instance, and pass on what it says."""
+        """Call a function of the kernel with this instance, and pass on the kernel's messages."""
         call, status = getattr(KERNEL, function), PENDING
         try:
-            while status == PENDING:  # in between, Python looks after signals, such as that of Ctrl-C
+            while status == PENDING:  # Python handles signals, such as that of Ctrl-C, between two calls
                 status = call(self.component, *arguments)
         except KeyboardInterrupt:
             raise SlaveError(self, reason=f"{function}: interrupted") from None
@@ -115,12 +117,12 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
             self.log(text, Fmi2Status(level))
 
     def setup_experiment(self, start: float, stop: float | None, tolerance: float | None) -> None:
-        """Take the start and stop time [s], and say that the tolerance is not used."""
+        """Take the start and stop time [s]; the tolerance is not used."""
         given = (tolerance is not None, c_double(tolerance or 0.0), c_double(start))
         self._call("fmi2SetupExperiment", *given, stop is not None, c_double(stop or 0.0))
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance from the present communication point by a step, both in s."""
+        """Advance from the present communication point by a step; both are in seconds."""
         self._call("fmi2DoStep", c_double(current_time), c_double(step_size), 0)
         return True
 
@@ -144,7 +146,7 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         return data.raw
 
     @staticmethod
-    def _fmu_state_from_bytes(data: bytes) -> State:  # the instance that is called is not told
+    def _fmu_state_from_bytes(data: bytes) -> State:  # the calling instance is not known here
         if KERNEL.fmi2DeSerializeFMUstate(FIRST, data, c_size_t(len(data)), byref(state := State())):
             raise SlaveError(*(one for one in gc.get_objects() if isinstance(one, ChainImpact)))
         return state

@@ -1,6 +1,6 @@
 """chain-impact: the impact dynamics of planar robotic chains, as an FMU.
 
-A name is imported from its module when it is first used: the whole takes long.
+A public name is imported from its module at its first use, because importing all modules takes long.
 """
 
 from importlib import import_module
@@ -82,7 +82,7 @@ _MODULES = {
     "studies.sweep.sweep": ("sweep",),
     "studies.sweep.table": ("Sweep",),
 }
-"""Module → the public names that it has, as above."""
+"""Module → its public names, as above."""
 _HOMES = {name: f"chain_impact.{module}" for module, names in _MODULES.items() for name in names}
 
 __all__ = sorted(_HOMES)  # noqa: PLE0605 - the names of the table
@@ -97,5 +97,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """Return the public names only, for those who look for one; the modules can be imported all the same."""
+    """Return the public names only; the modules can still be imported."""
     return list(__all__)

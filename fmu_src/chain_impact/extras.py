@@ -21,19 +21,19 @@ def require(package: str, extra: str) -> Any:
     """Import a package of an extra.
 
     Raises:
-        MissingExtraError: when it is not installed.
+        MissingExtraError: when the package is not installed.
     """
     try:
         return import_module(package)
     except ModuleNotFoundError as error:
-        if error.name != package.partition(".")[0]:  # a fault of the package is not ours to explain
+        if error.name != package.partition(".")[0]:  # a fault inside the package is raised unchanged
             raise
         how = how_to_install(extra)
         raise MissingExtraError(f"{package} is not installed: {how}", name=package) from None
 
 
 def how_to_install(extra: str) -> str:
-    """Return the command that adds an extra to this installation, from where it came."""
+    """Return the command that adds an extra to this installation."""
     origin = json.loads(distribution("chain-impact").read_text("direct_url.json") or "{}")
     url = origin.get("url", "")
     if url.startswith("file:"):

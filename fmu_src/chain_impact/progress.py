@@ -1,4 +1,4 @@
-"""What is told of work that takes long: to a callback how much is done, and to a logger what it is."""
+"""The progress of long work: a callback gets the part that is done, and a logger says what is done."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from collections.abc import Callable
 Progress = Callable[[float], None]
 """Called with the fraction done, 0…1."""
 log = logging.getLogger("chain_impact")
-"""Tells at the level INFO what takes seconds, and at DEBUG what is done in between."""
+"""Reports at the level INFO work that takes seconds, and at DEBUG the steps in between."""
 log.addHandler(logging.NullHandler())
 
 
 def log_once(sentence: str, seconds: float) -> None:
-    """Log what is done once and then kept, and about how many seconds it takes."""
+    """Log the start of work whose result is kept, and about how many seconds it takes."""
     log.info("%s (about %.0f s, then kept)", sentence, seconds, extra={"seconds": seconds})
 
 

@@ -1,7 +1,7 @@
-"""All that differs by the operating system and by the processor.
+"""All code that depends on the operating system or the processor.
 
-Two more places cannot use it, because they run without this package: the slave of an FMU (slave.py), and the
-C interface of native FMUs (compilation/c_interface/).
+Two more places depend on them but cannot use this module, because they run without this package: the slave of
+an FMU (slave.py), and the C interface of native FMUs (compilation/c_interface/).
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ class Platform(NamedTuple):
     """A system and a processor that kernels are made for.
 
     Attributes:
-        system: what Python calls the system.
-        machine: what Python calls the processor there.
-        suffix: of the file of a shared library.
-        fmi3: what FMI 3.0 calls the platform (2.5.1.4.1).
+        system: Python's name of the system.
+        machine: Python's name of the processor on this system.
+        suffix: the suffix of a shared library's file.
+        fmi3: FMI 3.0's name of the platform (2.5.1.4.1).
     """
 
     system: str
@@ -50,17 +50,17 @@ PLATFORMS = {
     "aarch64-linux": Platform("Linux", "aarch64", ".so", "aarch64-linux"),
     "aarch64-darwin": Platform("Darwin", "arm64", ".dylib", "aarch64-darwin"),
 }
-"""Of all platforms. FMI 2.0 names the first three, FMI 3.0 the others."""
+"""All platforms. FMI 2.0 names the first three, FMI 3.0 the others."""
 
 
 def _host(system: str, machine: str, word: int) -> str:
-    """The platform of a Python whose addresses have so many bytes; empty if there are no kernels for it."""
+    """Return the platform of a Python whose addresses have ``word`` bytes; "" if no kernels exist for it."""
     found = (name for name, one in PLATFORMS.items() if (one.system, one.machine) == (system, machine))
     return next(found, "") if word == struct.calcsize("q") else ""
 
 
 def _machine() -> str:
-    """Return the processor that this Python is made for: Windows on ARM runs one for x86-64, too."""
+    """Return the processor that this Python is made for; Windows on ARM may run a Python for x86-64."""
     return sysconfig.get_platform().partition("-")[2] if SYSTEM == WINDOWS else platform.machine()
 
 
@@ -69,7 +69,7 @@ HOST = _host(SYSTEM, _machine(), struct.calcsize("P"))
 
 
 def nowhere() -> str:
-    """What is said where no kernel runs, and what to do instead."""
+    """Return the sentence for a machine without kernels, with a remedy."""
     known = "Linux (x86-64, ARM), Windows (x86-64) and macOS, with a Python of 64 bits"
     return (
         f"chain-impact runs on {known}, not on {platform.platform()} ({sysconfig.get_platform()}): use such "
@@ -78,8 +78,8 @@ def nowhere() -> str:
 
 
 def cores() -> int:
-    """Return how many cores this process may use."""
-    affinity = getattr(os, "sched_getaffinity", None)  # Linux has it
+    """Return the number of cores that this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)  # exists on Linux
     return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
@@ -87,10 +87,10 @@ def cores() -> int:
 
 
 def cache_folder() -> Path:
-    """Return the user's folder for what can be made again.
+    """Return the user's folder for files that can be made again.
 
     Raises:
-        RuntimeError: when the user has no home.
+        RuntimeError: when the user has no home folder.
     """
     import platformdirs
 
@@ -98,10 +98,10 @@ def cache_folder() -> Path:
 
 
 def others_can_write(found: os.stat_result) -> bool:
-    """Return whether a user of this machine other than this one and root can put files into a folder.
+    """Return whether another user of this machine, except root, can put files into a folder.
 
-    A group of the same number as the user's is that of this user alone, as many systems make it. In Windows,
-    what is in the user's own folder is closed to the others.
+    A group with the user's own number contains only this user on many systems. On Windows, other users cannot
+    write to the user's own folder.
     """
     if SYSTEM == WINDOWS:
         return False
@@ -110,14 +110,15 @@ def others_can_write(found: os.stat_result) -> bool:
 
 
 def remove_lock(lock: Any) -> None:
-    """Release a lock (filelock's) and remove its file.
+    """Release a lock of filelock and remove its file.
 
-    Windows removes no file that is open. Elsewhere the file goes first, so that nobody takes it in between.
+    Windows removes no open file. On other systems the file is removed first, so that no other process takes
+    the lock in between.
     """
     file = Path(lock.lock_file)
     if SYSTEM == WINDOWS:
         lock.release()
-        with suppress(OSError):  # somebody else holds it by now
+        with suppress(OSError):  # another process may hold the lock by now
             file.unlink()
     else:
         file.unlink(missing_ok=True)
@@ -126,13 +127,13 @@ def remove_lock(lock: Any) -> None:
 
 @contextmanager
 def removal() -> Iterator[None]:
-    """Say why kernels cannot be removed: Windows keeps each library that a program has loaded.
+    """Explain why kernels cannot be removed: Windows keeps each library that a program has loaded.
 
-    Elsewhere a loaded library stays until its program ends. No kernel is ever replaced by another one, as
-    the folder's name tells the sources, and the file's name all else.
+    On other systems a loaded library stays until its program ends. A kernel is never replaced by another one,
+    because the folder's name identifies the sources, and the file's name the rest.
 
     Raises:
-        PermissionError: with what to do.
+        PermissionError: with a remedy.
     """
     try:
         yield
@@ -149,14 +150,14 @@ LISTEN = 0.2  # s
 
 
 def has_screen() -> bool:
-    """Return whether a window can be opened: on Linux a server of windows is named in the environment."""
+    """Return whether a window can be opened: on Linux the environment names a display server."""
     return SYSTEM != "Linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def prepare_console() -> None:
-    """Let what an encoding does not have be printed as a question mark, where it would end the program.
+    """Print a question mark for a character that the encoding lacks, which would otherwise end the program.
 
-    In the locale POSIX, standard output lets bytes of file names through, and other signs end the program.
+    In the locale POSIX, standard output accepts bytes of file names, but other characters end the program.
     """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
@@ -164,16 +165,16 @@ def prepare_console() -> None:
 
 
 def quoted(word: str) -> str:
-    """Return a word of a command as the shell of this system takes it."""
+    """Return a word of a command in the form that this system's shell needs."""
     return subprocess.list2cmdline([word]) if SYSTEM == WINDOWS else shlex.quote(word)
 
 
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
-    """Yield a path to write to; what is written there appears at ``path`` when it is whole, or not at all."""
+    """Yield a path to write to; the written file appears at ``path`` when it is complete, or not at all."""
     try:
         if path.is_symlink() or (path.exists() and not path.is_file()):
-            yield path  # /dev/stdout and its like cannot be replaced
+            yield path  # /dev/stdout and similar files cannot be replaced
             return
         with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as scratch:
             fresh = Path(scratch, path.name)
@@ -182,5 +183,5 @@ def written_whole(path: Path) -> Iterator[Path]:
     except OSError as error:
         if error.filename and f".{path.name}-" not in str(error.filename):
             raise
-        # the user knows nothing of the scratch folder, and some libraries give no number
+        # the error names the user's path, not the scratch folder; some libraries give no number
         raise type(error)(error.errno or EIO, error.strerror or str(error), str(path)) from None

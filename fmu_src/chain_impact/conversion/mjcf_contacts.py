@@ -51,7 +51,7 @@ class Contacts:
         return bool(types[one] & affinities[other] or types[other] & affinities[one])
 
     def _rubs(self, one: int, other: int) -> float:
-        """Return the friction between two shapes: the pair's, else that of the shape with priority or the larger one."""
+        """Return the friction of two shapes: of the pair, of the shape with priority, or the larger one."""
         model = self.model
         if frozenset((one, other)) in self.pairs:
             p = self.pairs[frozenset((one, other))]

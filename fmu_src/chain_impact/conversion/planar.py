@@ -231,7 +231,7 @@ class _Conversion:
         return self.plan.flat(position - hinge.anchor + rotation @ point)
 
     def _inertia(self, part: list[int], hinge: Moving) -> tuple[float, np.ndarray, float]:
-        """Return mass, centre of mass relative to a joint, and inertia about this centre, of several bodies."""
+        """Return mass, centre of mass from a joint, and inertia about this centre, of several bodies."""
         bodies: list[Body] = [self.robot.bodies[b] for b in part]
         masses = np.array([body.mass for body in bodies])
         centers = np.array([self._from(hinge, b, self.robot.bodies[b].center) for b in part])
