@@ -449,7 +449,7 @@ class Certificate:
         return float(far[-1] if c == step.regularized else gap) * SLACK, float(rate) * SLACK
 
     def _decide(self, c: int) -> str:
-        """Return whether φ falls through zero in the step, or just beyond its end if an event is marked there."""
+        """Return whether φ falls through zero in the step, or just beyond an end with a marked event."""
         balls = [arb(0, size) for size in self.spread(c)]
         parts = [part for part in self.parts if c in self.step.marked or part.high <= self.step.kept]
         waiting = [(part, part.low, part.high, 0) for part in reversed(parts)]
