@@ -103,6 +103,16 @@ def sweeps() -> str:
     )
 
 
+def brick() -> str:
+    """How many times as long a contact takes on a brick with four corners."""
+    rows = common.load("bodies")["results"]
+    ratios = [
+        f"{digits(row['times as long']['median'])} times as long with" + ("" if row["friction"] else "out")
+        for row in rows
+    ]
+    return run("bodies") + f"With four corners a contact takes {' and '.join(ratios)} friction."
+
+
 def works() -> str:
     """Return times and errors of ours, and how many times as long peers take at equal error."""
     results = common.load("work_precision")["results"]
@@ -204,7 +214,7 @@ def proven() -> str:
     )
 
 
-FUNCTIONS = (headline, sweeps, works, choices, slope, proven, proven_share)
+FUNCTIONS = (headline, sweeps, brick, works, choices, slope, proven, proven_share)
 TABLES = {function.__name__: function for function in FUNCTIONS}
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -68,7 +69,10 @@ class BodyPlace(Place):
 
 
 class BodyModel(ChainModel):
-    """The equations of a scene with bodies; stops in joints and of a slider together are left out."""
+    """The equations of a scene with bodies; stops in joints and of a slider together are left out.
+
+    ``motion`` knows neither the energy of drives nor walls that move.
+    """
 
     def __init__(self, scene: Scene, parameters: Sequence[str] = (), inputs: Inputs | None = None) -> None:
         super().__init__(scene, parameters, inputs)
@@ -99,6 +103,17 @@ class BodyModel(ChainModel):
         values = np.array(of_sites, complex).reshape(len(sites), 3, self.lanes).transpose(2, 0, 1)
         self.site_places, self.site_radii = values[..., :2], values[..., 2]
         self._slider()
+        gear, turn = self.values("link[{}].joint_armature"), np.eye(n) - np.eye(n, k=-1)
+        gear[:, 0] *= self.pinned
+        self.own = self.own + turn.T @ (gear[:, None] * np.eye(n)) @ turn
+
+    def set_inputs(self, time: float) -> None:
+        super().set_inputs(time)
+        self.target_rate = self.values("joint[{}].target_velocity")
+        names = [
+            (f"joint[{i}].target_angle", f"link[{i}].joint_rest_angle") for i in range(1, self.links + 1)
+        ]
+        self.rest = np.stack([self.value(name if name in self.base else own) for name, own in names], 1)
 
     def _slider(self) -> None:
         """P of the coordinates that are free, and what acts along u."""
@@ -181,16 +196,22 @@ class BodyModel(ChainModel):
         forces[:, :2] += (self.moments[..., None] * square * ways).sum(1)
         forces[:, :2] += self.total[:, None] * self.gravity
         bent, turned = relative(place.angle) - self.rest, relative(omega)
-        moment = self.torque - self.damper * turned - self.spring * bent
+        wanted = self.torque - self.damper * (turned - self.target_rate) - self.spring * bent
+        moment = limited(wanted, [link.joint_torque_limit for link in self.scene.chain.links])
         forces[:, 2:] += moment
         forces[:, 2:-1] -= moment[:, 1:]
         loss = (self.damper * turned**2).sum(1)
         if self.line is not None:
             parts = y[:, :2] - self.origin, y[:, self.v][:, :2]
             away, speed = ((self.line * part).sum(1) for part in parts)
-            names = (f"slider.{key}" for key in ("damping", "stiffness", "rest_position"))
-            damper, spring, rest = map(self.value, names)
-            push = self.value("slider.force") - damper * speed - spring * (away - rest)
+            target = "slider.target_position" in self.base
+            at = "target_position" if target else "rest_position"
+            names = (f"slider.{key}" for key in ("damping", "stiffness", at, "force", "target_velocity"))
+            damper, spring, rest, force, rate = map(self.value, names)
+            push = limited(
+                force - damper * (speed - rate) - spring * (away - rest),
+                self.scene.chain.slider.force_limit,
+            )
             forces[:, :2] += self.line * push[:, None]
             loss = loss + damper * speed**2
         for touch, (force, elastic) in zip(touches, pairs, strict=True):
@@ -222,6 +243,12 @@ class BodyModel(ChainModel):
         moves = alpha * turned - square * ways
         ends = chained(acceleration[:, :2], self.length[..., None] * moves[:, : self.links])
         return place.with_points(ends, moves)
+
+
+def limited(wanted: np.ndarray, limits: Any) -> np.ndarray:
+    """Forces or moments of drives, at their limits where they are beyond; None: no limit."""
+    limit = np.array(limits, float)  # None becomes NaN, which nothing is beyond
+    return np.where(np.abs(wanted.real) > limit, np.sign(wanted.real) * limit, wanted)
 
 
 class BodyFriction(DryFriction):

@@ -11,16 +11,17 @@ import math
 import sys
 import warnings
 from collections import Counter
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from chain_impact import simulate
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.status import BASE_BEYOND_WALL, NO_ROOM
 from chain_impact.results.result import Result
-from chain_impact.scene.candidates import candidates
-from chain_impact.scene.names import STOPS
 from chain_impact.scene.scene import Scene, scene_from_dict
+from chain_impact.scene.signals import inputs_of
 from chain_impact.simulation.instance import SimulationError
 from tests.body_model import BodyModel
 from tests.random_scenes import Draw
@@ -30,6 +31,7 @@ BALANCE = 1000.0  # times the tolerance, of all energy: an imbalance beyond it i
 FALL = 10.0  # likewise, by which dissipation may fall between rows
 RESIDUAL = 1e-9  # of the largest generalized force
 DEEP = 1e-9  # m or rad, between a penetration and the place of its point
+DRIVEN = 10000  # the first seed of scenes with drives, and with bases and walls that move
 WORK = 5e6  # evaluations a second, beyond which a run ends early
 
 
@@ -71,8 +73,9 @@ def bodies(seed: int) -> Scene:
         },
         "simulation": {"stop_time": draw.real(0.2, 1.0)},
     }
-    data["walls"] = walls(draw, scene_from_dict(data, "bodies"))
-    return scene_from_dict(data, "bodies")
+    moves = seed >= DRIVEN
+    data["walls"] = walls(draw, scene_from_dict(data, "bodies"), moves)
+    return scene_from_dict(driven(data, draw) if moves else data, "bodies")
 
 
 def link(draw: Draw, grounded: bool) -> dict[str, Any]:
@@ -117,6 +120,65 @@ def slider_of(draw: Draw) -> dict[str, Any]:
     return found
 
 
+def driven(data: dict[str, Any], draw: Draw) -> dict[str, Any]:
+    """The scene with drives, which have targets or forces, limits, or both; bases and walls may move."""
+    chain, count = data["chain"], len(data["chain"]["links"])
+    joints, slides = range(1 + (chain["base"] == "free"), count + 1), chain["base"] == "slider"
+    follow, pushed, stop = draw.chance(0.5), draw.chance(0.5), data["simulation"]["stop_time"]
+    for n in joints:
+        link = chain["links"][n - 1]
+        link["joint_armature"] = draw.power(1e-4, 1e-2) * draw.chance(0.4)
+        if draw.chance(0.4):
+            link["joint_torque_limit"] = draw.power(0.03, 10.0)
+        if draw.chance(0.3) and "joint_min" not in link:
+            angles = data["initial"]["angles"]
+            bend = angles[n - 1] - (angles[n - 2] if n > 1 else 0.0)
+            link |= {"joint_min": bend - draw.real(0.0, 1.0), "joint_max": bend + draw.real(1e-3, 1.0)}
+    if slides and draw.chance(0.4):
+        chain["slider"]["force_limit"] = draw.power(0.1, 30.0)
+    still = chain["base"] == "pinned" and draw.chance(0.4)
+    # walls that no point may touch are left out, and do not move
+    there = scene_from_dict(data, "bodies").wall_names
+    moving = [wall["name"] for wall in data["walls"] if draw.chance(0.5) and wall["name"] in there]
+    data["inputs"] = {
+        "joint_targets": follow,
+        "joint_torques": pushed,
+        "slider_force": slides and pushed,
+        "base_motion": still,
+        "wall_motion": moving,
+    }
+    names = [f"joint[{n}].{'torque' if pushed else 'target_angle'}" for n in joints if pushed or follow]
+    names += [f"slider.{'force' if pushed else 'target_position'}"] * (slides and (pushed or follow))
+    names += [f"wall.{name}.belt_speed" for name in moving if draw.chance(0.5)]
+    swings = [f"wall.{name}.displacement" for name in moving if draw.chance(0.7)]
+    swings += [f"base.{axis}" for axis in "xy"] * still
+    data["signals"] = {f"drive_{k}": {"input": name, **signal(draw, stop)} for k, name in enumerate(names)}
+    for k, name in enumerate(swings):
+        size = draw.power(1e-3, 0.1)
+        # 1 − cos: it starts from rest where it is
+        swing = {"mean": size, "amplitude": size, "phase": -math.pi / 2}
+        data["signals"][f"swing_{k}"] = {
+            "input": name,
+            "form": "sine",
+            "frequency": draw.power(0.3, 10.0) / stop,
+            **swing,
+        }
+    return data
+
+
+def signal(draw: Draw, stop: float) -> dict[str, Any]:
+    """What a drive or a belt gets: any form, over a time of ``stop`` [s]."""
+    size, start = draw.power(0.05, 5.0) * draw.one((-1.0, 1.0)), stop * draw.real(0.0, 0.6)
+    return draw.one(
+        (
+            {"form": "constant", "value": size},
+            {"form": "sine", "amplitude": size, "frequency": draw.power(0.5, 20.0) / stop, "start": start},
+            {"form": "ramp", "final": size, "start": start, "duration": stop * draw.power(0.01, 0.5)},
+            {"form": "steps", "times": [0.0, start + 1e-3 * stop], "values": [0.0, size]},
+        )
+    )
+
+
 def contact(draw: Draw, count: int, base: str) -> dict[str, Any]:
     """Any law; points of the joints' own only sometimes, as bodies have others."""
     law = CONTACT_LAWS[draw.one([*CONTACT_LAWS])]
@@ -135,10 +197,12 @@ def contact(draw: Draw, count: int, base: str) -> dict[str, Any]:
     return found
 
 
-def walls(draw: Draw, scene: Scene) -> list[dict[str, Any]]:
+def walls(draw: Draw, scene: Scene, driven: bool) -> list[dict[str, Any]]:
     """One to three walls near what may touch them."""
     links, found = len(scene.chain.links), []
     may = {point for point in scene.start if point > links} | {*scene.contact.points}
+    if driven and scene.chain.base == "pinned":
+        may.add(0)  # base and walls must not move through each other
     places = [(x, y, radius) for point, (x, y, radius) in scene.start.items() if point in may]
     for number in range(draw.whole(1, 3)):
         angle = draw.one((0.0, draw.real(-math.pi, math.pi)))
@@ -160,7 +224,8 @@ def faults(seed: int) -> list[str]:
         try:
             run = simulate(scene, output_step=stop / ROWS)
         except SimulationError as error:
-            return [f"stopped: {error}"]
+            closed = error.status in (BASE_BEYOND_WALL, NO_ROOM) and scene.signals
+            return [] if closed else [f"stopped: {error}"]
         except Exception as error:
             return [f"raised: {error!r}"]
         other = simulate(scene, output_step=stop / 3)
@@ -193,27 +258,32 @@ def wrong_energy(run: Result) -> list[str]:
 
 def wrong_motion(run: Result) -> list[str]:
     """What is wrong with accelerations and penetrations, beside the independent model."""
-    scene, found, model = run.scene, [], BodyModel(run.scene)
+    scene, found, model = run.scene, [], BodyModel(without_stops(run.scene))
+    inputs = {*inputs_of(scene)} & {*run.names}
     for row in range(len(run.time)):
+        model.base |= {name: run[name][row] for name in inputs}
+        model.set_inputs(run.time[row])
         y = state_of(run, model, row)
         place, look = model.locate(y), model.look(y, ())
         # all forces but those of contacts and friction, P^T (M q̈ − f) = 0 of what is left
         q = accelerations_of(run, row)
         force = (place.mass @ look.acceleration[..., None])[0, :, 0]
         sizes = [np.abs(force).max(), np.abs(place.mass[0] @ q).max(), 1e-3]
-        for c, (point, wall) in enumerate(candidates(scene)):
+        for c, (point, wall) in enumerate(zip(model.points, model.walls, strict=True)):
             name = scene.wall_names[wall]
-            at_stop = name in STOPS and c >= model.at_walls
-            of = f"joint[{point}].stop_" if at_stop else f"contact[{point}].{name}."
-            push = run[f"{of}moment" if at_stop else f"{of}force"][row]
-            push = max(model.side[c - model.at_walls] * push, 0.0) if at_stop else push
-            gap, depth = place.gap[0, c].real, run[f"{of}penetration"][row]
+            of = f"contact[{point}].{name}."
+            push, depth = run[f"{of}force"][row], run[f"{of}penetration"][row]
+            gap = place.gap[0, c].real - model.value(f"wall.{name}.displacement")[0].real
             rigid = CONTACT_LAWS[scene.contact.model].impulsive
             if gap < -max(DEEP, 30.0 * scene.solver.tolerance) and not (rigid or depth > 0.0):
                 found.append(f"behind: {of} is {-gap:.1e} beyond, without contact, at {run.time[row]:g} s")
-            if depth > 0.0 and not at_stop and abs(depth + gap) > DEEP:
+            if depth > 0.0 and abs(depth + gap) > DEEP:
                 found.append(f"depth: {of} is {depth:.9g}, by its place {-gap:.9g}, at {run.time[row]:g} s")
             force = force + model.gradient(place, c)[0] * push
+            sizes.append(abs(push))
+        for joint in {joint for joint, _ in scene.chain.stops}:
+            push = run[f"joint[{joint}].stop_moment"][row]
+            force = force + model.joint_row(joint - 1)[0] * push
             sizes.append(abs(push))
         for e in model.friction.sliding:
             rub = run[friction_name(model, e)][row]
@@ -223,6 +293,12 @@ def wrong_motion(run: Result) -> list[str]:
         if np.abs(left).max() > RESIDUAL * max(sizes):
             found.append(f"newton: {np.abs(left).max():.1e} N of {max(sizes):.2e} N at {run.time[row]:g} s")
     return found
+
+
+def without_stops(scene: Scene) -> Scene:
+    """The scene without stops in joints."""
+    links = tuple(replace(link, joint_min=None, joint_max=None) for link in scene.chain.links)
+    return replace(scene, chain=replace(scene.chain, links=links))
 
 
 def state_of(run: Result, model: BodyModel, row: int) -> np.ndarray:

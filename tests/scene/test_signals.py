@@ -51,6 +51,12 @@ def test_a_signal_that_cannot_be_is_refused(driven, numbers, message):
     assert message in refused(("a", driven, numbers))
 
 
+def test_a_wall_that_nothing_can_touch_does_not_move():
+    untouched = ARM.replace("points = [2]", "points = []")
+    told = refused(("a", "wall.table.belt_speed", SINE), scene=untouched)
+    assert "is no input of the scene; no point can touch the wall table, which is left out" in told
+
+
 def test_an_input_is_driven_by_one_signal():
     told = refused(("a", "base.y", SINE), ("b", "base.vy", SINE))
     assert "signal.b.input = 'base.vy' must be driven by one signal only: signal.a drives base.y" in told

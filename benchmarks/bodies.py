@@ -1,0 +1,74 @@
+"""A brick with four corners, against one that touches with two: ``python benchmarks/bodies.py [--quick]``.
+
+The brick bounces on its two lower corners. All four corners are points of its link; or only the two lower
+ones touch, as the ends of the link, which lies along the bottom. The motion and its contacts are the same. So
+the ratio of times tells what points beside the line of a link cost, and corners that might touch.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+from typing import Any
+
+from peers.ours import Kernel
+
+from chain_impact.scene.scene import Scene, scene_from_dict
+
+BREADTH, HEIGHT, MASS = 0.25, 0.12, 3.5  # m, m, kg
+LOWER, UPPER = ([(0.0, y), (BREADTH, y)] for y in (0.0, HEIGHT))
+STOP = 1.0  # s, in which it does not turn over
+FRICTIONS = (0.0, 0.3)
+ROUNDS = 11
+CORNERS, ENDS = "four corners, points of the link", "two corners, ends of the link"
+
+
+def brick(ends: list[int], points: list[tuple[float, float]], friction: float) -> Scene:
+    """The brick above a floor; ``ends`` and ``points`` of its link may touch."""
+    link: dict[str, Any] = {"length": BREADTH, "mass": MASS, "center_of_mass_offset": 0.5 * HEIGHT}
+    link["inertia"] = MASS * (BREADTH**2 + HEIGHT**2) / 12.0
+    link["points"] = [{"x": x, "y": y} for x, y in points]
+    data = {
+        "name": "Brick",
+        "chain": {"links": [link]},
+        "box": {"y_min": 0.0},
+        "contact": {
+            "model": "flores",
+            "stiffness": 1e7,
+            "restitution": 0.5,
+            "friction": friction,
+            "points": ends,
+        },
+        "initial": {"position": [0.0, 0.1], "velocity": [0.5, 0.0], "angles": [0.05]},
+    }
+    return scene_from_dict(data, "brick")
+
+
+def compared(friction: float, rounds: int) -> dict[str, Any]:
+    """Contacts, and times of each brick, at a coefficient of friction."""
+    scenes = {CORNERS: brick([], LOWER + UPPER, friction), ENDS: brick([0, 1], [], friction)}
+    runs = {name: Kernel(scene, STOP) for name, scene in scenes.items()}
+    contacts = {name: len(run.outcome().onsets) for name, run in runs.items()}
+    assert contacts[CORNERS] == contacts[ENDS], "the bricks move differently"
+    timings = common.interleave({name: run.run for name, run in runs.items()}, rounds)
+    return {
+        "friction": friction,
+        "contacts": contacts[ENDS],
+        "microseconds a contact": {
+            name: common.spread([1e6 * one / contacts[name] for one in timings[name]]) for name in runs
+        },
+        "times as long": common.ratio(timings, CORNERS, ENDS),
+    }
+
+
+def main() -> None:
+    """Measure."""
+    rounds, started = common.rounds(__doc__, ROUNDS), common.environment()
+    results = [compared(friction, rounds) for friction in FRICTIONS]
+    for row in results:
+        print(row)
+    common.save("bodies", started, {"stop [s]": STOP, "rounds": rounds}, results)
+
+
+if __name__ == "__main__":
+    main()
