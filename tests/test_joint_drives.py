@@ -296,6 +296,25 @@ def test_motor_and_servo_saturate_together():
     np.testing.assert_allclose(result.angles[:, 0], expected, rtol=0, atol=1e-13)
 
 
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+def test_a_target_that_moves_fast_while_the_drive_is_at_its_limit_is_followed(method):
+    """The torque is the limited one in every row: the steps are much longer than the swings of the target."""
+    limit, stiffness = 0.08, 22.0
+    link = ROD | {"joint_stiffness": stiffness, "joint_torque_limit": limit}
+    swing = {
+        "form": "sine",
+        "input": "joint[1].target_angle",
+        "mean": 0.6,
+        "amplitude": 1.0,
+        "frequency": 18.0,
+    }
+    scene = driven([link], {"angles": [0.0]}, **FOLLOWS, signals={"swing": swing})
+    result = simulate(scene, stop_time=1.0, output_step=1e-3, method=method, tolerance=1e-7)
+    wanted = stiffness * (result["joint[1].target_angle"] - result["joint[1].angle"])
+    torque = INERTIA * result["link[1].angular_acceleration"]
+    np.testing.assert_allclose(torque, np.clip(wanted, -limit, limit), rtol=0, atol=1e-5)
+
+
 def test_a_limit_of_zero_is_no_drive():
     scene = random_chain(2, "pinned")
     zero = with_values(scene, {f"link[{i}].joint_torque_limit": 0.0 for i in (1, 2)})

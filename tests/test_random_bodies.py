@@ -5,11 +5,13 @@ import pytest
 from chain_impact import simulate
 from tests.random_bodies import DRIVEN, bodies, faults, wrong_energy, wrong_motion
 
-MENDED: tuple[int, ...] = ()  # seeds of scenes that had faults
+# Scenes that had faults: a row with an acceleration by a force that it does not tell, one whose last digits
+# depended on rows before, and a limit that was passed between two stages.
+MENDED = (10254, 10410, 14072)
 
 
 @pytest.mark.full("more cases", but=1)
-@pytest.mark.parametrize("seeds", [(*range(8), *range(DRIVEN, DRIVEN + 6)), range(12, 60)], ids=str)
+@pytest.mark.parametrize("seeds", [(*range(8), *range(DRIVEN, DRIVEN + 6), *MENDED), range(12, 60)], ids=str)
 def test_random_bodies_keep_the_laws_of_physics(seeds):
     found = {seed: told for seed in seeds if (told := faults(seed))}
     assert not found

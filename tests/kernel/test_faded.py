@@ -109,7 +109,7 @@ def test_an_onset_of_a_faded_rate_is_late_by_a_number(size, slope):
 @small
 def test_a_passage_of_faded_values_is_located(size):
     """Values that halve until they vanish: the bracket is halved then."""
-    find = crossing.first_passage(lambda _d, _c, theta: np.float64(size) * (0.3 - theta), 4, 1e-12)
+    find = crossing.first_passage(lambda _d, _c, theta: np.float64(size) * (0.3 - theta), lambda _d: 4, 1e-12)
     d = SimpleNamespace(step=SimpleNamespace(size=1.0))
     with np.errstate(all="ignore"):
         theta = find(d, 0, 1.0)

@@ -30,7 +30,7 @@ from chain_impact.kernel.chain.state import (
     velocity_at,
 )
 from chain_impact.kernel.chain.tree import accelerations
-from chain_impact.kernel.forces.contact import apply_contacts
+from chain_impact.kernel.forces.contact import apply_contacts, apply_told_contacts
 from chain_impact.kernel.forces.contact_force import clear_crossings, elastic_energy
 from chain_impact.kernel.forces.friction import clear_margins
 from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
@@ -115,6 +115,22 @@ def located_rate(d, y, rate):
     """As ``state_rate``, for the located points."""
     ensure_inputs(d, y)
     free_rate(d, y, rate)
+    constrain(d, y, rate)
+
+
+def told_rate(d, y, rate):
+    """As ``located_rate``, by the forces that outputs have: none is continued beyond its kink.
+
+    The powers in it are none.
+    """
+    ensure_inputs(d, y)
+    apply_told_contacts(d)
+    loaded_rate(d, y, 0.0, rate)
+    constrain(d, y, rate)
+
+
+def constrain(d, y, rate):
+    """Add what constraints and motions of base and walls do to a rate ẏ, found just now without them."""
     if any_constraint(d):
         add_constraint_forces(d, y, rate)
     if d.channels > 0:

@@ -10,9 +10,9 @@ from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.kernel.chain.sites import site_place
 from chain_impact.kernel.chain.slider import slider_position, slider_velocity
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, time_at
-from chain_impact.kernel.equations import located_rate, mechanical_energy, stored_energy
+from chain_impact.kernel.equations import mechanical_energy, stored_energy, told_rate
 from chain_impact.kernel.events.contact_log import list_latest
-from chain_impact.kernel.forces.contact import contact_force
+from chain_impact.kernel.forces.contact import apply_told_contacts
 from chain_impact.kernel.forces.friction import STICKS, joint_of
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, keep_tip_impulse
@@ -63,9 +63,11 @@ def fill_motion(d, theta):
     interpolate(d.step, theta, y)
     locate_points(d, y)
     if d.channels > 0 and any_constraint(d):
-        # the interpolant meets what moves by itself up to its error only
+        # the interpolant meets what moves by itself up to its error only; what sticks shares its load by the
+        # limits of friction in this state
+        apply_told_contacts(d)
         project_state(d, y)
-    located_rate(d, y, rate)
+    told_rate(d, y, rate)
     accelerate_points(d, y, rate)
     work = d.work
     for k in range(n + 1):
@@ -127,7 +129,7 @@ def fill_forces(d):
         if d.law.impulsive[c]:
             out.force[c] = max(0.0, d.rigid.impulse[k])
         elif gap < 0.0:
-            out.force[c] = contact_force(d, c, gap, gap_rate)
+            out.force[c] = d.touch.force[c]
             out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate
 
 

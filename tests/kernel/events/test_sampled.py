@@ -66,6 +66,10 @@ def falling(height, law="jankowski", size=1.0, touching=(1,)):
 STEP = SimpleNamespace(step=SimpleNamespace(size=10.0))
 
 
+def four(_d):
+    return 4
+
+
 def find_force_event(d, found):
     """θ of the event ``found`` or of an earlier one of a contact with a force."""
     return sampled.find_kink(d, sampled.find_relatch(d, found))
@@ -85,7 +89,7 @@ def test_the_first_passage_is_where_a_function_falls_below_zero(place, end, shap
             return 1.0 if theta < place else -1e-9
         return place - theta if shape == "linear" else place**3 - theta**3
 
-    found = first_passage(function, 4, resolution)(STEP, 7, end)
+    found = first_passage(function, four, resolution)(STEP, 7, end)
     assert found == pytest.approx(place, abs=max(2.0 * crossing.FINEST, resolution / 10.0))
     assert max(asked) <= end
     # four samples, and the start of a bracket; then the fast method, or halving where it is of no use
@@ -99,7 +103,7 @@ def test_what_is_below_zero_at_no_sample_is_not_found_and_the_first_that_is_is()
         def sign(_d, _c, x):
             return -1.0 if any(a < x < b for a, b in below) else 1.0
 
-        return first_passage(sign, 4, 0.0)(STEP, 0, 1.0)
+        return first_passage(sign, four, 0.0)(STEP, 0, 1.0)
 
     assert found((0.3, 0.4)) == -1.0
     assert found((0.2, 0.3), (0.7, 2.0)) == pytest.approx(0.2, abs=1e-14)
@@ -143,7 +147,7 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
 def test_a_kink_is_crossed_first_where_a_sample_shows_it():
     """h = −t + 4 t² − 4 t³ has δ̇ < 0 from 1/6 … ½ s; and from the other side it comes back at ½ s."""
     d, _ = falling([0.0, -1.0, 4.0, -4.0])
-    first_crossing = first_passage(sampled.own_side_at, 8, 0.0)
+    first_crossing = first_passage(sampled.own_side_at, lambda _d: 8, 0.0)
     assert first_crossing(d, 1, 1.0) == pytest.approx(1.0 / 6.0, abs=1e-14)
     assert first_crossing(d, 1, 0.16) == -1.0
     d.touch.beyond_kink[1] = 1

@@ -4,8 +4,7 @@ A spring stores ½ k φ², φ = θ_i − θ_{i−1} − φ₀ from its rest angl
 and so does φ. The base of a pinned chain has θ₀ = 0; a free base has no joint, no spring and no damper.
 
 With targets the spring and the damper are a servo: φ₀, and the relative angular velocity at which the damper
-has no moment, are inputs. The torque of motor, spring and damper together may have a limit. Then it is in one
-of three modes, which only events change (events/saturation.py): below the limit, or at it in one direction.
+has no moment, are inputs. The torque of motor, spring and damper together may have a limit (drives.py).
 
 With C = Σ c_i g_i g_iᵀ, g_i the gradient of ω_i − ω_{i−1}, damped motions decay with the eigenvalues of
 M⁻¹ C. The largest is at least the rate of one joint whose damper is the only one,
@@ -24,15 +23,12 @@ without inertia makes it infinite.
 
 import math
 
+from chain_impact.kernel.chain.drives import limited_drive, mode_excess, wanted_drive
 from chain_impact.kernel.chain.kinematics import clear_joints, link_vectors, zero
 from chain_impact.kernel.chain.response import FREE, factorize, no_impedance, solve
 from chain_impact.kernel.chain.sites import clear_link_moments
 from chain_impact.kernel.chain.slider import slide_along, slider_damping, slider_stiffness, wanted_force
 from chain_impact.kernel.chain.state import ANGLES, omega_at
-
-# The largest excess that is round-off: over the limit of a torque, and over the moments whose difference is a
-# spring's.
-EXCESS, ROUND_OFF = 1e-12, 1e-14
 
 
 def joint_damping(d, i):
@@ -91,36 +87,29 @@ def wanted_torque(d, y, i):
         return 0.0
     own, first = d.inputs, omega_at(d.links)
     turning = y[first + i] - (y[first + i - 1] if i > 0 else 0.0)
-    torque = own.joint_torque[i] - own.joint_damping[i] * (turning - own.joint_target_velocity[i])
-    return torque - own.joint_stiffness[i] * stretch(d, y, i)
+    rate, bent = turning - own.joint_target_velocity[i], stretch(d, y, i)
+    return wanted_drive(own.joint_torque[i], own.joint_damping[i], rate, own.joint_stiffness[i], bent)
 
 
 def joint_torque(d, y, i):
-    """The torque [N·m] of motor, damper and spring in joint i, at its limit while its mode says so.
-
-    Beyond the end of a mode it continues smoothly, until an event ends the step there.
-    """
-    mode = d.drive.mode[i]
-    return wanted_torque(d, y, i) if mode == 0 else float(mode) * d.model.joint_torque_limit[i]
+    """The torque [N·m] of motor, damper and spring in joint i, at its limit while its mode says so."""
+    return limited_drive(wanted_torque(d, y, i), d.model.joint_torque_limit[i], d.drive.mode[i])
 
 
 def mode_margin(d, y):
     """By how much [N·m] drives are from the ends of their modes, plus round-off: the least; ∞ without end."""
     least = math.inf
     for i in range(d.links):
-        limit, mode = d.model.joint_torque_limit[i], d.drive.mode[i]
+        limit, stiffness = d.model.joint_torque_limit[i], d.inputs.joint_stiffness[i]
         if 0.0 < limit < math.inf:
-            torque = wanted_torque(d, y, i)
-            margin = limit - abs(torque) if mode == 0 else float(mode) * torque - limit
             size = abs(y[ANGLES + i]) + abs(y[ANGLES + i - 1] if i > 0 else 0.0)
             size += abs(d.inputs.joint_target_angle[i])
-            margin += EXCESS * limit + ROUND_OFF * d.inputs.joint_stiffness[i] * size
+            margin = mode_excess(wanted_torque(d, y, i), limit, d.drive.mode[i], stiffness, size)
             least = min(least, margin)
     if d.slides and 0.0 < d.slider.force_limit < math.inf:
-        limit, mode, force = d.slider.force_limit, d.slider.mode, wanted_force(d, y)
-        margin = limit - abs(force) if mode == 0 else float(mode) * force - limit
         size = abs(y[0]) + abs(y[1]) + abs(d.inputs.slider_target_position)
-        margin += EXCESS * limit + ROUND_OFF * d.slider.stiffness * size
+        limit, stiffness = d.slider.force_limit, d.slider.stiffness
+        margin = mode_excess(wanted_force(d, y), limit, d.slider.mode, stiffness, size)
         # the least of forces and moments, over the longest link
         least = min(least, margin * d.model.size)
     return least

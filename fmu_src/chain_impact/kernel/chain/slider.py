@@ -7,10 +7,11 @@ A a + b for an acceleration a of the base; along the line
 
 with m the mass of the carriage and F the force of motor, spring and damper. Across the line the guide takes
 every force. The spring and the damper are a servo if there are targets, and the force of motor, spring and
-damper together may have a limit, as in the joints (chain/joints.py). Dry friction is an element
+damper together may have a limit, as in the joints (drives.py). Dry friction is an element
 (forces/friction.py), and ends of the line are stops (rows/geometry.py), at the place of the base.
 """
 
+from chain_impact.kernel.chain.drives import limited_drive, wanted_drive
 from chain_impact.kernel.chain.state import velocity_at
 
 
@@ -58,14 +59,13 @@ def slider_stretch(d, y):
 def wanted_force(d, y):
     """F − c (ṡ − v_t) − k (s − s₀) [N] of motor, damper and spring, before a limit."""
     own = d.inputs
-    force = own.slider_force - d.slider.damping * (slider_velocity(d, y) - own.slider_target_velocity)
-    return force - d.slider.stiffness * slider_stretch(d, y)
+    rate = slider_velocity(d, y) - own.slider_target_velocity
+    return wanted_drive(own.slider_force, d.slider.damping, rate, d.slider.stiffness, slider_stretch(d, y))
 
 
 def slider_force(d, y):
     """The force F [N] of motor, damper and spring, at its limit while its mode says so."""
-    mode = d.slider.mode
-    return wanted_force(d, y) if mode == 0 else float(mode) * d.slider.force_limit
+    return limited_drive(wanted_force(d, y), d.slider.force_limit, d.slider.mode)
 
 
 def slider_power(d, y):

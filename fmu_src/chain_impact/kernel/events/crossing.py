@@ -31,7 +31,7 @@ def first_passage(function, samples, resolution):
 
     Args:
         function: the value for candidate or element c at the fraction θ of the last step.
-        samples: number of samples of the step.
+        samples: function of d, the number of samples of the step.
         resolution: [s of the step's variable], to which θ is located.
 
     Returns:
@@ -39,9 +39,9 @@ def first_passage(function, samples, resolution):
     """
 
     def passage(d, c, end):
-        low = 0.0
-        for sample in range(1, samples + 1):
-            high = end * sample / samples
+        low, count = 0.0, samples(d)
+        for sample in range(1, count + 1):
+            high = end * sample / count
             value = function(d, c, high)
             if value < 0.0:
                 return root(d, c, low, high, value)

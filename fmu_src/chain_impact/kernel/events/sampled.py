@@ -25,6 +25,7 @@ RELATCH: a second impact, or an onset so slow that gravity soon makes δ̇ much 
 
 from chain_impact.kernel.chain.joints import mode_margin
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.signals import rate_of_signals
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events.crossing import SIMULTANEOUS, first_passage, locate_at
@@ -54,6 +55,9 @@ from chain_impact.kernel.status import count_evaluations
 # Samples of a step in which a stage has shown an event, its end included. A new latch has fewer: if a short
 # excess is missed, v₀ stays as it was.
 SAMPLES, FEW_SAMPLES = 8, 4
+# The largest turn of inputs in a step [rad] that its stages follow, as these are up to a quarter of the step
+# apart; the samples for each radian of a larger turn; and the largest turn that is sampled so.
+SWEPT, DENSITY, SAMPLED = 0.5, 8.0, 1e4
 # The largest pull that is round-off, over the chain's mass times (gravity + one link length per s²).
 PULL = 1e-11
 SHORT = 1e-9  # the shortest step [s] that is refused for the sake of a release
@@ -68,7 +72,19 @@ ELEMENTS = (lambda d: d.friction.count, lambda d, k: d.element.index[k])
 WHOLE = (lambda _d: 1, lambda _d, _k: 0)
 
 
-def search_for(value, suspected, mark_ended, members=WHOLE, samples=SAMPLES, resolution=SIMULTANEOUS):
+def turn_of_inputs(d):
+    """By how much [rad] inputs that are functions of time turn in the last step."""
+    return (d.step.end - d.step.start) * max(d.inputs.course.change_rate, rate_of_signals(d))
+
+
+def many_samples(d):
+    """The samples of a step in which inputs turn by more than SWEPT."""
+    return 1 + int(DENSITY * min(SAMPLED, turn_of_inputs(d)))
+
+
+def search_for(
+    value, suspected, mark_ended, members=WHOLE, samples=lambda _d: SAMPLES, resolution=SIMULTANEOUS
+):
     """Make the search of the last step for one kind of event.
 
     Args:
@@ -76,7 +92,7 @@ def search_for(value, suspected, mark_ended, members=WHOLE, samples=SAMPLES, res
         suspected: function of (d, c): whether it may have one, by the stages and the located points.
         mark_ended: function of (d, c, θ) that marks the event of c at θ, and others at the same time.
         members: functions of d and (d, k) for the number of those c, and the k-th of them.
-        samples: number of samples of the step.
+        samples: function of d, the number of samples of the step.
         resolution: [s], as in ``first_passage``.
 
     Returns:
@@ -101,6 +117,15 @@ def search_for(value, suspected, mark_ended, members=WHOLE, samples=SAMPLES, res
         drop_events(d)
         mark_ended(d, which, first)
         return first
+
+    return find
+
+
+def search_by_inputs(still, swept):
+    """Make the search that is ``swept`` in a step in which inputs turn much, and ``still`` in others."""
+
+    def find(d, found):
+        return swept(d, found) if turn_of_inputs(d) > SWEPT else still(d, found)
 
     return find
 
@@ -145,7 +170,7 @@ def slowness(d, c, theta):
 
 
 find_relatch = search_for(
-    slowness, nearly_fast, lambda d, c, _theta: mark(d, c, RELATCH), CONTACTS, samples=FEW_SAMPLES
+    slowness, nearly_fast, lambda d, c, _theta: mark(d, c, RELATCH), CONTACTS, samples=lambda _d: FEW_SAMPLES
 )
 find_kink = search_for(own_side_at, has_crossed, mark_kinks, CONTACTS, resolution=0.0)
 
@@ -267,7 +292,15 @@ def has_come_near(d):
     return near
 
 
-find_mode_change = search_for(element_margin, has_changed, mark_changes, ELEMENTS)
+def may_change(d, e):
+    """Whether the mode of element e may end where inputs turn much: sliding ends unseen by the stages."""
+    return d.element.mode[e] != STICKS or has_changed(d, e)
+
+
+find_mode_change = search_by_inputs(
+    search_for(element_margin, has_changed, mark_changes, ELEMENTS),
+    search_for(element_margin, may_change, mark_changes, ELEMENTS, samples=many_samples),
+)
 
 
 # ---- limits of torques in joints --------------------------------------------------------------------------
@@ -288,4 +321,17 @@ def drive_margin(d, _c, theta):
     return mode_margin(d, d.work.y)
 
 
-find_saturation = search_for(drive_margin, is_past_limit, lambda d, _c, _theta: mark_saturation(d, 1))
+def is_limited(d, _c):
+    """Whether a drive has a limit."""
+    return d.model.limited != 0
+
+
+def mark_limit(d, _c, _theta):
+    """Mark the end of a drive's mode."""
+    mark_saturation(d, 1)
+
+
+find_saturation = search_by_inputs(
+    search_for(drive_margin, is_past_limit, mark_limit),
+    search_for(drive_margin, is_limited, mark_limit, samples=many_samples),
+)

@@ -1,5 +1,6 @@
-"""The limits of torques in joints: the modes of drives, which change at events (sampled.py)."""
+"""The limits of drives in joints and of a slider: their modes, which change at events (sampled.py)."""
 
+from chain_impact.kernel.chain.drives import drive_mode
 from chain_impact.kernel.chain.joints import wanted_torque
 from chain_impact.kernel.chain.slider import wanted_force
 from chain_impact.kernel.events.marks import mark_saturation
@@ -20,13 +21,8 @@ def choose_saturation(d):
         return
     ensure_inputs(d, d.step.state_end)
     for i in range(d.links):
-        torque, limit = wanted_torque(d, d.step.state_end, i), d.model.joint_torque_limit[i]
-        if abs(torque) > limit or limit == 0.0:
-            d.drive.mode[i] = 1 if torque > 0.0 else -1
-        else:
-            d.drive.mode[i] = 0
+        torque = wanted_torque(d, d.step.state_end, i)
+        d.drive.mode[i] = drive_mode(torque, d.model.joint_torque_limit[i])
     if d.slides:
-        force, limit = wanted_force(d, d.step.state_end), d.slider.force_limit
-        beyond = abs(force) > limit or limit == 0.0
-        d.slider.mode = (1 if force > 0.0 else -1) if beyond else 0
+        d.slider.mode = drive_mode(wanted_force(d, d.step.state_end), d.slider.force_limit)
     mark_saturation(d, 0)

@@ -64,6 +64,18 @@ def apply_contacts(d):
     return dissipated + apply_friction(d) if d.friction.count > 0 else dissipated
 
 
+def apply_told_contacts(d):
+    """Set the loads for the located points to the forces that outputs have, of which none pulls."""
+    clear_loads(d)
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        gap, gap_rate = clearance(d, c)
+        keep_force(d, c, contact_force(d, c, gap, gap_rate))
+        add_along(normal(d, c), d.work.load, d.touch.force[c])
+    if d.friction.count > 0:
+        apply_friction(d)
+
+
 def contact_slopes(d, c):
     """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points; 0 where it is cut off."""
     gap, gap_rate = clearance(d, c)
