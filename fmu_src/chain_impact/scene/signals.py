@@ -267,9 +267,8 @@ def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
         key = input_key(one)
         asked = key is None or (key != "wall_motion" and getattr(scene.inputs, key))
         how = f"the scene has {', '.join(there)}" if there else "the scene has none"
-        wall = one.split(".")[1] if key == "wall_motion" else ""
-        if wall and {wall, "*"} & {*scene.inputs.wall_motion} and wall in scene.half_planes:
-            how = f"no point can touch the wall {wall}, which is left out"
+        if key == "wall_motion" and one.split(".")[1] in scene.half_planes and not scene.may_touch:
+            how = "no point can touch a wall"
         elif not asked:
             how = f"{input_asked(one)} makes it"
         elif near := nearest(one, there):
