@@ -96,8 +96,9 @@ class Drive:
             index = rest[0] if rest else 0  # there is one slider
             if name == COURSE:
                 motion["follows"] = 0
-                changed |= (motion[name][: len(powers), index] != powers[:, m]).any()
-                motion[name][: len(powers), index] = powers[:, m]
+                given_powers = motion[name][: len(powers), index]
+                changed = changed or (given_powers != powers[:, m]).any()
+                given_powers[:] = powers[:, m]
                 continue
             held, key = (record[part][name], index) if rest else (record[part], name)
             changed |= held[key] != powers[0, m]
@@ -108,7 +109,7 @@ class Drive:
         # where motions follow given values, other inputs are constant, and the kernel sets the coefficients
         steady = motion["follows"] and len(motion["position"]) > 0
         if not steady and (settings["order"] or course["order"]):
-            changed |= any(course[name] != value for name, value in settings.items())
+            changed = changed or any(course[name] != value for name, value in settings.items())
             for name, value in settings.items():
                 course[name] = value
         if changed:

@@ -29,6 +29,7 @@ POINTS = 16  # number of values of a function in a piece
 SHORTEST = 4e-13  # length of a piece below which it is dropped, as a part of the run
 ALIKE = 1e-6  # relative difference of two lengths below which they are equal
 FAR = 4.0  # length of an interval over the last piece's, beyond which it is halved before a fit is tried
+PATIENCE = 32  # number of pieces, at most, after which a length is tried again that no piece had
 NOISE = 4  # number of pieces in a row with jumps, from which on the function is smooth nowhere
 # length of a piece, as a part of the run, below which the function is hardly smooth in pieces
 FINE = 1 / 65536
@@ -48,6 +49,7 @@ _NODES = np.cos(_ANGLES)
 # values at the nodes → coefficients of the Chebyshev series
 _SERIES = np.cos(np.arange(POINTS)[:, np.newaxis] * _ANGLES) * 2.0 / POINTS
 _SERIES[0] /= 2.0
+_EXPONENTS = np.arange(DEGREE + 1)
 # coefficients of the Chebyshev series → coefficients of powers
 _POWERS = np.eye(DEGREE + 1)
 for _m in range(2, DEGREE + 1):
@@ -80,7 +82,7 @@ class Piece:
     def at(self, times: np.ndarray) -> np.ndarray:
         """Return the values at some times [s], shape (T, M)."""
         x = (2.0 * times - self.start - self.end) / (self.end - self.start)
-        return np.asarray(np.vander(x, len(self.powers), increasing=True) @ self.powers)
+        return np.asarray(x[:, np.newaxis] ** _EXPONENTS @ self.powers)
 
 
 @dataclass(frozen=True)
@@ -205,6 +207,10 @@ class Follower:
         self._refused = np.zeros(len(self._scale), dtype=int)
         self._last: Piece | None = None
         self._failed = math.inf  # [s] length of the last interval that was halved
+        self._count = 0  # number of pieces found so far
+        # binary exponent of a length → the count below which it is not tried, and by how much that has grown
+        self._again: dict[int, int] = {}
+        self._patience: dict[int, int] = {}
 
     def pieces(self, start: float, end: float) -> list[Piece]:
         """Return pieces of the functions between two times [s], as few as halving and joining find.
@@ -279,13 +285,20 @@ class Follower:
             yield None
             return
         last, middle = self._last, 0.5 * (start + end)
-        far = last is not None and end - start > FAR * (last.end - last.start)
-        fitted = None if far else self._fitted(start, end)
-        if fitted is not None:
-            yield fitted
-            return
         # an interval that continues a piece of high degree is not simple, so it is not searched for a break
         simple = last is None or last.end != start or not last.powers[SIMPLE + 1 :].any()
+        far = last is not None and end - start > FAR * (last.end - last.start)
+        _, length = math.frexp(end - start)
+        far = far or (not simple and self._count < self._again.get(length, 0))
+        fitted = None if far else self._fitted(start, end)
+        if fitted is not None:
+            self._count += 1
+            self._patience[length] = 1
+            yield fitted
+            return
+        if not far:
+            self._patience[length] = min(2 * self._patience.get(length, 1), PATIENCE)
+            self._again[length] = self._count + self._patience[length]
         before, after = (self._break(start, end) if simple and not far else None) or (middle, middle)
         self._failed = end - start
         for part in itertools.pairwise((start, before, after, end)):
@@ -351,13 +364,18 @@ class Follower:
     def _fitted(self, start: float, end: float) -> Piece | None:
         """Return the piece between two times [s] if it is exact; else None."""
         half, middle = 0.5 * (end - start), 0.5 * (start + end)
-        costly = end - start < self._fine
-        values = self._called(middle + half * _NODES, costly=costly)
+        # a change between an end and the node next to it shows at the end
+        inside = min(0.1 * self._shortest, 0.002 * half)
+        ends = start + inside, end - inside
+        times = np.append(middle + half * _NODES, ends)
+        called = self._called(times, costly=end - start < self._fine)
+        values = called[:POINTS]
         series = _SERIES @ (values - values[0])
         series[0] += values[0]
-        self._scale = np.maximum(self._scale, np.abs(values).max(axis=0))
+        low, high = values.min(axis=0), values.max(axis=0)
+        self._scale = np.maximum(self._scale, np.maximum(high, -low))
         allowed = self._accuracy * self._scale
-        round_off = self._resolved * abs(end) / half * np.ptp(values, axis=0)
+        round_off = self._resolved * abs(end) / half * (high - low)
         rough = np.abs(series[DEGREE + 1 :]).sum(axis=0) > allowed + round_off
         if rough.any():
             self._refused += rough
@@ -368,14 +386,9 @@ class Follower:
         powers = np.zeros((DEGREE + 1, values.shape[1]))
         powers[: order + 1] = _POWERS[: order + 1, : order + 1] @ series[: order + 1]
         piece = Piece(start, end, powers)
-        # a change between an end and the node next to it shows at the end
-        inside = min(0.1 * self._shortest, 0.002 * half)
-        ends = np.array([start + inside, end - inside])
         seen = slice(*np.searchsorted(self._times, ends))
-        missed = [
-            piece.at(ends) - self._called(ends, costly=costly),
-            piece.at(self._times[seen]) - self._values[seen],
-        ]
-        rough = (np.abs(np.concatenate(missed)) > 2.0 * (allowed + round_off)).any(axis=0)
+        checked = np.append(times[POINTS:], self._times[seen])
+        missed = piece.at(checked) - np.concatenate([called[POINTS:], self._values[seen]])
+        rough = (np.abs(missed) > 2.0 * (allowed + round_off)).any(axis=0)
         self._refused += rough
         return None if rough.any() else piece
