@@ -10,6 +10,15 @@ from tests.simulation.test_signals import ARM, PUSH, TIMES, TORQUE
 VALUES = {TORQUE: np.sin(20.0 * TIMES), PUSH: np.cos(9.0 * TIMES)}
 
 
+STRANGE_TABLES = {
+    "time\n0\n1": "drive.csv: has only the column time; must have one for each input",
+    "time,joint[2].torque\n0,1\n0.1,much": "line 3: joint[2].torque = 'much' must be a finite number\n",
+    "time,joint[2].torque\n0,1\n599,2": "time lasts 599 s, and the run 0.6 s: is it in seconds?",
+    "time,slider.force\n0,1": "inputs.slider_force = true makes it",
+    "time,wall.roof.belt_speed\n0,1": "there is no wall roof",
+}
+
+
 @pytest.fixture
 def arm(tmp_path):
     """A scene, and a table of its inputs."""
@@ -62,6 +71,10 @@ def test_what_cannot_drive_is_told(arm, tmp_path, capsys):
     assert (
         "column joint[2].torqe is no input of Arm; the nearest is joint[2].torque" in capsys.readouterr().err
     )
+    for lines, message in STRANGE_TABLES.items():
+        table.write_text(lines)
+        assert command("simulate", scene, "--inputs", table) != 0
+        assert message in capsys.readouterr().err
     driven = f'{ARM}[signals.a]\ninput = "{TORQUE}"\nform = "constant"\nvalue = 1.0'
     with pytest.raises(ValueError, match=r"signal\.a drives it"):
         simulate(parse_scene(driven, "x"), inputs={TORQUE: 1.0})

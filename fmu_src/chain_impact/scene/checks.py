@@ -20,7 +20,7 @@ from chain_impact.scene.contents import Contents
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import SceneError, SceneWarning, shown
-from chain_impact.scene.signals import check_signals
+from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.tables import Chain, Contact, Material, Stops
 
 _MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")

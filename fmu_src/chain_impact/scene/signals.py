@@ -5,11 +5,10 @@ kernel/chain/signals.py computes their values.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
-from itertools import chain, count, pairwise
+from itertools import chain, count
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -56,8 +55,6 @@ _UNITS = {
 }
 
 
-# smallest speed that counts as motion, as a part of a sine's largest speed; below it is round-off
-AT_REST = 1e-12
 # largest gap between the last row of a table and the end of its period, as a part of the period
 CLOSED = 1e-9
 
@@ -176,13 +173,11 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
         OSError: when the file cannot be read.
     """
     _, columns = samples_of(read_table(file), scene.simulation.stop_time)
-    inputs, numbered = list(inputs_of(scene)), (f"inputs_{k}" for k in count(2))
+    numbered = (f"inputs_{k}" for k in count(2))
     name = next(one for one in chain(("inputs",), numbered) if one not in scene.signals)
     for one in columns:
-        if one not in inputs:
-            near, asked = nearest(one, inputs), input_asked(one)
-            hint = f"the nearest is {near}" if near else f"{asked} makes it" if asked else "it has none"
-            raise SceneError(f"{file}: column {one} is no input of {scene.name}; {hint}")
+        if one not in inputs_of(scene):
+            raise SceneError(f"{file}: column {one} is no input of {scene.name}; {how_asked(scene, one)}")
     table = {"input": list(columns), "form": "table", "file": str(file.absolute())}
     table |= {"interpolation": interpolation} if interpolation else {}
     return scene.with_values({("signals", name): table})
@@ -236,49 +231,18 @@ def _completed(name: str, signal: Signal) -> Signal:
     return replace(signal, **missing)
 
 
-def check_signals(scene: Contents) -> None:
-    """Refuse signals that cannot drive their inputs."""
-    owners: dict[str, str] = {}
-    for name, signal in scene.signals.items():
-        _check_inputs(scene, name, signal)
-        _check_numbers(name, signal)
-        for one in signal.input:
-            driven_alone = family(one) if is_motion(one) else (one,)
-            for driven in driven_alone:
-                if driven in owners:
-                    other = owners[driven]
-                    by = f"signal.{other} drives {driven}" if other != name else "it stands there twice"
-                    raise SceneError(
-                        f"signal.{name}.input = {one!r} must be driven by one signal only: {by}",
-                        ("signals", name, "input"),
-                    )
-            owners |= dict.fromkeys(driven_alone, name)
-            _check_motion(name, signal, one)
-
-
-def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
-    """Refuse inputs that the scene does not have, and inputs of different units in one signal."""
-    there, what = list(inputs_of(scene)), f"signal.{name}.input"
-    if not signal.input:
-        raise SceneError(f"{what} = [] must name at least one input", ("signals", name, "input"))
-    for one in signal.input:
-        if one in there:
-            continue
-        key = input_key(one)
-        asked = key is None or (key != "wall_motion" and getattr(scene.inputs, key))
-        how = f"the scene has {', '.join(there)}" if there else "the scene has none"
-        if key == "wall_motion" and one.split(".")[1] in scene.half_planes and not scene.may_touch:
-            how = "no point can touch a wall"
-        elif not asked:
-            how = f"{input_asked(one)} makes it"
-        elif near := nearest(one, there):
-            how = f"the nearest is {near}"
-        raise SceneError(f"{what} = {one!r} is no input of the scene; {how}", ("signals", name, "input"))
-    units = {unit_of(one): one for one in signal.input}
-    if len(units) > 1 and signal.form != "table":
-        first, second = list(units.items())[:2]
-        each = f"{first[1]} is in {first[0]}, {second[1]} in {second[0]}"
-        raise SceneError(f"{what} must name inputs of one unit: {each}", ("signals", name, "input"))
+def how_asked(scene: Contents, name: str) -> str:
+    """Return the words for how a scene would have an input, or for the inputs that it has."""
+    key, there = input_key(name), list(inputs_of(scene))
+    if key == "wall_motion" and (wall := name.split(".")[1]) not in scene.half_planes:
+        return f"there is no wall {wall}"
+    if key == "wall_motion" and not scene.may_touch:
+        return "no point can touch a wall"
+    if key and (key == "wall_motion" or not getattr(scene.inputs, key)):
+        return f"{input_asked(name)} makes it"
+    if near := nearest(name, there):
+        return f"the nearest is {near}"
+    return f"it has {', '.join(there)}" if there else "it has none"
 
 
 def inputs_of(scene: Contents) -> Iterator[str]:
@@ -301,99 +265,3 @@ def inputs_of(scene: Contents) -> Iterator[str]:
         yield from (
             f"wall.{wall}.{key}" for key in ("displacement", "velocity", "acceleration", "belt_speed")
         )
-
-
-def _check_numbers(name: str, signal: Signal) -> None:
-    """Refuse times that do not increase, and lists of times and values of different lengths."""
-    times, values = signal.times, signal.values
-    if signal.samples is not None:
-        _check_period(name, signal, signal.samples)
-    if times is None or values is None:
-        return
-    if not times or len(times) != len(values):
-        raise SceneError(
-            f"signal.{name}.times and .values must be of one length > 0, not {len(times)} and {len(values)}",
-            ("signals", name, "values"),
-        )
-    for k, (before, after) in enumerate(pairwise(times), 2):
-        if not after > before:
-            raise SceneError(
-                f"signal.{name}.time[{k}] = {after:g} must be > {before:g} [s], the time before it",
-                ("signals", name, "times"),
-            )
-
-
-def _check_period(name: str, signal: Signal, samples: Samples) -> None:
-    """Refuse a table that does not fit into its period, or does not return to its start."""
-    period, lasts = signal.period, samples.times[-1] - samples.times[0]
-    if period is None:
-        return
-    if lasts > period * (1.0 + CLOSED):
-        raise SceneError(
-            f"signal.{name}.period = {period:g} must be >= {lasts:g} [s], how long its table lasts",
-            ("signals", name, "period"),
-        )
-    for one, values in samples.columns:
-        if is_closed(signal) and values[-1] != values[0] and joined_by(signal, one) != "hold":
-            raise SceneError(
-                f"signal.{name}: {one} = {values[-1]:g} in the last row must be {values[0]:g}, as in the "
-                "first one, a period before it, or be left out",
-                ("signals", name, "file"),
-            )
-
-
-def _check_table(name: str, signal: Signal, driven: str, order: int) -> None:
-    """Refuse a table whose interpolation lets the position or velocity of base or wall jump."""
-    needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
-    if signal.interpolation and needed and signal.interpolation not in needed:
-        raise SceneError(
-            f'signal.{name}.interpolation = "{signal.interpolation}" must be '
-            f"{' or '.join(map(_quoted, needed))} where {driven} is driven: its velocity would jump, which "
-            "would be an impact of unknown strength",
-            ("signals", name, "interpolation"),
-        )
-    if signal.period and order == 2:  # noqa: PLR2004
-        raise SceneError(
-            f"signal.{name}.period = {signal.period:g} must be left out where an acceleration is driven: the "
-            "velocity would grow with each period; drive the velocity or the position",
-            ("signals", name, "period"),
-        )
-
-
-def _quoted(text: str) -> str:
-    return f'"{text}"'
-
-
-def _check_motion(name: str, signal: Signal, driven: str) -> None:
-    """Refuse a motion whose position or velocity of base or wall jumps."""
-    order = family(driven).index(driven)
-    belt = driven.endswith(".belt_speed")
-    if (
-        signal.form == "sine"
-        and (order > 0 or belt)
-        and (signal.rise or signal.frequency_rate or not signal.frequency)
-    ):
-        key = "rise" if signal.rise else "frequency_rate" if signal.frequency_rate else "frequency"
-        number, needed = getattr(signal, key), "> 0" if key == "frequency" else "0"
-        raise SceneError(
-            f"signal.{name}.{key} = {number:g} must be {needed} where {driven} is driven, which is integrated"
-        )
-    if not is_motion(driven):
-        return
-    _check_table(name, signal, driven, order)
-    impact = f"{driven} would jump, which would be an impact of unknown strength"
-    if signal.form == "steps" and order < 2 and len(set(signal.values or ())) > 1:  # noqa: PLR2004
-        raise SceneError(f'signal.{name}.form = "steps": {impact}: take a ramp', ("signals", name))
-    if signal.form == "ramp" and order == 0 and signal.shape == "linear":
-        raise SceneError(
-            f'signal.{name}.shape = "linear": the velocity of {impact}: take "smooth" or "trapezoid"',
-            ("signals", name),
-        )
-    if signal.form == "sine" and order == 0 and signal.start and signal.start > 0.0 and not signal.rise:
-        speed = (signal.amplitude or 0.0) * (signal.frequency or 0.0)
-        if abs(speed * math.cos(signal.phase or 0.0)) > AT_REST * abs(speed):
-            raise SceneError(
-                f"signal.{name}.start = {signal.start:g}: the velocity of {impact}: give it a rise, a phase "
-                "at which the sine is at rest, as pi/2, or start = 0",
-                ("signals", name),
-            )

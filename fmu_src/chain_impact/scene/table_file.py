@@ -19,8 +19,9 @@ from chain_impact.scene.text_file import check_separator, likely_time, text_of
 Source = str | Path | Mapping[str, Sequence[Any]]
 """A CSV or Parquet file, or columns: name → cells, also as a table of pandas or polars."""
 TIME = "time"
-# [1] length of a table over the length of the run, beyond which its times are in another unit
-TOO_LONG = 1000.0
+# [1] length of a table over the length of the run, beyond which its times are in another unit: 1000 where
+# they are in milliseconds
+TOO_LONG = 990.0
 EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")
 
 
@@ -57,8 +58,13 @@ class Table:
         value = value.strip() if isinstance(value, str) else value
         return None if str(value) in EMPTY else value
 
-    def number(self, row: int, name: str) -> float:
+    def number(self, row: int, name: str, otherwise: str = ", or empty if not measured") -> float:
         """Return a cell as a number, NaN if it is empty.
+
+        Args:
+            row: the number of the row.
+            name: the name of the column.
+            otherwise: what else than a number a cell may be, for the error.
 
         Raises:
             SceneError: when the cell is no number, or not finite.
@@ -72,7 +78,7 @@ class Table:
             found = math.inf
         if not math.isfinite(found):
             raise SceneError(
-                f"{self.where(row, name)} = {shown(value)} must be a finite number, or empty if not measured"
+                f"{self.where(row, name)} = {shown(value)} must be a finite number{otherwise}"
                 f"{decimal_comma(value)}"
             )
         return found
@@ -130,6 +136,8 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
     if TIME not in table.names:
         hint = likely_time(table.names) or f"; it has {', '.join(table.names)}"
         raise SceneError(f"{table.source}: the column {TIME} is missing{hint}")
+    if table.names == (TIME,):
+        raise SceneError(f"{table.source}: has only the column {TIME}; must have one for each input")
     columns = {name: _column(table, name) for name in table.names}
     times = columns.pop(TIME)
     for row in (np.flatnonzero(np.diff(times) <= 0.0) + 1).tolist():
@@ -148,7 +156,7 @@ def _column(table: Table, name: str) -> np.ndarray:
             raise SceneError(
                 f"{table.where(row, name)} is empty: a table of inputs has a number in each cell"
             )
-    return np.array([table.number(row, name) for row in range(len(table.rows))])
+    return np.array([table.number(row, name, otherwise="") for row in range(len(table.rows))])
 
 
 def _checked(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: list[str]) -> Table:
