@@ -80,15 +80,15 @@ def scene_reference() -> str:
             meaning, _, missing = _of_the_joint(rule["description"]).partition("; if missing: ")
             default = missing or _default(rule["default"])
             if default == AS_IN_CONTACT:  # so are what is allowed and the meaning
-                rows.append((code(name), default, "", ""))
+                rows.append((code(name), default, ""))
             else:
-                rows.append((code(name), default, _allowed(entry.type, rule), meaning))
+                rows.append((code(name), _value(default, _allowed(entry.type, rule)), meaning))
     blocks = []
     for section, rows in sections.items():
         if rows:
             title = f"[[{section[:-2]}]]" if section.endswith("[]") else f"[{section}]"
             heading = f"### `{title}`" if section else "### Top level"
-            blocks.append(f"{heading}\n\n{table(('key', 'default', 'value', 'meaning'), _joined(rows))}")
+            blocks.append(f"{heading}\n\n{table(('key', 'value', 'meaning'), _joined(rows))}")
     return "\n\n".join(blocks)
 
 
@@ -98,14 +98,24 @@ AS_IN_CONTACT = "as in [contact]"  # default of keys that [contact] has, too
 
 def _joined(rows: Iterable[Sequence[str]]) -> Iterable[Sequence[str]]:
     """Rows of a table of keys, in one where they follow each other with short meanings and equal values."""
-    for _, group in groupby(rows, lambda row: (row[1:3], len(row[3].split()) > SHORT and row[0])):
-        keys, defaults, values, meanings = zip(*group, strict=True)
-        yield ", ".join(keys), defaults[0], values[0], ", ".join(filter(None, meanings))
+    for _, group in groupby(rows, lambda row: (row[1], len(row[2].split()) > SHORT and row[0])):
+        keys, values, meanings = zip(*group, strict=True)
+        yield ", ".join(keys), values[0], ", ".join(filter(None, meanings))
+
+
+def _value(default: str, allowed: str) -> str:
+    """The default with its unit, and the range; a default that is one of some choices is bold."""
+    if default and default in allowed.split(", "):
+        return allowed.replace(default, f"**{default}**", 1)
+    limits, unit = re.fullmatch(r"(.*?) ?(\[[^,]*\])?", allowed).groups("")
+    if "each" in limits:  # the unit of the items
+        return ", ".join(filter(None, (default, allowed)))
+    return ", ".join(filter(None, (f"{default} {unit}".strip(), limits)))
 
 
 def _of_the_joint(description: str) -> str:
     """A description without "of the joint nearer to the base" and "for its FMU", which the pages say once."""
-    for said in (" of the joint nearer to the base", " in the joint nearer to the base"):
+    for said in (" of the joint nearer to the base", " in the joint nearer to the base", " of the model"):
         description = description.replace(said, "")
     return description.removesuffix(", for its FMU")
 
@@ -157,7 +167,7 @@ def _readable(text: str) -> str:
 
 
 def variable_patterns() -> str:
-    """Every kind of variable once, its indices replaced by letters, and which scenes have it."""
+    """Every kind of variable once, its indices replaced by letters."""
     known = {_of_the_joint(entry.metadata["description"]) for _, entry in scene_keys() if entry.metadata}
     sections = []
     for title, table_of in (("Parameters", PARAMETERS), ("Inputs", INPUTS), ("Outputs", OUTPUTS)):
@@ -165,26 +175,19 @@ def variable_patterns() -> str:
         for kind in (kind for of_one_element in table_of for kind in of_one_element.kinds):
             meaning = _meaning(kind)
             is_key = meaning in known and bool(kind.unit)
-            where = next((WHERE[condition] for condition in kind.when if condition in WHERE), "")
             tunable = "; tunable" if kind.tunable == ALWAYS else ""
-            alike.setdefault((SCENE_KEY if is_key else meaning) + where + tunable, []).append(kind)
+            alike.setdefault((SCENE_KEY if is_key else meaning) + tunable, []).append(kind)
         lines = []
         for meaning, kinds in alike.items():
             columns = ([kind.pattern for kind in kinds], [kind.unit for kind in kinds])
-            names, units = ([code(one) for one in dict.fromkeys(column) if one] for column in columns)
-            units = [] if meaning.startswith(SCENE_KEY) else units  # the scene file has them
-            lines.append((", ".join(names), ", ".join(units), meaning))
-        sections.append(f"### {title}\n\n{table(('name', 'unit', 'meaning'), lines)}")
+            names, units = (list(dict.fromkeys(filter(None, column))) for column in columns)
+            unit = "" if meaning.startswith(SCENE_KEY) or units in ([], ["1"]) else f" [{', '.join(units)}]"
+            lines.append((", ".join(map(code, names)), meaning + unit))
+        sections.append(f"### {title}\n\n{table(('name', 'meaning'), lines)}")
     return "\n\n".join(sections)
 
 
 SCENE_KEY = "scene key"  # meaning of parameters that the page of the scene file explains
-WHERE = {
-    "contact_friction": "; with dry friction",
-    "friction": "; with dry friction",
-    "driven": "; with inputs",
-}
-"""Condition for a variable → which scenes meet it, where the name does not tell."""
 IN_GENERAL = OF_STOPS | {
     "axis": "x and y",
     "n": "i",
@@ -268,8 +271,7 @@ def walls() -> str:
 
 def statuses() -> str:
     """The status codes of the solver; the remedies stand in the messages themselves."""
-    rows = ((f"{n} {code(STATUS_NAME[n])}", text.split(":")[0]) for n, text in STATUS_TEXT.items())
-    return table(("status", "meaning"), rows)
+    return "\n".join(f"- {n} {code(STATUS_NAME[n])}: {text.split(':')[0]}" for n, text in STATUS_TEXT.items())
 
 
 # ---- contact laws, command line -------------------------------------------------------------------------
