@@ -37,11 +37,9 @@ def make_pages(notebooks: list[Path], folder: Path) -> None:
 
 def write_words() -> None:
     """Write what the words of the glossary mean, for the extension ``abbr``, which shows it on hover."""
-    rows = re.findall(
-        r"^\| ([^|]+) \| ([^|]+) \|$", GLOSSARY.read_text(encoding="utf-8").split("\n## ")[0], re.M
-    )
+    explained = re.findall(r"^- \*\*(.+?)\*\*: (.+)$", GLOSSARY.read_text(encoding="utf-8"), re.M)
     lines = []
-    for words, meaning in rows[1:]:  # below the head
+    for words, meaning in explained:
         text = re.sub(r"(: )?\[([^]]+)\]\([^)]*\)", "", meaning)  # a link says only where to read more
         text = re.sub(r"[*`]|\\\(.*?\\\)", "", text).strip(" :;")
         lines += [f"*[{word}]: {text}" for word in words.split(", ") if word not in COMMON]

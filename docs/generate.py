@@ -114,7 +114,7 @@ def _value(default: str, allowed: str) -> str:
 
 
 def _of_the_joint(description: str) -> str:
-    """A description without "of the joint nearer to the base" and "for its FMU", which the pages say once."""
+    """A description without "of the joint nearer to the base", "of the model" and "for its FMU"."""
     for said in (" of the joint nearer to the base", " in the joint nearer to the base", " of the model"):
         description = description.replace(said, "")
     return description.removesuffix(", for its FMU")
