@@ -182,8 +182,8 @@ def variable_patterns() -> str:
             columns = ([kind.pattern for kind in kinds], [kind.unit for kind in kinds])
             names, units = (list(dict.fromkeys(filter(None, column))) for column in columns)
             unit = "" if meaning.startswith(SCENE_KEY) or units in ([], ["1"]) else f" [{', '.join(units)}]"
-            lines.append((", ".join(map(code, names)), meaning + unit))
-        sections.append(f"### {title}\n\n{table(('name', 'meaning'), lines)}")
+            lines.append(f"- {', '.join(map(code, names))}: {meaning}{unit}")
+        sections.append(f"### {title}\n\n" + "\n".join(lines))
     return "\n\n".join(sections)
 
 
