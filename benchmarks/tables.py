@@ -48,7 +48,7 @@ def run(name: str, packages: Iterable[str] = ()) -> str:
     changed = ", with uncommitted changes" if record["sources_changed_since"] else ""
     versions = "".join(f", {key} {record['versions'][key]}" for key in packages if key in record["versions"])
     where = f"{record['machine']['processor']}, {record['machine']['cores']} cores"
-    return f"Run {record['date'][:10]} at commit `{record['commit'][:7]}`{changed}; {where}{versions}.\n\n"
+    return f"{record['date'][:10]}, commit `{record['commit'][:7]}`{changed}; {where}{versions}.\n\n"
 
 
 def digits(value: float | None) -> str:

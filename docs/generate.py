@@ -70,7 +70,7 @@ def code(text: object) -> str:
 
 
 def scene_reference() -> str:
-    """One table for each table of the scene file."""
+    """One list for each table of the scene file."""
     sections: dict[str, list[Sequence[str]]] = {}
     for key, entry in scene_keys():
         section, _, name = key.rpartition(".")
@@ -88,7 +88,7 @@ def scene_reference() -> str:
         if rows:
             title = f"[[{section[:-2]}]]" if section.endswith("[]") else f"[{section}]"
             heading = f"### `{title}`" if section else "### Top level"
-            blocks.append(f"{heading}\n\n{table(('key', 'value', 'meaning'), _joined(rows))}")
+            blocks.append(f"{heading}\n\n" + "\n".join(_joined(rows)))
     return "\n\n".join(blocks)
 
 
@@ -96,11 +96,13 @@ SHORT = 5  # words of a meaning
 AS_IN_CONTACT = "as in [contact]"  # default of keys that [contact] has, too
 
 
-def _joined(rows: Iterable[Sequence[str]]) -> Iterable[Sequence[str]]:
-    """Rows of a table of keys, in one where they follow each other with short meanings and equal values."""
+def _joined(rows: Iterable[Sequence[str]]) -> Iterable[str]:
+    """A line for each key, or for keys that follow each other with short meanings and equal values."""
     for _, group in groupby(rows, lambda row: (row[1], len(row[2].split()) > SHORT and row[0])):
         keys, values, meanings = zip(*group, strict=True)
-        yield ", ".join(keys), values[0], ", ".join(filter(None, meanings))
+        value = f" ({values[0]})" if values[0] else ""
+        meaning = ", ".join(filter(None, meanings))
+        yield f"- {', '.join(keys)}{value}" + (f": {meaning}" if meaning else "")
 
 
 def _value(default: str, allowed: str) -> str:
@@ -223,6 +225,15 @@ ALIKE = {
     "angle, angular velocity and angular acceleration, absolute, from +x": (
         *("link[i].angle", "link[i].angular_velocity", "link[i].angular_acceleration"),
     ),
+    "moment of its stops, positive at joint_min, angle beyond a stop, and impulse since the start": (
+        *("joint[i].stop_moment", "joint[i].stop_penetration", "joint[i].stop_impulse"),
+    ),
+    "how far it has moved along n, and its belt along t = (n_y, -n_x)": (
+        *("wall.<wall>.position", "wall.<wall>.belt_position"),
+    ),
+    "force, along its left normal, and moment of the line on the carriage": (
+        *("slider.reaction", "slider.moment"),
+    ),
     "angle and angular velocity, relative to the link before": (
         *("joint[i].angle", "joint[i].angular_velocity"),
     ),
@@ -271,7 +282,9 @@ def walls() -> str:
 
 def statuses() -> str:
     """The status codes of the solver; the remedies stand in the messages themselves."""
-    return "\n".join(f"- {n} {code(STATUS_NAME[n])}: {text.split(':')[0]}" for n, text in STATUS_TEXT.items())
+    return "\n".join(
+        f"- {n} {code(STATUS_NAME[n])}: {re.split(':|, as ', text)[0]}" for n, text in STATUS_TEXT.items()
+    )
 
 
 # ---- contact laws, command line -------------------------------------------------------------------------
@@ -361,11 +374,21 @@ def measured_impacts() -> str:
     return (
         f"Measured {record['date'][:10]} at commit `{record['commit'][:7]}`. The median speed is "
         f"{facts['speed']:.2f} m/s.\n\n"
-        + table(head, [(", ".join(names), *cells) for cells, names in rows.items()])
+        + table(head, [(_few(names), *cells) for cells, names in rows.items()])
         + f"\n\n{facts['moves back']:.0%} of the contact points move back along the wall after the impact, "
         f"{back[0]:.0%} to {back[-1]:.0%} in the simulations. A spring along the wall does not change this, "
         "so contacts here have no compliance along the wall."
     )
+
+
+NAMED = 3  # laws of a row of the table of measured impacts
+
+
+def _few(names: list[str]) -> str:
+    """Some names, the default law first, and how many others there are."""
+    names = sorted(names, key=lambda name: "`zhang_sharf`" not in name)
+    others = f", and {len(names) - NAMED} others" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + others
 
 
 def _model(name: str, found: dict[str, float]) -> str:
