@@ -11,6 +11,11 @@ from chain_impact.scene.names import input_key, name_of, nearest, parameter_hint
         (("gravity", 0), "gravity.x", "entry 1 of gravity"),
         (("gravity",), "gravity", "gravity"),
         (("chain", "links", 9), "link[10]", "entry 10 of chain.links"),
+        (
+            ("chain", "links", 0, "points", 1, "x"),
+            "link[1].point[2].x",
+            "x in [[chain.links.points]]",
+        ),
         (("chain", "links", 0, "mass"), "link[1].mass", "mass in [[chain.links]]"),
         (("walls", 1, "point", 1), "wall.stop.y", "entry 2 of point in [[walls]]"),
         (("walls", 1, "angle"), "wall.stop.angle", "angle in [[walls]]"),

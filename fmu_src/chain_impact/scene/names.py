@@ -104,8 +104,8 @@ def place_in_file(path: Place) -> str:
     *head, last = path
     if isinstance(last, int):
         return f"entry {last + 1} of {place_in_file(tuple(head))}"
-    tables = [k for k, step in enumerate(head) if isinstance(step, int)]
-    return f"{last} in [[{_dotted(tuple(head[: tables[0]]))}]]" if tables else _dotted(path)
+    tables = tuple(step for step in head if not isinstance(step, int))
+    return f"{last} in [[{_dotted(tables)}]]" if len(tables) < len(head) else _dotted(path)
 
 
 INPUTS_OF = {

@@ -50,7 +50,7 @@ export class ImpactList {
     const button = make("button", { type: "button", textContent: String(number + 1) });
     button.setAttribute("aria-label", `Go to impact ${number + 1}, at ${impact.onset.toFixed(6)} s`);
     row.insertCell().append(button);
-    const texts = [`${impact.onset.toFixed(5)} s`, impact.what.replace(/^point /, ""), impact.wall, approachText(impact), reboundText(impact), peakText(impact)];
+    const texts = [`${impact.onset.toFixed(5)} s`, impact.what.replace(/^point /, ""), impact.wall.replace(/^slider_/, ""), approachText(impact), reboundText(impact), peakText(impact)];
     texts.forEach((text) => {
       row.insertCell().textContent = text;
     });

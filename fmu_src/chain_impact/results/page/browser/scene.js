@@ -21,6 +21,7 @@ const ARC = 0.25; // of a link's length: the radius of the arc of its joint's ra
 const TICK = 0.3; // of the radius: the length of the mark of a stop
 const ARC_CORNERS = 33;
 const BESIDE = 15; // pixels from a point to its number
+const [NAME_WIDTH, NAME_HEIGHT] = [12, 10]; // pixels: names of points that are nearer to each other would overlap
 const NUMBERED = 12; // links, above which points have no numbers
 const MANY_LINKS = 60; // above which the chain is one line, without joints
 
@@ -35,6 +36,23 @@ function besideChain(places, point) {
   const size = Math.hypot(...bend);
   const [dx, dy] = size > 0.2 ? bend.map((part) => part / size) : [ways[0][1], -ways[0][0]];
   return [x + BESIDE * dx, y + BESIDE * dy];
+}
+
+/** A place beside a point of a body on the screen, away from the middle of the rectangle around its corners. */
+function besideBody(place, corners) {
+  const way = place.map((at, axis) => {
+    const reach = corners.map((corner) => corner[axis]);
+    const [low, high] = [Math.min(...reach), Math.max(...reach)];
+    return (2 * at - low - high) / (high - low || 1);
+  });
+  const size = Math.hypot(...way) || 1;
+  return place.map((at, axis) => at + (BESIDE * way[axis]) / size);
+}
+
+/** On which side of a place beside a point its text begins. */
+function anchorAt(x, [from]) {
+  if (Math.abs(x - from) < 0.5 * BESIDE) return "middle";
+  return x > from ? "start" : "end";
 }
 
 export class Scene {
@@ -78,7 +96,8 @@ export class Scene {
     this.discs = radius > 0 ? touching.map(([point, own]) => [point, own, this.circles.circle().addClass("disc")]) : [];
     this.outlines = [...bodies.map(() => "body"), ...(rail ? ["carriage"] : [])].map((kind) => this.bodies.polygon().addClass(kind));
     this.names = Array.from({ length: links <= NUMBERED ? pointCount : 0 }, (_, point) =>
-      this.numbers.plain(names.get(point) ?? String(point)).addClass(point > links ? "point-number of-site" : "point-number"));
+      this.numbers.plain(names.get(point) ?? String(point)).addClass("point-number"));
+    this.bodyOf = this.names.map((_, point) => this.#nearestBody(point));
     const shown = links < MANY_LINKS ? Array.from({ length: links + 1 }, (_, point) => point) : [0, links];
     this.dots = shown.map((point) => {
       const kind = point === links ? "tip" : "joint";
@@ -87,6 +106,17 @@ export class Scene {
     for (let point = links + 1; point < pointCount; point += 1) {
       this.dots.push([point, this.joints.circle(7).addClass("site")]);
     }
+  }
+
+  /** The number of the body that a point belongs to: an end of the chain, if its link is one, or a point of a link. */
+  #nearestBody(point) {
+    const { links, bodies } = this.recording;
+    if (point > 0 && point < links) return undefined;
+    if (point <= links) return bodies.findIndex(([link]) => link === Math.max(point, 1));
+    const [x, y] = this.recording.pointAt(0, point);
+    const ways = this.recording.bodiesAt(0).slice(0, bodies.length)
+      .map((corners) => Math.min(...corners.map(([cx, cy]) => Math.hypot(cx - x, cy - y))));
+    return ways.indexOf(Math.min(...ways));
   }
 
   /** Fit the scene into so many pixels. */
@@ -151,13 +181,11 @@ export class Scene {
     const all = Array.from({ length: recording.pointCount }, (_, point) => camera.place(...recording.pointAt(frame, point)));
     const places = all.slice(0, recording.links + 1);
     this.lines.forEach(([range, line]) => line.plot(places.slice(...range)));
-    recording.bodiesAt(frame).forEach((corners, k) => this.outlines[k].plot(this.#places(corners)));
+    const bodies = recording.bodiesAt(frame).map((corners) => this.#places(corners));
+    bodies.forEach((corners, k) => this.outlines[k].plot(corners));
     this.dots.forEach(([point, dot]) => dot.center(...all[point]));
     this.discs.forEach(([point, , disc]) => disc.center(...all[point]));
-    this.names.forEach((name, point) => {
-      const [x, y] = point <= recording.links ? besideChain(places, point) : all[point].map((at) => at + 0.6 * BESIDE);
-      name.attr({ x, y: y + 4 });
-    });
+    this.#drawNames(all, bodies);
     if (recording.moved.length) this.#drawRoom(frame);
     this.#drawPin(frame);
     this.#drawRanges(frame);
@@ -165,6 +193,20 @@ export class Scene {
     this.#drawRings(frame);
     this.#drawArrows(frame);
     this.#drawLoads(frame);
+  }
+
+  /** Numbers and names of points; one that has no room beside those before is left out. */
+  #drawNames(all, bodies) {
+    const { links } = this.recording;
+    const taken = [];
+    this.names.forEach((name, point) => {
+      const corners = bodies[this.bodyOf[point]];
+      const [x, y] = corners ? besideBody(all[point], corners) : besideChain(all.slice(0, links + 1), point);
+      const free = taken.every(([x1, y1]) => Math.abs(x - x1) > NAME_WIDTH || Math.abs(y - y1) > NAME_HEIGHT);
+      if (free) taken.push([x, y]);
+      name.attr({ x, y: y + 4 }).css({ "text-anchor": corners ? anchorAt(x, all[point]) : "middle" });
+      name.css("visibility", free ? "visible" : "hidden");
+    });
   }
 
   #drawTrace(frame, tip) {
