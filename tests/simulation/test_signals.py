@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from chain_impact import Chain, simulate
+from chain_impact import Chain, SceneError, simulate
 from chain_impact.scene.scene import load_scene, parse_scene
 
 ARM = """
@@ -145,6 +145,32 @@ def test_a_signal_moves_the_chain_as_the_same_function_in_python_does(name):
     np.testing.assert_allclose(run[one], [function(t) for t in before], rtol=0.0, atol=1e-10)
 
 
+@pytest.mark.parametrize("name", FORMS)
+def test_the_checks_of_a_start_know_what_signals_make_of_it(name):
+    one = FORMS[name][0]
+    scene = driven(name)
+    assert scene.signals["drive"].at_start(one) == pytest.approx(simulate(scene, 1e-3)[one][0], abs=1e-15)
+    if name in ("smooth", "trapezoid", "chirp"):
+        for start in (-0.02, -0.17, -1.0):  # it has begun before
+            begun = scene.with_values({"signal.drive.start": start})
+            value = simulate(begun, 1e-3)[one][0]
+            assert begun.signals["drive"].at_start(one) == pytest.approx(value, abs=1e-14)
+
+
+def test_a_base_and_a_wall_start_where_signals_have_them():
+    arm = parse_scene(ARM, "arm.toml")
+    base, wall = (
+        {("signals", "up"): {"input": one, "form": "constant", "value": 0.3}} for one in (HEIGHT, TABLE)
+    )
+    lifted = arm.with_values(
+        {("walls", 0, "point"): [0.0, -0.4]} | base
+    )  # at its initial position it is inside
+    assert lifted.start[0][:2] == (0.0, 0.3)
+    assert simulate(lifted, 1e-3)["point[2].y"][0] == pytest.approx(lifted.start[2][1], abs=1e-15)
+    with pytest.raises(SceneError, match=r"point 2 at \(.*\) m is .* m deep in the wall table"):
+        arm.with_values(wall)
+
+
 NUMBERS = [
     ("constant", "value"),
     *(
@@ -202,6 +228,17 @@ def with_table(folder, driven, columns, numbers, scene=ARM):
     text = f'{scene}\n[signals.drive]\ninput = [{inputs}]\nform = "table"\nfile = "drive.csv"\n{numbers}\n'
     (folder / "arm.toml").write_text(text)
     return load_scene(folder / "arm.toml")
+
+
+@pytest.mark.parametrize("interpolation", ["hold", "linear"])
+@pytest.mark.parametrize("period", [None, 0.3, 0.7])
+def test_the_checks_of_a_start_know_what_tables_make_of_it(tmp_path, interpolation, period):
+    for begin in (-0.25, 0.0, 0.1, -5.0):
+        columns = {"time": begin + np.array([0.0, 0.1, 0.2]), TORQUE: [1.0, 3.0, -2.0]}
+        numbers = f'interpolation = "{interpolation}"\n' + (f"period = {period}" if period else "")
+        scene = with_table(tmp_path, [TORQUE], columns, numbers)
+        (signal,) = scene.signals.values()
+        assert signal.at_start(TORQUE) == pytest.approx(simulate(scene, 1e-3)[TORQUE][0], abs=1e-13)
 
 
 @pytest.mark.parametrize("interpolation", ["hold", "linear"])

@@ -240,7 +240,7 @@ def _check_coefficients(scene: Contents, table: str, sliding: float, static: flo
 
 def check_start(scene: Contents) -> None:
     """Refuse a start in which a point that may touch is already inside a wall."""
-    walls, start, links = scene.half_planes, scene.start, len(scene.chain.links)
+    walls, start, links = scene.walls_at_start, scene.start, len(scene.chain.links)
     candidates = {k: start[k] for k in start if k > links or k in scene.contact.points}
     for point, (x, y, radius) in candidates.items():
         for name, wall in walls.items():
@@ -306,8 +306,8 @@ def base_hints(scene: Contents) -> list[str]:
     """Return a sentence for each wall that contains a pinned base, which is allowed as it cannot touch."""
     if scene.chain.base != "pinned":
         return []
-    x, y = scene.initial.position
-    deep = {name: -wall.clearance(x, y) for name, wall in scene.half_planes.items()}
+    x, y = scene.base_at_start
+    deep = {name: -wall.clearance(x, y) for name, wall in scene.walls_at_start.items()}
     where = f"initial: the pinned base at ({x:.6g}, {y:.6g}) m is"
     return [
         f"{where} {depth:.6g} m beyond the wall {name}, which cannot touch it: is it where it should be?"

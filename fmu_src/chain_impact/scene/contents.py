@@ -5,7 +5,7 @@ Modules that check, change and describe a scene use ``Contents``; users get the 
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -161,7 +161,7 @@ class Contents:
     @property
     def start(self) -> dict[int, tuple[float, float, float]]:
         """The position x, y [m] and radius [m] of each point at the start, by its number."""
-        x, y = self.initial.position
+        x, y = self.base_at_start
         found, radius = {0: (x, y, self.contact.radius)}, self.contact.radius
         sites = []
         for number, (link, angle) in enumerate(zip(self.chain.links, self.initial.angles, strict=True), 1):
@@ -171,6 +171,27 @@ class Contents:
             x, y = x + link.length * c, y + link.length * s
             found[number] = x, y, radius
         return found | dict(enumerate(sites, len(found)))
+
+    @property
+    def base_at_start(self) -> tuple[float, float]:
+        """The position x, y of the base at the start [m]: where signals have it, if they drive it."""
+        x, y = self.initial.position
+        driven = self._driven_at_start
+        return driven.get("base.x", x), driven.get("base.y", y)
+
+    @property
+    def walls_at_start(self) -> dict[str, HalfPlane]:
+        """The free side of each wall at the start, by its name: where signals have it, if they drive it."""
+        driven = self._driven_at_start
+        return {
+            name: replace(plane, offset=plane.offset + driven.get(f"wall.{name}.displacement", 0.0))
+            for name, plane in self.half_planes.items()
+        }
+
+    @property
+    def _driven_at_start(self) -> dict[str, float]:
+        """The values at the start of the inputs that signals drive, by their names."""
+        return {one: signal.at_start(one) for signal in self.signals.values() for one in signal.input}
 
     @property
     def point_names(self) -> dict[int, str]:

@@ -25,7 +25,7 @@ def svg(scene: Contents) -> str:
     bodies += [rail.carriage(points[0], size)] if rail else []
     nearest = [
         (wall, places - np.outer(places @ wall.normal - wall.offset, wall.normal))
-        for wall in scene.half_planes.values()
+        for wall in scene.walls_at_start.values()
     ]
     near = [(wall, feet) for wall, feet in nearest if np.hypot(*(places - feet).T).min() <= NEAR * size]
     shown = np.concatenate([places, *bodies, *(feet for _, feet in near)])

@@ -50,7 +50,7 @@ def drawing(scene: Scene) -> str:
     """The chain with its points, angles and walls, and the directions that are positive, as SVG."""
     axes, joints, unit = _chain(scene, SIZE, BORDER, linewidth=5.0, markersize=8.0)
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
-    for name, plane in scene.half_planes.items():
+    for name, plane in scene.walls_at_start.items():
         rubs = scene.has_contact_friction or name in scene.moving_walls
         _name_wall(axes, name, plane, "nt" if rubs else "n")
     every = math.ceil(len(scene.chain.links) / LABELLED)
@@ -95,7 +95,7 @@ def _chain(
     """
     places = np.array([place[:2] for place in scene.start.values()])
     joints, sites = np.split(places, [len(scene.chain.links) + 1])
-    planes, middle = list(scene.half_planes.values()), joints.mean(axis=0)
+    planes, middle = list(scene.walls_at_start.values()), joints.mean(axis=0)
     seen = np.array([*places, *(_foot(plane, middle) for plane in planes)])
     scale = max(np.ptp(seen, axis=0) / (np.array(size) - border))  # m for an inch
     centre = 0.5 * (seen.min(axis=0) + seen.max(axis=0))
