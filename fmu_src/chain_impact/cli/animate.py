@@ -73,7 +73,7 @@ def add(verbs: Verbs) -> None:
 
 
 def size(text: str) -> tuple[int, int]:
-    """The type of an argument: width and height in pixels."""
+    """Return the type of an argument: width and height in pixels."""
     least, most = 160, 4096
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal()):
@@ -131,12 +131,12 @@ def record(options: argparse.Namespace) -> Recording:
 
 
 def is_csv(source: str) -> bool:
-    """Whether the source is meant to be a table."""
+    """Return whether the source is meant to be a table."""
     return source.lower().endswith(".csv")
 
 
 def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recording:
-    """The recording in a table, with the walls of a scene."""
+    """Return the recording in a table, with the walls of a scene."""
     if scene is None:
         if settings:
             raise UsageError(

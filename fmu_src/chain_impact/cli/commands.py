@@ -115,7 +115,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def parser() -> argparse.ArgumentParser:
-    """The grammar of the command line."""
+    """Return the grammar of the command line."""
     purpose = "Simulate planar chains that hit walls, study their impacts, and make FMUs of them."
     whole = Parser(prog="chain-impact", description=purpose)
     whole.set_defaults(run=None, only_prints=False)

@@ -56,7 +56,7 @@ def complete(
 
 
 def is_fmu(source: str) -> bool:
-    """Whether the source is meant to be an FMU."""
+    """Return whether the source is meant to be an FMU."""
     return source.lower().endswith(".fmu")
 
 
@@ -84,7 +84,7 @@ def differentiable(source: str) -> Offer:
 
 
 def outputs(source: str) -> Offer:
-    """Outputs, those of an FMU too."""
+    """Return outputs, those of an FMU too."""
     if is_fmu(source):
         return _of_fmu(source, "output")
     return Offer(_model(source).outputs_by_name)
@@ -98,14 +98,14 @@ def rankable(source: str) -> Offer:
 
 
 def laws(source: str) -> Offer:
-    """The contact laws that a scene can have."""
+    """Return the contact laws that a scene can have."""
     from chain_impact.scene.scene import load_scene
 
     return Offer(load_scene(source).law_names)
 
 
 def _of_fmu(source: str, causality: str) -> Offer:
-    """The variables of an FMU with a causality."""
+    """Return the variables of an FMU with a causality."""
     from chain_impact.fmu.importer import read_fmu
 
     return Offer([one.name for one in read_fmu(Path(source)).modelVariables if one.causality == causality])
@@ -119,5 +119,5 @@ def _model(source: str) -> Any:
 
 
 def _choices(source: str) -> dict[str, list[str]]:
-    """Parameter → its choices."""
+    """Return parameter → its choices."""
     return {one.name: [item.name for item in one.items] for one in _model(source).parameters if one.items}

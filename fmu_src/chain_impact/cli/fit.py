@@ -119,7 +119,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def numbers(name: str, text: str) -> list[float]:
-    """The numbers between commas."""
+    """Return the numbers between commas."""
     try:
         return [float(part) for part in text.split(",")]
     except ValueError:

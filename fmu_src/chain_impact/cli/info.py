@@ -81,20 +81,20 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _as_set(value: object) -> object:
-    """A value of a scene as ``--set`` takes it."""
+    """Return a value of a scene as ``--set`` takes it."""
     if isinstance(value, bool):
         return str(value).lower()
     return list(value) if isinstance(value, tuple) else value
 
 
 def _start_and_rule(variable: Any) -> object:
-    """The start value, and how it follows from others unless it is set."""
+    """Return the start value, and how it follows from others unless it is set."""
     _, follows, rule = (variable.description or "").partition(UNLESS_SET)
     return f"{_start(variable)}  # derived: {rule}" if follows else _start(variable)
 
 
 def _start(variable: Any) -> object:
-    """The start value, an enumeration's by name."""
+    """Return the start value, an enumeration's by name."""
     if variable.type != "Enumeration":
         return variable.start
     return next(item.name for item in variable.declaredType.items if str(item.value) == str(variable.start))

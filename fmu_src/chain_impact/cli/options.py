@@ -94,19 +94,19 @@ def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] =
 
 
 def scene_of_options(options: argparse.Namespace) -> Scene:
-    """The scene of a command, with its settings and its inputs."""
+    """Return the scene of a command, with its settings and its inputs."""
     return driven(options.source, options.set, inputs_of(options))
 
 
 def inputs_of(options: argparse.Namespace) -> Inputs | None:
-    """The table of inputs of a command, if it has one, and its interpolation."""
+    """Return the table of inputs of a command, if it has one, and its interpolation."""
     if options.inputs is None and options.interpolation is not None:
         raise UsageError("--interpolation: what is interpolated is a table of inputs: give --inputs FILE too")
     return None if options.inputs is None else (options.inputs, options.interpolation)
 
 
 def driven(source: str, settings: Sequence[str], inputs: Inputs | None) -> Scene:
-    """A scene with settings ``NAME=VALUE``, and with a table of inputs."""
+    """Return a scene with settings ``NAME=VALUE``, and with a table of inputs."""
     scene = with_settings(load_scene(source), settings_of(settings))
     return with_inputs(scene, *inputs) if inputs else scene
 
@@ -144,7 +144,7 @@ def add_csv(command: argparse.ArgumentParser, what: str) -> None:
 
 
 def ending(*suffixes: str) -> Callable[[str], Path]:
-    """The type of an argument: a file with one of some suffixes."""
+    """Return the type of an argument: a file with one of some suffixes."""
 
     def file(text: str) -> Path:
         path = Path(text)
@@ -156,12 +156,12 @@ def ending(*suffixes: str) -> Callable[[str], Path]:
 
 
 def settings_of(texts: Sequence[str]) -> dict[str, str]:
-    """Name → value of every ``--set NAME=VALUE``."""
+    """Return name → value of every ``--set NAME=VALUE``."""
     return dict(name_and_value("--set", text, "contact.stiffness=1e9") for text in texts)
 
 
 def name_and_value(option: str, text: str, example: str) -> tuple[str, str]:
-    """The two sides of one ``NAME=VALUE`` of an option."""
+    """Return the two sides of one ``NAME=VALUE`` of an option."""
     name, equals, value = (part.strip() for part in text.partition("="))
     if not (name and equals and value):
         raise UsageError(f"{option} {text}: must be NAME=VALUE, for example {example}")
@@ -169,7 +169,7 @@ def name_and_value(option: str, text: str, example: str) -> tuple[str, str]:
 
 
 def pairs(option: str, texts: Sequence[str], example: str) -> dict[str, str]:
-    """Name → value of every ``NAME=VALUE`` of an option that takes each name once."""
+    """Return name → value of every ``NAME=VALUE`` of an option that takes each name once."""
     found: dict[str, str] = {}
     for text in texts:
         name, value = name_and_value(option, text, example)
@@ -180,7 +180,7 @@ def pairs(option: str, texts: Sequence[str], example: str) -> dict[str, str]:
 
 
 def names_in(*texts: str) -> list[str]:
-    """The names between the commas of some texts."""
+    """Return the names between the commas of some texts."""
     return [part.strip() for text in texts for part in text.split(",") if part.strip()]
 
 

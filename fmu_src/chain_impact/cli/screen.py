@@ -42,7 +42,7 @@ SIDES = {side.name: side.metadata["description"] for side in fields(Box)}
 
 
 def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
-    """An empty table without lines; the columns of numbers are flush right."""
+    """Return an empty table without lines; the columns of numbers are flush right."""
     table = Table(box=None, header_style="bold")
     for name in head:
         table.add_column(name, justify="right" if name in numbers else "left", no_wrap=name == head[0])
@@ -60,7 +60,7 @@ def show(parts: Iterable[RenderableType]) -> None:
 
 
 def plain_lines(table: Table) -> Iterator[str]:
-    """The lines of a table as wide as it is, for files and other programs."""
+    """Yield the lines of a table as wide as it is, for files and other programs."""
     wide = Console(file=StringIO(), width=10_000, highlight=False, color_system=None)
     with wide.capture() as captured:
         wide.print(table)
@@ -68,7 +68,7 @@ def plain_lines(table: Table) -> Iterator[str]:
 
 
 def variable_table(variables: Iterable[Any]) -> Iterator[RenderableType]:
-    """The variables of an FMU."""
+    """Yield the variables of an FMU."""
     yield "\n[bold]Variables of the FMU[/]"
     table = table_of(("name", "causality", "variability", "unit", "meaning"))
     for v in variables:
@@ -78,7 +78,7 @@ def variable_table(variables: Iterable[Any]) -> Iterator[RenderableType]:
 
 
 def summary(recording: Recording) -> Iterator[RenderableType]:
-    """Impacts and energy balance."""
+    """Yield impacts and energy balance."""
     count, listed = recording.impact_count, len(recording.impacts)
     impacts = plural(count, "impact")
     if listed < count:
@@ -93,7 +93,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
 
 
 def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
-    """Lines, and tables of texts as tables of the screen."""
+    """Yield lines, and tables of texts as tables of the screen."""
     for part in parts:
         if isinstance(part, str):
             yield escape(part)
@@ -121,7 +121,7 @@ def meanings(recording: Recording) -> Iterator[str]:
 
 
 def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
-    """The first phases of sticking and sliding; nothing if there are none."""
+    """Yield the first phases of sticking and sliding; nothing if there are none."""
     phases = recording.stick_slip
     if not len(phases):
         return
@@ -134,7 +134,7 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
 
 
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
-    """How the impacts change with each parameter, to first order, and how far that is known."""
+    """Yield how the impacts change with each parameter, to first order, and how far that is known."""
     found = recording.sensitivities
     if not found:
         return
@@ -152,7 +152,7 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
 
 
 def law_table(comparison: Comparison) -> Iterator[RenderableType]:
-    """The laws side by side, and which suit the restitution."""
+    """Yield the laws side by side, and which suit the restitution."""
     yield f"\n{escape(heading(comparison))}"
     names = head(comparison)
     table = table_of(names, names[1:-1])

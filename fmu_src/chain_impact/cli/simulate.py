@@ -143,7 +143,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def open_window() -> Figure:
-    """An empty page in a window."""
+    """Return an empty page in a window."""
     from matplotlib import pyplot
 
     try:
@@ -249,7 +249,7 @@ def check_curves(curves: Sequence[str], around: int | None, *, drawn: bool, othe
 
 
 def curves_in(recording: Recording, source: str, names: Sequence[str], around: int | None) -> Curves:
-    """The curves of some outputs of a scene or an FMU."""
+    """Return the curves of some outputs of a scene or an FMU."""
     try:
         if isinstance(recording, Result):
             return recording.curves(names, around)
@@ -277,7 +277,7 @@ def draw_curves(recording: Recording, curves: Curves, picture: Path | None, wind
 def ranking_of(
     source: str, settings: Sequence[str], what: str, parameters: Sequence[str], inputs: Inputs | None
 ) -> Ranking:
-    """The ranking of some parameters of a scene, by default of all, from a run with two rows."""
+    """Return the ranking of some parameters of a scene, by default of all, from a run with two rows."""
     if is_fmu(source):
         raise UsageError(f"--rank: {source} is an FMU; must be a scene")
     scene = driven(source, settings, inputs)
@@ -305,7 +305,7 @@ def record(
 
 
 def tighter_setting(source: str, settings: Sequence[str]) -> str:
-    """The setting ``NAME=VALUE`` of the tolerance of the second run.
+    """Return the setting ``NAME=VALUE`` of the tolerance of the second run.
 
     Raises:
         UsageError: when the tolerance is too tight for a second run.
@@ -327,7 +327,7 @@ def tighter_setting(source: str, settings: Sequence[str]) -> str:
 
 
 def difference_text(found: Differences) -> str:
-    """The differences of two runs in a sentence."""
+    """Return the differences of two runs in a sentence."""
     points = f"points by at most {found.position:.1e} m ({found.point} at {found.time:g} s)"
     onsets = f"onsets by at most {found.onset:.1e} s ({plural(found.impacts, 'impact')}) and "
     parted = f"; from {found.end:.6f} s on, the two runs have other impacts" if found.parted else ""
@@ -337,7 +337,7 @@ def difference_text(found: Differences) -> str:
 def with_rows(
     recording: Recording, source: str, settings: Sequence[str], inputs: Inputs | None = None
 ) -> Recording:
-    """The recording with as many rows as a picture needs: of a scene, from a run with rows of its own.
+    """Return the recording with as many rows as a picture needs: of a scene, from a run with rows of its own.
 
     Of an FMU there are no others; then it is said.
     """

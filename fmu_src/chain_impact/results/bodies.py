@@ -15,18 +15,18 @@ from chain_impact.scene.tables import CORNERS
 
 
 def is_of_body(name: str) -> bool:
-    """Whether a parameter tells how a body looks."""
+    """Return whether a parameter tells how a body looks."""
     is_of_link = name.startswith("link[") and (".point[" in name or name.endswith((".length", ".height")))
     return is_of_link or name.startswith("slider.") or name == "contact.radius"
 
 
 def site_radii(values: Mapping[str, Any]) -> list[float]:
-    """The radii of the points of links [m], in the order of their numbers."""
+    """Return the radii of the points of links [m], in the order of their numbers."""
     return [radius for discs in _discs(values).values() for *_, radius in discs]
 
 
 def _discs(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
-    """The points of each link that has any, in the order of their numbers, corners of a box first."""
+    """Return the points of each link that has any, in the order of their numbers, corners of a box first."""
     found: dict[int, list[Disc]] = {}
     for link in takewhile(lambda n: f"link[{n}].length" in values, count(1)):
         discs: list[Disc] = []
@@ -43,7 +43,7 @@ def _discs(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
 
 
 def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[int, np.ndarray]:
-    """The outlines of the links with points, each in its own axes, by the values of parameters.
+    """Return the outlines of the links with points, each in its own axes, by the values of parameters.
 
     Args:
         values: name of a parameter → value.
@@ -60,7 +60,7 @@ def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[
 
 
 def rail_from(bases: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:
-    """The line of a slider; None where there is none.
+    """Return the line of a slider; None where there is none.
 
     Args:
         bases: where the base is, shape (T, 2) [m].

@@ -43,7 +43,7 @@ class Course:
 def course_of(
     model: Model, rerun: Rerun | None, impact: np.void, *, until: float = math.nan, near: float = 0.0
 ) -> Course:
-    """The course of an impact, a row of ``Result.impacts``.
+    """Return the course of an impact, a row of ``Result.impacts``.
 
     The run is repeated up to there with rows within the impact: it is the same run to the last bit, as rows
     do not change the solution.

@@ -75,7 +75,7 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
 
 
 def _columns(path: Path) -> dict[str, np.ndarray]:
-    """The columns of a table of numbers, by their names."""
+    """Return the columns of a table of numbers, by their names."""
     try:
         head, *text = text_of(path).splitlines() or [""]
         check_separator(head)
@@ -101,7 +101,7 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
 
 
 def _numbers(names: list[str], text: list[str]) -> np.ndarray:
-    """The numbers in the lines below the head line, shape (rows, cells).
+    """Return the numbers in the lines below the head line, shape (rows, cells).
 
     Raises:
         ValueError: naming the line and the column where there is no number.

@@ -56,7 +56,7 @@ def curves_of(
     model: Model | None = None,
     rerun: Rerun | None = None,
 ) -> Curves:
-    """The curves of some outputs.
+    """Return the curves of some outputs.
 
     Args:
         recording: has them in its rows.
@@ -91,7 +91,7 @@ def curves_of(
 
 
 def window(recording: Recording, around: int | None) -> tuple[float | None, float, float]:
-    """The onset of an impact, and from when until when it is seen [s]; without one, all of the run."""
+    """Return the onset of an impact, and from when until when it is seen [s]; without one, all of the run."""
     start, end = float(recording.time[0]), float(recording.time[-1])
     if around is None:
         return None, start, end
@@ -108,7 +108,7 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
 
 
 def between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:
-    """Times between rows [s]: of a close view everywhere, else within impacts."""
+    """Return times between rows [s]: of a close view everywhere, else within impacts."""
     if close:
         return np.linspace(low, high, CLOSE)
     impacts = recording.impacts[:FOLLOWED]

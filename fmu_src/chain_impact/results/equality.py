@@ -11,14 +11,14 @@ import numpy as np
 
 
 def same(one: Any, other: Any) -> bool:
-    """The method ``__eq__`` of a dataclass: two of one kind are equal if all that they hold is."""
+    """Return the method ``__eq__`` of a dataclass: two of one kind are equal if all that they hold is."""
     if type(other) is not type(one):
         return False
     return all(equal(getattr(one, it.name), getattr(other, it.name)) for it in fields(one) if it.compare)
 
 
 def equal(first: Any, second: Any) -> bool:
-    """Whether two values are equal, also if they are, or hold, arrays; NaN equals NaN."""
+    """Return whether two values are equal, also if they are, or hold, arrays; NaN equals NaN."""
     match first, second:
         case (np.ndarray(), _) | (_, np.ndarray()):
             return type(first) is type(second) and _equal_arrays(first, second)

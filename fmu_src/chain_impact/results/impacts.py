@@ -62,7 +62,7 @@ COLUMNS = {
 
 
 def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
-    """Impacts with the names of their walls, of which ``walls`` are those by their numbers."""
+    """Return impacts with the names of their walls, of which ``walls`` are those by their numbers."""
     table = np.zeros(len(impacts), IMPACT_DTYPE)
     np.ndarray(len(impacts), _LOGGED, table)["log"] = impacts
     known = (impacts["wall"] >= 0) & (impacts["wall"] < len(walls))
@@ -128,7 +128,7 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
 
 
 def wall_names_of(record: Any) -> list[str]:
-    """The names of the walls by their numbers, as far as the names of the columns tell."""
+    """Return the names of the walls by their numbers, as far as the names of the columns tell."""
     names = [str(name) for name in names_of(record)]
     touched = [name.split(".")[1] for name in names if is_like(name, "contact[{n}].{name}.force")]
     ends = [stop for stop in SLIDER_STOPS if stop in touched]
@@ -138,7 +138,7 @@ def wall_names_of(record: Any) -> list[str]:
 
 
 def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
-    """The impacts that a record of an FMU's outputs shows, whatever the FMU lists, see `IMPACT_DTYPE`.
+    """Return the impacts that a record of an FMU's outputs shows, whatever the FMU lists, see `IMPACT_DTYPE`.
 
     The walls are the names of all, by their numbers.
 
@@ -157,7 +157,7 @@ def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
 
 
 def names_of(record: Any) -> Any:
-    """The names of the columns."""
+    """Return the names of the columns."""
     dtype = getattr(record, "dtype", None)
     return dtype.names if dtype is not None and dtype.names else record.keys()
 

@@ -41,7 +41,7 @@ class JointRange:
 
 
 def ranges_of(scene: Scene) -> dict[int, JointRange]:
-    """The ranges of the joints with stops of a scene."""
+    """Return the ranges of the joints with stops of a scene."""
     links = scene.chain.links
     return {
         joint: JointRange(*ends, links[joint - 1].length) for joint, ends in scene.chain.joint_ranges.items()
@@ -49,7 +49,7 @@ def ranges_of(scene: Scene) -> dict[int, JointRange]:
 
 
 def ranges_from(values: Mapping[str, Any]) -> dict[int, JointRange]:
-    """The ranges of the joints with stops, by the values of an FMU's parameters."""
+    """Return the ranges of the joints with stops, by the values of an FMU's parameters."""
     found = {}
     for joint in range(1, sum(name.endswith(".length") for name in values) + 1):
         low, high = (values.get(f"link[{joint}].{stop}") for stop in STOPS)
@@ -65,7 +65,7 @@ def at_stop(scene: Scene, wall: int) -> bool:
 
 
 def range_lines(points: np.ndarray, ranges: Mapping[int, JointRange]) -> Iterator[np.ndarray]:
-    """The lines that show the ranges of joints in a pose: an arc each, and a mark for each stop.
+    """Yield the lines that show the ranges of joints in a pose: an arc each, and a mark for each stop.
 
     Args:
         points: positions of the points 0…N, shape (N+1, 2) [m].
@@ -87,7 +87,7 @@ def _directions(angles: np.ndarray) -> np.ndarray:
 
 
 def touching_place(points: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarray]:
-    """Where the link of a joint crosses the arc of its range [m], and the direction of the link.
+    """Return where the link of a joint crosses the arc of its range [m], and the direction of the link.
 
     Args:
         points: positions of the points 0…N, shape (N+1, 2) [m].

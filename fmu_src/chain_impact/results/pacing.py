@@ -38,7 +38,7 @@ def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
 
 
 def slow_spans(recording: Recording) -> list[Span]:
-    """Onset and end [s] of the impacts to be shown slowly."""
+    """Return onset and end [s] of the impacts to be shown slowly."""
     impacts, speeds = recording.impacts, recording.end_speeds
     ends = impact_ends(impacts, float(recording.time[-1]))
     fastest = np.argsort(-speeds, kind="stable")[:SLOW_COUNT]
@@ -47,7 +47,7 @@ def slow_spans(recording: Recording) -> list[Span]:
 
 
 def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndarray:
-    """Simulated seconds that pass in a second on the screen, shape (T,), 1 far from impacts.
+    """Return simulated seconds that pass in a second on the screen, shape (T,), 1 far from impacts.
 
     In an impact the rate is such that it takes ``impact_time``. Before and after it the rate changes with the
     distance in time: each stretch, half as far from the impact as the one before, takes as long.
@@ -68,7 +68,7 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
 def frame_times(
     start: float, stop: float, spans: Sequence[Span], impact_time: float = IMPACT_TIME, most: int = 20_000
 ) -> tuple[np.ndarray, float]:
-    """The simulated times of frames that follow each other evenly on the screen.
+    """Return the simulated times of frames that follow each other evenly on the screen.
 
     Args:
         start: of the simulation [s].

@@ -103,7 +103,7 @@ class Pictured(Recording):
         return ax
 
     def curves(self, names: Sequence[str], around: int | None = None) -> Curves:
-        """Outputs over time as ``plot(curves=…)`` draws them, with many times within impacts."""
+        """Return outputs over time as ``plot(curves=…)`` draws them, with many times within impacts."""
         units = {variable.name: variable.unit for variable in self.model.outputs}
         return curves_of(self, names, units, around=around, model=self.model, rerun=self.rerun)
 

@@ -89,15 +89,15 @@ class Ranking:
     limits: tuple[str, ...]
 
     def __repr__(self) -> str:
-        """The effects as a table."""
+        """Return the effects as a table."""
         return as_text(self.parts())
 
     def _repr_html_(self) -> str:
-        """The same in a notebook."""
+        """Return the same in a notebook."""
         return as_html(self.parts())
 
     def share(self, effect: Effect) -> float:
-        """The change over the size of the quantity; NaN where that is 0."""
+        """Return the change over the size of the quantity; NaN where that is 0."""
         return effect.change / abs(self.value) if self.value else np.nan
 
     def parts(self) -> Iterator[str | Table]:
@@ -235,7 +235,7 @@ def _quantity(recording: Recording, found: Sensitivities, name: str) -> _Found:
 
 
 def _largest(recording: Recording, found: Sensitivities, name: str, field: str, *, at_stops: bool) -> _Found:
-    """The largest of all impacts at walls, or at stops of joints."""
+    """Return the largest of all impacts at walls, or at stops of joints."""
     values = np.where(recording.at_stops == at_stops, recording.impacts[field], np.nan)
     if not np.nanmax(values, initial=0.0) > 0.0:
         place = "a stop of a joint" if at_stops else "a wall"
@@ -246,7 +246,7 @@ def _largest(recording: Recording, found: Sensitivities, name: str, field: str, 
 
 
 def _of_impact(recording: Recording, found: Sensitivities, number: int, field: str) -> _Found:
-    """A quantity of one impact, counted from 1."""
+    """Return a quantity of one impact, counted from 1."""
     impacts, slopes = recording.impacts, found.impact_slopes
     if not 1 <= number <= len(impacts):
         raise SceneError(f"{recording.name}: there is no impact {number}; there are {len(impacts)}")
@@ -265,7 +265,7 @@ def _of_impact(recording: Recording, found: Sensitivities, number: int, field: s
 
 
 def _joint_force(recording: Recording, found: Sensitivities) -> _Found:
-    """The largest force in any joint."""
+    """Return the largest force in any joint."""
     names = [name for name in found.columns if re.fullmatch(r"joint\[\d+\]\.peak_force", name)]
     if not names:
         raise SceneError(
@@ -278,7 +278,7 @@ def _joint_force(recording: Recording, found: Sensitivities) -> _Found:
 
 
 def _of_output(recording: Recording, found: Sensitivities, name: str) -> _Found:
-    """An output at the end."""
+    """Return an output at the end."""
     values = recording.columns[name]
     size = max(abs(float(values[-1])), float(np.ptp(values)))
     where = f"at the end, t = {recording.time[-1]:g} s"

@@ -108,7 +108,7 @@ class Recording:
         return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
 
     def walls_at(self, time: float) -> dict[str, HalfPlane]:
-        """The walls where they are at a time [s]."""
+        """Return the walls where they are at a time [s]."""
         found = dict(self.walls)
         for name, moved in self.moved_walls.items():
             wall = found[name]
@@ -116,7 +116,7 @@ class Recording:
         return found
 
     def sides_at(self, time: float) -> dict[str, HalfPlane]:
-        """The walls where they are at a time [s], and the stops of a slider."""
+        """Return the walls where they are at a time [s], and the stops of a slider."""
         return self.walls_at(time) | (self.rail.stops if self.rail else {})
 
     @cached_property
@@ -215,7 +215,7 @@ class Recording:
         return max(len(self.impacts), int(counted[-1]))
 
     def is_stop(self, wall: int) -> bool:
-        """Whether the wall of a number stands for the stops of joints."""
+        """Return whether the wall of a number stands for the stops of joints."""
         return bool(self.stops) and self.wall_names[wall] in STOPS
 
     def toucher(self, impact: np.void) -> str:
@@ -243,7 +243,7 @@ class Recording:
         return speeds
 
     def at(self, rows: np.ndarray) -> Recording:
-        """The recording with some of its rows, without derivatives; all impacts stay."""
+        """Return the recording with some of its rows, without derivatives; all impacts stay."""
         parts = {one.name: getattr(self, one.name) for one in fields(Recording)}
         columns = {name: values[rows] for name, values in self.columns.items()}
         parts |= {"time": self.time[rows], "columns": columns, "sensitivities": None}
@@ -254,7 +254,7 @@ class Recording:
         return np.array([np.interp(time, self.time, self.all_points[:, point, axis]) for axis in (0, 1)])
 
     def pose_at(self, time: float) -> np.ndarray:
-        """Positions of the points in the row nearest to a time [s], shape (N+1, 2) [m].
+        """Return positions of the points in the row nearest to a time [s], shape (N+1, 2) [m].
 
         Between rows a link is not straight: interpolated, it would be too short.
         """
@@ -262,11 +262,11 @@ class Recording:
         return pose
 
     def row_at(self, time: float) -> int:
-        """The row that is nearest to a time [s]."""
+        """Return the row that is nearest to a time [s]."""
         return int(np.abs(self.time - time).argmin())
 
     def spot(self, impact: np.void) -> np.ndarray:
-        """Where [m] an impact hit its wall, a radius away from the point; of a stop, its mark."""
+        """Return where [m] an impact hit its wall, a radius away from the point; of a stop, its mark."""
         if self.is_stop(impact["wall"]):
             return touching_place(self.pose_at(impact["onset"]), impact["point"])[0]
         place, wall = self.point_at(impact["point"], impact["onset"]), self.wall_of(impact)

@@ -77,7 +77,7 @@ class Result(Pictured):
         vars(self).update(rerun=rerun, name=scene.name, stop_law=scene.stops.model or "")
 
     def __eq__(self, other: object) -> bool:
-        """Whether all that two results hold is equal, but for ``stepwise`` and ``rerun``."""
+        """Return whether all that two results hold is equal, but for ``stepwise`` and ``rerun``."""
         if not isinstance(other, Result):
             return NotImplemented
         names = ("model", "time", "outputs", "impacts", "statistics", "sensitivities", "stick_slip")
@@ -205,7 +205,7 @@ class Result(Pictured):
         return energy
 
     def sensitivity(self, quantity: str, parameter: str) -> np.ndarray:
-        """The derivative of an output with respect to a parameter, for all other parameters held.
+        """Return the derivative of an output with respect to a parameter, for all other parameters held.
 
         Args:
             quantity: an output by its name in the FMU: ``"point[4].x"``.
@@ -235,7 +235,7 @@ class Result(Pictured):
         return self._derivatives.of_impacts(quantity, parameter)
 
     def ranking(self, quantity: str) -> Ranking:
-        """Parameters and inputs in the order of their effect on a quantity, the largest first.
+        """Return parameters and inputs in the order of their effect on a quantity, the largest first.
 
         The effect is that of 1 % of the parameter, or of 0.01 of its unit where its value is 0, to first
         order.
@@ -268,7 +268,7 @@ class Result(Pictured):
         return self.sensitivities
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The outputs as a table of pandas: the time as index, a column for each name.
+        """Return the outputs as a table of pandas: the time as index, a column for each name.
 
         ``attrs["units"]`` has the unit of each column.
 
@@ -312,11 +312,11 @@ class Result(Pictured):
         return as_text(summary.parts(self, len(self.names), self._facts(), summary.FEW))
 
     def _repr_html_(self) -> str:
-        """The same in a notebook, with more impacts."""
+        """Return the same in a notebook, with more impacts."""
         return as_html(summary.parts(self, len(self.names), self._facts(), summary.LISTED))
 
     def _facts(self) -> list[str]:
-        """Lines on the energy, on what may be meant otherwise, and on the solver."""
+        """Return lines on the energy, on what may be meant otherwise, and on the solver."""
         found = [f"note     {hint}" for hint in summary.hints(self.scene, self.impacts)]
         return [*summary.energy_lines(self.energies), *found, *summary.solver_lines(self.statistics)]
 

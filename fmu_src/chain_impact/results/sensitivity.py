@@ -80,7 +80,7 @@ class Sensitivities:
         )
 
     def _repr_html_(self) -> str:
-        """The same in a notebook, with how usual outputs at the end change with each parameter."""
+        """Return the same in a notebook, with how usual outputs at the end change with each parameter."""
         outputs = [name for name in self._usual if name in self.columns]
         ends = [self.changes(name)[-1:] for name in outputs]
         head = ("parameter", "value", "change", *(f"{name} [{self.units[name]}]" for name in outputs))
@@ -95,11 +95,11 @@ class Sensitivities:
         return as_html([repr(self), *told, Table(head, rows), *self.limits])
 
     def of_output(self, quantity: str, parameter: str) -> np.ndarray:
-        """The derivative of an output over time, shape (T,)."""
+        """Return the derivative of an output over time, shape (T,)."""
         return self.slopes[:, self.columns[self._output(quantity)], self._number(parameter)]
 
     def of_impacts(self, quantity: str, parameter: str) -> np.ndarray:
-        """The derivative of a quantity of the impacts, shape (I,)."""
+        """Return the derivative of a quantity of the impacts, shape (I,)."""
         if quantity not in self.impact_slopes:
             what = "no quantity of impacts with derivatives"
             hint = f"must be one of {', '.join(self.impact_slopes)}"
@@ -107,7 +107,7 @@ class Sensitivities:
         return self.impact_slopes[quantity][:, self._number(parameter)]
 
     def drawn(self, outputs: Sequence[str]) -> list[str]:
-        """Some outputs by name; if none are named, the place of the last point, and the energy."""
+        """Return some outputs by name; if none are named, the place of the last point, and the energy."""
         return [self._output(name) for name in outputs or self._usual]
 
     @property
@@ -137,7 +137,7 @@ class Sensitivities:
         }
 
     def step(self, parameter: str) -> float:
-        """A small change of a parameter, in its unit: 1 % of its value, or 0.01 where that is 0."""
+        """Return a small change of a parameter, in its unit: 1 % of its value, or 0.01 where that is 0."""
         return PART * (self.parameters[parameter] or 1.0)
 
     def step_text(self, parameter: str) -> str:
@@ -145,7 +145,7 @@ class Sensitivities:
         return f"{100.0 * PART:g} %" if self.parameters[parameter] else f"{PART:g} {self.units[parameter]}"
 
     def changes(self, output: str) -> np.ndarray:
-        """How an output changes with that change of each parameter, to first order, shape (T, P)."""
+        """Return how an output changes with that change of each parameter, to first order, shape (T, P)."""
         changes: np.ndarray = self.slopes[:, self.columns[output]] * self._steps
         return changes
 

@@ -36,7 +36,7 @@ JOINT = -1
 
 
 def phases_of(changes: np.ndarray) -> np.ndarray:
-    """The phases in a log of changes, in order of their start, see ``STICK_SLIP_DTYPE``."""
+    """Return the phases in a log of changes, in order of their start, see ``STICK_SLIP_DTYPE``."""
     found: list[tuple[int, int, float, float, int]] = []
     order = np.argsort(changes["time"], kind="stable")
     for place in np.unique(changes[["point", "wall"]]):
@@ -46,7 +46,7 @@ def phases_of(changes: np.ndarray) -> np.ndarray:
 
 
 def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]:
-    """The phases in the changes of one contact or joint, those of no length left out."""
+    """Yield the phases in the changes of one contact or joint, those of no length left out."""
     lasting = np.append(np.diff(changes["time"]) > 0.0, True)
     changes = changes[lasting]  # of several changes at one time, the last one
     changes = changes[np.append(True, np.diff(changes["mode"]) != 0)]
@@ -70,7 +70,7 @@ def place_of(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> 
 
 
 def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> tuple[str, str, str, str]:
-    """A phase in words: start, end, where (see ``place_of``), and mode."""
+    """Return a phase in words: start, end, where (see ``place_of``), and mode."""
     end = "" if np.isnan(phase["end"]) else f"{phase['end']:.6f}"
     return f"{phase['start']:.6f}", end, place_of(phase, walls, names), MODES[int(phase["mode"])]
 

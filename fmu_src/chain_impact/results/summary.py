@@ -57,7 +57,7 @@ def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Itera
 
 
 def impact_list(result: Recording, most: int) -> Iterator[str | Table]:
-    """The first impacts as a table, and how many more there are."""
+    """Yield the first impacts as a table, and how many more there are."""
     impacts = enumerate(result.impacts[:most], start=1)
     rows = [(str(number), *impact_cells(result, impact)) for number, impact in impacts]
     if rows:
@@ -73,7 +73,7 @@ def _headline(result: Recording, outputs: int) -> str:
 
 
 def impact_heads(result: Recording) -> tuple[str, ...]:
-    """The heads of the columns of ``impact_cells``, with units where all impacts have the same.
+    """Return the heads of the columns of ``impact_cells``, with units where all impacts have the same.
 
     With the two columns of loads, heads are broken into lines, so that a row fits into 80 columns.
     """
@@ -108,7 +108,7 @@ def _peak(value: float) -> str:
 
 
 def digits(value: float) -> str:
-    """A number in four digits, without an exponent below a million; a dash where there is none."""
+    """Return a number in four digits, without an exponent below a million; a dash where there is none."""
     if np.isnan(value):
         return NONE
     text = f"{value:.4g}"
@@ -116,7 +116,7 @@ def digits(value: float) -> str:
 
 
 def load_lines(result: Recording) -> Iterator[str]:
-    """The largest force in a joint, where the scene asks for loads."""
+    """Yield the largest force in a joint, where the scene asks for loads."""
     peaks = {
         name.split(".")[0]: values[-1]
         for name, values in result.columns.items()
@@ -128,7 +128,7 @@ def load_lines(result: Recording) -> Iterator[str]:
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:
-    """How many phases of dry friction there were, and what sticks at the end."""
+    """Yield how many phases of dry friction there were, and what sticks at the end."""
     phases = result.stick_slip
     if not len(phases):
         return
@@ -144,7 +144,7 @@ def _friction_lines(result: Recording) -> Iterator[str]:
 
 
 def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
-    """The steps of the solver, and how it ended."""
+    """Yield the steps of the solver, and how it ended."""
     steps = f"{counts['steps']} steps, of which {counts['implicit_steps']} implicit"
     yield f"solver   {steps}; {counts['rhs_evaluations']} evaluations of the equations of motion"
     status = counts["status"]

@@ -29,7 +29,7 @@ def what(number: int, stop: str, names: Mapping[int, str]) -> str:
 
 
 def speed_unit(at_stop: bool) -> str:
-    """The unit of a speed of an impact."""
+    """Return the unit of a speed of an impact."""
     return "rad/s" if at_stop else "m/s"
 
 
@@ -49,13 +49,13 @@ class Table(NamedTuple):
 
 
 def as_text(parts: Iterable[str | Table]) -> str:
-    """Lines and tables as a text of several lines."""
+    """Return lines and tables as a text of several lines."""
     blocks = ([part] if isinstance(part, str) else aligned(*part) for part in parts)
     return "\n".join(line for block in blocks for line in block)
 
 
 def as_html(parts: Iterable[str | Table]) -> str:
-    """Lines and tables for a notebook; the first line is a title."""
+    """Return lines and tables for a notebook; the first line is a title."""
     title, *rest = parts
     found = [f"<b>{escape(str(title))}</b>"]
     for is_table, group in groupby(rest, lambda part: isinstance(part, Table)):
@@ -65,7 +65,7 @@ def as_html(parts: Iterable[str | Table]) -> str:
 
 
 def html_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table of texts as HTML, each row in a line."""
+    """Return a table of texts as HTML, each row in a line."""
     cells = [("th", head), *(("td", row) for row in rows)]
     lines = ("".join(f"<{tag}>{_in_html(cell)}</{tag}>" for cell in row) for tag, row in cells)
     return "<table>" + "\n".join(f"<tr>{line}</tr>" for line in lines) + "</table>"

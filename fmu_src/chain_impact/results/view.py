@@ -25,7 +25,7 @@ HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.
 
 
 def pin_mark(points: np.ndarray) -> list[np.ndarray]:
-    """The lines of a pinned base's ground mark at the start: a support on hatched ground.
+    """Return the lines of a pinned base's ground mark at the start: a support on hatched ground.
 
     It is above the base if the chain is on the mean below it, else below.
 
@@ -103,12 +103,12 @@ def framed(
 
 
 def size_of(recording: Recording) -> float:
-    """The size of a motion [m]."""
+    """Return the size of a motion [m]."""
     return float(np.ptp(recording.all_points, axis=(0, 1)).max())
 
 
 def places_of(recording: Recording) -> np.ndarray:
-    """The positions of all points, and of the corners of a carriage, shape (T, M, 2) [m]."""
+    """Return the positions of all points, and of the corners of a carriage, shape (T, M, 2) [m]."""
     if recording.rail is None:
         return recording.all_points
     corners = recording.rail.carriage(np.zeros(2), size_of(recording))
@@ -134,7 +134,7 @@ def closed_room(walls: Mapping[Place, HalfPlane], around: np.ndarray) -> list[np
 
 
 def free_room(walls: Iterable[HalfPlane], around: np.ndarray) -> list[np.ndarray]:
-    """The corners of the part of a rectangle that is on the free sides of some walls."""
+    """Return the corners of the part of a rectangle that is on the free sides of some walls."""
     corners = [around[[i, j], [0, 1]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
     for wall in walls:
         corners = list(_clipped(corners, wall))
@@ -142,7 +142,7 @@ def free_room(walls: Iterable[HalfPlane], around: np.ndarray) -> list[np.ndarray
 
 
 def _clipped(corners: list[np.ndarray], wall: HalfPlane) -> Iterator[np.ndarray]:
-    """The corners of the part of a polygon on the free side of a wall (Sutherland & Hodgman, 1974)."""
+    """Yield the corners of the part of a polygon on the free side of a wall (Sutherland & Hodgman, 1974)."""
     gaps = [wall.clearance(*corner) for corner in corners]
     for k, (here, gap) in enumerate(zip(corners, gaps, strict=True)):
         before = gaps[k - 1]

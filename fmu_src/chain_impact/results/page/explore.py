@@ -80,7 +80,7 @@ def explore(
 
 
 def page(scene: Scene, command: Sequence[str]) -> str:
-    """The page's HTML, for a scene, and what comes after ``chain-impact simulate`` in its command.
+    """Return the page's HTML, for a scene, and what comes after ``chain-impact simulate`` in its command.
 
     Raises:
         BuildError: when the module for a browser has to be compiled, and cannot be.
@@ -107,7 +107,7 @@ def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
 
 
 def packed(content: bytes) -> str:
-    """Bytes as text for a page: compressed, as a browser can undo it."""
+    """Return bytes as text for a page: compressed, as a browser can undo it."""
     compressor = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
     return base64.b64encode(compressor.compress(content) + compressor.flush()).decode("ascii")
 

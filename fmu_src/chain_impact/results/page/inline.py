@@ -19,6 +19,6 @@ class InlinePage:
     html: str = field(repr=False)
 
     def _repr_html_(self) -> str:
-        """The page in a frame of its own."""
+        """Return the page in a frame of its own."""
         look = f'width="100%" height="{HEIGHT}" style="border:0"'
         return f'<iframe {look} srcdoc="{escape(self.html)}"></iframe>'

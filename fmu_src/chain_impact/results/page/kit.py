@@ -76,7 +76,7 @@ PEAKS = {
 
 
 def kit(scene: Scene) -> dict[str, Any]:
-    """All of it, as JSON can hold it, for the contact laws of a scene."""
+    """Return all of it, as JSON can hold it, for the contact laws of a scene."""
     choices = choices_of(scene)
     inputs = [block for block in INPUTS if block.kinds[0].place[0] != MOTION]
     return {
@@ -104,7 +104,7 @@ def kit(scene: Scene) -> dict[str, Any]:
 
 
 def _keys(table: Any) -> dict[str, Any]:
-    """The keys of a table of the scene file, by their names."""
+    """Return the keys of a table of the scene file, by their names."""
     return {entry.name: _key(entry.type, entry.metadata) for entry in keys(table)}
 
 
@@ -147,17 +147,17 @@ def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any]:
-    """The kinds of a block, for each element that it is of."""
+    """Return the kinds of a block, for each element that it is of."""
     return {"of": block.of, "rows": [row(kind) for kind in block.kinds]}
 
 
 def _named(kind: Kind) -> dict[str, Any]:
-    """The name of a variable, and the conditions for it."""
+    """Return the name of a variable, and the conditions for it."""
     return {"name": kind.name, "when": kind.when}
 
 
 def _driven(kind: Kind) -> dict[str, Any]:
-    """An input as a signal drives it."""
+    """Return an input as a signal drives it."""
     return _named(kind) | {"unit": kind.unit, "acts": acting(kind.place)}
 
 
@@ -166,7 +166,7 @@ def _output(kind: Kind) -> dict[str, Any]:
 
 
 def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:
-    """A parameter or an input: its words, its range and what it means."""
+    """Return a parameter or an input: its words, its range and what it means."""
     items, rule = choices.get(kind.choices, ()), kind.derived
     one = Variable.of(kind, {}, IN_TEMPLATES, items=tuple(items))
     _, _, _, _, low, high, _, _ = variable_row(one, 0, 0)
@@ -194,7 +194,7 @@ def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
 
 
 def _rule(rule: Derived, owner: str) -> dict[str, Any]:
-    """How a parameter follows from others; the keys without a dot are of the table ``owner``."""
+    """Return how a parameter follows from others; the keys without a dot are of the table ``owner``."""
     terms = [[key if "." in key else f"{owner}.{key}" for key in term] for term in rule.terms]
     return {"terms": terms, "divisor": rule.divisor, "text": UNLESS_SET + rule.text}
 
@@ -212,7 +212,7 @@ def _law(name: str) -> dict[str, Any]:
 
 
 def _layout() -> dict[str, Any]:
-    """Where in the record the page reads what a run has found."""
+    """Return where in the record the page reads what a run has found."""
     record = layout_of(*SAMPLES[0])
     statistics = record["statistics"].names or ()
     return {
@@ -235,7 +235,7 @@ def _layout() -> dict[str, Any]:
 
 
 def _is_real(place: Place) -> bool:
-    """Whether the numbers of a place are real."""
+    """Return whether the numbers of a place are real."""
     kind = layout_of(*SAMPLES[0])
     for step in place:
         kind = kind[step] if isinstance(step, str) and step != AT else kind.base
@@ -244,7 +244,7 @@ def _is_real(place: Place) -> bool:
 
 @cache
 def words(place: Place) -> list[int]:
-    """Where in any record the word of a place is."""
+    """Return where in any record the word of a place is."""
 
     def word(record: np.dtype, index: int) -> int:
         return word_index(record, filled(place, {"at": index}))

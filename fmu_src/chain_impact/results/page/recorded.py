@@ -40,7 +40,7 @@ MOST_ROWS = 80_000  # from which on a page leaves out rows
 
 
 def page(recording: Recording, speed: float, impact_time: float) -> str:
-    """The page's HTML.
+    """Return the page's HTML.
 
     Args:
         recording: what to show.
@@ -53,7 +53,7 @@ def page(recording: Recording, speed: float, impact_time: float) -> str:
 
 
 def assembled(template: str, title: str, styles: Iterable[str], modules: str, **parts: str) -> str:
-    """A page with a player.
+    """Return a page with a player.
 
     Args:
         template: HTML with places to fill, ``{{ name }}``.
@@ -76,12 +76,12 @@ def styles() -> list[str]:
 
 
 def program(names: Iterable[str]) -> str:
-    """Modules one after the other, as one: without what they import from each other."""
+    """Return modules one after the other, as one: without what they import from each other."""
     return "\n".join(EXPORT.sub("", IMPORT.sub("", text_of(f"{name}.js"))) for name in names)
 
 
 def thinned(recording: Recording, impact_time: float) -> Recording:
-    """A recording without most of its rows, if it has very many of them.
+    """Return a recording without most of its rows, if it has very many of them.
 
     Every so many rows one stays, and those beside frames at real time, onsets and ends of impacts.
     """
@@ -96,7 +96,7 @@ def thinned(recording: Recording, impact_time: float) -> Recording:
 
 
 def script_data(content: Any) -> str:
-    """Data as text in a page."""
+    """Return data as text in a page."""
     return json.dumps(content, separators=(",", ":")).replace("<", "\\u003c")
 
 
@@ -130,7 +130,7 @@ def data(recording: Recording) -> dict[str, Any]:
 
 
 def impacts(recording: Recording) -> list[dict[str, Any]]:
-    """The impacts as the page lists them; what is not known is null."""
+    """Return the impacts as the page lists them; what is not known is null."""
     at = zip(recording.impacts, recording.end_speeds.tolist(), recording.at_stops.tolist(), strict=True)
     return [
         {
@@ -155,18 +155,18 @@ def _known(value: float) -> float | None:
 
 
 def free_sides(walls: Mapping[str, HalfPlane]) -> dict[str, Any]:
-    """The free side of each wall, as the page draws it."""
+    """Return the free side of each wall, as the page draws it."""
     return {name: {"normal": wall.normal, "offset": wall.offset} for name, wall in walls.items()}
 
 
 def _range(joint: int, one: JointRange) -> dict[str, Any]:
-    """The range of a joint, as the page draws it."""
+    """Return the range of a joint, as the page draws it."""
     marks = [stop for stop in (one.low, one.high) if math.isfinite(stop)]
     return {"joint": joint, "arc": one.arc, "marks": marks}
 
 
 def _rail(recording: Recording) -> dict[str, Any] | None:
-    """The line of a slider and its stops, as the page draws them, and the carriage about the base."""
+    """Return the line of a slider and its stops, as the page draws them, and the carriage about the base."""
     rail, size = recording.rail, size_of(recording)
     return (
         None
@@ -192,7 +192,7 @@ def _touch(one: Touch) -> dict[str, Any] | None:
 
 
 def _packed(values: np.ndarray) -> dict[str, Any]:
-    """Numbers in 16 bits: low + (high − low) · integer / 65535."""
+    """Return numbers in 16 bits: low + (high − low) · integer / 65535."""
     low, high = float(values.min()), float(values.max())
     integers = np.rint((values - low) * (FINEST / ((high - low) or 1.0)))
     return {"low": low, "high": high, "values": _base64(integers.astype("<u2"))}
@@ -203,5 +203,5 @@ def _base64(array: np.ndarray) -> str:
 
 
 def text_of(name: str) -> str:
-    """The text of a file of the pages."""
+    """Return the text of a file of the pages."""
     return PAGE.joinpath(name).read_text(encoding="utf-8")

@@ -15,7 +15,7 @@ from chain_impact.variables.driving import NUMBERS, table_of
 
 
 def kit_of_signals(scene: Scene) -> dict[str, Any]:
-    """All of it, as JSON can hold it."""
+    """Return all of it, as JSON can hold it."""
     return {
         "forms": FORMS,
         "shapes": SHAPES,
@@ -28,7 +28,7 @@ def kit_of_signals(scene: Scene) -> dict[str, Any]:
 
 
 def _table(scene: Scene, name: str) -> dict[str, Any]:
-    """A table: its file, and the polynomials of each input that it drives."""
+    """Return a table: its file, and the polynomials of each input that it drives."""
     signal, columns = scene.signals[name], {}
     for one in driven_by(scene):
         if one.signal == name:
@@ -48,5 +48,5 @@ def _table(scene: Scene, name: str) -> dict[str, Any]:
 
 
 def _packed(numbers: np.ndarray) -> str:
-    """Numbers as text: the page can read all of their digits."""
+    """Return numbers as text: the page can read all of their digits."""
     return base64.b64encode(numbers.astype("<f8").tobytes()).decode("ascii")

@@ -15,7 +15,7 @@ THICK = 0.66  # of the distance of bars
 
 
 def bars_size(count: int) -> tuple[float, float]:
-    """The usual size of a page with so many bars [inches]."""
+    """Return the usual size of a page with so many bars [inches]."""
     return WIDTH, AROUND + BAR * max(count, 2)
 
 

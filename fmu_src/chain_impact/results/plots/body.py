@@ -35,12 +35,12 @@ def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, line
 
 
 def body_look(colour: Any) -> dict[str, Any]:
-    """How the outline of a body is drawn."""
+    """Return how the outline of a body is drawn."""
     return {"facecolor": (*to_rgb(colour), FILL), "edgecolor": colour, "joinstyle": "round"}
 
 
 def draw_rail(axes: Axes, recording: Recording) -> list[Artist]:
-    """The line of a slider with its stops; returns what is drawn."""
+    """Return the line of a slider with its stops; returns what is drawn."""
     if not recording.rail:
         return []
     lines = recording.rail.lines(recording.points[:, 0], size_of(recording))

@@ -61,7 +61,7 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
 
 
 def calm(recording: Recording) -> np.ndarray:
-    """The rows outside of impacts, shape (T,).
+    """Return the rows outside of impacts, shape (T,).
 
     Within an impact all changes so fast that its shift in time makes the derivative at a time very large.
     """
@@ -81,7 +81,7 @@ def relative_changes(recording: Recording, found: Sensitivities, outputs: Sequen
 
 
 def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
-    """How each parameter is drawn: those that matter most in colours, others in grey.
+    """Return how each parameter is drawn: those that matter most in colours, others in grey.
 
     A parameter without effect has no colour.
     """

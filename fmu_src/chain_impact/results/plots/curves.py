@@ -22,7 +22,7 @@ SIDE = 8  # curves, at most, whose names stand beside a panel
 
 
 def curves_size(curves: Curves) -> tuple[float, float]:
-    """The usual size of the page [inches]."""
+    """Return the usual size of the page [inches]."""
     return FULL, max(3.4, AROUND + PANEL * len(curves.panels))
 
 
@@ -60,7 +60,7 @@ def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str |
 
 
 def told(recording: Recording, curves: Curves) -> str:
-    """Which impact is seen, and the conditions."""
+    """Return which impact is seen, and the conditions."""
     if not curves.number:
         return conditions(recording)
     impact = recording.impacts[curves.number - 1]
@@ -102,7 +102,7 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None
 
 
 def axis_label(names: Sequence[str], unit: str) -> str:
-    """The last part of all names, if they have the same, with the unit."""
+    """Return the last part of all names, if they have the same, with the unit."""
     last = {name.rpartition(".")[2] for name in names}
     shared = last.pop() if len(last) == 1 else ""
     return f"{shared} [{unit}]".lstrip() if unit else shared

@@ -203,7 +203,7 @@ class Film:
             self._draw_key(figure, 0.99 if not wide else SCENE[0] + SCENE[2])
 
     def _over_frames(self, vectors: np.ndarray) -> np.ndarray:
-        """Vectors at the times of the frames, shape (F, 2)."""
+        """Return vectors at the times of the frames, shape (F, 2)."""
         return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
 
     def _draw_key(self, figure: Figure, right: float) -> None:
@@ -239,7 +239,7 @@ class Film:
         return [*draw_room(self.scene, self.view, walls), *pin]
 
     def _moved_room(self, frame: int) -> list[Artist]:
-        """The room in a frame if walls or the base move; else nothing, as it is drawn already."""
+        """Return the room in a frame if walls or the base move; else nothing, as it is drawn already."""
         if not self.room_moves:
             return []
         for artist in self.room:
@@ -370,7 +370,7 @@ class Film:
 
 
 def rate_text(rate: float) -> str:
-    """How many times slower or faster than in reality, for example: 480 × slower."""
+    """Return how many times slower or faster than in reality, for example: 480 × slower."""
     if abs(rate - 1.0) < REAL:
         return "real time"
     times, word = (1.0 / rate, "slower") if rate < 1.0 else (rate, "faster")

@@ -92,7 +92,7 @@ def shown_time(impact: np.void, course: Course) -> float:
 
 
 def duration_text(impact: np.void, course: Course) -> str:
-    """How long a contact lasts, in words."""
+    """Return how long a contact lasts, in words."""
     lasting = float(np.ptp(course.time)) if len(course.time) else 0.0
     told = force_text(lasting, "s") if lasting > 0.0 else "0 s"
     return f"lasts to the end, for {told}" if lasts(impact) else f"lasts {told}"
@@ -127,7 +127,7 @@ def say_impulse(axes: Axes) -> None:
 
 
 def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
-    """Name, values, unit and colour of what is drawn over time."""
+    """Return name, values, unit and colour of what is drawn over time."""
     force = ("moment", course.force, "N·m") if at_stop else ("force", course.force, "N")
     return (
         (*force, VERMILLION),
@@ -137,7 +137,7 @@ def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, st
 
 
 def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
-    """The numbers of an impact in words."""
+    """Return the numbers of an impact in words."""
     parts = [restitution_text(impact), duration_text(impact, course), f"{course.energy_lost:.3g} J lost"]
     parts = parts[1:] if lasts(impact) else parts
     parts.append(f"{impact['impact_speed']:.4g} {speed_unit(at_stop)} at the onset")
@@ -149,13 +149,13 @@ def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
 
 
 def restitution_text(impact: np.void) -> str:
-    """The restitution that was realised: the speed of separation over that of approach."""
+    """Return the restitution that was realised: the speed of separation over that of approach."""
     found = impact["separation_speed"] / impact["impact_speed"]
     return "in contact to the end" if math.isnan(found) else f"restitution {found:.4g} realised"
 
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
-    """The factor from a unit to one with a prefix that suits the largest value, and that unit."""
+    """Return the factor from a unit to one with a prefix that suits the largest value, and that unit."""
     power = 3 * math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
     power = min(max(power, min(EngFormatter.ENG_PREFIXES)), max(EngFormatter.ENG_PREFIXES))
     return 10.0**-power, f"{EngFormatter.ENG_PREFIXES[power]}{unit}"

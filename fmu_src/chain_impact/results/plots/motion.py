@@ -81,7 +81,7 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
 
 
 def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
-    """The chain in one pose.
+    """Return the chain in one pose.
 
     Args:
         axes: where it is drawn.
@@ -98,20 +98,20 @@ def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
 
 
 def colour_of_time(recording: Recording) -> Any:
-    """The function that gives the colour of a time."""
+    """Return the function that gives the colour of a time."""
     start, end = recording.time[0], recording.time[-1]
     norm = Normalize(start, end if end > start else start + 1.0)
     return lambda time: TIME_COLOURS(norm(time))
 
 
 def strongest(recording: Recording, count: int) -> np.ndarray:
-    """The impacts with the highest approach speeds, the highest first."""
+    """Return the impacts with the highest approach speeds, the highest first."""
     found: np.ndarray = recording.impacts[by_speed(recording)[:count]]
     return found
 
 
 def by_speed(recording: Recording) -> np.ndarray:
-    """The order of the impacts by their approach speeds, the highest first."""
+    """Return the order of the impacts by their approach speeds, the highest first."""
     return np.argsort(-recording.end_speeds, kind="stable")
 
 
@@ -201,7 +201,7 @@ def number_rings(axes: Axes, recording: Recording) -> None:
 def _label_place(
     recording: Recording, impact: np.void, spot: tuple[float, float]
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Where a label of an impact at a spot begins, and its direction: into the wall that was hit.
+    """Return where a label of an impact at a spot begins, and its direction: into the wall that was hit.
 
     At the stop of a joint that is across the link; at the stop of a slider the label is beyond the mark.
     """
@@ -217,7 +217,7 @@ def _label_place(
 
 
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
-    """The places where walls were hit, and the rows of the impacts there, the hardest first.
+    """Return the places where walls were hit, and the rows of the impacts there, the hardest first.
 
     Those near to each other share a place.
     """

@@ -24,7 +24,7 @@ def draw_moving(axes: Axes, recording: Recording, shade: Any, times: Sequence[fl
     (view, near), ends = view_of(recording), [float(recording.time[row]) for row in (0, -1)]
 
     def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:
-        """The part of a wall, at each of some times, that bounds the room then."""
+        """Return the part of a wall, at each of some times, that bounds the room then."""
         rooms = (recording.walls_at(time) for time in times)
         return [wall_line(walls[name], [walls[one] for one in near], view) for walls in rooms]
 
@@ -72,7 +72,7 @@ def _draw_trace(axes: Axes, path: np.ndarray, time: np.ndarray, shade: Any) -> N
 
 
 def _moved(lines: Sequence[np.ndarray], ways: np.ndarray) -> list[np.ndarray]:
-    """Lines, each moved along each of some ways, shape (W, 2) [m]."""
+    """Return lines, each moved along each of some ways, shape (W, 2) [m]."""
     return [line + way for way in ways for line in lines]
 
 

@@ -92,14 +92,14 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
 
 
 def phase_lengths(recording: Recording) -> np.ndarray:
-    """How long each phase of dry friction lasts, shape (F,) [s]."""
+    """Return how long each phase of dry friction lasts, shape (F,) [s]."""
     phases = recording.stick_slip
     ends = np.where(np.isnan(phases["end"]), recording.time[-1], phases["end"])
     return np.asarray(ends - phases["start"])
 
 
 def rubbing_places(recording: Recording) -> list[str]:
-    """The contacts and joints with dry friction, those that rub for longest first."""
+    """Return the contacts and joints with dry friction, those that rub for longest first."""
     total: dict[str, float] = {}
     for phase, length in zip(recording.stick_slip, phase_lengths(recording), strict=True):
         place = place_of(phase, recording.wall_names, recording.point_names)
@@ -160,13 +160,13 @@ def stop_scale(recording: Recording) -> float:
 
 
 def heights(recording: Recording) -> np.ndarray:
-    """The heights of the impacts in the picture of speeds, in units of its left axis, shape (I,)."""
+    """Return the heights of the impacts in the picture of speeds, in units of its left axis, shape (I,)."""
     scales = np.where(recording.at_stops, stop_scale(recording), 1.0)
     return np.asarray(recording.impacts["impact_speed"] * scales)
 
 
 def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
-    """Name, colour and impacts of what is told apart: the points hit hardest, and all others together.
+    """Return name, colour and impacts of what is told apart: the points hit hardest, and all others together.
 
     Points and joints at their stops are told apart, too.
     """

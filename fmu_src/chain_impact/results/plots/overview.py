@@ -88,7 +88,7 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
 
 
 def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
-    """The panels to draw, in the order of PANELS."""
+    """Return the panels to draw, in the order of PANELS."""
     for name in panels:
         if name not in PANELS:
             raise ValueError(
@@ -99,7 +99,7 @@ def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
 
 
 def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
-    """The axes of the panels, and of the clock below what is drawn over time, by their names."""
+    """Return the axes of the panels, and of the clock below what is drawn over time, by their names."""
     timed = [name for name in shown if name != "motion"]
     rubbing = RUBBING + RUBBING_ROW * len(rubbing_places(recording)[:ROWS])
     heights = [rubbing if name == "friction" else 1.0 for name in timed] + ([CLOCK] if timed else [])

@@ -61,7 +61,7 @@ def drawn(
 
 
 def page_size(size: Sequence[float]) -> tuple[float, float]:
-    """The width and the height of a page [inches].
+    """Return the width and the height of a page [inches].
 
     Raises:
         ValueError: when they are less than LEAST, or no two numbers.

@@ -54,7 +54,7 @@ def view_of(recording: Recording) -> tuple[np.ndarray, list[str]]:
 
 
 def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
-    """The walls where each leaves the chain most room in the time that is recorded, and where least."""
+    """Yield the walls where each leaves the chain most room in the time that is recorded, and where least."""
     for extreme in (np.min, np.max):
         found = dict(recording.walls)
         for name, moved in recording.moved_walls.items():
@@ -85,12 +85,12 @@ def moving_walls(recording: Recording, names: Iterable[str]) -> list[str]:
 
 
 def moves(places: np.ndarray) -> bool:
-    """Whether places over time, shape (T, …), are not all the same."""
+    """Return whether places over time, shape (T, …), are not all the same."""
     return bool((places != places[0]).any())
 
 
 def _corners(walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
-    """The corners of the free part of a view, shape (C, 2) [m]."""
+    """Return the corners of the free part of a view, shape (C, 2) [m]."""
     return np.reshape(free_room(walls, view), (-1, 2))
 
 
@@ -107,7 +107,7 @@ def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
 def draw_room(
     axes: Axes, view: np.ndarray, near: Sequence[HalfPlane], lines: Sequence[HalfPlane] | None = None
 ) -> list[Artist]:
-    """The room between some walls in white, all beyond them in grey; sets the limits of the axes.
+    """Return the room between some walls in white, all beyond them in grey; sets the limits of the axes.
 
     Args:
         axes: where it is drawn.

@@ -47,7 +47,7 @@ def repeatable() -> Iterator[None]:
 
 @repeatable()
 def drawing(scene: Scene) -> str:
-    """The chain with its points, angles and walls, and the directions that are positive, as SVG."""
+    """Return the chain with its points, angles and walls, and the directions that are positive, as SVG."""
     axes, joints, unit = _chain(scene, SIZE, BORDER, linewidth=5.0, markersize=8.0)
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     for name, plane in scene.walls_at_start.items():
@@ -79,7 +79,7 @@ def drawing(scene: Scene) -> str:
 
 @repeatable()
 def icon(scene: Scene) -> bytes:
-    """The chain at its start and the walls, as PNG."""
+    """Return the chain at its start and the walls, as PNG."""
     axes, *_ = _chain(scene, ICON, MARGIN, linewidth=4.0, markersize=6.0)
     stream = io.BytesIO()
     axes.figure.savefig(stream, format="png", dpi=100, metadata={"Software": None})
@@ -117,7 +117,7 @@ def _chain(
 
 
 def _foot(plane: HalfPlane, place: np.ndarray) -> np.ndarray:
-    """The place of a wall that is nearest to another place."""
+    """Return the place of a wall that is nearest to another place."""
     return np.asarray(place - plane.clearance(*place) * np.array(plane.normal))
 
 

@@ -110,13 +110,13 @@ class Page(Figure):
 
 
 def is_full(axes: Axes) -> bool:
-    """Whether axes stand on a page of full width."""
+    """Return whether axes stand on a page of full width."""
     page = axes.get_figure(root=True)
     return page is None or page.get_figwidth() >= FULL
 
 
 def columns(axes: Axes, most: int) -> int:
-    """How many columns a legend above axes can have, of at most so many."""
+    """Return how many columns a legend above axes can have, of at most so many."""
     page = axes.get_figure(root=True)
     assert page is not None
     width = page.get_figwidth()
@@ -175,10 +175,10 @@ def save(
 
 
 def force_text(value: float, unit: str) -> str:
-    """A force or a moment above zero, with a prefix and three digits: 12.3 kN."""
+    """Return a force or a moment above zero, with a prefix and three digits: 12.3 kN."""
     return EngFormatter(unit, places=2 - int(np.floor(np.log10(value))) % 3)(value)
 
 
 def number(value: float, digits: int = 4) -> str:
-    """A number with up to so many digits, without zeros that say nothing: 1e8, 2.145e10."""
+    """Return a number with up to so many digits, without zeros that say nothing: 1e8, 2.145e10."""
     return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:.{digits}g}")

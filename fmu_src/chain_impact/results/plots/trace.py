@@ -11,7 +11,7 @@ MOST_PARTS = 32  # of the curve between two rows
 
 
 def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]:
-    """The path of the last point, with places between the rows where these are far from each other.
+    """Return the path of the last point, with places between the rows where these are far from each other.
 
     Args:
         recording: what is shown.
@@ -36,7 +36,7 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
 
 
 def _speeds(recording: Recording) -> np.ndarray:
-    """The velocity of the last point, shape (T, 2) [m/s]; else of parabolas through the rows."""
+    """Return the velocity of the last point, shape (T, 2) [m/s]; else of parabolas through the rows."""
     last = recording.points.shape[1] - 1
     known = [recording.columns.get(f"point[{last}].v{axis}") for axis in "xy"]
     if known[0] is not None and known[1] is not None:
