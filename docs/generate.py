@@ -179,14 +179,18 @@ def variable_patterns() -> str:
             is_key = meaning in known and bool(kind.unit)
             tunable = "; tunable" if kind.tunable == ALWAYS else ""
             alike.setdefault((SCENE_KEY if is_key else meaning) + tunable, []).append(kind)
-        lines = []
-        for meaning, kinds in alike.items():
-            columns = ([kind.pattern for kind in kinds], [kind.unit for kind in kinds])
-            names, units = (list(dict.fromkeys(filter(None, column))) for column in columns)
-            unit = "" if meaning.startswith(SCENE_KEY) or units in ([], ["1"]) else f" [{', '.join(units)}]"
-            lines.append(f"- {', '.join(map(code, names))}: {meaning}{unit}")
+        lines = (_variables(meaning, kinds) for meaning, kinds in alike.items())
         sections.append(f"### {title}\n\n" + "\n".join(lines))
     return "\n\n".join(sections)
+
+
+def _variables(meaning: str, kinds: Sequence[Kind]) -> str:
+    """A line for kinds of one meaning: names, meaning and units; of scene keys the meaning first."""
+    names = ", ".join(code(name) for name in dict.fromkeys(kind.pattern for kind in kinds))
+    if meaning.startswith(SCENE_KEY):
+        return f"- {meaning}: {names}"
+    units = ", ".join(unit for unit in dict.fromkeys(kind.unit for kind in kinds) if unit not in ("", "1"))
+    return f"- {names}: {meaning}" + (f" [{units}]" if units else "")
 
 
 SCENE_KEY = "scene key"  # meaning of parameters that the page of the scene file explains
