@@ -52,6 +52,10 @@ from chain_impact.kernel.status import count_other_work, work_exceeded
 # residual, D grows by the factor STIFFER, up to STIFFEST times that mass; beyond it the residual is only
 # round-off.
 STIFFEST, STIFFER, SLOW = 1e12, 1e3, 0.1
+# D of the first iteration for what sticks beside no rigid wall, over the mean mass of a link. It finds the
+# forces up to a thousandth. Without it, the round-off of the whole motion, times the large D of the others,
+# would remain in the forces against motions that can hardly be held, and steps at tight tolerances be short.
+GENTLE = 1e3
 # The least W that one constraint alone is solved with, over 1/(mean mass of a link). A smaller one, as near a
 # toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
@@ -111,9 +115,14 @@ def solve_equality(d, scale):
     row = only_active(d)
     if row >= 0 and solve_single(d, row):
         return 0.0
+    clear_impulses(d)
+    if not any_point_held(d):
+        set_impedance(d, GENTLE * mean_mass(d))
+        factorize_contacts(d, HELD, own.impedance)
+        find_residual(d)
+        correct_impulses(d)
     set_impedance(d, impedance)
     factorize_contacts(d, HELD, own.impedance)
-    clear_impulses(d)
     worst = iterate(d, scale, impedance)
     if any_point_held(d):
         return worst
