@@ -3,9 +3,11 @@
 import pytest
 
 from chain_impact.kernel.status import OK
-from tests.resting import KINDS, LONG, SHORT, run
+from tests.resting import KINDS, LONG, SHORT, run, scene
 
-RESTS = 1e-10  # of the energies: a change of the energy balance in the last quarter of a run that is at rest
+# The change of the energy balance, over the energies, in the last quarter of a run that is at rest: it is
+# round-off, or a tenth of what the tolerance allows for one step.
+RESTS, SHARE = 1e-12, 0.1
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -33,4 +35,5 @@ def test_an_hour_of_rest_is_held(kind):
     found = [run(kind, seed, LONG) for seed in range(20)]
     assert [one for one in found if one.status != OK] == []
     assert sum(one.rests for one in found) > 8
-    assert max(one.drift for one in found if one.rests) < RESTS
+    for one in found:
+        assert not one.rests or one.drift < RESTS + SHARE * scene(kind, one.seed).solver.tolerance
