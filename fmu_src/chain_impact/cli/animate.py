@@ -110,7 +110,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def record(options: argparse.Namespace) -> Recording:
-    """The recording of a scene, simulated so that its impacts can be seen slowly, of an FMU or of a table."""
+    """Return a recording: of a scene with slow motion in mind, of an FMU, or of a table."""
     from chain_impact.studies.animate import record_slowly
 
     settings, inputs = settings_of(options.set), inputs_of(options)

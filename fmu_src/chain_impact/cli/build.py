@@ -24,7 +24,7 @@ KINDS = {
     ),
     ("native", 3): ("runs in tools with FMI 3.0, without Python", "for tools with FMI 2.0 only: --fmi 2"),
 }
-"""For each target and version of FMI, what the FMU is for, and when to take another one."""
+"""Target and version of FMI → the use of this FMU, and when to take another one."""
 
 
 def add(verbs: Verbs) -> None:

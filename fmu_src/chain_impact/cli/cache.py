@@ -1,4 +1,4 @@
-"""`chain-impact cache`: which compiled kernels there are."""
+"""`chain-impact cache`: the list of the compiled kernels."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Say what is in the cache of compiled kernels, or remove it."""
+    """Print the contents of the cache of compiled kernels, or remove them."""
     if options.clear:
         say(f"removed {cache.clear() / 1e6:.1f} MB from {places.base_folder()}")
         return 0
@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def contents() -> Iterator[str]:
-    """What there is of compiled kernels: ready ones, and the folders of the cache, of which one is in use."""
+    """Yield lines on the compiled kernels: ready ones, and the folders of the cache with the one in use."""
     kernels, entries, present = ready.libraries(), cache.entries(), cache.cache_folder()
     yield "ready    " + (f"{len(kernels)} kernels in {kernels[0].parent}" if kernels else "–")
     yield f"cache    {present.parent}, {sum(entry.size for entry in entries) / 1e6:.1f} MB"

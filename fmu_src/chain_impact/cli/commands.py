@@ -37,7 +37,7 @@ from chain_impact.system import prepare_console
 REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(
     (EROFS, EACCES, EPERM), "ask for the right to use it, or choose another place"
 )
-"""What to do when a file cannot be written: number of an error → a clause."""
+"""Number of an error → a clause: the advice when a file cannot be written."""
 FIRST_STEPS = """chain-impact simulates planar chains that hit walls. First steps:
 
   chain-impact simulate pinned_arm --plot arm.png   simulate a model: impacts, peak forces, a picture
@@ -81,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def hints_shown() -> Iterator[None]:
-    """Show what a scene may mean otherwise in a line, and once, as all that is said beside the results."""
+    """Print each hint on a scene that may be meant otherwise once, in a line without the place in code."""
     usual, shown = warnings.showwarning, set()
 
     def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
@@ -98,14 +98,14 @@ def hints_shown() -> Iterator[None]:
 
 
 class Parser(argparse.ArgumentParser):
-    """Says in one line what is wrong."""
+    """A parser that reports an error in one line."""
 
     def error(self, message: str) -> NoReturn:
-        """Leave out the usage."""
+        """Print the error without the usage."""
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Refuse what is no choice, and name the nearest: argparse would list all commands."""
+        """Refuse a value that is no choice, and name the nearest choice: argparse would list all commands."""
         if action.choices is None or value in action.choices:
             return
         near = nearest(str(value), map(str, action.choices))

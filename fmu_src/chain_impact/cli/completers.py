@@ -1,4 +1,4 @@
-"""What a shell completes after options that take names: those of a scene or an FMU, and values of choices."""
+"""The names and values that a shell completes after an option: of a scene or of an FMU."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ DEFAULT_SCENE = "four_link_box"
 
 
 class Offer(NamedTuple):
-    """What can stand at a place.
+    """The names that can stand at a place.
 
     Attributes:
-        names: that can stand there.
-        choices: name → values that it can have, of those that have few.
+        names: the names.
+        choices: name → its values, for each name that has only a few.
     """
 
     names: Iterable[str]
@@ -24,7 +24,7 @@ class Offer(NamedTuple):
 
 
 Offers = Callable[[str], Offer]
-"""Source → what can stand there."""
+"""Source → the names that can stand at the place."""
 
 
 def complete(
@@ -34,9 +34,9 @@ def complete(
 
     Args:
         argument: the option.
-        offers: what there is.
-        listed: whether names stand in a list with commas.
-        valued: whether a name has a value behind ``=``.
+        offers: gives the names for a source.
+        listed: whether the option takes a list of names with commas.
+        valued: whether ``=`` and a value follow a name.
     """
 
     def completer(prefix: str, parsed_args: Any = None, **_: object) -> list[str]:
@@ -61,7 +61,7 @@ def is_fmu(source: str) -> bool:
 
 
 def settings(source: str) -> Offer:
-    """What ``--set`` takes."""
+    """Return the names that ``--set`` takes."""
     if is_fmu(source):
         return _of_fmu(source, "parameter")
     from chain_impact.scene.scene import load_scene
@@ -71,7 +71,7 @@ def settings(source: str) -> Offer:
 
 
 def parameters(source: str) -> Offer:
-    """What ``--vary`` takes."""
+    """Return the names that ``--vary`` takes."""
     from chain_impact.scene.scene import load_scene
     from chain_impact.studies.sweep.variation import sweepable
 
@@ -79,19 +79,19 @@ def parameters(source: str) -> Offer:
 
 
 def differentiable(source: str) -> Offer:
-    """What ``--sensitivity`` and ``--free`` take."""
+    """Return the names that ``--sensitivity`` and ``--free`` take."""
     return Offer([one.name for one in _model(source).varied_by(["*"])])
 
 
 def outputs(source: str) -> Offer:
-    """Return outputs, those of an FMU too."""
+    """Return the outputs of a scene or of an FMU."""
     if is_fmu(source):
         return _of_fmu(source, "output")
     return Offer(_model(source).outputs_by_name)
 
 
 def rankable(source: str) -> Offer:
-    """What ``--rank`` takes."""
+    """Return the quantities that ``--rank`` takes."""
     from chain_impact.results.ranking import JOINT_FORCE, LARGEST
 
     return Offer([*LARGEST, JOINT_FORCE, *outputs(source).names])

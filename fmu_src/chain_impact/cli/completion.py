@@ -1,4 +1,4 @@
-"""`chain-impact completion`: what a shell needs to complete verbs, options and models.
+"""`chain-impact completion`: a script with which a shell completes verbs, options and models.
 
 The shell asks this program at each press of the key, and argcomplete answers.
 """

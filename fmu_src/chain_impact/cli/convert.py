@@ -28,7 +28,7 @@ ONCE = {
     ),
     "--keyframe": ("NAME", "keyframe of MJCF at which the robot starts, or none; default: the first"),
 }
-"""Options that choose what is guessed otherwise: metavariable and help."""
+"""The options with which a user decides instead of a guess of the program: metavariable and help."""
 
 
 def add(verbs: Verbs) -> None:
@@ -52,7 +52,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Convert, and say line by line what is otherwise, the largest effect first."""
+    """Convert, and print a line on each difference, the largest effect first."""
     from chain_impact.conversion.convert import convert, told_lines
     from chain_impact.conversion.planar import Choices
 

@@ -1,4 +1,4 @@
-"""`chain-impact fit`: parameters of a scene from measurements, and a scene that has them."""
+"""`chain-impact fit`: parameters of a scene from measurements, and a scene with the values found."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ REPEATED = (
     ),
     ("--bounds", "NAME=LOW:HIGH", "search between these values only"),
 )
-"""The options that can be given several times, what they take, and what they do."""
+"""The options that can be repeated: metavariable and help."""
 
 
 def add(verbs: Verbs) -> None:
@@ -85,7 +85,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Fit, print what was found, and write what was asked for."""
+    """Fit, print the result, and write the files that the options name."""
     from chain_impact.studies.fit.fit import fit
 
     data = [names_in(text) for text in options.data]

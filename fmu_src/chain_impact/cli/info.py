@@ -1,4 +1,4 @@
-"""`chain-impact info`: what a scene or an FMU holds."""
+"""`chain-impact info`: the contents of a scene or an FMU."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LISTS: dict[str, Callable[[], dict[str, str]]] = {
     "models": lambda: {name: load_scene(name).description for name in model_names()},
     "laws": lambda: {law.id: law.source for law in CONTACT_LAWS.values()},
 }
-"""What can be listed → what there is: name → what it is."""
+"""The lists: name → function that returns name → description of each entry."""
 
 
 def add(verbs: Verbs) -> None:
@@ -44,7 +44,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Say what a scene or an FMU holds, or which models or laws there are."""
+    """Print the contents of a scene or an FMU, or the list of models or laws."""
     if options.list:
         names = LISTS[options.list]()
         width = max(map(len, names))

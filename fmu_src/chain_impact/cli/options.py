@@ -20,7 +20,7 @@ else:
     Verbs = object  # the class is generic for type checkers only
 
 Inputs = tuple[Path, str | None]
-"""The file of a table of inputs, and the interpolation, None for the usual one."""
+"""The file of a table of inputs, and its interpolation; None stands for the usual one."""
 INTERPOLATIONS = ("hold", "linear", "spline")
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -40,7 +40,7 @@ def add_verb(verbs: Verbs, name: str, what: str, example: str) -> argparse.Argum
 
 
 def add_scene(command: argparse.ArgumentParser, what: str) -> None:
-    """Add the scene, or what else can be given in its place."""
+    """Add the argument for the scene, or for a file that the verb takes in place of a scene."""
     source = command.add_argument(
         "source",
         nargs="?",
@@ -78,7 +78,7 @@ def add_set(command: argparse.ArgumentParser) -> None:
 
 
 def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] = INTERPOLATIONS) -> None:
-    """Add a table of inputs, and what they are between its rows."""
+    """Add ``--inputs``, a table of inputs, and the option for their course between the rows."""
     command.add_argument(
         "--inputs",
         action=Once,
@@ -139,7 +139,7 @@ def add_plot(command: argparse.ArgumentParser, what: str) -> None:
 
 
 def add_csv(command: argparse.ArgumentParser, what: str) -> None:
-    """Add the file of a table; what has no suffix may be no file, as /dev/stdout."""
+    """Add ``--csv``. The file may have no suffix, as ``/dev/stdout`` has none."""
     command.add_argument("--csv", action=Once, metavar="FILE", type=ending("", ".csv"), help=f"write {what}")
 
 
@@ -185,7 +185,7 @@ def names_in(*texts: str) -> list[str]:
 
 
 def check_outputs(*outputs: Path | None, inputs: Iterable[str | Path]) -> None:
-    """Refuse files in folders that are not there, and those that are read, before any work is done."""
+    """Refuse an output in a folder that does not exist, or in a file that is read; do so before any work."""
     read = [path for path in map(scene_path, inputs) if path.is_file()]  # of what is no scene the file itself
     for path in filter(None, outputs):
         if not path.parent.is_dir():

@@ -1,4 +1,4 @@
-"""What the command line shows of work that takes its time: the package's log, and how much is done."""
+"""Reports during work that takes its time: the package's log, and the progress."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the command line prints of a simulation and of a comparison."""
+"""The tables and lines that the command line prints about a simulation or a comparison."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ RELATIVE = {
     "duration": "duration",
     "impulse": "impulse",
 }
-"""Quantities of impacts that are above zero: their changes are told in percent."""
+"""The quantities of impacts that are above zero: changes of these are printed in percent."""
 SIDES = {side.name: side.metadata["description"] for side in fields(Box)}
-"""What the walls of a box are called."""
+"""The names of the walls of a box, in words."""
 
 
 def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
@@ -50,7 +50,7 @@ def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
 
 
 def show(parts: Iterable[RenderableType]) -> None:
-    """Print one after the other: on a terminal as wide as that is, elsewhere whole lines."""
+    """Print the parts one after the other: on a terminal to its width, elsewhere in unbroken lines."""
     for part in parts:
         if isinstance(part, Table) and not out.is_terminal:
             for line in plain_lines(part):
@@ -105,7 +105,7 @@ def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
 
 
 def meanings(recording: Recording) -> Iterator[str]:
-    """What the columns of points and walls say, for what was hit."""
+    """Yield lines that explain the columns of points and walls, as far as the impacts need it."""
     hits = [row for row in recording.impacts if recording.toucher(row).startswith("point")]
     hit = {recording.wall_names[row["wall"]] for row in hits}
     if hit:

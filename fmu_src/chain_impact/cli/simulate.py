@@ -171,10 +171,10 @@ def report(
     check: bool = False,
     inputs: Inputs | None = None,
 ) -> None:
-    """Simulate, write the files asked for and print a summary; also of what came before a fault.
+    """Simulate, write the files that are asked for, and print a summary; also of the time before a fault.
 
-    The columns are those of the table, by default all. The picture is drawn into a file, into an empty
-    window, or both.
+    The table has ``columns``, by default all. The picture is drawn into a file, into an empty window, or
+    both.
     """
     check_outputs(csv, picture, impacts, inputs=[source, *([inputs[0]] if inputs else [])])
     if columns and not csv:
@@ -337,9 +337,9 @@ def difference_text(found: Differences) -> str:
 def with_rows(
     recording: Recording, source: str, settings: Sequence[str], inputs: Inputs | None = None
 ) -> Recording:
-    """Return the recording with as many rows as a picture needs: of a scene, from a run with rows of its own.
+    """Return the recording with as many rows as a picture needs: a scene is simulated again with more rows.
 
-    Of an FMU there are no others; then it is said.
+    An FMU has only its own rows; a message says so.
     """
     rows = len(recording.time)
     if rows >= ROWS:

@@ -78,7 +78,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the sweep, write what was asked for, and say how many runs failed, and why."""
+    """Run the sweep, write the files that the options name, and print how many runs failed, and why."""
     from chain_impact.studies.sweep.partial import partial_path
     from chain_impact.studies.sweep.sweep import sweep
     from chain_impact.studies.sweep.table import is_folder

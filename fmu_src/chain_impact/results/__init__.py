@@ -1,1 +1,1 @@
-"""What a simulation gave: results, recordings, pictures."""
+"""Results of simulations: outputs, recordings, pictures."""

@@ -1,4 +1,4 @@
-"""An animation of a recording into a file, of the kind that the file's name says."""
+"""An animation of a recording as a file; the suffix of the file gives the kind."""
 
 from __future__ import annotations
 

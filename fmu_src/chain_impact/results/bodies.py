@@ -63,7 +63,7 @@ def rail_from(bases: np.ndarray, positions: np.ndarray | None, values: Mapping[s
     """Return the line of a slider; None where there is none.
 
     Args:
-        bases: where the base is, shape (T, 2) [m].
+        bases: the positions of the base, shape (T, 2) [m].
         positions: the outputs ``slider.position``, shape (T,) [m]; None where they are not known.
         values: name of a parameter → value.
     """

@@ -1,4 +1,4 @@
-"""What happens within one impact: force, penetration and speed, at times between the rows of its result."""
+"""The course of one impact: force, penetration and speed, also at times between the rows of the result."""
 
 from __future__ import annotations
 
@@ -13,24 +13,25 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import STOPS
 from chain_impact.variables.model import Model
 
-SAMPLES = 400  # of an impact
-MANY = 4000  # the same where a contact lasts long
-SOON = 1e-6  # of an impact, the first of more times shortly after its onset
+SAMPLES = 400  # the times of the course of an impact
+MANY = 4000  # the same for a contact that lasts long
+SOON = 1e-6  # the first of these times after the onset, as a fraction of the length of the contact
 
 Rerun = Callable[[np.ndarray], np.ndarray]
-"""Outputs at times [s] that increase, shape (S,), from the same run once more."""
+"""A function: times [s] that increase, shape (S,) → the outputs at these times. It repeats the run."""
 
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """One impact over time; at a stop of a joint all is that of its angle.
+    """One impact over time. At a stop of a joint, the quantities are the moment and the angle.
 
     Attributes:
         time: from the onset to the end, shape (S,) [s]; empty for an impulse.
         force: shape (S,) [N].
         penetration: shape (S,) [m].
         speed: of penetration, positive when closing, shape (S,) [m/s].
-        energy_lost: dissipated from just before the onset until just after the end, by all there is [J].
+        energy_lost: the energy [J] that the whole chain dissipates from just before the onset until just
+            after the end.
     """
 
     time: np.ndarray
@@ -45,15 +46,15 @@ def course_of(
 ) -> Course:
     """Return the course of an impact, a row of ``Result.impacts``.
 
-    The run is repeated up to there with rows within the impact: it is the same run to the last bit, as rows
-    do not change the solution.
+    The run is repeated up to the end of the impact, with rows within it. It is the same run to the last bit,
+    as rows do not change the solution.
 
     Args:
-        model: of the scene as it was simulated.
+        model: the model of the scene.
         rerun: ``Result.rerun``.
         impact: the row.
         until: the end of the course where the impact has none [s].
-        near: so long after the onset [s] are the times of a contact that lasts longer close together.
+        near: the time after the onset [s] within which the samples of a longer contact are close together.
 
     Raises:
         ValueError: when the result cannot be run once more.
@@ -72,7 +73,7 @@ def course_of(
     at, sign = place_of(model, impact)
     within = outputs[1 : 1 + len(inside)]
     speed = within["penetration_rate"][:, at].copy()
-    if len(speed):  # the outputs have none where there is no penetration
+    if len(speed):  # the outputs have no speed of penetration where there is no penetration
         speed[0] = impact["impact_speed"]
     if len(speed) == len(inside) > 1 and not math.isnan(impact["end"]):
         speed[-1] = -impact["separation_speed"]
@@ -86,7 +87,7 @@ def course_of(
 
 
 def place_of(model: Model, impact: np.void) -> tuple[int, float]:
-    """Where the outputs have the force of an impact, and its sign there; see ``_stops`` of the outputs."""
+    """Return the index of the contact of an impact in the outputs, and the sign of its force there."""
     pairs, scene = model.candidates, model.scene
     if not at_stop(scene, impact["wall"]):
         return pairs.index((impact["point"], impact["wall"])), 1.0

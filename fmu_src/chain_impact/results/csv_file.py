@@ -21,7 +21,7 @@ NEEDED = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
 
 
 class NeedsSceneError(SceneError):
-    """A table has walls, and does not say where they are."""
+    """An error: a table has walls, but does not tell where they are."""
 
 
 def read_csv(path: Path, scene: Scene | None = None) -> Recording:
@@ -29,14 +29,14 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
 
     Args:
         path: the file; columns ``time`` [s] and outputs of the FMU, at least the positions of the points.
-        scene: of its walls and stops, which a table does not hold.
+        scene: the scene with the walls and stops, which are not in a table.
 
     Returns:
-        The recording, named as the file is, with impacts if it has the columns ``impact.*``.
+        The recording, with the name of the file, and with impacts if the table has the columns ``impact.*``.
 
     Raises:
         SceneError: when the file is no such table, or has a wall that is not in the scene.
-        NeedsSceneError: when it has walls, and no scene is given.
+        NeedsSceneError: when the table has walls, and no scene is given.
         OSError: when the file cannot be read.
     """
     columns = _columns(path)
@@ -81,7 +81,7 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         check_separator(head)
         names = [name.strip().strip('"') for name in head.split(",")]
         rows = _numbers(names, text)
-    except ValueError as error:  # a cell that is no number, a row that is too long, or another encoding
+    except ValueError as error:  # a cell that is no number, a line that is too long, or another encoding
         raise SceneError(f"{path}: not a table of numbers: {error}") from None
     missing = [name for name in NEEDED if name not in names]
     if missing:
@@ -93,7 +93,7 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         raise SceneError(
             f"{path}: {rows.shape[0]} rows of {rows.shape[1]} numbers; must be at least 2 of {len(names)}"
         )
-    # a derivative need not exist
+    # a derivative does not exist at all times
     slopes = [name.startswith(SENSITIVITY) for name in names]
     for row in np.flatnonzero(~(np.isfinite(rows) | slopes).all(axis=1))[:1]:
         raise SceneError(f"{path}: line {row + 2} has a number that is not finite")

@@ -1,4 +1,4 @@
-"""Some outputs over time as they are drawn: also within impacts, where a result has few rows or none."""
+"""Outputs over time, as curves in a picture: also within impacts, where a result has few rows or none."""
 
 from __future__ import annotations
 
@@ -13,23 +13,24 @@ from chain_impact.results.recording import Recording
 from chain_impact.scene.reading import matching
 from chain_impact.variables.model import Model, elsewhere
 
-WITHIN, FOLLOWED = 50, 400  # times within an impact, and impacts that have them
-CLOSE = 1000  # times of a view of one impact
-BEFORE, AFTER = 0.5, 1.0  # of an impact, what is seen before and after it
-LONGEST = 0.02  # of the run, what is seen of a contact that lasts
-LEAST = 1e-3  # of the run, what is seen around an impulse
+# the times within an impact, and the largest number of impacts that have such times
+WITHIN, FOLLOWED = 50, 400
+CLOSE = 1000  # the times in a view of one impact
+BEFORE, AFTER = 0.5, 1.0  # the time seen before and after an impact, as a fraction of its duration
+LONGEST = 0.02  # the duration of a contact that lasts to the end, as seen, as a fraction of the run
+LEAST = 1e-3  # the duration of an impulse, as seen, as a fraction of the run
 
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Some outputs over time.
+    """Some outputs over time, to be drawn as curves.
 
     Attributes:
         time: shape (T,) [s].
         values: name → shape (T,).
         units: name → unit; "" where there is none.
-        onset: of the impact that is seen closely [s]; None if all of the run is seen.
-        number: of that impact, from 1.
+        onset: the onset [s] of the impact in a close view; None in a view of the whole run.
+        number: the number of this impact, from 1.
     """
 
     time: np.ndarray
@@ -40,7 +41,7 @@ class Curves:
 
     @property
     def panels(self) -> list[list[str]]:
-        """The names by unit, in the order in which the units come."""
+        """The names of the outputs, one list for each unit, in the order in which the units first occur."""
         found: dict[str, list[str]] = {}
         for name in self.values:
             found.setdefault(self.units.get(name, ""), []).append(name)
@@ -59,12 +60,12 @@ def curves_of(
     """Return the curves of some outputs.
 
     Args:
-        recording: has them in its rows.
-        names: of the outputs, in which ``*`` stands for any text.
+        recording: the recording with the outputs.
+        names: the names of the outputs; ``*`` stands for any text.
         units: name → unit.
-        around: the number of an impact, to see it closely.
-        model: of the scene, if there is one.
-        rerun: gives outputs at other times; without it there is nothing between the rows.
+        around: the number of an impact, for a close view of it.
+        model: the model of the scene, if it is known.
+        rerun: gives outputs at other times; without it the curves have the rows only.
 
     Raises:
         UnknownNameError: when there is no output of a name.
@@ -82,7 +83,7 @@ def curves_of(
     else:
         rows = (time >= low) & (time <= high)
         time, moving = time[rows], {name: values[rows] for name, values in recording.columns.items()}
-    # what changes at events and steps only has the value of the row before
+    # outputs that change only at events and steps keep the value of the row before
     row = np.searchsorted(recording.time, time, side="right") - 1
     values = {
         name: moving[name] if name in moving else recording.columns[name][row.clip(0)] for name in chosen
@@ -91,7 +92,7 @@ def curves_of(
 
 
 def window(recording: Recording, around: int | None) -> tuple[float | None, float, float]:
-    """Return the onset of an impact, and from when until when it is seen [s]; without one, all of the run."""
+    """Return the onset of an impact, and start and end of its view [s]; without one, of the whole run."""
     start, end = float(recording.time[0]), float(recording.time[-1])
     if around is None:
         return None, start, end
@@ -108,7 +109,7 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
 
 
 def between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:
-    """Return times between rows [s]: of a close view everywhere, else within impacts."""
+    """Return times between the rows [s]: everywhere in a close view, else within impacts only."""
     if close:
         return np.linspace(low, high, CLOSE)
     impacts = recording.impacts[:FOLLOWED]

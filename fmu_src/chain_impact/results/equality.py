@@ -1,4 +1,4 @@
-"""Equality of what holds arrays, of which ``==`` gives a value for each number."""
+"""Equality of dataclasses with arrays: ``==`` of two arrays is an array."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 
 def same(one: Any, other: Any) -> bool:
-    """Return the method ``__eq__`` of a dataclass: two of one kind are equal if all that they hold is."""
+    """Return whether two objects have one class and equal fields: the method ``__eq__`` of a dataclass."""
     if type(other) is not type(one):
         return False
     return all(equal(getattr(one, it.name), getattr(other, it.name)) for it in fields(one) if it.compare)

@@ -1,4 +1,4 @@
-"""The table of impacts: its columns, and how it follows from what any importer has recorded of an FMU."""
+"""The table of impacts: its columns, and how to make it from a record of an FMU's outputs."""
 
 from __future__ import annotations
 
@@ -31,20 +31,20 @@ LOG_DTYPE = np.dtype(
 IMPACT_DTYPE = np.dtype([*((name, LOG_DTYPE[name]) for name in LOG_DTYPE.names or ()), ("wall_name", "U32")])
 """One contact: point 0…N; wall as index into ``scene.wall_names``; onset and end [s]; impact and separation
 speed [m/s]; peak force [N]; largest penetration [m]; effective mass at onset [kg]; impulse of the wall [N·s],
-as accurate as the momentum of the chain, NaN if the scene asks for no impulses; the largest force in a joint
+as accurate as the momentum of the chain; NaN if the scene asks for no impulses; the largest force in a joint
 while the contact lasts [N], and the number of this joint, 1…N, NaN and 0 if the scene asks for no loads; the
 name of the wall, its first 32 characters, "" where it is not known. The
 end and the separation speed of a contact that lasts to the end of the simulation are NaN. Under the law
-``newton_impact`` a bounce has no duration, and peak forces of 0, in no joint, as an impulse has no peak;
-those of a contact that lasts are the largest forces while it is held. What a bounce gives to joint i is the
-jump of ``joint[i].impulse``.
+``newton_impact`` a bounce has no duration, and its peak force and its joint force are 0, in joint 0, as an
+impulse has no peak. The peak forces of a contact that lasts are the largest forces during the contact. The
+impulse of a bounce in joint i is the jump of ``joint[i].impulse``.
 
 At a stop of a joint, the wall ``joint_min`` or ``joint_max``, the point is the number of the joint, 1…N, and
-the quantities are those of its angle: speeds [rad/s], moment [N·m], angle beyond the stop [rad], effective
+the quantities are about its angle: speeds [rad/s], moment [N·m], angle beyond the stop [rad], effective
 inertia [kg·m²], impulse of the moment [N·m·s]."""
 
 _LOGGED = np.dtype({"names": ["log"], "formats": [LOG_DTYPE], "itemsize": IMPACT_DTYPE.itemsize})
-"""An impact as what the log has of it: its first columns."""
+"""The fields of the log in a row of the table: its first columns."""
 NO_IMPACTS = np.zeros(0, IMPACT_DTYPE)
 NO_IMPACTS.flags.writeable = False
 COLUMNS = {
@@ -58,11 +58,11 @@ COLUMNS = {
     "max_penetration": "max_penetration",
     "impulse": "impulse",
 }
-"""Field of the table → last part of the FMU's variable."""
+"""Field of the table → last part of the name of the FMU's variable."""
 
 
 def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
-    """Return impacts with the names of their walls, of which ``walls`` are those by their numbers."""
+    """Return impacts with the names of their walls; ``walls`` has the names by number."""
     table = np.zeros(len(impacts), IMPACT_DTYPE)
     np.ndarray(len(impacts), _LOGGED, table)["log"] = impacts
     known = (impacts["wall"] >= 0) & (impacts["wall"] < len(walls))
@@ -71,29 +71,30 @@ def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
 
 
 def lasts(impacts: np.ndarray | np.void) -> Any:
-    """Whether contacts last to the end of the simulation; their peak forces are known, others' may not be."""
+    """Return whether contacts last to the end of the simulation and their peak forces are known."""
     return np.isnan(impacts["end"]) & ~np.isnan(impacts["peak_force"])
 
 
 def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str] = ()) -> np.ndarray:
     """Rebuild the table of impacts from a record of the FMU's outputs over time.
 
-    An FMU shows the latest impacts at each communication point: `impact[1].time` and so on. If there are
-    never more new ones in a communication step than it shows (`[outputs] impacts` of the scene), none is
-    missing, whatever the step; else `impact.count` at the end is larger than the number of rows.
+    An FMU shows the latest impacts at each communication point: `impact[1].time` and so on. The table is
+    complete if no communication step has more new impacts than the FMU shows (`[outputs] impacts` of the
+    scene). Else `impact.count` at the end is larger than the number of rows.
 
     Args:
-        record: what has a column of values over time under each name, of shape (T,): a mapping, a
-            structured array such as fmpy returns, or a data frame. The columns are `time`, `impact.count`
-            and those of `impact[j]`, j = 1 … M. A `Result` is taken as well.
-        walls: the names of all walls by their numbers, `scene.wall_names`; by default those that the columns
-            of contacts and stops tell.
+        record: columns of values over time, each of shape (T,), by their names: a mapping, a structured array
+            such as fmpy returns, or a data frame. The columns are `time`, `impact.count` and `impact[j].*`, j
+            = 1 … M. It may also be a `Result`.
+        walls: the names of all walls by their numbers, `scene.wall_names`; by default the names in the
+            columns of contacts and stops.
 
     Returns:
-        A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. The FMU tells no
-        effective mass and no joint of an impact: they are NaN, and joint 0. NaN are also the end and the
-        separation speed of a contact that lasts to the end of the record, and its peak force, penetration
-        and impulse if newer impacts took its place in the list while it lasted.
+        A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. An FMU has no output
+            for the effective mass and the joint of an impact: the table has NaN and 0 there. Of a contact
+            that lasts to the end of the record, the end and the separation speed are NaN. Peak force,
+            penetration and impulse are NaN, too, if newer impacts pushed the contact out of the FMU's list
+            during it.
 
     Raises:
         ValueError: when a column is missing.
@@ -121,14 +122,14 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
     lasting = (table["end"] == time[row]) & (table["end"] > table["onset"])
     for field in ("end", "separation_speed"):
         table[field][lasting] = np.nan
-    # what became of one that newer impacts have pushed out of the list is not known
+    # these quantities are unknown for a contact that newer impacts pushed out of the list
     for field in ("peak_force", "max_penetration", "impulse"):
         table[field][lasting & (row < len(time) - 1)] = np.nan
     return named(np.sort(table, order=["onset", "point", "wall"]), walls or wall_names_of(record))
 
 
 def wall_names_of(record: Any) -> list[str]:
-    """Return the names of the walls by their numbers, as far as the names of the columns tell."""
+    """Return the names of the walls by their numbers, as far as they follow from the names of the columns."""
     names = [str(name) for name in names_of(record)]
     touched = [name.split(".")[1] for name in names if is_like(name, "contact[{n}].{name}.force")]
     ends = [stop for stop in SLIDER_STOPS if stop in touched]
@@ -138,12 +139,10 @@ def wall_names_of(record: Any) -> list[str]:
 
 
 def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
-    """Return the impacts that a record of an FMU's outputs shows, whatever the FMU lists, see `IMPACT_DTYPE`.
+    """Return the impacts in the outputs of an FMU, whatever the length of its list, see `IMPACT_DTYPE`.
 
-    The walls are the names of all, by their numbers.
-
-    From an FMU with `outputs.impacts = 0` it is only the last one in each communication step, without its end
-    and what follows from that.
+    ``walls`` has the names of all walls by their numbers. An FMU with `outputs.impacts = 0` shows only the
+    last impact of each communication step, without its end and the quantities that are known at the end only.
     """
     if "impact[1].time" in names_of(record):
         return impacts_of(record, walls)

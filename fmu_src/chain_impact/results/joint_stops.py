@@ -12,20 +12,20 @@ import numpy as np
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.scene import Scene
 
-ARC = 0.25  # of the link's length: the radius of the arc of a range
-OPEN = 0.5 * math.pi  # rad, of the arc of a joint with one stop only
-TICK = 0.3  # of the radius: the length of the mark of a stop
-CORNERS = 33  # of the line of an arc
+ARC = 0.25  # the radius of the arc of a range, as a fraction of the link's length
+OPEN = 0.5 * math.pi  # rad, the length of the arc of a joint with only one stop
+TICK = 0.3  # the length of the mark of a stop, as a fraction of the radius
+CORNERS = 33  # the number of points of the line of an arc
 
 
 @dataclass(frozen=True, slots=True)
 class JointRange:
-    """The range of a joint with a stop.
+    """The range of a joint that has a stop.
 
     Attributes:
-        low: its joint_min [rad], −∞ where there is none.
-        high: its joint_max [rad], ∞ where there is none.
-        length: of its link [m].
+        low: joint_min [rad]; −∞ if the joint has none.
+        high: joint_max [rad]; ∞ if the joint has none.
+        length: the length of its link [m].
     """
 
     low: float
@@ -34,7 +34,7 @@ class JointRange:
 
     @property
     def arc(self) -> tuple[float, float]:
-        """The ends of the arc that is drawn [rad], from the direction of the link before."""
+        """The two ends of the arc in a picture [rad], from the direction of the previous link."""
         low = self.low if math.isfinite(self.low) else self.high - OPEN
         high = self.high if math.isfinite(self.high) else self.low + OPEN
         return low, min(high, low + math.tau)
@@ -60,7 +60,7 @@ def ranges_from(values: Mapping[str, Any]) -> dict[int, JointRange]:
 
 
 def at_stop(scene: Scene, wall: int) -> bool:
-    """Whether the wall of a number, an index into ``scene.wall_names``, stands for the stops of joints."""
+    """Return whether a wall, by its index into ``scene.wall_names``, stands for the stops of joints."""
     return bool(scene.chain.stops) and scene.wall_names[wall] in STOPS
 
 

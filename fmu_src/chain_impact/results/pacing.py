@@ -1,4 +1,4 @@
-"""How fast a film shows the simulated time: slower through impacts, so that they are seen.
+"""The speed at which a film shows the simulated time: slower during impacts, so that they can be seen.
 
 The pages pace themselves likewise, in ``page/browser/pacing.js``.
 """
@@ -11,26 +11,26 @@ import numpy as np
 
 from chain_impact.results.recording import Recording
 
-IMPACT_TIME = 0.6  # s on the screen that an impact takes
-RAMP = 0.05  # s: so far from an impact in simulated time the slowing down begins
-LONGEST = 0.1  # s of a contact that are shown slowly; a longer one is of a chain that rests or leans
-SHORTEST = 1e-4  # s that a contact without a duration is taken to last, as one of rigid walls
-FRAME_RATE = 60.0  # frames in a second on the screen
-FLIGHT_STEP = 1 / 240  # s between the points at which the rate is worked out, far from impacts
-NEAR = np.geomspace(1e-3, 1.0, 48)  # of RAMP: the same near them
-WITHIN = np.linspace(0.0, 1.0, 25)  # of a contact: the same in it
-SLOW_SPEED = 0.05  # of the fastest impact: slower ones are not shown slowly
-SLOW_COUNT = 100  # impacts, the fastest ones, that are shown slowly
-LONGEST_IMPACT = 5.0  # of penetration over approach speed
-SLOWEST = 1e-6  # m/s, approach speed of a point that comes to rest at a wall
+IMPACT_TIME = 0.6  # s, the time on the screen that an impact takes
+RAMP = 0.05  # s of simulated time: the slowing down begins so long before an impact
+LONGEST = 0.1  # s, the part of a contact shown in slow motion; in a longer one the chain rests or leans
+SHORTEST = 1e-4  # s, the duration assumed for a contact without one, as between rigid walls
+FRAME_RATE = 60.0  # frames per second on the screen
+FLIGHT_STEP = 1 / 240  # s, the step of the grid on which the rate is computed, far from impacts
+NEAR = np.geomspace(1e-3, 1.0, 48)  # the points of this grid near an impact, as fractions of RAMP
+WITHIN = np.linspace(0.0, 1.0, 25)  # the points of this grid within a contact, as fractions of its duration
+SLOW_SPEED = 0.05  # fraction of the speed of the fastest impact: slower impacts are not shown in slow motion
+SLOW_COUNT = 100  # the largest number of impacts shown in slow motion: the fastest ones
+LONGEST_IMPACT = 5.0  # the longest impact, in units of penetration over approach speed
+SLOWEST = 1e-6  # m/s, the least approach speed: a point that comes to rest at a wall has none
 
 Span = tuple[float, float]
 
 
 def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
-    """When impacts are over, shape (I,) [s], also where the chain stays at the wall.
+    """Return the ends of the impacts, shape (I,) [s]; a contact that lasts has an end of its impact, too.
 
-    An impact takes 2.9 δ/v by Hertz, π δ/v at a linear spring, and longer with losses.
+    By Hertz an impact takes 2.9 δ/v, at a linear spring π δ/v, and longer with losses.
     """
     speeds = np.maximum(impacts["impact_speed"], SLOWEST)
     lasting = LONGEST_IMPACT * np.nan_to_num(impacts["max_penetration"]) / speeds
@@ -47,15 +47,15 @@ def slow_spans(recording: Recording) -> list[Span]:
 
 
 def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndarray:
-    """Return simulated seconds that pass in a second on the screen, shape (T,), 1 far from impacts.
+    """Return the simulated seconds per second on the screen, shape (T,); the rate is 1 far from impacts.
 
-    In an impact the rate is such that it takes ``impact_time``. Before and after it the rate changes with the
-    distance in time: each stretch, half as far from the impact as the one before, takes as long.
+    During an impact the rate is such that the impact takes ``impact_time``. Before and after it the rate
+    grows in proportion to the distance in time from the impact.
 
     Args:
         time: shape (T,) [s].
         spans: onset and end of each impact to be seen [s].
-        impact_time: [s] on the screen.
+        impact_time: the time [s] that an impact takes on the screen.
     """
     slowest = np.ones_like(time)
     for onset, end in spans:
@@ -71,14 +71,14 @@ def frame_times(
     """Return the simulated times of frames that follow each other evenly on the screen.
 
     Args:
-        start: of the simulation [s].
-        stop: of the simulation [s].
+        start: the start of the simulation [s].
+        stop: the end of the simulation [s].
         spans: onset and end of each impact to be seen slowly [s].
-        impact_time: that an impact takes on the screen [s], 0 for no slow motion.
-        most: how many frames there may be; beyond, they follow each other more slowly.
+        impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
+        most: the largest number of frames; a longer film has fewer frames per second.
 
     Returns:
-        The times, shape (F,) [s], from ``start`` to ``stop``, and the frames in a second on the screen.
+        The times, shape (F,) [s], from ``start`` to ``stop``, and the frames per second on the screen.
     """
     shown = [(a, a + min(max(b - a, SHORTEST), LONGEST)) for a, b in spans] if impact_time > 0.0 else []
     parts = [np.linspace(start, stop, 2 + int((stop - start) / FLIGHT_STEP))]

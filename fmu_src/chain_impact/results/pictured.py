@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
 
 class Pictured(Recording):
-    """A result as its pictures need it.
+    """A result with pictures and an animation.
 
     Attributes:
-        model: the scene as it was simulated, and what follows from it.
-        rerun: gives the outputs of the same run at other times; None if that cannot be.
+        model: the model of the scene that was simulated.
+        rerun: gives the outputs of the same run at other times; None if the run cannot be repeated.
     """
 
     model: Model
@@ -53,33 +53,34 @@ class Pictured(Recording):
     ) -> Any:
         """Draw motion, energy and impacts, or any outputs over time.
 
-        The picture shows the rows of this result and nothing between them: with a coarse ``output_step``
-        a path is straight from row to row. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates
-        once more where there are fewer than 1000 rows.
+        The picture shows the rows of this result and nothing between them: with a coarse ``output_step`` a
+            path is straight from row to row. ``chain-impact simulate`` with ``--plot`` or ``--show``
+            simulates once more if there are fewer than 1000 rows.
 
         Fonts follow matplotlib's settings and style sheets.
 
         Args:
-            path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
+            path: a file, whose suffix png, svg or pdf gives its kind. Without a file the figure is returned,
                 which a notebook shows; ``figure.axes`` have the names of panels as labels.
-            kind: the only panel, in place of ``panels``.
+            kind: the name of a single panel, in place of ``panels``.
             size: width and height [inches]. On a page narrower than 6 inches the motion is above the rest.
-            panels: which of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all there are.
+            panels: some of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all that the
+                result has.
             curves: outputs by their names in the FMU, ``*`` for any text, to draw in place of the panels:
-                ``["contact[*].y_min.force", "point[4].y"]``, those of each unit in a panel. The run is
-                repeated with more rows within impacts.
+                ``["contact[*].y_min.force", "point[4].y"]``. Each unit has a panel. The run is repeated with
+                more rows within impacts.
             around: the number of an impact, from 1, around which the curves are drawn.
-            title: over the picture, in place of what happened; None for none.
-            ax: axes of matplotlib to draw into, as many as panels, by default ``motion`` alone; they are
+            title: the title of the picture, by default a summary of the run; None for no title.
+            ax: axes of matplotlib to draw into, one for each panel, by default for ``motion`` alone. They are
                 returned.
 
         Raises:
-            ValueError: when there is no panel of a name, no impact of a number, a page is smaller than 2 by 2
-                inches or too small for what is drawn, or axes are given with a file or a size.
-            UnknownNameError: when ``simulate(output=…)`` left out what is drawn.
+            ValueError: when a panel or an impact does not exist, the page is smaller than 2 by 2 inches or
+                has no room for the panels, or axes are given with a file or a size.
+            UnknownNameError: when ``simulate(output=…)`` left out an output that is drawn.
             OSError: when the file cannot be written.
         """
-        from chain_impact.results import plots  # a second to load, so not at the top
+        from chain_impact.results import plots  # imported here, as loading takes a second
 
         if curves:
             found = self.curves([curves] if isinstance(curves, str) else curves, around)
@@ -91,7 +92,7 @@ class Pictured(Recording):
             return ax
         if around is not None:
             raise ValueError(f"around = {around!r}: only curves are drawn around an impact")
-        self._all("kinetic")  # refused here, if it was left out
+        self._all("kinetic")  # raises an error if the energy was left out
         given = [name for name, one in (("kind", kind), ("panels", panels)) if one]
         if len(given) > 1:
             raise ValueError(f"kind = {kind!r} and panels = {panels!r}: one of them must be left out")
@@ -117,19 +118,19 @@ class Pictured(Recording):
     ) -> Any:
         """Draw one impact: force, penetration and speed over time, and the force over the penetration.
 
-        The restitution that was realised, and the energy that all parts of the chain have lost meanwhile, are
-        told. Of a contact that lasts much longer than its impact, the impact is shown over time. An impact is
-        shorter than the distance of rows. So the run is repeated up to its end with rows
-        within it: it is the same run to the last bit, as rows do not change the solution.
+        The picture tells the realised restitution, and the energy that the whole chain lost during the
+        impact. If the contact lasts much longer than the impact, the picture shows the impact alone over
+        time. Rows are usually farther apart than an impact is long, so the run is repeated up to its end with
+        rows within it. It is the same run to the last bit, as rows do not change the solution.
 
         Args:
-            number: of the impact, from 1, as pictures and tables count.
+            number: the number of the impact, from 1, as in pictures and tables.
             path: as for ``plot``.
             size: as for ``plot``.
-            ax: axes of matplotlib to draw the force over the penetration into; they are returned.
+            ax: axes of matplotlib, into which the force over the penetration is drawn. They are returned.
 
         Raises:
-            ValueError: when there is no impact of that number, the result is not from ``simulate`` or
+            ValueError: when the impact does not exist, the result is not from ``simulate`` or
                 ``record_slowly``, or as for ``plot``.
             OSError: when the file cannot be written.
         """
@@ -157,19 +158,21 @@ class Pictured(Recording):
         *,
         size: Sequence[float] | None = None,
     ) -> Figure | None:
-        """Draw how outputs, and the speeds of impacts, change when each parameter grows by 1 %.
+        """Draw the changes of outputs, and of the speeds of impacts, when each parameter grows by 1 %.
 
-        That is, to first order, the derivative times 1 % of the parameter, or times 0.01 of its unit where
-        the value is zero.
+        The changes are of first order: the derivative times 1 % of the parameter, or times 0.01 of its unit
+        where the value is zero.
 
         Args:
             path: as for ``plot``.
-            outputs: by their names in the FMU; by default the place of the last point, and the total energy.
+            outputs: outputs by their names in the FMU; by default the place of the last point, and the total
+                energy.
             size: as for ``plot``.
 
         Raises:
-            ValueError: when a page cannot have the size, or has no room for what is drawn.
-            UnknownNameError: when ``simulate`` was asked for no derivatives, or left out what is drawn.
+            ValueError: when a page cannot have the size, or has no room for the panels.
+            UnknownNameError: when ``simulate`` was asked for no derivatives, or left out an output that is
+                drawn.
             OSError: when the file cannot be written.
         """
         from chain_impact.results import plots
@@ -180,10 +183,11 @@ class Pictured(Recording):
     def animate(self, path: str | os.PathLike[str] | None = None, **options: Any) -> InlinePage | None:
         """Write an animation: a page for the browser, ``.html``, or a film, ``.gif`` or ``.mp4``.
 
-        It shows an impact by the rows within it. ``record_slowly`` simulates a scene with more of them.
+        The animation shows an impact only by the rows within it. ``record_slowly`` simulates a scene with
+        more of these rows.
 
         Args:
-            path: the file; without it the page is returned, which a notebook shows.
+            path: the file. Without a file the page is returned, which a notebook shows.
             options: ``speed``, ``impact_time``, ``size``, ``progress`` of ``chain_impact.animate``.
 
         Raises:

@@ -25,7 +25,7 @@ from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, s
 from chain_impact.system import written_whole
 
 WORKER = ("kernel", "pacing", "room", "view", "frames", "bodies", "motion", "worker")
-"""The modules of the worker, each after those that it imports from."""
+"""The modules of the worker, each after the modules that it imports."""
 MODULES = (
     *PLAYER,
     *(
@@ -42,32 +42,32 @@ MODULES = (
     ),
     *("map", "edit", "explore"),
 )
-"""Those of the page."""
+"""The modules of the page."""
 TOML = "vendor/smol-toml.cjs"
 """The library that reads scene files."""
 UNNAMED = "scene.toml"
-"""What a scene that was not loaded from a file is called in the page's command."""
+"""The name of a scene that no file was loaded for, in the command on the page."""
 
 
 def explore(
     scene: SceneSource, path: Path | str | None = None, *, command: Sequence[str] | None = None
 ) -> InlinePage | None:
-    """Write a page that simulates a scene with the parameters that its reader chooses, or show it.
+    """Write or return a page that simulates a scene, with parameters that the reader of the page chooses.
 
-    The page has the compiled kernel in it, and gives the numbers of ``simulate``. It is one file, which needs
-    nothing else. Its reader can change all parameters, and add or remove links, points, walls and stops.
-    Inputs that no signal drives are constant; a base and walls that no signal drives keep their places.
+    The page contains the compiled kernel, and gives the numbers of ``simulate``. It is one file, which needs
+    nothing else. The reader can change all parameters, and add or remove links, points, walls and stops.
+    Inputs without a signal are constant; a base and walls without a signal keep their places.
 
     Args:
-        scene: a scene, or what ``load_scene`` takes.
+        scene: a scene, or an argument of ``load_scene``.
         path: the file to write, for a browser; without it the page is returned, which a notebook shows.
-        command: what comes after ``chain-impact simulate`` in the command that the page gives to repeat a
-            motion; by default the source of the scene, or the name of the model that it is.
+        command: the words after ``chain-impact simulate`` in the page's command that repeats a motion; by
+            default the source of the scene, or the name of a model that is equal to it.
 
     Raises:
         SceneError: when the scene cannot be read.
-        BuildError: when the kernel for browsers has to be compiled, and cannot be: that of an installed
-            package is there, but for a scene with a contact law of your own.
+        BuildError: when the kernel for browsers must be compiled and cannot be. An installed package contains
+            it, except for a scene with a contact law of your own.
         OSError: when the file cannot be written.
     """
     known = [_source(scene)] if command is None else list(command)
@@ -80,10 +80,12 @@ def explore(
 
 
 def page(scene: Scene, command: Sequence[str]) -> str:
-    """Return the page's HTML, for a scene, and what comes after ``chain-impact simulate`` in its command.
+    """Return the page's HTML for a scene.
+
+    ``command`` has the words after ``chain-impact simulate`` in the page's command.
 
     Raises:
-        BuildError: when the module for a browser has to be compiled, and cannot be.
+        BuildError: when the module for a browser must be compiled and cannot be.
     """
     module = browser_module(scene.contact.law_file).read_bytes()
     return assembled(
@@ -98,7 +100,7 @@ def page(scene: Scene, command: Sequence[str]) -> str:
 
 
 def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
-    """What the page makes its scene of: the contents of its file, and what it needs to know of all scenes."""
+    """Return the data from which the page makes a scene: the contents of its file, and common tables."""
     file = scene_to_dict(scene)
     for signal in file.get("signals", {}).values():
         if "file" in signal:  # without the folders of this machine
@@ -113,7 +115,7 @@ def packed(content: bytes) -> str:
 
 
 def _source(scene: SceneSource) -> str:
-    """What the command line calls a scene."""
+    """Return the name of a scene on the command line."""
     if not isinstance(scene, Scene):
         return os.fspath(scene)
     return next((name for name in model_names() if load_scene(name) == scene), UNNAMED)

@@ -1,9 +1,9 @@
-"""What the page knows of all scenes: the keys of a scene file, the variables, and their words in a record.
+"""Data about all scenes for the page: the keys of a scene file, the variables, and their places in a record.
 
-The page has scenes of any number of links, walls and stops, as its reader edits them or opens a file. The
-variables are therefore templates: the rows of the table of variables. The page makes of them what
-``variables/listing.py`` does. Where a word is in the record is a list of seven numbers:
-a + bN + cC + dF + eL + fK + g·index (compilation/affine.py).
+The reader of the page edits scenes or opens files, so the number of links, walls and stops is open. The
+variables are therefore templates: the rows of the table of variables. The page makes the variables from them,
+as ``variables/listing.py`` does. A place of a word in the record is a list of seven numbers: a + bN + cC + dF
++ eL + fK + g·index (compilation/affine.py).
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ from chain_impact.variables.places import WORD, layout_of, word_index
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 
 WITH_STOPS = SimpleNamespace(stops=True, links=())
-"""As much of a chain with stops as the defaults depend on that follow from no value."""
+"""A chain with stops, for the defaults that depend on the chain and on no value."""
 IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
-"""The words of an element in the texts of parameters and inputs, which the page fills in."""
+"""The words of an element in the texts of parameters and inputs; the page fills them in."""
 LONGEST = 1e9
-"""s, of the times of a run."""
+"""s, the longest time of a run"""
 PLACES: dict[str, Place] = {
     **{name: (name,) for name in (*COUNTS, "skewed", "slides")},
     "site_link": ("site", "link", AT),
@@ -64,7 +64,7 @@ PLACES: dict[str, Place] = {
     **{f"knot_{key}": ("knot", key, AT) for key in ("given_time", "given_value", "time")},
     **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(DEGREE + 1)},
 }
-"""What of a record is no parameter, and depends on what a scene has."""
+"""The words of a record that are no parameters and depend on the scene."""
 
 PEAKS = {
     "peak_force": "force",
@@ -72,11 +72,11 @@ PEAKS = {
     "stop.peak_moment": "moment",
     "stop.max_penetration": "rotation",
 }
-"""The largest of a run, by its name in a sweep → its place among ``peaks`` in the record."""
+"""Name of a largest quantity of the run, as in a sweep → its place among ``peaks`` in the record."""
 
 
 def kit(scene: Scene) -> dict[str, Any]:
-    """Return all of it, as JSON can hold it, for the contact laws of a scene."""
+    """Return all data about scenes, as JSON can hold them, for the contact laws of a scene."""
     choices = choices_of(scene)
     inputs = [block for block in INPUTS if block.kinds[0].place[0] != MOTION]
     return {
@@ -109,7 +109,7 @@ def _keys(table: Any) -> dict[str, Any]:
 
 
 def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
-    """What a key may hold: a table, tables in a list or by name, a list, or a value."""
+    """Return the rule for a key: a table, tables in a list or by name, a list, or a value."""
     inner = entry_type(kind := without_none(kind))
     if is_dataclass(inner):
         kinds = {tuple: "tables", Mapping: "named"}
@@ -131,14 +131,14 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
         }
     default = rule["default"]
     if isinstance(default, Derived):
-        # what is derived from no other value is a number that stops have, or a zero for each link
+        # a value derived from no other one is a number that stops have, or a zero for each link
         given = default.value({"chain": WITH_STOPS}) if default.constant else None
         return found | ({"ofStops": given} if isinstance(given, float) else {})
     return found | ({"needed": rule["description"]} if default is MISSING else {"default": default})
 
 
 def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
-    """What a value may be."""
+    """Return the limits and choices of a value."""
     limits = {
         name: rule[name] for name in ("minimum", "above", "maximum", "choices") if rule[name] is not None
     }
@@ -147,17 +147,17 @@ def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any]:
-    """Return the kinds of a block, for each element that it is of."""
+    """Return the kinds of variables of a block, for each element that the block belongs to."""
     return {"of": block.of, "rows": [row(kind) for kind in block.kinds]}
 
 
 def _named(kind: Kind) -> dict[str, Any]:
-    """Return the name of a variable, and the conditions for it."""
+    """Return the name of a variable, and the conditions under which it exists."""
     return {"name": kind.name, "when": kind.when}
 
 
 def _driven(kind: Kind) -> dict[str, Any]:
-    """Return an input as a signal drives it."""
+    """Return the data of an input that a signal can drive."""
     return _named(kind) | {"unit": kind.unit, "acts": acting(kind.place)}
 
 
@@ -194,25 +194,28 @@ def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
 
 
 def _rule(rule: Derived, owner: str) -> dict[str, Any]:
-    """Return how a parameter follows from others; the keys without a dot are of the table ``owner``."""
+    """Return the rule by which a parameter follows from others.
+
+    Keys without a dot belong to the table ``owner``.
+    """
     terms = [[key if "." in key else f"{owner}.{key}" for key in term] for term in rule.terms]
     return {"terms": terms, "divisor": rule.divisor, "text": UNLESS_SET + rule.text}
 
 
 def _sentence(item: Item) -> str:
-    """What a choice is; of a contact law its range of use and its source."""
+    """Return the sentence on a choice; for a contact law, its range of use and its source."""
     law = CONTACT_LAWS.get(item.name)
     return f"{law.limits} {law.source}." if law else item.description
 
 
 def _law(name: str) -> dict[str, Any]:
-    """What decides whether a contact law goes with a scene."""
+    """Return the properties of a contact law that decide whether it goes with a scene."""
     law = CONTACT_LAWS.get(name)
     return {"name": name, "impulsive": bool(law and law.impulsive)}
 
 
 def _layout() -> dict[str, Any]:
-    """Return where in the record the page reads what a run has found."""
+    """Return the places in the record from which the page reads the results of a run."""
     record = layout_of(*SAMPLES[0])
     statistics = record["statistics"].names or ()
     return {
@@ -244,7 +247,7 @@ def _is_real(place: Place) -> bool:
 
 @cache
 def words(place: Place) -> list[int]:
-    """Return where in any record the word of a place is."""
+    """Return the place of a word in any record, see ``_affine``."""
 
     def word(record: np.dtype, index: int) -> int:
         return word_index(record, filled(place, {"at": index}))
@@ -254,5 +257,5 @@ def words(place: Place) -> list[int]:
 
 
 def _affine(number: Callable[[np.dtype], int]) -> list[int]:
-    """a, b, c, d, e, f and g of a number that the record of N, C, F, L, K and P has."""
+    """Return a, b, c, d, e, f and g of a number that depends on N, C, F, L, K and P of the record."""
     return [*affine([number(layout_of(*sizes)) for sizes in SAMPLES])]

@@ -27,25 +27,25 @@ PLAYER = (
     *("dom", "recording", "clock", "format", "room", "view", "trace"),
     *("scene", "charts", "impacts", "controls", "player"),
 )
-"""The modules that show a recording, each after those that it imports from."""
+"""The modules that show a recording, each after the modules that it imports."""
 FRAMES = ("pacing", "frames")
-"""Those that make its frames."""
+"""The modules that make its frames."""
 MODULES = (*PLAYER, *FRAMES, "packed", "main")
 FRAGMENTS = ("stage", "panels", "playback")
 IMPORT = re.compile(r"^import [^;]+;\n", re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
-FINEST = 65535  # of 16 bits
-MOST_ROWS = 80_000  # from which on a page leaves out rows
+FINEST = 65535  # the largest number of 16 bits
+MOST_ROWS = 80_000  # the number of rows beyond which a page leaves out rows
 
 
 def page(recording: Recording, speed: float, impact_time: float) -> str:
     """Return the page's HTML.
 
     Args:
-        recording: what to show.
-        speed: at which it plays at first, 1 for real time.
-        impact_time: what an impact takes on the screen [s], 0 for no slow motion.
+        recording: the recording to show.
+        speed: the speed at which the recording plays at first; 1 is real time.
+        impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
     """
     shown = data(thinned(recording, impact_time)) | {"speed": speed, "impactTime": impact_time}
     template = text_of("recording.html")
@@ -57,33 +57,34 @@ def assembled(template: str, title: str, styles: Iterable[str], modules: str, **
 
     Args:
         template: HTML with places to fill, ``{{ name }}``.
-        title: what the page shows.
-        styles: what style sheets hold.
+        title: the title of the page.
+        styles: the texts of the style sheets.
         modules: the page's program, as ``program`` gives it.
-        parts: what to fill in at other places of the template.
+        parts: the texts for the other places of the template.
     """
     scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', text_of(name))}</script>" for name in LIBRARIES)
     parts |= {"title": html.escape(title, quote=False), "style": "\n".join(styles)}
     parts |= {"libraries": scripts, "program": modules}
     parts |= {name: text_of(f"{name}.html") for name in FRAGMENTS}
-    # one pass: what is filled in may hold what looks like a place to fill
+    # one pass: a text that is filled in may look like a place to fill
     return re.sub(r"\{\{ (\w+) \}\}", lambda found: parts[found[1]], template)
 
 
 def styles() -> list[str]:
-    """What the style sheets of a page with a player hold."""
+    """Return the texts of the style sheets of a page with a player."""
     return [text_of(name) for name in STYLES]
 
 
 def program(names: Iterable[str]) -> str:
-    """Return modules one after the other, as one: without what they import from each other."""
+    """Return modules one after the other as one program, without their imports from each other."""
     return "\n".join(EXPORT.sub("", IMPORT.sub("", text_of(f"{name}.js"))) for name in names)
 
 
 def thinned(recording: Recording, impact_time: float) -> Recording:
-    """Return a recording without most of its rows, if it has very many of them.
+    """Return a recording without most of its rows, if it has very many rows.
 
-    Every so many rows one stays, and those beside frames at real time, onsets and ends of impacts.
+    One in so many rows stays, and so do the rows beside frames at real time, and beside onsets and ends of
+    impacts.
     """
     time, impacts = recording.time, recording.impacts
     if len(time) <= MOST_ROWS:
@@ -101,7 +102,7 @@ def script_data(content: Any) -> str:
 
 
 def data(recording: Recording) -> dict[str, Any]:
-    """What the page's ``packed.js`` reads, numbers as small as the screen allows."""
+    """Return the data for the page's ``packed.js``, with numbers as small as the screen allows."""
     points, touches = recording.all_points, recording.touches
     return {
         "name": recording.name,
@@ -130,7 +131,7 @@ def data(recording: Recording) -> dict[str, Any]:
 
 
 def impacts(recording: Recording) -> list[dict[str, Any]]:
-    """Return the impacts as the page lists them; what is not known is null."""
+    """Return the impacts as the page lists them; unknown values are null."""
     at = zip(recording.impacts, recording.end_speeds.tolist(), recording.at_stops.tolist(), strict=True)
     return [
         {
@@ -180,7 +181,10 @@ def _rail(recording: Recording) -> dict[str, Any] | None:
 
 
 def _touch(one: Touch) -> dict[str, Any] | None:
-    """What a point and a wall do to each other, in the rows in which they touch; None if there are none."""
+    """Return force and friction between a point and a wall, in the rows in which they touch.
+
+    None if they never do.
+    """
     there = one.sticking if one.force is None else one.force
     rows = np.flatnonzero(np.zeros(0) if there is None else there > 0.0)
     if not len(rows):

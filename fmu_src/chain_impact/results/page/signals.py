@@ -1,4 +1,4 @@
-"""What the page knows of signals: the keys of their forms, and the tables of its scene."""
+"""Data about signals for the page: the keys of their forms, and the tables of its scene."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from chain_impact.variables.driving import NUMBERS, table_of
 
 
 def kit_of_signals(scene: Scene) -> dict[str, Any]:
-    """Return all of it, as JSON can hold it."""
+    """Return all data about signals, as JSON can hold them."""
     return {
         "forms": FORMS,
         "shapes": SHAPES,
@@ -28,7 +28,7 @@ def kit_of_signals(scene: Scene) -> dict[str, Any]:
 
 
 def _table(scene: Scene, name: str) -> dict[str, Any]:
-    """Return a table: its file, and the polynomials of each input that it drives."""
+    """Return a table: its file, and the polynomials of each input that the table drives."""
     signal, columns = scene.signals[name], {}
     for one in driven_by(scene):
         if one.signal == name:
@@ -48,5 +48,5 @@ def _table(scene: Scene, name: str) -> dict[str, Any]:
 
 
 def _packed(numbers: np.ndarray) -> str:
-    """Return numbers as text: the page can read all of their digits."""
+    """Return numbers as text from which the page can read all their digits."""
     return base64.b64encode(numbers.astype("<f8").tobytes()).decode("ascii")
