@@ -94,12 +94,20 @@ def framed(
         that, how much of it lies left of it and below, 0…1, as what is left goes to the side without a wall.
     """
     view, near = seen(points, walls, radius, room=ROOM, pinned=pinned)
+    margin = MARGIN * max(np.ptp(view, axis=0).max(), LEAST)
+    return view + margin * np.array([[-1.0], [1.0]]), open_shares(near.values())[0]
+
+
+def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
+    """Return how much of what is added to a view lies left and below, 0…1, and whether a side is open.
+
+    Both are along x and y. What is added goes to the side without a wall.
+    """
     open_sides = np.ones((2, 2))  # left and below, right and above
-    for wall in near.values():
+    for wall in walls:
         normal = np.array(wall.normal)
         open_sides[0][normal > UPRIGHT] = open_sides[1][normal < -UPRIGHT] = 0.0
-    margin = MARGIN * max(np.ptp(view, axis=0).max(), LEAST)
-    return view + margin * np.array([[-1.0], [1.0]]), 0.5 + 0.5 * (open_sides[0] - open_sides[1])
+    return 0.5 + 0.5 * (open_sides[0] - open_sides[1]), open_sides.max(axis=0) > 0.0
 
 
 def size_of(recording: Recording) -> float:

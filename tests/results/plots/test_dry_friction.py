@@ -25,7 +25,7 @@ def test_a_picture_has_the_phases_where_there_are_some(recording):
 def test_bars_stand_where_a_joint_sticks_and_lines_where_it_slides(recording):
     *_, strip = drawn(recording)
     assert [label.get_text() for label in strip.get_yticklabels()] == ["joint 2", "joint 1"]
-    phases, bars = recording.stick_slip, strip.patches
+    phases, bars = recording.stick_slip, [bar for bars in strip.containers for bar in bars]
     assert len(bars) == len(phases)
     for bar, phase in zip(bars, phases, strict=True):
         assert bar.get_x() == phase["start"]

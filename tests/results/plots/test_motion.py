@@ -92,17 +92,11 @@ def test_impacts_at_one_place_share_a_ring_that_names_the_strongest():
 
 @pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp", "crowd"])
-def test_numbers_stand_outside_of_the_room_and_off_the_rings(model):
+def test_numbers_stand_off_the_rings(model):
     recording = crowd() if model == "crowd" else recorded(model)
     _, motion, *_ = drawn(recording)
-    to_data = motion.transData.inverted()
     rings = motion.transData.transform(ring_places(motion))
     for box in boxes(motion):
-        (x0, y0), (x1, y1) = to_data.transform(box.get_points())
-        corners = [(x, y) for x in (x0, x1) for y in (y0, y1)]
-        assert any(
-            all(wall.clearance(*corner) < 0.0 for corner in corners) for wall in recording.walls.values()
-        )
         assert not any(box.contains(*ring) for ring in rings)
 
 

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from chain_impact.results.plots import plot
+from chain_impact.results.plots.labels import Ink
 from chain_impact.results.plots.style import styled
 from chain_impact.results.recording import Recording
 from chain_impact.scene.models import model_names
@@ -152,6 +153,38 @@ def check_texts(page):
         assert not box.padded(-0.5).overlaps(another), (one, other)
 
 
+def check_rules(page):
+    """Legends are no wider than their axes, and all axes have numbers; on a narrow page heads are low."""
+    for axes in page.axes:
+        inside = axes.get_window_extent()
+        if legend := axes.get_legend():
+            assert legend.get_window_extent().width <= inside.width + 0.5
+        for axis in () if axes.get_label() == "time" else (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            ticks = [tick for tick in axis.get_major_ticks() if tick.label1.get_visible()]
+            assert len([tick for tick in ticks if low <= tick.get_loc() <= high]) >= 3 or (
+                axes.get_label() == "friction" and axis is axes.yaxis  # which has names
+            )
+    if page.get_figwidth() < 4.0:
+        legends = [legend for axes in page.axes if (legend := axes.get_legend())]
+        heads = [item.get_window_extent().height for item in (page._suptitle, *legends)]
+        assert sum(heads) <= 0.15 * page.bbox.height
+    check_ink(page)
+
+
+@styled()
+def check_ink(page):
+    """No text within axes is on a line or a mark."""
+    inside = [text for axes in page.axes for text in axes.texts]
+    boxes = [text.get_window_extent() for text in inside]
+    for text in inside:
+        text.set_visible(False)
+    ink = Ink(page)
+    for text, box in zip(inside, boxes, strict=True):
+        assert ink.take(box.min, box.max), text.get_text()
+        text.set_visible(True)
+
+
 @pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("model", ["sliding_rod", *model_names()])
@@ -161,8 +194,9 @@ def test_texts_fit_a_page_of_any_width(model, width):
     page = recorded(model).plot(size=(width, height))
     assert tuple(page.get_size_inches()) == (width, height)
     motion, *others = (axes.get_position(original=True) for axes in page.axes)
-    assert all((one.y1 <= motion.y0) == (width < 6.0) for one in others)
+    assert all((one.x0 >= motion.x1) == (width >= 6.0) for one in others)
     check_texts(page)
+    check_rules(page)
 
 
 def test_a_page_that_is_too_low_is_refused_and_one_as_high_as_told_is_drawn():
@@ -223,7 +257,7 @@ def test_a_kind_is_the_only_panel_and_axes_are_called_as_panels():
 
 def test_panels_are_chosen():
     page = recorded("sliding_rod").plot(size=(4.0, 3.0), panels=["energy", "friction"])
-    assert [axes.get_ylabel() for axes in page.axes] == ["", "energy [J]", ""]
+    assert [axes.get_ylabel() for axes in page.axes] == ["", "energy\n[J]", ""]
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def test_every_wall_near_the_motion_is_a_line_at_its_place(model):
 
 def test_walls_end_where_they_meet():
     _, motion, *_ = drawn(recorded("four_link_box"))
-    corners = {tuple(end) for line in wall_lines(motion) for end in line}
+    corners = {tuple((end + 0.0).round(12) + 0.0) for line in wall_lines(motion) for end in line}
     assert (3.0, 0.0) in corners  # the floor and the right wall; the others are far from the motion
     assert len(corners) == 3
     # those of the ramp meet at the origin, and its top and its stop end where the picture does

@@ -15,8 +15,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.results.plots.message import conditions
 from chain_impact.results.plots.over_time import DOT, mark_impacts
-from chain_impact.results.plots.room import OUTSIDE_COLOUR
-from chain_impact.results.plots.style import GREY, INK, PALETTE, WIDE, headline, styled
+from chain_impact.results.plots.style import GREY, INK, OUTSIDE_COLOUR, PALETTE, WIDE, headline, styled
 from chain_impact.results.recording import Recording
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.text import plural, speed_unit

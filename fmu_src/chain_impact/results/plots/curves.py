@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.results.curves import Curves
-from chain_impact.results.plots.message import conditions, message
-from chain_impact.results.plots.motion import ABOVE
+from chain_impact.results.plots.legends import legend_above
+from chain_impact.results.plots.message import write_head
 from chain_impact.results.plots.over_time import mark_impacts
-from chain_impact.results.plots.style import FULL, PALETTE, WIDE, headline, styled
+from chain_impact.results.plots.pages import settle
+from chain_impact.results.plots.rest import shade_rests, shown_time
+from chain_impact.results.plots.style import FULL, PALETTE, WIDE, give_ticks, styled
 from chain_impact.results.recording import Recording
 from chain_impact.results.text import plural
 
@@ -50,22 +53,25 @@ def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str |
     """
     check_curves(curves)
     if title is not None:
-        headline(page, title or message(recording), told(recording, curves))
+        write_head(page, recording, title, *seen(recording, curves))
     panels = curves.panels
     grid = page.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     draw_all(list(grid), recording, curves)
-    for axes in grid[:-1]:
-        axes.set_xlabel("")
+    for axes in grid:
+        axes.tick_params(labelbottom=True)
+        if axes is not grid[-1]:
+            axes.set_xlabel("")
     page.align_ylabels()
+    settle(page)
 
 
-def told(recording: Recording, curves: Curves) -> str:
-    """Return which impact is seen, and the conditions."""
+def seen(recording: Recording, curves: Curves) -> list[str]:
+    """Return which impact is seen, if it is one."""
     if not curves.number:
-        return conditions(recording)
+        return []
     impact = recording.impacts[curves.number - 1]
     wall = recording.wall_names[impact["wall"]]
-    return f"impact {curves.number}, {recording.toucher(impact)} at {wall}; {conditions(recording)}"
+    return [f"impact {curves.number}, {recording.toucher(impact)} at {wall}"]
 
 
 @styled({})
@@ -88,16 +94,23 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None
     if curves.onset is not None:
         start, factor = curves.onset, 1e3
         label = f"time after the onset at {curves.onset:.6f} s [ms]"
-    time = factor * (curves.time - start)
+    time, shown = factor * (curves.time - start), shown_time(recording)
+    ends = time[[0, -1]]
+    if curves.onset is None:
+        ends = np.array([shown.start, shown.end])
+        label = "; ".join(filter(None, (label, shown.told)))
     for axes, names in zip(grid, curves.panels, strict=True):
         mark_impacts(axes, recording, start, factor)
         for k, name in enumerate(names):
             look = DASHES[k // len(PALETTE)]
             axes.plot(time, curves.values[name], look, color=PALETTE[k % len(PALETTE)], label=name)
         axes.set_ylabel(axis_label(names, curves.units[names[0]]))
-        axes.set_xlim(time[0], time[-1])
+        if curves.onset is None:
+            shade_rests(axes, shown)
+        axes.set_xlim(*ends)
         axes.set_xlabel(label)
         axes.margins(y=0.08)
+        give_ticks(axes)
         name_curves(axes, len(names))
 
 
@@ -114,5 +127,4 @@ def name_curves(axes: Axes, count: int) -> None:
     if page is not None and page.get_figwidth() >= WIDE and count <= SIDE:
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), handlelength=1.4)
         return
-    across = 4 if page is not None and page.get_figwidth() >= WIDE else 1
-    axes.legend(**ABOVE, ncols=across, handlelength=1.4)
+    legend_above(axes)

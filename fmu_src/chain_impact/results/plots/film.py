@@ -23,8 +23,16 @@ from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.pacing import frame_times, slow_spans
 from chain_impact.results.plots.body import body_look, draw_rail
 from chain_impact.results.plots.over_time import ENERGY_COLOURS, mark_impacts
-from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_pin, draw_room, moves
-from chain_impact.results.plots.style import BLUE, BROWN, INK, PALE, STYLE as PICTURES, force_text
+from chain_impact.results.plots.room import draw_pin, draw_room, moves
+from chain_impact.results.plots.style import (
+    BLUE,
+    BROWN,
+    INK,
+    OUTSIDE_COLOUR,
+    PALE,
+    STYLE as PICTURES,
+    force_text,
+)
 from chain_impact.results.plots.trace import trace_of
 from chain_impact.results.recording import Recording
 from chain_impact.results.view import framed, pin_mark, places_of, radius_of, size_of

@@ -13,7 +13,7 @@ from matplotlib.ticker import EngFormatter
 from chain_impact.results.course import Course
 from chain_impact.results.impacts import lasts
 from chain_impact.results.pacing import LONGEST_IMPACT, SLOWEST
-from chain_impact.results.plots.motion import ABOVE
+from chain_impact.results.plots.legends import legend_above
 from chain_impact.results.plots.pages import settle
 from chain_impact.results.plots.style import (
     BLUE,
@@ -24,6 +24,7 @@ from chain_impact.results.plots.style import (
     VERMILLION,
     WIDE,
     force_text,
+    give_ticks,
     headline,
     styled,
 )
@@ -60,7 +61,6 @@ def fill_impact(page: Figure, recording: Recording, number: int, course: Course)
         timed.append(axes)
         factor, told = prefixed(np.abs(values).max(initial=0.0), unit)
         axes.set_ylabel(f"{name} [{told}]")
-        axes.tick_params(labelbottom=name == "speed")
         if not len(course.time):
             say_impulse(axes)
             continue
@@ -73,7 +73,10 @@ def fill_impact(page: Figure, recording: Recording, number: int, course: Course)
         timed[0].text(1.0, 1.02, f"{duration_text(impact, course)} →", transform=timed[0].transAxes, **look)
     timed[-1].set_xlabel(f"time after the onset at {impact['onset']:.6f} s [{time_unit}]")
     draw_loop(loop, impact, course, at_stop=stop)
+    give_ticks(*timed, loop)
+    page.align_ylabels(timed)
     settle(page)
+    page.set_layout_engine("none")
 
 
 def shown_time(impact: np.void, course: Course) -> float:
@@ -115,7 +118,7 @@ def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> 
         axes.plot(x[-1], y[-1], "o", color=VERMILLION, markersize=DOT, label="at the end")
     name = "moment" if at_stop else "force"
     axes.set(xlabel=f"penetration [{depth_told}]", ylabel=f"{name} [{force_told}]")
-    axes.legend(**ABOVE)
+    legend_above(axes)
     if not len(x):
         say_impulse(axes)
 

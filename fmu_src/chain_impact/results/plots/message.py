@@ -6,29 +6,47 @@ import re
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.results.plots.style import SEPARATOR, number
+from chain_impact.results.plots.style import SEPARATOR, headline, is_narrow, number
 from chain_impact.results.recording import Recording
 from chain_impact.results.text import plural
 
 ROUND_OFF = 1e-12  # of the largest energy: less is not dissipated
 
 
-def message(recording: Recording) -> str:
-    """How many impacts there were, and what was dissipated: "Box: 14 impacts in 2 s, 50.3 J dissipated"."""
+def message(recording: Recording, *, short: bool = False) -> str:
+    """Tell how many impacts there were, and, if it is not short, what was dissipated.
+
+    "Box: 14 impacts in 2 s, 50.3 J dissipated".
+    """
     count, span = recording.impact_count, recording.time[-1] - recording.time[0]
     told = f"{recording.name}: {plural(count, 'impact') if count else 'no impacts'} in {span:g} s"
+    return told if short else ", ".join(filter(None, (told, dissipated(recording))))
+
+
+def dissipated(recording: Recording) -> str:
+    """Tell what was dissipated, if anything: "50.3 J dissipated"."""
     lost = recording.energies.get("dissipated", np.zeros(1))[-1]
-    if not lost > ROUND_OFF * np.abs(recording.energies.get("total", np.zeros(1))).max():
-        return told
-    return f"{told}, {lost:.3g} J dissipated"
+    least = ROUND_OFF * np.abs(recording.energies.get("total", np.zeros(1))).max()
+    return f"{lost:.3g} J dissipated" if lost > least else ""
 
 
-def conditions(recording: Recording) -> str:
-    """What an engineer needs to know to read the picture, as far as the recording knows it."""
+def write_head(page: Figure, recording: Recording, title: str, *first: str) -> None:
+    """Write a title, or the message if it is "", and some parts before the conditions.
+
+    The conditions have what a short message leaves out.
+    """
+    short = is_narrow(page)
+    told = [dissipated(recording)] if short and not title else []
+    headline(page, title or message(recording, short=short), conditions(recording, *first, *told))
+
+
+def conditions(recording: Recording, *first: str) -> str:
+    """Tell what an engineer needs to know to read the picture, as far as it is known, after other parts."""
     known = recording.parameters
-    parts = [plural(recording.points.shape[1] - 1, "link")]
+    parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
     for key, unit in (("damping", "N·m·s/rad"), ("friction", "N·m")):
         if most := max((one for name, one in known.items() if name.endswith(f".joint_{key}")), default=0.0):
             parts.append(f"joint {key} ≤ {most:g} {unit}")

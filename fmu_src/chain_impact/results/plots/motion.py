@@ -13,17 +13,18 @@ from matplotlib.lines import Line2D
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.plots.body import draw_bodies, draw_rail
+from chain_impact.results.plots.labels import Ink, Label, place_labels
+from chain_impact.results.plots.legends import legend_above
 from chain_impact.results.plots.moving import draw_moving
-from chain_impact.results.plots.pages import Label, place_labels
+from chain_impact.results.plots.rest import ends_at_rest, rest_word
 from chain_impact.results.plots.room import draw_walls, view_of
 from chain_impact.results.plots.style import (
     INK,
     PURPLE,
     TIME_COLOURS,
     VERMILLION,
-    columns,
     force_text,
-    is_full,
+    give_ticks,
 )
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import JOINT
@@ -38,30 +39,28 @@ RING = 6.5  # points, the size of the mark of an impact
 SQUARE = 4.0  # points, the size of the mark of what sticks
 NEAR_PLACE = 0.03  # of the view's width, within which impacts at a wall share a ring
 LONGEST_LOAD = 0.3  # of the smaller side of the view, the arrow of the largest force in a joint
-NUMBERS = 3  # on the axis of x, of a view that is as wide as high
 LISTED = 2  # numbers at a ring with more than three impacts
-ABOVE: dict[str, Any] = {
-    "loc": "lower left",
-    "bbox_to_anchor": (0.0, 1.0),
-    "columnspacing": 1.0,
-    "handletextpad": 0.5,
-}
 
 
-def draw_motion(axes: Axes, recording: Recording) -> None:
-    """Walls, faint poses, paths of the points, and strong poses at the start, the end and the impacts."""
-    draw_walls(axes, recording)
+def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) -> None:
+    """Walls, faint poses, paths of the points, and strong poses at the start, the end and the impacts.
+
+    The shape is the height of the axes over their width, which the view then fills.
+    """
+    view = view_of(recording, shape)
+    draw_walls(axes, recording, view)
     shade = colour_of_time(recording)
     draw_faint(axes, recording)
     draw_paths(axes, recording, shade)
     marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MARKED else ""}
     strong = sorted(strongest(recording, STRONG)["onset"])
-    draw_moving(axes, recording, shade, strong)
+    draw_moving(axes, recording, view, shade, strong)
     draw_rail(axes, recording)
     for time in strong:
         draw_bodies(axes, recording, recording.row_at(time), shade(time), linewidth=0.8)
         draw_chain(axes, recording.pose_at(time), color=shade(time), linewidth=1.6, markersize=3.5, **marks)
-    for row, name in ((0, "start"), (-1, "end")):
+    rests = f", {rest_word(recording)}" if ends_at_rest(recording) else ""
+    for row, name in ((0, "start"), (-1, f"end{rests}")):
         colour = shade(recording.time[row])
         look = {"color": colour, "linewidth": 3.0, "markersize": 5.5, "label": name} | marks
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
@@ -73,11 +72,9 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
     draw_sticking(axes, recording)
     draw_loads(axes, recording)
     axes.set_aspect("equal")
-    slim = np.ptp(axes.get_xlim()) / np.ptp(axes.get_ylim())
-    if slim < 1.0 and not is_full(axes):  # numbers would meet
-        axes.locator_params(axis="x", nbins=max(1, int(NUMBERS * slim)), min_n_ticks=1)
+    give_ticks(axes)
     axes.set(xlabel="x [m]", ylabel="y [m]")
-    axes.legend(**ABOVE, ncols=columns(axes, 5), handlelength=1.2)
+    legend_above(axes)
 
 
 def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
@@ -174,7 +171,7 @@ def draw_loads(axes: Axes, recording: Recording) -> None:
     if arrows:
         x, y, along, up = np.transpose(arrows)
         most = np.hypot(along, up).max()
-        view = min(np.ptp(view_of(recording)[0], axis=0))
+        view = min(np.ptp(view_of(recording).corners, axis=0))
         axes.quiver(
             *(x, y, along, up),
             angles="xy",
@@ -182,20 +179,28 @@ def draw_loads(axes: Axes, recording: Recording) -> None:
             scale=most / (LONGEST_LOAD * view),
             color=PURPLE,
             zorder=6,
-            label=f"joint forces, ≤ {force_text(most, 'N')}",
         )
+        told: dict[str, Any] = {"marker": "$\u2192$", "markersize": 8.0, "linestyle": "", "color": PURPLE}
+        axes.plot([], [], **told, label=f"joint forces, ≤ {force_text(most, 'N')}")
 
 
-def number_rings(axes: Axes, recording: Recording) -> None:
-    """Write the numbers of the impacts outside of the walls, those at the highest speeds first."""
+def number_rings(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
+    """Write the numbers of the impacts outside of the walls, those at the highest speeds first.
+
+    Returns the numbers that have no room.
+    """
     found, labels = rings(axes, recording), []
     for spot, hits in found.items():
         shown = hits if len(hits) <= LISTED + 1 else hits[:LISTED]
         text = ", ".join(str(hit + 1) for hit in sorted(shown))
         more = f" +{len(hits) - len(shown)}" if len(hits) > len(shown) else ""
         place, outward = _label_place(recording, recording.impacts[hits[0]], spot)
-        labels.append(Label(text + more, place, outward, str(hits[0] + 1)))
-    place_labels(axes, labels, fontsize="small", color=INK)
+        others = f" +{len(hits) - 1}" if len(hits) > 1 else ""
+        labels.append(Label(text + more, place, outward, f"{hits[0] + 1}{others}"))
+    left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
+    return [
+        hit + 1 for label, hits in zip(labels, found.values(), strict=True) if label in left for hit in hits
+    ]
 
 
 def _label_place(

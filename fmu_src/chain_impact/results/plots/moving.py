@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
-from chain_impact.results.plots.room import moves, moving_walls, view_of, wall_line
+from chain_impact.results.plots.room import View, moves, moving_walls, wall_line
 from chain_impact.results.plots.style import INK
 from chain_impact.results.recording import Recording
 from chain_impact.results.view import pin_mark
@@ -19,14 +19,14 @@ FAINT_MARKS = 8  # places of the ground mark of a base that moves, likewise
 BESIDE = 0.04  # of a wall's length in view, from its end to the trace
 
 
-def draw_moving(axes: Axes, recording: Recording, shade: Any, times: Sequence[float]) -> None:
+def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times: Sequence[float]) -> None:
     """Draw what moves by itself, in the colours of time: strong at the start, the end and some times."""
-    (view, near), ends = view_of(recording), [float(recording.time[row]) for row in (0, -1)]
+    (corners, near), ends = view, [float(recording.time[row]) for row in (0, -1)]
 
     def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:
         """Return the part of a wall, at each of some times, that bounds the room then."""
         rooms = (recording.walls_at(time) for time in times)
-        return [wall_line(walls[name], [walls[one] for one in near], view) for walls in rooms]
+        return [wall_line(walls[name], [walls[one] for one in near], corners) for walls in rooms]
 
     for name in moving_walls(recording, near):
         between = lines(name, np.linspace(ends[0], ends[1], FAINT).tolist())

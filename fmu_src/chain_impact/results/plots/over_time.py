@@ -12,8 +12,10 @@ from matplotlib.patches import Patch
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.results.impacts import lasts
-from chain_impact.results.plots.motion import ABOVE, by_speed
-from chain_impact.results.plots.pages import Label, place_labels
+from chain_impact.results.plots.labels import Ink, Label, place_labels
+from chain_impact.results.plots.legends import legend_above
+from chain_impact.results.plots.motion import by_speed
+from chain_impact.results.plots.rest import shade_rests, shown_time
 from chain_impact.results.plots.style import (
     BLACK,
     BROWN,
@@ -25,7 +27,7 @@ from chain_impact.results.plots.style import (
     PURPLE,
     TIME_COLOURS,
     VERMILLION,
-    columns,
+    give_ticks,
     is_full,
 )
 from chain_impact.results.recording import Recording
@@ -36,7 +38,6 @@ ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissip
 ENERGY_COLOURS |= {"supplied": PURPLE}
 PARTS = {"friction": BROWN}
 """The colours of energies that are parts of others."""
-FEW_ENERGIES = 4  # in a legend that is not narrow
 ROWS = 8  # contacts and joints, at most, whose phases of dry friction are drawn
 TOLD = 5  # points, at most, that have a colour of their own, so that the legend has room
 NUMBERED = 60  # impacts, at most, for whose numbers room is sought
@@ -48,10 +49,15 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
     """The axis of time, in the colours of the motion."""
     start, end = recording.time[0], max(recording.time[-1], recording.time[0] + 1e-9)
     axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
+    shown = shown_time(recording)
+    start, end = shown.start, max(shown.end, start + 1e-9)
     margin = 0.015 * (end - start)
-    told = "time [s]; the same colours as in the motion" if is_full(axes) else "time [s]"
-    axes.set(xlabel=told, yticks=[], xlim=(start - margin, end + margin))
+    told = shown.told or ("the same colours as in the motion" if is_full(axes) else "")
+    label = "; ".join(filter(None, ("time [s]", told)))
+    axes.set(xlabel=label, yticks=[], xlim=(start - margin, end + margin))
     axes.spines[:].set_visible(False)
+    axes.tick_params(bottom=False, labelbottom=False)  # the panel above has the numbers
+    give_ticks(axes)
 
 
 def draw_energy(axes: Axes, recording: Recording) -> None:
@@ -68,8 +74,14 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
         if (energy := recording.energies.get(name, np.zeros(1))).any():
             axes.plot(recording.time, energy, "--", color=colour, label=name, linewidth=1)
     axes.set_ylabel("energy [J]")
-    narrow = {"handlelength": 1.1, "columnspacing": 0.7} if len(axes.lines) > FEW_ENERGIES else {}
-    axes.legend(**(ABOVE | {"handlelength": 1.6} | narrow), ncols=columns(axes, 6))
+    over_all_time(axes, recording)
+    legend_above(axes)
+
+
+def over_all_time(axes: Axes, recording: Recording) -> None:
+    """Show the rests, and give both axes numbers."""
+    shade_rests(axes, shown_time(recording))
+    give_ticks(axes)
 
 
 def draw_stick_slip(axes: Axes, recording: Recording) -> None:
@@ -88,7 +100,8 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
         Patch(color=VERMILLION, label="sticks"),
         Line2D([], [], color=GREY, linewidth=2.0, label="slides"),
     ]
-    axes.legend(handles=handles, **ABOVE, ncols=2, handlelength=1.2)
+    legend_above(axes, handles)
+    shade_rests(axes, shown_time(recording))
 
 
 def phase_lengths(recording: Recording) -> np.ndarray:
@@ -140,9 +153,10 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
         handles, _ = axes.get_legend_handles_labels()
         if (ends - times > SEEN * span).any():
             handles.append(Line2D([], [], color=GREY, linewidth=2.5, label="in contact"))
-        axes.legend(handles=handles, **ABOVE, ncols=columns(axes, 7), handlelength=0.8)
+        legend_above(axes, handles)
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=GREY)
+    over_all_time(axes, recording)
 
 
 def contact_ends(recording: Recording) -> np.ndarray:
@@ -183,8 +197,10 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
     return [(name, colour, np.flatnonzero(hits)) for name, colour, hits in groups]
 
 
-def number_impacts(axes: Axes, recording: Recording) -> None:
-    """Write the numbers of the impacts at their speeds, the highest first."""
+def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
+    """Write the numbers of the impacts at their speeds, the highest first; return those without room."""
     tops = list(zip(recording.impacts["onset"].tolist(), heights(recording).tolist(), strict=True))
-    labels = [Label(str(row + 1), tops[row]) for row in by_speed(recording)[:NUMBERED]]
-    place_labels(axes, labels, fontsize="small")
+    order = by_speed(recording)
+    labels = [Label(str(row + 1), tops[row]) for row in order[:NUMBERED]]
+    left = place_labels(axes, labels, ink, fontsize="small")
+    return [*(int(label.text) for label in left), *(order[NUMBERED:] + 1).tolist()]

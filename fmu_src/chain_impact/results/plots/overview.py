@@ -10,7 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.results.plots.message import conditions, message
+from chain_impact.results.plots.labels import Ink, listed
+from chain_impact.results.plots.legends import fit_legends
+from chain_impact.results.plots.message import write_head
 from chain_impact.results.plots.motion import draw_motion, number_rings
 from chain_impact.results.plots.over_time import (
     ROWS,
@@ -23,13 +25,13 @@ from chain_impact.results.plots.over_time import (
 )
 from chain_impact.results.plots.pages import SIZE, drawn, settle
 from chain_impact.results.plots.room import view_of
-from chain_impact.results.plots.style import WIDE, headline, styled
+from chain_impact.results.plots.style import SEPARATOR, broken, is_narrow, styled, write_foot
 from chain_impact.results.recording import Recording
 
-SLIM, BROAD = 0.6, 1.3  # width of the motion's panel in heights, at least and at most
-RUBBING, RUBBING_ROW = 0.3, 0.11  # of the height of the energies, dry friction, and each row of it
+SLIM, BROAD = 0.6, 1.2  # width of the motion's panel in heights, at least and at most
+RUBBING, RUBBING_ROW = 0.3, 0.15  # of the height of the energies, dry friction, and each row of it
 HEIGHT = 0.46  # of the page's width, the motion's panel
-ABOVE_TIME, CLOCK = 2.0, 0.06  # of the height of the energies: the motion above them, and the clock
+ABOVE_TIME, CLOCK = 1.1, 0.06  # of the height of the energies: the motion above them, and the clock
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "motion": draw_motion,
     "energy": draw_energy,
@@ -38,7 +40,9 @@ PANELS: dict[str, Callable[[Axes, Recording], None]] = {
 }
 """What a picture can have."""
 NUMBERS = {"motion": number_rings, "impacts": number_impacts}
-"""What writes the numbers of impacts into a panel that has its place."""
+"""What writes the numbers of impacts into a panel that has its place, and returns those without room."""
+TOLD_AS = {"motion": "motion", "impacts": "speeds"}
+"""What panels are called where numbers have no room."""
 
 
 @styled()
@@ -53,17 +57,43 @@ def fill(page: Figure, recording: Recording, panels: Sequence[str] = (), title: 
     """
     shown = chosen(recording, panels)
     if title is not None:
-        headline(page, title or message(recording), conditions(recording))
+        write_head(page, recording, title)
     found = axes_of(page, recording, shown)
     for name, axes in found.items():
         if name in shown:
-            axes.tick_params(labelbottom=name == "motion")
             PANELS[name](axes, recording)
         else:
             draw_clock(axes, recording)
-    settle(page)
-    for name in NUMBERS.keys() & found.keys():
-        NUMBERS[name](found[name], recording)
+    page.align_ylabels([axes for name, axes in found.items() if name in ("energy", "impacts")])
+    motion = found.get("motion")
+    settle(page, motion)
+    if motion is not None:
+        room = motion.get_position(original=True).transformed(page.transFigure)
+        motion.clear()
+        draw_motion(motion, recording, room.height / room.width)
+        settle(page, motion)
+    engine = page.get_layout_engine()
+    page.set_layout_engine("none")  # what is drawn to see where labels have room stays where it is
+    if missing := number_all(page, found, recording):
+        page.set_layout_engine(engine)
+        for axes in (found[name] for name in NUMBERS if name in found):
+            for text in [*axes.texts]:
+                text.remove()
+        foot = write_foot(page, missing)
+        settle(page, motion)
+        page.set_layout_engine("none")
+        missing = number_all(page, found, recording)
+        if foot is not None:
+            foot.set_text(broken(page, missing))
+
+
+def number_all(page: Figure, found: dict[str, Axes], recording: Recording) -> str:
+    """Write the numbers of impacts into all panels that have them; return what says which have no room."""
+    ink, parts = Ink(page), []
+    for name, write in NUMBERS.items():
+        if name in found and (left := write(found[name], recording, ink)):
+            parts.append(f"{listed(left)} in the {TOLD_AS[name]}")
+    return f"Impacts without room for their numbers: {SEPARATOR.join(parts)}" if parts else ""
 
 
 @styled({})
@@ -82,9 +112,11 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
             one.set_xlabel("time [s]")
     for page in {one.get_figure(root=True) for one in given}:
         page.draw_without_rendering()
-    for name, one in zip(shown, given, strict=True):
-        if name in NUMBERS:
-            NUMBERS[name](one, recording)
+        fit_legends(page, given)
+        ink = Ink(page)
+        for name, one in zip(shown, given, strict=True):
+            if name in NUMBERS and one.get_figure(root=True) is page:
+                NUMBERS[name](one, recording, ink)
 
 
 def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
@@ -103,22 +135,25 @@ def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[st
     timed = [name for name in shown if name != "motion"]
     rubbing = RUBBING + RUBBING_ROW * len(rubbing_places(recording)[:ROWS])
     heights = [rubbing if name == "friction" else 1.0 for name in timed] + ([CLOCK] if timed else [])
-    width, height = np.ptp(view_of(recording)[0], axis=0)
-    first, column, found = 0, 0, {}
-    if "motion" not in shown:
-        grid = page.add_gridspec(len(heights), 1, height_ratios=heights)
-    elif timed and page.get_figwidth() >= WIDE:
-        share = HEIGHT * min(max(width / height, SLIM), BROAD)  # the motion fills its panel
-        grid = page.add_gridspec(len(heights), 2, width_ratios=(share, 1.0 - share), height_ratios=heights)
-        found["motion"], column = page.add_subplot(grid[:, 0], label="motion"), 1
+    width, height = np.ptp(view_of(recording).corners, axis=0)
+    parts = [part for part, there in (("motion", "motion" in shown), ("time", timed)) if there]
+    share = HEIGHT * min(max(width / height, SLIM), BROAD)  # the motion fills its panel
+    across = len(parts) > 1 and not is_narrow(page)
+    sizes = {"motion": share, "time": 1.0 - share} if across else {"motion": ABOVE_TIME, "time": sum(heights)}
+    ratios = [sizes[part] for part in parts]
+    if across:
+        grid = page.add_gridspec(1, len(parts), width_ratios=ratios)
     else:
-        above = ABOVE_TIME if timed else 1.0
-        grid = page.add_gridspec(1 + len(heights), 1, height_ratios=[above, *heights])
-        found["motion"], first = page.add_subplot(grid[0, 0], label="motion"), 1
-    if timed:
-        found["time"] = clock = page.add_subplot(grid[first + len(timed), column], label="time")
-        for row, name in enumerate(timed, first):
-            found[name] = page.add_subplot(grid[row, column], sharex=clock, label=name)
+        grid = page.add_gridspec(len(parts), 1, height_ratios=ratios)
+    found = {}
+    for part, cell in zip(parts, [grid[k] for k in range(len(parts))], strict=True):
+        if part == "motion":
+            found[part] = page.add_subplot(cell, label=part)
+            continue
+        rows = cell.subgridspec(len(heights), 1, height_ratios=heights)  # with a margin of its own
+        found[part] = clock = page.add_subplot(rows[-1], label=part)
+        for k, name in enumerate(timed):
+            found[name] = page.add_subplot(rows[k], sharex=clock, label=name)
     return found
 
 

@@ -5,18 +5,20 @@ from __future__ import annotations
 import math
 import os
 import warnings
+from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
 from itertools import combinations
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import PlaceHolderLayoutEngine
 from matplotlib.transforms import Bbox
 
+from chain_impact.results.plots.legends import fit_legends
 from chain_impact.results.plots.style import FULL, Page, save, styled
 
 SIZE, LEAST = (FULL, 5.4), 2.0  # inches
@@ -24,10 +26,7 @@ LEAST_SIDE = 0.3  # inches, the height of axes with a label
 NEARLY = 1.0  # pixels, by which texts may seem to be beyond the page, or on one another
 ROUND_OFF = 1e-9  # of an axis
 HIGHER = 40  # quarters of an inch, at most, by which a page is too low
-CLOSE = 5.0  # points from the place to its label
-PAD = 2.5  # points that stay free around a label
 LONGER = 1.1  # of the height of axes, a label in one line
-SLANTED = 0.4  # of a direction along an axis, from which a label stands on that side of its place
 Fill = Callable[[Figure], None]
 """Draws on an empty page."""
 
@@ -94,12 +93,17 @@ def fill_or_refuse(fill: Fill, page: Figure) -> None:
     if has_room(fill, page):
         return
     width, height = map(float, page.get_size_inches())
-    for more in range(1, HIGHER):
-        higher = math.ceil(4.0 * height) / 4.0 + 0.25 * more
-        if has_room(fill, Page(figsize=(width, higher))):
-            least = f"must be at least {higher:g} high for what is drawn, or have fewer panels"
-            raise ValueError(f"size = ({width:g}, {height:g}) {least}")
-    raise ValueError(f"size = ({width:g}, {height:g}) must be wider for what is drawn")
+    heights = math.ceil(4.0 * height) / 4.0 + 0.25 * np.arange(1, HIGHER)
+
+    def fits(higher: float) -> bool:
+        """Whether all has room on a page that is so high."""
+        return has_room(fill, Page(figsize=(width, higher), dpi=page.dpi))
+
+    least = bisect_left(heights, True, key=fits)
+    if least == len(heights):
+        raise ValueError(f"size = ({width:g}, {height:g}) must be wider for what is drawn")
+    told = f"must be at least {heights[least]:g} high for what is drawn, or have fewer panels"
+    raise ValueError(f"size = ({width:g}, {height:g}) {told}")
 
 
 @styled()
@@ -108,7 +112,8 @@ def has_room(fill: Fill, page: Figure) -> bool:
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
         fill(page)
-        page.draw_without_rendering()
+        if not isinstance(page.get_layout_engine(), PlaceHolderLayoutEngine):
+            page.draw_without_rendering()
         least = LEAST_SIDE * page.dpi
         if any(axes.get_ylabel() and axes.bbox.height < least for axes in page.axes):
             return False
@@ -120,65 +125,43 @@ def has_room(fill: Fill, page: Figure) -> bool:
 
 
 def text_boxes(page: Figure) -> Iterator[Bbox]:
-    """What the texts around the axes of a page cover, in pixels."""
-    texts = list(page.texts)
+    """What the texts and legends around the axes of a page cover, in pixels."""
+    texts, legends = list(page.texts), [legend for axes in page.axes if (legend := axes.get_legend())]
+    yield from (legend.get_window_extent() for legend in legends)
     for axes in page.axes:
         texts += [axes.xaxis.label, axes.yaxis.label]
-        texts += legend.get_texts() if (legend := axes.get_legend()) else []
         for axis, along in ((axes.xaxis, 0), (axes.yaxis, 1)):
             low, high = sorted(axis.get_view_interval())
             slack = ROUND_OFF * (high - low)
             ticks = axis.get_majorticklabels()
             texts += [tick for tick in ticks if low - slack <= tick.get_position()[along] <= high + slack]
-    return (text.get_window_extent() for text in texts if text.get_text())
+    yield from (text.get_window_extent() for text in texts if text.get_text())
 
 
-def settle(page: Figure) -> None:
-    """Arrange the page once and keep it so: what is placed by pixels from here on stays where it is.
+def settle(page: Figure, scaled: Axes | None = None) -> None:
+    """Arrange the page: legends have the width of their axes, and labels are broken where axes are short.
 
-    Where axes are low, their labels are broken before the unit.
+    Axes with the same scale along both of their axes have room for their labels, however slim they become.
     """
-    page.draw_without_rendering()
+    engine = page.get_layout_engine()
+    for turn in range(2):
+        if scaled is not None:
+            scaled.set_aspect("auto")
+        if engine is not None:
+            engine.execute(page)
+        if scaled is not None:
+            scaled.set_aspect("equal")
+        fit_legends(page)
+        if turn == 0:
+            break_labels(page)
+
+
+def break_labels(page: Figure) -> None:
+    """Break labels that are longer than their axes: before the unit, or after a semicolon."""
     for axes in page.axes:
-        label = axes.yaxis.label
-        if label.get_window_extent().height > LONGER * axes.get_window_extent().height:
+        label, inside = axes.yaxis.label, axes.get_window_extent()
+        if label.get_window_extent().height > LONGER * inside.height:
             label.set_text(label.get_text().replace(" [", "\n["))
-    page.draw_without_rendering()
-    page.set_layout_engine("none")
-
-
-class Label(NamedTuple):
-    """A label at a place.
-
-    Attributes:
-        text: what it says.
-        place: in data coordinates.
-        away: unit vector of the direction from its place to the label.
-        short: what it says where the text has no room, if anything.
-    """
-
-    text: str
-    place: tuple[float, float]
-    away: tuple[float, float] = (0.0, 1.0)
-    short: str = ""
-
-
-def place_labels(axes: Axes, labels: Sequence[Label], **look: Any) -> None:
-    """Write the labels, the most important first, where they meet no other label and have room in the axes.
-
-    ``look`` is how text is drawn.
-    """
-    inside, taken = axes.get_window_extent(), list[Bbox]()
-    for label in labels:
-        ax, ay = label.away
-        style: dict[str, Any] = {"textcoords": "offset points", "in_layout": False}
-        style["ha"] = "center" if abs(ax) < SLANTED else "left" if ax > 0.0 else "right"
-        style["va"] = "center" if abs(ay) < SLANTED else "bottom" if ay > 0.0 else "top"
-        for words in filter(None, (label.text, label.short)):
-            text = axes.annotate(words, label.place, (CLOSE * ax, CLOSE * ay), **style, **look)
-            box = text.get_window_extent().padded(PAD * axes.figure.dpi / 72.0)
-            whole = np.array_equal(Bbox.union([box, inside]).get_points(), inside.get_points())
-            if whole and not box.count_overlaps(taken):
-                taken.append(box)
-                break
-            text.remove()
+        label = axes.xaxis.label
+        if label.get_window_extent().width > LONGER * inside.width:
+            label.set_text(label.get_text().replace("; ", ";\n"))

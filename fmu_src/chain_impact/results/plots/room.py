@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -12,26 +12,38 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Polygon
 
-from chain_impact.results.plots.style import INK
+from chain_impact.results.plots.style import AT_TIMES_COLOUR, INK, OUTSIDE_COLOUR
 from chain_impact.results.recording import Recording
-from chain_impact.results.view import free_room, pin_mark, places_of, seen
+from chain_impact.results.view import free_room, open_shares, pin_mark, places_of, seen
 from chain_impact.scene.half_planes import HalfPlane
 
-OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
-MARGIN, BAND = (
-    0.04,
-    0.14,
-)  # of the motion's width, at the edges of the view and outside of walls; √2 BAND < NEAR
+# of the motion's width, at the edges of the view and outside of walls; √2 BAND < NEAR
+MARGIN, BAND = 0.04, 0.14
 FARTHEST = 1.0  # of the motion's width, a place of a wall that comes nearer at other times
 SLIMMEST = 0.3  # of the longer side of the view, the shorter one at least
+BROADEST = 1.6  # of its height, the width to which a view grows to fill its axes
+STRAIGHT = 0.99  # of a wall's normal along an axis, from which it is along the other
 ROUND_OFF = 1e-9  # of the size of the view, between a wall and a corner on it
 
 
-def view_of(recording: Recording) -> tuple[np.ndarray, list[str]]:
-    """The lower left and the upper right corner of what is to be seen, shape (2, 2) [m], and the walls in it.
+class View(NamedTuple):
+    """The part of the room that is to be seen.
 
-    The motion fills it, with a margin. A wall that is far from the motion all the time is left out. One that
-    comes near is in view wherever it is not very far.
+    Attributes:
+        corners: lower left and upper right, shape (2, 2) [m].
+        walls: the names of those in it.
+    """
+
+    corners: np.ndarray
+    walls: list[str]
+
+
+def view_of(recording: Recording, shape: float | None = None) -> View:
+    """Return what is to be seen: the motion, with a margin, and the walls near it.
+
+    A wall that is far from the motion all the time is left out. One that comes near is in view wherever it is
+    not very far. The shape is the height over the width that the view has, if there is room beside the
+    motion that is not outside of walls; else it is slimmer.
     """
     places = {
         (name, end): wall
@@ -39,18 +51,36 @@ def view_of(recording: Recording) -> tuple[np.ndarray, list[str]]:
         for name, wall in walls.items()
         if end == 0 or name in recording.moved_walls
     }
+    everywhere = dict(places)
     view, near = seen(places_of(recording), places, pinned=recording.pinned)
     if recording.moved_walls:
         names = {name for name, _ in near}
         places = {at: wall for at, wall in places.items() if at[0] in names}
         view, near = seen(places_of(recording), places, near=FARTHEST, pinned=recording.pinned)
-    margin = np.full((2, 2), MARGIN)
+    width = np.ptp(view, axis=0).max()
+    margin = np.full((2, 2), MARGIN * width)
     for wall in near.values():
-        margin = np.maximum(margin, BAND * np.array([wall.normal, np.negative(wall.normal)]))
-    view = view + np.ptp(view, axis=0).max() * margin * [[-1.0], [1.0]]
+        bands = BAND * width * np.array([wall.normal, np.negative(wall.normal)])
+        margin = np.maximum(margin, bands)
+    view = view + margin * [[-1.0], [1.0]]
     sides = np.ptp(view, axis=0)
-    view = view + 0.5 * np.maximum(0.0, SLIMMEST * sides.max() - sides) * [[-1.0], [1.0]]
-    return view, list(dict.fromkeys(name for name, _ in near))
+    least = np.full(2, SLIMMEST * sides.max())
+    wanted = least if shape is None else np.array([min(1.0 / shape, BROADEST) * sides[1], shape * sides[0]])
+    before, is_open = open_shares(near.values())
+    more = np.maximum(0.0, np.where(is_open, wanted, np.minimum(wanted, least)) - sides)
+    view = view + more * np.stack([-before, 1.0 - before])
+    met = dict(near)
+    for at, wall in everywhere.items():
+        normal = np.array(wall.normal)
+        beyond = -wall.clearance(*np.where(normal > 0.0, *view))  # of the farthest corner
+        if at not in near and beyond > 0.0:
+            met[at] = wall
+            along = int(np.abs(normal).argmax())
+            if abs(normal[along]) > STRAIGHT:  # the view grows no farther than to such a wall
+                view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * max(
+                    0.0, beyond - BAND * width
+                )
+    return View(view, list(dict.fromkeys(name for name, _ in met)))
 
 
 def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
@@ -62,19 +92,21 @@ def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
         yield found
 
 
-def draw_walls(axes: Axes, recording: Recording) -> None:
+def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> None:
     """The walls near the motion, and a pinned base's mark; sets the limits of the axes.
+
+    The view is by default that of ``view_of``.
 
     What moves is left to ``draw_moving``, but for the room: in white is where the chain may be all the time,
     in a pale grey where it may be at times.
     """
-    view, near = view_of(recording)
+    corners, near = view or view_of(recording)
     moving = moving_walls(recording, near)
     at_most, at_least = ([walls[name] for name in near] for walls in wall_extremes(recording))
     if moving:
-        axes.add_patch(Polygon(_corners(at_most, view), facecolor=AT_TIMES_COLOUR, zorder=0.4))
+        axes.add_patch(Polygon(_corners(at_most, corners), facecolor=AT_TIMES_COLOUR, zorder=0.4))
     still = [wall for name, wall in zip(near, at_least, strict=True) if name not in moving]
-    draw_room(axes, view, at_least, still)
+    draw_room(axes, corners, at_least, still)
     if recording.pinned and not moves(recording.points[:, 0]):
         draw_pin(axes, pin_mark(recording.all_points))
 

@@ -16,7 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.ticker import EngFormatter
+from matplotlib.text import Text
+from matplotlib.ticker import AutoLocator, EngFormatter, MaxNLocator
 
 from chain_impact.system import written_whole
 
@@ -27,6 +28,10 @@ PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 is too pale on white, and without black."""
 GREY, PALE, INK = "0.72", "0.9", "0.25"
 """Curves in the background; lines of a grid; text and outlines."""
+OUTSIDE_COLOUR, AT_TIMES_COLOUR, REST_COLOUR = "0.93", "0.965", "0.95"
+"""Beyond walls; where the chain may be at times; the time of a rest."""
+FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR, REST_COLOUR)
+"""The grounds on which labels may stand."""
 # viridis without its end, which is too pale on white
 TIME_COLOURS = LinearSegmentedColormap.from_list("time", mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
 
@@ -42,6 +47,8 @@ STYLE: Any = {
     "legend.frameon": False,
     "legend.fontsize": "small",
     "legend.borderaxespad": 0.2,
+    "xtick.labelsize": "small",
+    "ytick.labelsize": "small",
     "pdf.fonttype": 42,  # TrueType: many journals refuse Type 3
     "ps.fonttype": 42,
     "svg.fonttype": "none",  # text, and not its outlines
@@ -60,13 +67,13 @@ DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "x
 """The kinds of settings that matter when a page is drawn."""
 DPI = 160
 FULL, WIDE = 10.0, 6.0  # inches, the width of a page; the least for two columns of axes
-MARGIN, ENTRY = (
-    0.1,
-    0.11,
-)  # inches for each point of the font, beside axes on a narrow page; an entry of a legend
 LEFT, TOP = 0.12, 0.08  # inches from the left and the upper edge of the page to the headline
 GAP = 0.09  # inches below the headline, and below the conditions
 MOST_HEAD = 0.33  # of the page's height, both together
+MOST_FOOT = 0.15  # likewise, what is written at the foot
+SMALLER = (1.0, 0.92, 0.84, 0.76)  # of its usual size, a headline that is else longer than a line
+LEAST_TICKS = 3  # on an axis
+STEPS = (1, 2, 2.5, 5, 10)  # between ticks, in powers of ten
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # a line is broken after it only
 
 
@@ -115,43 +122,90 @@ def is_full(axes: Axes) -> bool:
     return page is None or page.get_figwidth() >= FULL
 
 
-def columns(axes: Axes, most: int) -> int:
-    """Return how many columns a legend above axes can have, of at most so many."""
-    page = axes.get_figure(root=True)
-    assert page is not None
-    width = page.get_figwidth()
-    if is_full(axes):
-        return most
-    room = width if width < WIDE else 0.5 * width
-    size = mpl.rcParams["font.size"]
-    return max(1, min(most, int((room - MARGIN * size) / (ENTRY * size))))
+def is_narrow(page: Figure) -> bool:
+    """Return whether a page has no room for two columns of axes."""
+    return bool(page.get_figwidth() < WIDE)
+
+
+def give_ticks(*axes: Axes) -> None:
+    """Give each axis with numbers that are not chosen by hand at least LEAST_TICKS of them."""
+    for one in axes:
+        for axis in (one.xaxis, one.yaxis):
+            if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), AutoLocator):
+                axis.set_major_locator(MaxNLocator("auto", steps=list(STEPS), min_n_ticks=LEAST_TICKS))
 
 
 def headline(page: Figure, message: str, conditions: str = "") -> None:
     """Write what the picture says over it, and below that, smaller, under which conditions.
 
-    Both are broken into lines where the page ends. On a page that is too low there are no conditions.
+    Both are broken into lines where the page ends, the message only if it is too long when it is smaller. On
+    a narrow page the conditions are at the foot; on a page that is too low there are none.
     """
     width, height = page.get_size_inches()
-    place: dict[str, Any] = {"x": LEFT / width, "ha": "left", "va": "top", "in_layout": False, "wrap": True}
-    said = page.suptitle(message, y=1.0 - TOP / height, **place)
+    place: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
+    said = page.suptitle(message, y=1.0 - TOP / height, va="top", **place)
+    size = float(said.get_fontsize())
+    for smaller in SMALLER:
+        said.set_fontsize(smaller * size)
+        if said.get_window_extent().width <= (width - 2.0 * LEFT) * page.dpi:
+            break
+    said.set_wrap(True)
     top = TOP + said.get_window_extent().height / page.dpi + GAP
-    if conditions:
-        told = page.text(s=conditions, y=1.0 - top / height, fontsize="small", color=INK, **place)
+    if conditions and is_narrow(page):
+        write_foot(page, conditions)
+    elif conditions:
+        look: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "top"}
+        told = page.text(s=broken(page, conditions), y=1.0 - top / height, **place, **look)
         room = told.get_window_extent().height / page.dpi + GAP
         if top + room <= MOST_HEAD * height:
             top += room
         else:
             told.remove()
+    _reserve(page, top / height, 0.0)
+
+
+def broken(page: Figure, text: str) -> str:
+    """Break a small text into lines where the page ends, with a margin on both sides."""
+    probe = page.text(0.0, 0.0, "", fontsize="small")
+    lines: list[str] = []
+    for word in text.split(" "):
+        longer = f"{lines[-1]} {word}" if lines else word
+        probe.set_text(longer.rstrip(SEPARATOR))
+        fits = probe.get_window_extent().width <= (page.get_figwidth() - 2.0 * LEFT) * page.dpi
+        lines = [*lines[:-1], longer] if fits or not lines else [*lines, word]
+    probe.remove()
+    return "\n".join(lines)
+
+
+def write_foot(page: Figure, text: str) -> Text | None:
+    """Write a text at the foot of a page, above what is there; on a page that is too low there is none."""
+    width, height = page.get_size_inches()
+    engine = page.get_layout_engine()
+    low = engine.get()["rect"][1] if isinstance(engine, ConstrainedLayoutEngine) else 0.0
+    look: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
+    told = page.text(LEFT / width, low + 0.5 * GAP / height, broken(page, text), **look)
+    room = (told.get_window_extent().height / page.dpi + GAP) / height
+    if low + room > MOST_FOOT:
+        told.remove()
+        return None
+    _reserve(page, 0.0, low + room)
+    return told
+
+
+def _reserve(page: Figure, top: float, bottom: float) -> None:
+    """Keep a part of the page's height, at least, free of axes, at the top and at the bottom."""
     engine = page.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
-        engine.set(rect=(0.0, 0.0, 1.0, 1.0 - top / height))
+        left, low, width, height = engine.get()["rect"]
+        high = min(low + height, 1.0 - top)
+        low = max(low, bottom)
+        engine.set(rect=(left, low, width, high - low))
 
 
 def words_of(page: Figure) -> dict[str, str]:
     """What a picture says, as its file keeps it: the headline, and all else but the numbers at ticks."""
     title = page.get_suptitle()
-    told = [text.get_text() for text in page.texts if text.get_text() != title]
+    told = [text.get_text().replace("\n", " ") for text in page.texts if text.get_text() != title]
     for axes in page.axes:
         legend = axes.get_legend()
         told += [axes.get_title(), axes.get_xlabel(), axes.get_ylabel()]

@@ -1,0 +1,51 @@
+"""Legends above their axes: no wider than these, in as few rows as have room."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+ABOVE: dict[str, Any] = {
+    "loc": "lower left",
+    "bbox_to_anchor": (0.0, 1.0),
+    "borderpad": 0.1,
+    "columnspacing": 0.8,
+    "handlelength": 1.0,
+    "handletextpad": 0.4,
+    "labelspacing": 0.2,
+}
+MARK = "above"  # the gid of a legend above its axes
+
+
+def legend_above(axes: Axes, handles: Sequence[Any] | None = None, *, columns: int = 1) -> None:
+    """Put a legend above axes; ``fit_legends`` gives it as many columns as have room."""
+    if handles is None:
+        handles, _ = axes.get_legend_handles_labels()
+    if handles:
+        labels = [str(handle.get_label()) for handle in handles]
+        _put(axes, list(handles), labels, columns)
+
+
+def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> None:
+    """Give each legend above its axes the most columns with which it is not wider than these."""
+    for axes in page.axes if wanted is None else wanted:
+        legend = axes.get_legend()
+        if legend is None or legend.get_gid() != MARK:
+            continue
+        handles: list[Any] = list(legend.legend_handles)
+        labels = [text.get_text() for text in legend.get_texts()]
+        axes.apply_aspect()
+        width = axes.get_window_extent().width
+        for columns in range(len(labels), 0, -1):
+            _put(axes, handles, labels, columns)
+            legend = axes.get_legend()
+            assert legend is not None
+            if legend.get_window_extent().width <= width:
+                break
+
+
+def _put(axes: Axes, handles: list[Any], labels: list[str], columns: int) -> None:
+    axes.legend(handles, labels, **ABOVE, ncols=columns).set_gid(MARK)
