@@ -203,6 +203,40 @@ def test_derivatives_by_each_number_are_those_of_differences(name, key):
     np.testing.assert_allclose(found, slope, rtol=0.0, atol=1e-6 * (np.abs(slope).max() + 1e-2))
 
 
+PRESSED = """
+name = "Pressed"
+gravity = [0.0, -9.81]
+chain = { base = "pinned", links = [{ length = 0.5, mass = 1.0 }] }
+walls = [{ name = "side", point = [0.3001, 0.0], angle = 1.5707963267948966 }]
+contact = { model = "newton_impact", restitution = 0.0 }
+inputs = { joint_torques = true, tip_force = true }
+initial = { angles = [-0.9273] }
+outputs = { loads = true }
+simulation = { stop_time = 0.2, step_size = 0.01 }
+[signals.push]
+input = "INPUT"
+form = "steps"
+times = [0.0, 0.104]
+values = [6.0, 9.0]
+"""
+
+
+@pytest.mark.parametrize("one", ["joint[1].torque", "tip.force.x", "tip.force.y"])
+def test_an_impulse_of_a_force_that_jumps_has_a_derivative_by_the_time_of_the_jump(one):
+    # the arm rests on a rigid wall, whose force jumps with the input
+    scene, parameter = parse_scene(PRESSED.replace("INPUT", one), "x"), "signal.push.time[2]"
+    run = simulate(scene, sensitivities=[parameter], tolerance=1e-12)
+    before, after = (
+        simulate(scene.with_values({parameter: 0.104 + h}), tolerance=1e-13) for h in (-1e-5, 1e-5)
+    )
+    jumps = []
+    for output in ("contact[1].side.impulse", "joint[1].impulse.x", "joint[1].impulse.y"):
+        slope = (after[output] - before[output]) / 2e-5
+        np.testing.assert_allclose(run.sensitivity(output, parameter), slope, rtol=0.0, atol=1e-6)
+        jumps.append(abs(slope[-1]))
+    assert max(jumps) > 1.0
+
+
 @pytest.mark.parametrize("name", ["steps", "trapezoid", "chirp"])
 def test_the_communication_step_changes_nothing(name):
     scene = driven(name)
