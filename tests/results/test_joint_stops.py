@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact import simulate
+from chain_impact import load_scene, simulate
 from chain_impact.cli.screen import plain_lines, summary
 from chain_impact.results.csv_file import read_csv
 from chain_impact.results.impacts import IMPACT_DTYPE
@@ -75,12 +75,24 @@ def test_the_speeds_of_impacts_at_stops_can_be_compared_with_others():
 
 def test_texts_name_the_joint_and_the_unit():
     first = [f"{swung().impacts['onset'][0]:.6f}", "joint", "2", "joint_min"]
-    assert repr(swung()).splitlines()[2].split()[1:5] == first
-    assert f"{swung().impacts['impact_speed'][0]:.4f} rad/s" in repr(swung())
+    row = next(line for line in repr(swung()).splitlines() if line.startswith("1 "))
+    assert row.split()[1:5] == first
+    assert f"{swung().impacts['impact_speed'][0]:.4f} " in repr(swung())
     assert "<td>joint 2</td><td>joint_min</td>" in swung()._repr_html_()
     lines = [line for part in summary(swung()) if not isinstance(part, str) for line in plain_lines(part)]
-    assert any("joint 2" in line and "rad/s" in line for line in lines)
-    assert any("x_max" in line and " m/s" in line for line in lines)
+    assert any("joint 2" in line and "joint_min" in line for line in lines)
+    assert [line for line in lines if " m/s or " in line]
+    assert [line for line in lines if " rad/s " in line]
+
+
+def test_rows_of_impacts_at_stops_with_loads_fit_into_80_columns_and_stand_below_their_heads():
+    result = simulate(load_scene("arm_at_stop").with_values({"outputs.loads": True}))
+    (table,) = [part for part in summary(result) if not isinstance(part, str)]
+    lines = list(plain_lines(table))
+    assert max(map(len, lines)) <= 80
+    heads = lines[: len(lines) - len(result.impacts)]
+    assert "rad/s" in " ".join(heads)
+    assert "m/s " not in " ".join(heads).replace("rad/s", "")
 
 
 @pytest.mark.full("takes long")

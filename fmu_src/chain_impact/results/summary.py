@@ -12,11 +12,14 @@ from chain_impact.results.impacts import lasts
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import place_of
-from chain_impact.results.text import Table, plural, speed_unit
+from chain_impact.results.text import Table, plural
 from chain_impact.scene.scene import Scene
 
 LISTED, FEW = 30, 10  # impacts that are listed, and in a text
 SHOWN = 3  # contacts and joints that stick at the end
+VALUES = ("speed", "duration", "peak force", "impulse")
+UNITS, STOP_UNITS = ("m/s", "ms", "N", "N·s"), ("rad/s", "ms", "N·m", "N·m·s")
+"""Columns of the list of impacts, with their units at walls and at stops of joints."""
 NONE = "—"  # in place of a number that there is not
 LASTS = "lasts"  # the duration of a contact that lasts to the end
 LONG, MILLION = 1e4, 1e6  # between these, four digits would need an exponent
@@ -73,33 +76,37 @@ def _headline(result: Recording, outputs: int) -> str:
 
 
 def impact_heads(result: Recording) -> tuple[str, ...]:
-    """Return the heads of the columns of ``impact_cells``, with units where all impacts have the same.
+    """Return the heads of the columns of ``impact_cells``, with their units.
 
-    With the two columns of loads, heads are broken into lines, so that a row fits into 80 columns.
+    Impacts at stops have units of their own. Beside others, or with the two columns of loads, heads
+    are broken into lines, so that a row fits into 80 columns.
     """
-    values = {"speed": "m/s", "duration": "ms", "peak force": "N", "impulse": "N·s"}
-    told = (name if result.stops else f"{name}, {unit}" for name, unit in values.items())
+    stopped = result.at_stops
+    kinds = [units for units, there in ((UNITS, not stopped.all()), (STOP_UNITS, stopped.any())) if there]
+    units = [" or ".join(dict.fromkeys(several)) for several in zip(*(kinds or [UNITS]), strict=True)]
+    told = (f"{name}, {unit}" for name, unit in zip(VALUES, units, strict=True))
     heads = ("time, s", "point", "wall", *told)
-    if not result.knows_joint_forces:
+    loads = ("joint force, N", "joint") if result.knows_joint_forces else ()
+    if not loads and len(kinds) <= 1:
         return heads
-    return tuple(head.replace(", ", " ").replace(" ", "\n") for head in (*heads, "joint force, N", "joint"))
+    lines = (
+        head.replace(", ", " ").replace(" ", "\n").replace("\nor\n", " or\n") for head in (*heads, *loads)
+    )
+    return tuple(line.replace("duration", "dura-\ntion") for line in lines)
 
 
 def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
-    """An impact in words: time, point, wall, speed, duration, peak force, impulse, with units if they differ.
+    """Tell an impact: time, point, wall, speed, duration, peak force, impulse.
 
     Where loads are known also the largest force in a joint, and the joint.
     """
-    stop, point = result.is_stop(impact["wall"]), result.toucher(impact).removeprefix("point ")
-    units = [speed_unit(stop), "ms", *(("N·m", "N·m·s") if stop else ("N", "N·s"))]
-    speed, duration = f"{impact['impact_speed']:.4f}", 1e3 * (impact["end"] - impact["onset"])
-    values = (speed, _peak(duration), _peak(impact["peak_force"]), digits(impact["impulse"]))
+    point = result.toucher(impact).removeprefix("point ")
+    speed, lasting = f"{impact['impact_speed']:.4f}", _peak(1e3 * (impact["end"] - impact["onset"]))
+    lasting = LASTS if lasts(impact) else lasting
+    values = (speed, lasting, _peak(impact["peak_force"]), digits(impact["impulse"]))
     joint = (_peak(impact["joint_force"]), str(impact["joint"] or NONE))
     loads = joint if result.knows_joint_forces else ()
-    cells = [f"{one} {unit}" if result.stops else one for one, unit in zip(values, units, strict=True)]
-    if lasts(impact):
-        cells[1] = LASTS
-    return (f"{impact['onset']:.6f}", point, result.wall_names[impact["wall"]], *cells, *loads)
+    return (f"{impact['onset']:.6f}", point, result.wall_names[impact["wall"]], *values, *loads)
 
 
 def _peak(value: float) -> str:
