@@ -27,26 +27,26 @@ LARGEST = {
     "stop.peak_moment": ("peak_force", True),
     "stop.max_penetration": ("max_penetration", True),
 }
-"""Name of the largest of the run, as sweeps have it → field of ``Result.impacts``, and whether at stops."""
+"""Name of a largest quantity of the run, as in sweeps → field of ``Result.impacts``, and whether at stops."""
 JOINT_FORCE = "joint_force"
-DURATION = "duration"  # of an impact, its end less its onset [s]
+DURATION = "duration"  # the duration of an impact, from its onset to its end [s]
 OF_FMU = {"time": "onset", "speed": "impact_speed"}
-"""Names of the FMU's ``impact[j]`` that are other ones in ``Result.impacts``."""
-NOTHING = 1e-12  # of the quantity: a smaller effect is round-off
-DRAWN = 16  # bars, at most
-ADDED = "*"  # marks a parameter to which something is added, as it is 0
+"""The names in the FMU's ``impact[j]`` that differ from the fields of ``Result.impacts``."""
+NOTHING = 1e-12  # an effect below this part of the quantity is round-off
+DRAWN = 16  # the largest number of bars
+ADDED = "*"  # marks a parameter of value 0, to which the step is added
 
 
 class Effect(NamedTuple):
-    """What a small change of one parameter does to the quantity.
+    """The effect of a small change of one parameter on the quantity.
 
     Attributes:
-        parameter: or an input, by the name in the FMU.
-        value: of the parameter, in its ``unit``.
-        unit: of the parameter.
+        parameter: the name of the parameter or input in the FMU.
+        value: the value of the parameter, in its ``unit``.
+        unit: the unit of the parameter.
         step: the change in words: "1 %", or "0.01 N.m" where the value is 0.
-        change: of the quantity with that step, to first order, in the quantity's unit.
-        derivative: of the quantity with respect to the parameter.
+        change: the change of the quantity by this step, to first order, in the quantity's unit.
+        derivative: the derivative of the quantity with respect to the parameter.
     """
 
     parameter: str
@@ -58,7 +58,7 @@ class Effect(NamedTuple):
 
     @property
     def told(self) -> str:
-        """The value with its unit; of 0 with the step, as that is no part of it: "0 + 0.01 N.m"."""
+        """The value with its unit. For the value 0, the step is told, too: "0 + 0.01 N.m"."""
         return f"{self.value:.6g} {self.unit}".rstrip() if self.value else f"0 + {self.step}"
 
 
@@ -68,13 +68,13 @@ class Ranking:
 
     Attributes:
         source: the name of the scene.
-        quantity: its name.
-        value: in its ``unit``.
-        unit: of the quantity.
-        where: which impact, joint or time the quantity is of.
-        effects: of the parameters that have one.
+        quantity: the name of the quantity.
+        value: the value of the quantity, in its ``unit``.
+        unit: the unit of the quantity.
+        where: the impact, the joint or the time of the quantity, in words.
+        effects: the effects, of the parameters that have one.
         without: the parameters without an effect.
-        unknown: those whose derivative cannot be trusted; ``limits`` says why.
+        unknown: the parameters whose derivative cannot be trusted; ``limits`` says why.
         limits: sentences, as ``Result.sensitivity_limits``.
     """
 
@@ -93,15 +93,15 @@ class Ranking:
         return as_text(self.parts())
 
     def _repr_html_(self) -> str:
-        """Return the same in a notebook."""
+        """Return the effects as a table for a notebook."""
         return as_html(self.parts())
 
     def share(self, effect: Effect) -> float:
-        """Return the change over the size of the quantity; NaN where that is 0."""
+        """Return the change over the size of the quantity; NaN if the size is 0."""
         return effect.change / abs(self.value) if self.value else np.nan
 
     def parts(self) -> Iterator[str | Table]:
-        """What is told: lines, and the table of the effects."""
+        """Yield the lines of the ranking, and the table of the effects."""
         told = f" {self.unit}" if self.unit else ""
         yield f"{self.source}  {self.quantity} = {self.value:.6g}{told} ({self.where})"
         yield "effect   of 1 % of each parameter, or of what is added to 0, to first order"
@@ -132,11 +132,11 @@ class Ranking:
         """Draw the largest effects as bars, to the right where the quantity grows with the parameter.
 
         Args:
-            path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned.
+            path: a file, whose suffix png, svg or pdf gives its kind. Without a file the figure is returned.
             size: width and height [inches].
 
         Raises:
-            ValueError: when a page cannot have the size, or has no room for what is drawn.
+            ValueError: when a page cannot have the size, or has no room for the bars.
             OSError: when the file cannot be written.
         """
         from chain_impact.results import plots
@@ -179,8 +179,8 @@ def ranking_of(recording: Recording, found: Sensitivities, quantity: str) -> Ran
     """Rank the parameters of a recording with derivatives.
 
     Args:
-        recording: with impacts and outputs.
-        found: its derivatives.
+        recording: the recording, with impacts and outputs.
+        found: the derivatives of the recording.
         quantity: see ``Result.ranking``.
 
     Raises:
@@ -211,7 +211,7 @@ def ranking_of(recording: Recording, found: Sensitivities, quantity: str) -> Ran
 
 
 _Found = tuple[float, str, str, np.ndarray, float]
-"""Value, unit, which one it is, derivatives of shape (P,), and the size that round-off is measured by."""
+"""Value, unit, name in words, derivatives of shape (P,), and the size to which round-off is compared."""
 
 
 def _quantity(recording: Recording, found: Sensitivities, name: str) -> _Found:
@@ -235,7 +235,7 @@ def _quantity(recording: Recording, found: Sensitivities, name: str) -> _Found:
 
 
 def _largest(recording: Recording, found: Sensitivities, name: str, field: str, *, at_stops: bool) -> _Found:
-    """Return the largest of all impacts at walls, or at stops of joints."""
+    """Return the largest value among all impacts at walls, or at stops of joints."""
     values = np.where(recording.at_stops == at_stops, recording.impacts[field], np.nan)
     if not np.nanmax(values, initial=0.0) > 0.0:
         place = "a stop of a joint" if at_stops else "a wall"

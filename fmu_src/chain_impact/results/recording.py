@@ -1,4 +1,4 @@
-"""A recording: what an FMU or `simulate()` gave over time, as arrays and under the FMU's variable names."""
+"""A recording: the outputs of an FMU or of `simulate()` over time, as arrays by the FMU's variable names."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import matching
 from chain_impact.system import written_whole
 
-ROWS_AT_ONCE = 10_000  # that are written
+ROWS_AT_ONCE = 10_000  # the number of rows written at a time
 _NAME = re.compile(r"(point|link|contact|joint|slider|energy)(?:\[(\d+)\])?(?:\.(\w+))?\.(\w+)")
-"""An output of the FMU: owner, its number, its wall, and the quantity."""
+"""The parts of an output's name in the FMU: owner, number, wall, and quantity."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -40,18 +40,19 @@ class Recording:
         name: the model's name.
         time: communication points, shape (T,) [s].
         columns: FMU variable name → values, shape (T,).
-        impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``; of an FMU, those that its
-            outputs have shown.
-        walls: name → free side of the walls that are there.
+        impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``; of an FMU, the impacts that
+            its outputs have shown.
+        walls: name → free side, of each wall.
         wall_names: the names of all walls, by their numbers in ``impacts`` and ``stick_slip``.
-        parameters: FMU variable name → value at the start, of a choice its name; none where they are unknown.
+        parameters: FMU variable name → value at the start, as a name if it is a choice; empty if they are
+            unknown.
         sensitivities: the derivatives that were asked for, if any.
         stops: the joints with stops, and their ranges.
-        point_names: the names of the points that have one, by their numbers.
-        stop_law: the contact law of the stops, if the scene names one in `stops.model`; "" if it names none,
-            or if that is unknown, as of an FMU.
-        stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; of an FMU to within a communication
-            step.
+        point_names: the names of points, by their numbers; not every point has a name.
+        stop_law: the contact law of the stops, if the scene names one in `stops.model`; "" if the scene names
+            none, or if it is unknown, as for an FMU.
+        stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; of an FMU with times to within a
+            communication step.
     """
 
     __eq__ = same
@@ -85,7 +86,7 @@ class Recording:
 
     @cached_property
     def link_count(self) -> int:
-        """N, by the numbers of links and joints; without any of these all points are ends of links."""
+        """N, from the numbers of links and joints; without any of these, all points are ends of links."""
         numbers = [n for owner in ("link", "joint") for n, _ in self._of(owner)]
         return max(numbers, default=self.all_points.shape[1] - 1)
 
@@ -121,7 +122,7 @@ class Recording:
 
     @cached_property
     def moved_walls(self) -> dict[str, np.ndarray]:
-        """How far the walls that move have moved along their normals: name → shape (T,) [m]."""
+        """The displacements of walls that move, along their normals: name → shape (T,) [m]."""
         columns = {name: self.columns.get(f"wall.{name}.position") for name in self.walls}
         return {name: moved for name, moved in columns.items() if moved is not None}
 
@@ -129,7 +130,7 @@ class Recording:
     def pinned(self) -> bool:
         """Whether the base is a joint, which a motion may move: only such a chain has a joint 1.
 
-        Where no joint is known, it is one that stays where it is.
+        If no joint is known, a base that stays in place counts as a joint.
         """
         joints, bases = self._of("joint"), self.points[:, :1]
         if self.rail is not None:
@@ -138,20 +139,20 @@ class Recording:
 
     @cached_property
     def rail(self) -> Rail | None:
-        """The line of a base on a slider."""
+        """The line of a base on a slider; None for another base."""
         return rail_from(self.all_points[:, 0], self.columns.get("slider.position"), self.parameters)
 
     @cached_property
     def outlines(self) -> dict[int, np.ndarray]:
-        """The outlines of the links with points, each along its link and to the left of it, shape (C, 2) [m].
+        """The outlines of links with points, along each link and to its left, shape (C, 2) [m].
 
-        Where the places on the links are not known there are none.
+        There are none if the places on the links are not known.
         """
         return outlines_from(self.parameters, self.touching)
 
     @cached_property
     def touching(self) -> dict[int, float]:
-        """The points that can touch a wall, and their radii [m], 0 where they are not known."""
+        """The points that can touch a wall, and their radii [m]; an unknown radius is 0."""
         radius, radii = float(self.parameters.get("contact.radius", 0.0)), site_radii(self.parameters)
         points = sorted({one.point for one in self.touches if one.at_wall})
         known = dict(enumerate(radii, self.link_count + 1))
@@ -164,7 +165,7 @@ class Recording:
 
     @cached_property
     def loads(self) -> dict[int, np.ndarray]:
-        """The force on the link of each joint, shape (T, 2) [N]; none where they are not known."""
+        """The force on the link at each joint, shape (T, 2) [N]; empty if the forces are not known."""
         forces = {joint: parts for (joint, kind), parts in self._of("joint").items() if kind == "force"}
         return {
             joint: np.stack([parts[axis] for axis in "xy"], axis=-1)
@@ -179,7 +180,7 @@ class Recording:
 
     @cached_property
     def touches(self) -> list[Touch]:
-        """What points and walls, and joints and their stops, do to each other; joints with dry friction."""
+        """Contacts at walls and at stops of joints over time, and dry friction in joints."""
         found = [
             Touch(
                 *at,
@@ -201,7 +202,7 @@ class Recording:
         return found
 
     def __repr__(self) -> str:
-        """What it is of, and how much there is."""
+        """Return the name, the duration and the number of impacts and outputs."""
         end = f"{self.time[-1]:g}" if len(self.time) else "0"
         return (
             f"Recording({self.name})  0 … {end} s, {plural(self.impact_count, 'impact')}, "
@@ -215,11 +216,14 @@ class Recording:
         return max(len(self.impacts), int(counted[-1]))
 
     def is_stop(self, wall: int) -> bool:
-        """Return whether the wall of a number stands for the stops of joints."""
+        """Return whether a wall, by its number, stands for the stops of joints."""
         return bool(self.stops) and self.wall_names[wall] in STOPS
 
     def toucher(self, impact: np.void) -> str:
-        """What touches in an impact: "point 2", "point 5 (heel)"; at a stop "joint 2" or "slider"."""
+        """Return the name of the point or joint of an impact.
+
+        For example "point 2", "point 5 (heel)", "joint 2" or "slider".
+        """
         wall = self.wall_names[impact["wall"]]
         of_slider = wall in SLIDER_STOPS and (
             "slider.angle" in self.parameters or "slider.position" in self.columns
@@ -234,7 +238,10 @@ class Recording:
 
     @property
     def end_speeds(self) -> np.ndarray:
-        """The speeds of the impacts, shape (I,) [m/s]: at a stop that of the link's end about its joint."""
+        """The speeds of the impacts, shape (I,) [m/s].
+
+        At a stop, the link's end has this speed about its joint.
+        """
         arms = [
             self.stops[point].length if stopped else 1.0
             for point, stopped in zip(self.impacts["point"].tolist(), self.at_stops, strict=True)
@@ -243,7 +250,7 @@ class Recording:
         return speeds
 
     def at(self, rows: np.ndarray) -> Recording:
-        """Return the recording with some of its rows, without derivatives; all impacts stay."""
+        """Return the recording with some of its rows, and without derivatives; all impacts stay."""
         parts = {one.name: getattr(self, one.name) for one in fields(Recording)}
         columns = {name: values[rows] for name, values in self.columns.items()}
         parts |= {"time": self.time[rows], "columns": columns, "sensitivities": None}
@@ -266,36 +273,41 @@ class Recording:
         return int(np.abs(self.time - time).argmin())
 
     def spot(self, impact: np.void) -> np.ndarray:
-        """Return where [m] an impact hit its wall, a radius away from the point; of a stop, its mark."""
+        """Return the place [m] of an impact on its wall, a radius away from the point.
+
+        An impact at a stop is at the mark of the stop.
+        """
         if self.is_stop(impact["wall"]):
             return touching_place(self.pose_at(impact["onset"]), impact["point"])[0]
         place, wall = self.point_at(impact["point"], impact["onset"]), self.wall_of(impact)
         return np.asarray(place - wall.clearance(*place) * np.array(wall.normal))
 
     def wall_of(self, row: np.void) -> HalfPlane:
-        """The free side of the wall of an impact, or of a phase of dry friction; of a slider's stop, too."""
+        """Return the free side of the wall or slider's stop of an impact or a phase of dry friction."""
         time = row["onset" if "onset" in (row.dtype.names or ()) else "start"]
         return self.sides_at(float(time))[self.wall_names[row["wall"]]]
 
     def save_impacts(self, path: Path | str) -> None:
-        """Write the list of impacts, with the names of walls, as CSV, JSON or Parquet, as the suffix says.
+        """Write the list of impacts, with the names of walls, as CSV, JSON or Parquet.
+
+        The suffix gives the kind.
 
         Raises:
             ValueError: when the file has another suffix.
-            MissingExtraError: for Parquet, when pyarrow is not there: the extra ``sweep``.
+            MissingExtraError: for Parquet, when pyarrow (the extra ``sweep``) is not installed.
             OSError: when the file cannot be written.
         """
         save_impacts(Path(path), self.impacts, self.wall_names)
 
     def save_csv(self, path: Path | str, output: str | Iterable[str] | None = None) -> None:
-        """Write time and columns as CSV, derivatives too, numbers in full precision.
+        """Write time and columns as CSV, with derivatives, and numbers in full precision.
 
         Args:
             path: the file.
-            output: the columns, by their names, in which ``*`` stands for any text; by default all.
+            output: the names of the columns; ``*`` stands for any text; by default all.
 
         Raises:
-            UnknownNameError: when there is no column of a name.
+            UnknownNameError: when a column does not exist.
             OSError: when the file cannot be written.
         """
         slopes = self.sensitivities.named if self.sensitivities else {}
@@ -307,6 +319,7 @@ class Recording:
         with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(columns)
-            for start in range(0, max(len(self.time), 1), ROWS_AT_ONCE):  # lists take four times the room
+            # lists take four times the room of arrays
+            for start in range(0, max(len(self.time), 1), ROWS_AT_ONCE):
                 values = (column[start : start + ROWS_AT_ONCE].tolist() for column in columns.values())
                 writer.writerows(zip(*values, strict=True))

@@ -1,4 +1,4 @@
-"""What a simulation returns."""
+"""The result of a simulation."""
 
 from __future__ import annotations
 
@@ -34,15 +34,14 @@ class Result(Pictured):
     A result cannot be changed: ``dataclasses.replace`` refuses it.
 
     ``result["point[4].x"]`` is an output over time, shape (T,), by its name in the FMU; ``result["time"]`` is
-    the time. A name with ``*``, which stands for any text, gives a dict of all that are like it:
+    the time. In a name, ``*`` stands for any text, and all matching outputs come as a dict:
     ``result["contact[2].*.force"]``; so does a list of names: ``result[["point[4].x", "energy.*"]]``.
 
     Attributes:
-        model: the scene as it was simulated, and what follows from it.
+        model: the model of the scene that was simulated.
         time: communication points, shape (T,) [s].
-        outputs: the outputs at these times, a structured array of shape (T,): all of them, see
-            ``output_dtype`` in kernel/record/instance.py, or those that ``simulate(output=…)`` asked for, by
-            their names.
+        outputs: the outputs at these times, a structured array of shape (T,): all, see ``output_dtype`` in
+            kernel/record/instance.py, or only the outputs of ``simulate(output=…)``, by their names.
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``.
         statistics: steps, rejected_steps, rhs_evaluations, implicit_steps, status.
         sensitivities: the derivatives that ``simulate(sensitivities=…)`` asked for, if any.
@@ -50,7 +49,7 @@ class Result(Pictured):
             only: name → shape (T,).
         stick_slip: one row for each phase of sticking or sliding by dry friction, in order of its start, see
             ``STICK_SLIP_DTYPE``.
-        rerun: gives the outputs of the same run at other times; None if that cannot be.
+        rerun: gives the outputs of the same run at other times; None if the run cannot be repeated.
     """
 
     model: Model
@@ -77,7 +76,7 @@ class Result(Pictured):
         vars(self).update(rerun=rerun, name=scene.name, stop_law=scene.stops.model or "")
 
     def __eq__(self, other: object) -> bool:
-        """Return whether all that two results hold is equal, but for ``stepwise`` and ``rerun``."""
+        """Return whether two results are equal in all but ``stepwise`` and ``rerun``."""
         if not isinstance(other, Result):
             return NotImplemented
         names = ("model", "time", "outputs", "impacts", "statistics", "sensitivities", "stick_slip")
@@ -92,12 +91,13 @@ class Result(Pictured):
     def __getitem__(self, name: list[str]) -> dict[str, np.ndarray]: ...
 
     def __getitem__(self, name: str | list[str]) -> np.ndarray | dict[str, np.ndarray]:
-        """An output over time by its name, shape (T,), or a dict of those in a list of names and patterns.
+        """Return an output over time by its name, shape (T,), or a dict for a list of names and patterns.
 
-        A single pattern gives a dict, too. For type checkers it is an array: give them ``[pattern]``.
+        A single pattern gives a dict, too. Type checkers take the value for an array: give them
+        ``[pattern]``.
 
         Raises:
-            UnknownNameError: a KeyError, when there is none.
+            UnknownNameError: a KeyError, when no output has the name.
         """
         if isinstance(name, list):
             found: dict[str, np.ndarray] = {}
@@ -116,7 +116,7 @@ class Result(Pictured):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the outputs, in the order of the FMU's."""
+        """The names of the outputs, in the order of the FMU."""
         return *self.motion, *self.stepwise
 
     @cached_property
@@ -157,7 +157,7 @@ class Result(Pictured):
 
     @cached_property
     def parameters(self) -> Mapping[str, Any]:
-        """Name of a parameter → its value, of a choice its name."""
+        """Name of a parameter → its value, as a name if it is a choice."""
         values = self.scene.values
         return {name: values[name] for name in self.model.parameter_paths}
 
@@ -168,7 +168,7 @@ class Result(Pictured):
 
     @property
     def impact_count(self) -> int:
-        """How many impacts there were: all are listed."""
+        """The number of impacts, all of which are listed."""
         return len(self.impacts)
 
     @cached_property
@@ -209,41 +209,41 @@ class Result(Pictured):
 
         Args:
             quantity: an output by its name in the FMU: ``"point[4].x"``.
-            parameter: one of those given to ``simulate(sensitivities=…)``: ``"contact.stiffness"``.
+            parameter: one of the parameters in ``simulate(sensitivities=…)``: ``"contact.stiffness"``.
 
         Returns:
-            Shape (T,), in the unit of the output over that of the parameter. NaN where the derivative does
-            not exist or cannot be trusted; ``sensitivity_limits`` says why. The method: see
+            Shape (T,), in the unit of the output over the unit of the parameter. NaN where the derivative
+            does not exist or cannot be trusted; ``sensitivity_limits`` says why. The method: see
             ``chain_impact.kernel.tangent.replay``.
 
         Raises:
-            UnknownNameError: when the result has no derivatives of that name.
+            UnknownNameError: when the result has no derivatives under one of the names.
         """
         return self._derivatives.of_output(quantity, parameter)
 
     def impact_sensitivity(self, quantity: str, parameter: str) -> np.ndarray:
-        """As ``sensitivity``, of a quantity of the impacts, shape (len(impacts),).
+        """Return the derivative of a quantity of the impacts, as ``sensitivity`` does, shape (len(impacts),).
 
         Args:
             quantity: onset, end, impact_speed, separation_speed, peak_force, max_penetration, effective_mass,
                 impulse or joint_force.
-            parameter: one of those given to ``simulate(sensitivities=…)``.
+            parameter: one of the parameters in ``simulate(sensitivities=…)``.
 
         Raises:
-            UnknownNameError: when the result has no derivatives of that name.
+            UnknownNameError: when the result has no derivatives under one of the names.
         """
         return self._derivatives.of_impacts(quantity, parameter)
 
     def ranking(self, quantity: str) -> Ranking:
         """Return parameters and inputs in the order of their effect on a quantity, the largest first.
 
-        The effect is that of 1 % of the parameter, or of 0.01 of its unit where its value is 0, to first
-        order.
+        The effect is the change of the quantity, to first order, by 1 % of the parameter, or by 0.01 of its
+        unit where its value is 0.
 
         Args:
             quantity: the largest of the run, by its name in a sweep: ``peak_force`` and ``max_penetration``
                 at walls, ``stop.peak_moment`` and ``stop.max_penetration`` at stops of joints,
-                ``joint_force`` in joints, where the scene asks for loads; that of one impact,
+                ``joint_force`` in joints, if the scene asks for loads; a quantity of one impact,
                 ``impact[2].peak_force``, counted from 1 as in ``impacts``; or an output at the end.
 
         Raises:
@@ -254,7 +254,7 @@ class Result(Pictured):
 
     @property
     def sensitivity_limits(self) -> tuple[str, ...]:
-        """Sentences: from when on derivatives are NaN, and why, and how far friction leaves them open.
+        """Sentences: from when on derivatives are NaN and why, and how far friction leaves them open.
 
         There are none if all derivatives can be trusted.
         """
@@ -273,55 +273,55 @@ class Result(Pictured):
         ``attrs["units"]`` has the unit of each column.
 
         Raises:
-            MissingExtraError: when pandas is not there: the extra ``pandas``.
+            MissingExtraError: when pandas (the extra ``pandas``) is not installed.
         """
         return tables.dataframe(self.model, self.time, self.columns)
 
     def to_xarray(self) -> xarray.Dataset:
-        """The outputs as a dataset of xarray, over time, point, axis, link and contact, with their units.
+        """Return the outputs as a dataset of xarray over time, point, axis, link and contact, with units.
 
-        What ``simulate(output=…)`` left out is NaN, or not there if nothing of its kind was asked for.
+        Outputs that ``simulate(output=…)`` left out are NaN, or missing if none of their kind was asked for.
 
         Raises:
-            MissingExtraError: when xarray is not there: the extra ``xarray``.
+            MissingExtraError: when xarray (the extra ``xarray``) is not installed.
         """
         return tables.dataset(self.model, self.time, self.motion)
 
     def impact_table(self) -> pandas.DataFrame:
-        """The impacts as a table of pandas: the columns of ``IMPACT_DTYPE``, with the names of the walls.
+        """Return the impacts as a table of pandas: the columns of ``IMPACT_DTYPE``, with names of walls.
 
         The rows count from 1. ``attrs["units"]`` has the unit of each column.
 
         Raises:
-            MissingExtraError: when pandas is not there: the extra ``pandas``.
+            MissingExtraError: when pandas (the extra ``pandas``) is not installed.
         """
         return tables.impact_table(self.impacts, self.wall_names, stops=bool(self.stops))
 
     def stick_slip_table(self) -> pandas.DataFrame:
-        """The phases of dry friction as a table of pandas: the columns of ``STICK_SLIP_DTYPE``, in words.
+        """Return the phases of dry friction as a table of pandas: ``STICK_SLIP_DTYPE`` in words.
 
         The rows count from 1. ``attrs["units"]`` has the unit of each column.
 
         Raises:
-            MissingExtraError: when pandas is not there: the extra ``pandas``.
+            MissingExtraError: when pandas (the extra ``pandas``) is not installed.
         """
         return tables.stick_slip_table(self.stick_slip, self.wall_names)
 
     def __repr__(self) -> str:
-        """What happened, in some lines, with the first impacts."""
+        """Return the summary of the run in some lines, with the first impacts."""
         return as_text(summary.parts(self, len(self.names), self._facts(), summary.FEW))
 
     def _repr_html_(self) -> str:
-        """Return the same in a notebook, with more impacts."""
+        """Return the summary for a notebook, with more impacts."""
         return as_html(summary.parts(self, len(self.names), self._facts(), summary.LISTED))
 
     def _facts(self) -> list[str]:
-        """Return lines on the energy, on what may be meant otherwise, and on the solver."""
+        """Return lines on the energy, on possible misunderstandings of the scene, and on the solver."""
         found = [f"note     {hint}" for hint in summary.hints(self.scene, self.impacts)]
         return [*summary.energy_lines(self.energies), *found, *summary.solver_lines(self.statistics)]
 
     def _all(self, field: str) -> np.ndarray:
-        """A field of ``output_dtype`` in kernel/record/instance.py, also if the outputs have other fields."""
+        """Return a field of ``output_dtype`` (kernel/record/instance.py), also from a choice of outputs."""
         if field in (self.outputs.dtype.names or ()):
             return self.outputs[field]
         parts = [v for v in self.model.motion if v.field == field]

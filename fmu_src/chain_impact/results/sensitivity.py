@@ -1,4 +1,4 @@
-"""The derivatives that a result carries, with respect to some parameters."""
+"""The derivatives in a result with respect to some parameters."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
 PART = 0.01
-"""Of its value, the change of a parameter for which changes are told; of its unit, where the value is 0."""
+"""The part of its value by which a parameter changes, when changes are told; of its unit if that is 0."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -25,13 +25,14 @@ class Sensitivities:
     """Derivatives of outputs and of impacts with respect to P parameters.
 
     Attributes:
-        model: of the scene.
+        model: the model of the scene.
         varied: the parameters and inputs.
-        chosen: the names of the outputs; None for all that change all the time.
+        chosen: the names of the outputs; None for all outputs that change all the time.
         slopes: derivatives of the outputs, shape (T, W, P).
         impacts: one row for each contact, shape (I,), as ``Result.impacts``.
         impact_slopes: quantity of an impact → derivatives, shape (I, P).
-        limits: sentences: from when on there are none, and why, and how far friction leaves them open.
+        limits: sentences: from when on there are no derivatives, and why; and how far friction leaves them
+            undetermined.
     """
 
     __eq__ = same
@@ -47,12 +48,12 @@ class Sensitivities:
 
     @property
     def source(self) -> str:
-        """Of the errors: the name of the scene."""
+        """The name of the scene, for errors."""
         return self.model.scene.name
 
     @cached_property
     def parameters(self) -> dict[str, float]:
-        """Name in the FMU → value; of an input 0."""
+        """Name in the FMU → value; the value of an input is 0."""
         values = self.model.scene.values
         return {variable.name: float(values.get(variable.name, 0.0)) for variable in self.varied}
 
@@ -72,7 +73,7 @@ class Sensitivities:
         return {name: column for column, name in enumerate(self.chosen)}
 
     def __repr__(self) -> str:
-        """Of how much there are derivatives, and with respect to what."""
+        """Return the numbers of outputs, rows and impacts with derivatives, and the parameters."""
         rows, outputs, _ = self.slopes.shape
         return (
             f"Sensitivities({self.source}) of {plural(outputs, 'output')} in {plural(rows, 'row')} and of "
@@ -80,7 +81,7 @@ class Sensitivities:
         )
 
     def _repr_html_(self) -> str:
-        """Return the same in a notebook, with how usual outputs at the end change with each parameter."""
+        """Return the same for a notebook, with the changes of usual outputs at the end by each parameter."""
         outputs = [name for name in self._usual if name in self.columns]
         ends = [self.changes(name)[-1:] for name in outputs]
         head = ("parameter", "value", "change", *(f"{name} [{self.units[name]}]" for name in outputs))
@@ -107,7 +108,10 @@ class Sensitivities:
         return self.impact_slopes[quantity][:, self._number(parameter)]
 
     def drawn(self, outputs: Sequence[str]) -> list[str]:
-        """Return some outputs by name; if none are named, the place of the last point, and the energy."""
+        """Return the full names of some outputs.
+
+        If none are named, they are the place of the last point, and the energy.
+        """
         return [self._output(name) for name in outputs or self._usual]
 
     @property
@@ -137,25 +141,25 @@ class Sensitivities:
         }
 
     def step(self, parameter: str) -> float:
-        """Return a small change of a parameter, in its unit: 1 % of its value, or 0.01 where that is 0."""
+        """Return a small change of a parameter, in its unit: 1 % of its value, or 0.01 if the value is 0."""
         return PART * (self.parameters[parameter] or 1.0)
 
     def step_text(self, parameter: str) -> str:
-        """That change in words: "1 %", or "0.01 m/s"."""
+        """Return the change ``step`` in words: "1 %", or "0.01 m/s"."""
         return f"{100.0 * PART:g} %" if self.parameters[parameter] else f"{PART:g} {self.units[parameter]}"
 
     def changes(self, output: str) -> np.ndarray:
-        """Return how an output changes with that change of each parameter, to first order, shape (T, P)."""
+        """Return the change of an output by the ``step`` of each parameter, to first order, shape (T, P)."""
         changes: np.ndarray = self.slopes[:, self.columns[output]] * self._steps
         return changes
 
     def impact_changes(self, quantity: str) -> np.ndarray:
-        """As ``changes``, of a quantity of the impacts, shape (I, P)."""
+        """Return the change of a quantity of the impacts by the ``step`` of each parameter, shape (I, P)."""
         changes: np.ndarray = self.impact_slopes[quantity] * self._steps
         return changes
 
     def relative(self, quantity: str) -> np.ndarray:
-        """As ``impact_changes``, over the value; also of the ``duration``: NaN where that has no limits."""
+        """Return ``impact_changes`` over the value, also for the ``duration``; NaN where that is unknown."""
         rows = self.impacts
         if quantity == "duration":
             values = rows["end"] - rows["onset"]

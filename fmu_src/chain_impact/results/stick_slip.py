@@ -1,4 +1,4 @@
-"""What points and walls do to each other over time, and the phases of sticking and sliding that follow."""
+"""Contacts over time, and the phases of sticking and sliding in them."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ STICK_SLIP_DTYPE = np.dtype(
     ]
 )
 """One phase of dry friction: point 0…N; wall as index into ``scene.wall_names``; start and end [s], the end
-NaN of a phase that lasts to the end of the simulation; mode 0 while it sticks, 1 or −1 while it slides along
-t or −t, with t = (n_y, −n_x) of the wall's normal n. Of a joint the wall is −1, the point is the number of
-the joint, 1…N, and with mode 1 its angle grows."""
+is NaN in a phase that lasts to the end of the simulation; mode 0 for sticking, 1 or −1 for sliding along t or
+−t, with t = (n_y, −n_x) of the wall's normal n. For a joint the wall is −1, the point is the number of the
+joint, 1…N, and in mode 1 its angle grows."""
 NO_PHASES = np.zeros(0, STICK_SLIP_DTYPE)
-"""The phases where nothing rubs."""
+"""The phases of a run without dry friction."""
 NO_PHASES.flags.writeable = False
 MODES = {0: "stick", 1: "slip +", -1: "slip -"}
 """The modes in words."""
 JOINT = -1
-"""The wall of a joint."""
+"""The number that stands for the wall in a phase of a joint."""
 
 
 def phases_of(changes: np.ndarray) -> np.ndarray:
@@ -48,7 +48,7 @@ def phases_of(changes: np.ndarray) -> np.ndarray:
 def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]:
     """Yield the phases in the changes of one contact or joint, those of no length left out."""
     lasting = np.append(np.diff(changes["time"]) > 0.0, True)
-    changes = changes[lasting]  # of several changes at one time, the last one
+    changes = changes[lasting]  # only the last of several changes at one time counts
     changes = changes[np.append(True, np.diff(changes["mode"]) != 0)]
     ends = np.append(changes["time"][1:], np.nan)
     for change, end in zip(changes, ends, strict=True):
@@ -57,12 +57,12 @@ def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]
 
 
 def place_of(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> str:
-    """What sticks or slides: "point 2 at y_min", "point 5 (heel) at y_min", "joint 3", "the slider".
+    """Return the place of a phase: "point 2 at y_min", "point 5 (heel) at y_min", "joint 3", "the slider".
 
     Args:
-        phase: of dry friction.
+        phase: the phase of dry friction.
         walls: the names of all walls, by their numbers.
-        names: those of the points that have one.
+        names: the names of points, by their numbers.
     """
     if phase["wall"] == JOINT:
         return f"joint {phase['point']}" if phase["point"] > 0 else "the slider"
@@ -77,19 +77,19 @@ def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touch:
-    """What a point and a wall, or a joint and one of its stops, do to each other; or a joint's dry friction.
+    """A contact of a point with a wall, or of a joint with one of its stops; or dry friction in a joint.
 
     Attributes:
-        point: its number; of a joint its number, 1…N; of a slider 0.
-        wall: its name, of a stop joint_min, joint_max, slider_min or slider_max; "" of dry friction in a
-            joint or on a slider.
-        force: of the wall on the point, shape (T,) [N], of a stop the size of its moment [N·m]; None
-            in a joint.
-        penetration: shape (T,) [m]; None where it is not known.
-        rate: its rate, shape (T,) [m/s]; None where it is not known.
-        friction: dry friction along t = (n_y, −n_x), shape (T,) [N], in a joint its moment [N·m]; None
-            without.
-        sticking: above 0 where it sticks, shape (T,); None without dry friction.
+        point: the number of the point; of a joint the number of the joint, 1…N; of a slider 0.
+        wall: the name of the wall; of a stop joint_min, joint_max, slider_min or slider_max; "" for dry
+            friction in a joint or on a slider.
+        force: the force of the wall on the point, shape (T,) [N]; at a stop the size of the moment [N·m];
+            None for dry friction in a joint.
+        penetration: shape (T,) [m]; None if not known.
+        rate: the rate of penetration, shape (T,) [m/s]; None if not known.
+        friction: dry friction along t = (n_y, −n_x), shape (T,) [N]; in a joint the moment [N·m]; None
+            without dry friction.
+        sticking: above 0 in rows in which the contact sticks, shape (T,); None without dry friction.
     """
 
     point: int
@@ -102,18 +102,21 @@ class Touch:
 
     @classmethod
     def of_stops(cls, joint: int, moment: np.ndarray) -> Iterator[Touch]:
-        """Both stops of a joint, by their moment on its link, positive at joint_min, shape (T,) [N·m]."""
+        """Yield the contacts at both stops of a joint, from the moment on its link, shape (T,) [N·m].
+
+        The moment is positive at joint_min.
+        """
         for stop, sign in zip(STOPS, (1.0, -1.0), strict=True):
             yield cls(joint, stop, np.maximum(sign * moment, 0.0))
 
     @property
     def at_wall(self) -> bool:
-        """Whether it is at a wall, not in a joint or on a slider."""
+        """Whether the contact is at a wall, not in a joint or on a slider."""
         return self.wall not in ("", *STOPS, *SLIDER_STOPS)
 
 
 def phases_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]) -> np.ndarray:
-    """The phases of dry friction that rows show, to within a communication step, see ``STICK_SLIP_DTYPE``."""
+    """Return the phases of dry friction in rows, to within a communication step, see ``STICK_SLIP_DTYPE``."""
     changes: list[tuple[float, int, int, int]] = []
     for one in touches:
         if one.sticking is None or one.friction is None or one.wall not in ("", *walls):

@@ -1,4 +1,4 @@
-"""What happened, in some lines: of a result, as Python and notebooks show it, and of a recording."""
+"""The summary of a run in some lines: of a result, in Python and in notebooks, and of a recording."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LONG, MILLION = 1e4, 1e6  # between these, four digits would need an exponent
 
 
 def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """Say which energies there are at the end, and how far they were out of balance, if they are known.
+    """Yield the energies at the end, and their balance, if they are known.
 
     The balance is a check. It bounds no error of the motion: in free flight, positions may be wrong by the
     tolerance while the energy is constant to round-off.
@@ -44,13 +44,13 @@ def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
 
 
 def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Iterator[str | Table]:
-    """What happened: lines, and the list of so many impacts.
+    """Yield the summary: lines, and the list of the first impacts.
 
     Args:
-        result: of a scene.
-        outputs: how many it has.
-        facts: lines on its scene and solver.
-        most: how many impacts are listed.
+        result: the result of a scene.
+        outputs: the number of its outputs.
+        facts: lines on the scene and the solver.
+        most: the largest number of impacts in the list.
     """
     yield _headline(result, outputs)
     yield from impact_list(result, most)
@@ -60,7 +60,7 @@ def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Itera
 
 
 def impact_list(result: Recording, most: int) -> Iterator[str | Table]:
-    """Yield the first impacts as a table, and how many more there are."""
+    """Yield the first impacts as a table, and the number of other impacts."""
     impacts = enumerate(result.impacts[:most], start=1)
     rows = [(str(number), *impact_cells(result, impact)) for number, impact in impacts]
     if rows:
@@ -98,7 +98,8 @@ def impact_heads(result: Recording) -> tuple[str, ...]:
 def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
     """Tell an impact: time, point, wall, speed, duration, peak force, impulse.
 
-    Where loads are known also the largest force in a joint, and the joint.
+    The cells have units if these differ between impacts. If loads are known, two more cells are the largest
+    force in a joint, and the joint.
     """
     point = result.toucher(impact).removeprefix("point ")
     speed, lasting = f"{impact['impact_speed']:.4f}", _peak(1e3 * (impact["end"] - impact["onset"]))
@@ -110,7 +111,7 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
 
 
 def _peak(value: float) -> str:
-    """A peak force or a duration as ``digits``; a dash for an impulse, which has none and is stored as 0."""
+    """Return a peak force or a duration as ``digits``; a dash for an impulse, where 0 is stored."""
     return digits(value) if value else NONE
 
 
@@ -123,7 +124,7 @@ def digits(value: float) -> str:
 
 
 def load_lines(result: Recording) -> Iterator[str]:
-    """Yield the largest force in a joint, where the scene asks for loads."""
+    """Yield the largest force in a joint, if the scene asks for loads."""
     peaks = {
         name.split(".")[0]: values[-1]
         for name, values in result.columns.items()
@@ -135,7 +136,7 @@ def load_lines(result: Recording) -> Iterator[str]:
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:
-    """Yield how many phases of dry friction there were, and what sticks at the end."""
+    """Yield the number of phases of dry friction, and the contacts and joints that stick at the end."""
     phases = result.stick_slip
     if not len(phases):
         return
@@ -151,7 +152,7 @@ def _friction_lines(result: Recording) -> Iterator[str]:
 
 
 def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
-    """Yield the steps of the solver, and how it ended."""
+    """Yield the steps of the solver, and the way it ended."""
     steps = f"{counts['steps']} steps, of which {counts['implicit_steps']} implicit"
     yield f"solver   {steps}; {counts['rhs_evaluations']} evaluations of the equations of motion"
     status = counts["status"]
@@ -159,10 +160,10 @@ def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
 
 
 def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
-    """A sentence on a wall that gives way by more than the length of the shortest link, and so is no wall.
+    """Return a sentence on a wall that yields by more than the length of the shortest link, so is no wall.
 
-    It names the wall beyond which a point went farthest. A chain of one link that touches with one point is a
-    ball: the length of its link means nothing.
+    The sentence names the wall with the largest penetration. A chain of one link that touches with one point
+    is a ball: the length of its link means nothing.
     """
     links = scene.chain.links
     if len(links) == len(scene.contact.points) == 1:

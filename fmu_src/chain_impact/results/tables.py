@@ -38,9 +38,9 @@ STOP_UNITS = {
     "effective_mass": "kg.m2",
     "impulse": "N.m.s",
 }
-"""What is in another unit, of an impact at a stop."""
+"""The units at a stop that differ from the units at a wall."""
 SUFFIXES = (".csv", ".json", ".parquet")
-"""Of the list of impacts."""
+"""The suffixes of a file with the list of impacts."""
 _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("contact",)}
 """Element → the dimensions of its arrays."""
 
@@ -96,7 +96,7 @@ def dataset(model: Model, time: np.ndarray, motion: Mapping[str, np.ndarray]) ->
             values = np.full((len(time), *(sizes[one] for one in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})
         index = variable.index[: len(dimensions)]
-        if owner == "contact":  # between those of points and those of a slider stand the stops of joints
+        if owner == "contact":  # the stops of joints are between the contacts of points and of a slider
             index = (contacts.index(variable.name.rpartition(".")[0]),)
         data[key][1][(slice(None), *index)] = motion[variable.name]
     coordinates = {
@@ -114,7 +114,7 @@ def dataset(model: Model, time: np.ndarray, motion: Mapping[str, np.ndarray]) ->
 
 
 def impact_columns(impacts: np.ndarray, walls: Sequence[str]) -> dict[str, list[Any]]:
-    """The columns of ``IMPACT_DTYPE`` with the names of the walls; what is not known, or not yet, is None."""
+    """Return the columns of ``IMPACT_DTYPE`` with the names of the walls; unknown values are None."""
     columns = {name: impacts[name].tolist() for name in impacts.dtype.names or () if name != "wall_name"}
     columns["wall"] = [walls[wall] for wall in columns["wall"]]
     return {
@@ -130,7 +130,7 @@ def save_impacts(path: Path, impacts: np.ndarray, walls: Sequence[str]) -> None:
 
     Raises:
         ValueError: when the file ends in none of the SUFFIXES.
-        MissingExtraError: for Parquet, when pyarrow is not there: the extra ``sweep``.
+        MissingExtraError: for Parquet, when pyarrow (the extra ``sweep``) is not installed.
         OSError: when the file cannot be written.
     """
     suffix, columns = path.suffix.lower(), impact_columns(impacts, walls)

@@ -11,17 +11,17 @@ from chain_impact.scene.names import SLIDER_STOPS, point_label
 
 
 def plural(count: int, what: str) -> str:
-    """For example: 1 impact, 2 impacts."""
+    """Return a count with its noun: 1 impact, 2 impacts."""
     return f"{count} {what}{'s' if count != 1 else ''}"
 
 
 def what(number: int, stop: str, names: Mapping[int, str]) -> str:
-    """What touched: "point 2", "point 5 (heel)"; at a stop "joint 2" or "slider".
+    """Return the name of the point or joint of an impact: "point 2", "point 5 (heel)"; "joint 2", "slider".
 
     Args:
-        number: of the point, or of the joint.
+        number: the number of the point, or of the joint.
         stop: the name of the stop among the walls, "" at a wall.
-        names: those of the points that have one.
+        names: the names of points, by their numbers.
     """
     if stop in SLIDER_STOPS:
         return "slider"
@@ -34,7 +34,7 @@ def speed_unit(at_stop: bool) -> str:
 
 
 def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """The lines of a table; its columns are as wide as they need to be. A head may have several lines."""
+    """Yield the lines of a table with columns as narrow as possible; a head may have several lines."""
     heads = list(zip_longest(*(name.split("\n")[::-1] for name in head), fillvalue=""))[::-1]
     widths = [max(map(len, column)) for column in zip(*heads, *rows, strict=True)]
     for row in (*heads, *rows):

@@ -1,4 +1,4 @@
-"""What is to be seen of a motion: where it goes, and the walls near it."""
+"""The view of a motion: its extent, and the walls near it."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import numpy as np
 from chain_impact.results.recording import Recording
 from chain_impact.scene.half_planes import HalfPlane
 
-NEAR = 0.2  # of the motion's width: a wall farther from the motion is left out …
-ROOM = 1.0  # … unless, in an animation, it closes a room with others, which all are nearer than this
-MARGIN = 0.06  # of the size of what a film shows, around it
-LEAST = 1e-6  # m, size of a motion that does not move
-UPRIGHT = 0.5  # of a wall's normal along an axis, from which the wall bounds the view along it
-ALONE = 1e-3  # of the size of the motion: a smaller radius is not drawn
-PIN = 0.08  # of the motion's width: the height of the ground mark of a pinned base
+NEAR = 0.2  # a wall farther from the motion than this part of the motion's width is left out
+ROOM = 1.0  # the same distance, in an animation, for walls that close a room together
+MARGIN = 0.06  # the margin around the view of a film, as a fraction of its size
+LEAST = 1e-6  # m, the size assumed for a chain that does not move
+UPRIGHT = 0.5  # a wall whose normal has this component along an axis, or more, bounds the view on that axis
+ALONE = 1e-3  # a radius below this part of the size of the motion is not drawn
+PIN = 0.08  # the height of the ground mark of a pinned base, as a fraction of the motion's width
 SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])  # in heights of the mark
 GROUND = np.array([[-0.75, 0.65], [0.75, 0.65]])
 Place = TypeVar("Place", bound=Hashable)
-"""Names a wall, or one of the places of a wall that moves."""
+"""The type of a wall's name, or of one of the places of a wall that moves."""
 HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.35)]
 
 
@@ -50,15 +50,15 @@ def seen(
     room: float = 0.0,
     pinned: bool = False,
 ) -> tuple[np.ndarray, dict[Place, HalfPlane]]:
-    """The rectangle that holds a motion, a pinned base's mark, and where the walls near them are nearest.
+    """Return the rectangle around a motion, the mark of a pinned base, and the nearest points of near walls.
 
     Args:
         points: positions, shape (T, N+1, 2) [m].
-        walls: name → free side; a wall that moves has several places.
-        radius: of the points [m].
-        near: of the motion's width: a wall farther from the motion is not near.
-        room: of the motion's width: where the walls close a room that ends nearer than this, all of it is
-            seen, and all walls are near.
+        walls: name → free side; a wall that moves has a name for each of several places.
+        radius: the radius of the points [m].
+        near: the largest distance of a near wall from the motion, as a fraction of the motion's width.
+        room: a distance as a fraction of the motion's width. If the walls close a room that ends nearer than
+            this, all of the room is in the rectangle, and all walls are near.
         pinned: whether the base has a ground mark, which moves with it.
 
     Returns:
@@ -75,7 +75,7 @@ def seen(
         shown = np.concatenate([shown, corners])
     view, found = np.array([shown.min(axis=0), shown.max(axis=0)]), dict(walls) if corners else {}
     for name, wall in () if corners else walls.items():
-        corner = np.where(np.array(wall.normal) > 0.0, *reach)  # the nearest to the wall
+        corner = np.where(np.array(wall.normal) > 0.0, *reach)  # the corner that is nearest to the wall
         gap = wall.clearance(*corner)
         if -width <= gap <= near * width:
             met = corner - max(0.0, gap) * np.array(wall.normal)
@@ -87,11 +87,11 @@ def seen(
 def framed(
     points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float, *, pinned: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What a film shows: the motion, the walls near it, a closed room, and a margin.
+    """Return the view of a film: the motion, the near walls, a closed room, and a margin.
 
     Returns:
-        The lower left and the upper right corner, shape (2, 2) [m]; and, where there is more room than for
-        that, how much of it lies left of it and below, 0…1, as what is left goes to the side without a wall.
+        The lower left and the upper right corner, shape (2, 2) [m]; and the part, 0…1, of any further room
+        that is to be left of it and below it: further room goes to the side without a wall.
     """
     view, near = seen(points, walls, radius, room=ROOM, pinned=pinned)
     margin = MARGIN * max(np.ptp(view, axis=0).max(), LEAST)
@@ -124,13 +124,13 @@ def places_of(recording: Recording) -> np.ndarray:
 
 
 def radius_of(recording: Recording) -> float:
-    """The largest radius of the points that can touch [m]; 0 if it is too small to be seen, or not known."""
+    """Return the largest radius of the points that can touch [m]; 0 if too small to be seen, or unknown."""
     radius = max(recording.touching.values(), default=0.0)
     return radius if radius > ALONE * size_of(recording) else 0.0
 
 
 def closed_room(walls: Mapping[Place, HalfPlane], around: np.ndarray) -> list[np.ndarray]:
-    """The corners of the room between some walls, if it ends inside a rectangle on all sides; else none.
+    """Return the corners of the room between some walls, if it is within a rectangle on all sides; else none.
 
     Args:
         walls: name → free side.

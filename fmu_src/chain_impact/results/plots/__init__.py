@@ -1,4 +1,4 @@
-"""Pictures of a recording. `plot` writes a file; what it draws with serves other pictures, too."""
+"""Pictures of a recording. `plot` writes a file; other pictures use the same functions."""
 
 from chain_impact.results.plots.bars import bars_size, fill_bars
 from chain_impact.results.plots.changes import fill_sensitivities

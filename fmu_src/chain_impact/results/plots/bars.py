@@ -1,4 +1,4 @@
-"""Bars to both sides of zero, one for each name."""
+"""Bars to the left and to the right of zero, one for each name."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.results.plots.style import BLUE, GREY, INK, VERMILLION, WIDE, headline, styled
 
-WIDTH, AROUND, BAR = 7.0, 1.4, 0.25  # inches: the page, what is above and below the bars, and a bar
-NUMBER, PART = 0.6, 0.45  # inches, a number beside a bar; of the page's width, about, the axes
-THICK = 0.66  # of the distance of bars
+# inches: the width of the page, the space above and below the bars, and the height for a bar
+WIDTH, AROUND, BAR = 7.0, 1.4, 0.25
+# inches, the room for a number beside a bar; and the part of the page's width for the axes
+NUMBER, PART = 0.6, 0.45
+THICK = 0.66  # the thickness of a bar, as a fraction of the distance of bars
 
 
 def bars_size(count: int) -> tuple[float, float]:
-    """Return the usual size of a page with so many bars [inches]."""
+    """Return the usual size of a page for a number of bars [inches]."""
     return WIDTH, AROUND + BAR * max(count, 2)
 
 
@@ -33,13 +35,13 @@ def fill_bars(
     """Draw one bar for each name, the first on top, on an empty page.
 
     Args:
-        page: to draw on.
-        title: over the picture.
-        conditions: below the title.
-        names: of the bars.
+        page: the page to draw on.
+        title: the title of the picture.
+        conditions: the text below the title.
+        names: the names of the bars.
         values: their lengths, to the left below 0.
-        told: what stands at the end of each bar.
-        label: of the axis.
+        told: the text at the end of each bar.
+        label: the label of the axis.
     """
     headline(page, title, conditions)
     axes = page.subplots()

@@ -1,6 +1,6 @@
-"""The page with derivatives: by how much a small change of each parameter changes outputs and impacts.
+"""The page with derivatives: the changes of outputs and impacts by a small change of each parameter.
 
-What is drawn is the derivative times a small change of the parameter: 1 % of its value, or 0.01 of its unit
+The curves show the derivative times a small change of the parameter: 1 % of its value, or 0.01 of its unit
 where the value is zero. So all parameters share an axis, in the unit of the output.
 """
 
@@ -20,16 +20,16 @@ from chain_impact.results.recording import Recording
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.text import plural, speed_unit
 
-NOTHING = 1e-12  # of the range of an output: smaller changes are round-off
-STEEP = 30.0  # times as large as usual is the largest change on an axis that is not linear
+NOTHING = 1e-12  # smaller changes, as fractions of the range of an output, are round-off
+STEEP = 30.0  # the axis is not linear if the largest change is so many times as large as a usual one
 Looks = list[dict[str, Any]]
 
 
 @styled()
 def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
-    """Draw how outputs, and the speeds of impacts, change with each parameter, on an empty page.
+    """Draw the changes of outputs, and of the speeds of impacts, with each parameter, on an empty page.
 
-    The outputs are named as ``Sensitivities.drawn`` takes them.
+    The outputs are named as in ``Sensitivities.drawn``.
     """
     found = recording.sensitivities
     assert found is not None
@@ -60,9 +60,9 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
 
 
 def calm(recording: Recording) -> np.ndarray:
-    """Return the rows outside of impacts, shape (T,).
+    """Return which rows are outside of impacts, shape (T,).
 
-    Within an impact all changes so fast that its shift in time makes the derivative at a time very large.
+    Within an impact all quantities change so fast that a shift in time makes the derivative very large.
     """
     rows = np.ones(len(recording.time), bool)
     for impact in recording.impacts:
@@ -71,7 +71,10 @@ def calm(recording: Recording) -> np.ndarray:
 
 
 def relative_changes(recording: Recording, found: Sensitivities, outputs: Sequence[str]) -> np.ndarray:
-    """The largest change of any of some outputs outside of impacts, over its range; 0 elsewhere: (T, P)."""
+    """Return the largest change of the outputs over their range, outside of impacts, shape (T, P).
+
+    0 within.
+    """
     ranges = [np.ptp(recording.columns[name]) or 1.0 for name in outputs]
     shares = [np.abs(found.changes(name)) / span for name, span in zip(outputs, ranges, strict=True)]
     largest: np.ndarray = np.max(np.nan_to_num(shares), axis=0)
@@ -80,7 +83,7 @@ def relative_changes(recording: Recording, found: Sensitivities, outputs: Sequen
 
 
 def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
-    """Return how each parameter is drawn: those that matter most in colours, others in grey.
+    """Return how each parameter is drawn: the parameters with the largest effects in colours, others in grey.
 
     A parameter without effect has no colour.
     """
@@ -100,7 +103,7 @@ def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
 
 
 def draw_changes(axes: Axes, recording: Recording, found: Sensitivities, output: str, looks: Looks) -> None:
-    """The change of an output over time, with each parameter; gaps where there is none."""
+    """Draw the change of an output over time, with each parameter; there are gaps where it is not known."""
     changes = found.changes(output)
     for values, look in zip(changes.T, looks, strict=True):
         axes.plot(recording.time, values, **look)
@@ -109,7 +112,7 @@ def draw_changes(axes: Axes, recording: Recording, found: Sensitivities, output:
 
 
 def draw_speeds(axes: Axes, recording: Recording, found: Sensitivities, looks: Looks) -> None:
-    """The change of the speed of each impact, with each parameter: dots at walls, diamonds at stops."""
+    """Draw the change of each impact's speed, with each parameter: a dot at a wall, a diamond at a stop."""
     changes, stopped = found.impact_changes("impact_speed"), recording.at_stops
     for values, look in zip(changes.T, looks, strict=True):
         style = {"color": look["color"], "zorder": look["zorder"], "markersize": DOT}
@@ -125,9 +128,9 @@ def draw_speeds(axes: Axes, recording: Recording, found: Sensitivities, looks: L
 
 
 def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
-    """Fit the axis to some changes: logarithmic on both sides of zero where the largest are much larger.
+    """Fit the axis to some changes: logarithmic on both sides of zero if the largest are much larger.
 
-    Those below the least one that counts are round-off.
+    Changes below ``least`` are round-off and do not count.
     """
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
     sizes = np.abs(changes[np.isfinite(changes) & (changes != 0.0)])
@@ -145,7 +148,7 @@ def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
 
 
 def mark_unknown(axes: Axes, recording: Recording, found: Sensitivities) -> None:
-    """Shade the time of which there are no derivatives."""
+    """Shade the time in which derivatives are not known."""
     unknown = np.isnan(found.slopes).all(axis=(1, 2))
     if unknown.any():
         start, end = recording.time[unknown.argmax()], recording.time[-1]

@@ -1,4 +1,4 @@
-"""Any outputs over time: a panel for each unit, and a line at each impact."""
+"""Outputs over time as curves: a panel for each unit, and a line at each impact."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from chain_impact.results.recording import Recording
 from chain_impact.results.text import plural
 
 DASHES = ("-", "--", ":")
-MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8  # curves in a panel, and panels
-PANEL, AROUND = 1.9, 1.1  # inches, the height of a panel, and what is above and below all of them
-SIDE = 8  # curves, at most, whose names stand beside a panel
+MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8  # the largest number of curves in a panel, and of panels
+PANEL, AROUND = 1.9, 1.1  # inches: the height of a panel, and the space above and below all panels
+SIDE = 8  # the largest number of curves whose names stand beside the panel
 
 
 def curves_size(curves: Curves) -> tuple[float, float]:
-    """Return the usual size of the page [inches]."""
+    """Return the usual size of a page with curves [inches]."""
     return FULL, max(3.4, AROUND + PANEL * len(curves.panels))
 
 
 def check_curves(curves: Curves) -> None:
-    """Refuse more than can be told apart.
+    """Refuse curves that a reader could not tell apart.
 
     Raises:
-        ValueError: when there is nothing, or too much to draw.
+        ValueError: when there are no curves, or too many.
     """
     panels = curves.panels
     if len(panels) > MOST_PANELS:
@@ -46,10 +46,10 @@ def check_curves(curves: Curves) -> None:
 
 @styled()
 def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
-    """Draw the curves on an empty page; the title is that of the run if it is "", and there is none if None.
+    """Draw the curves on an empty page; the title "" stands for the summary of the run, None for no title.
 
     Raises:
-        ValueError: when there is too much to draw.
+        ValueError: when there are no curves, or too many.
     """
     check_curves(curves)
     if title is not None:
@@ -76,10 +76,10 @@ def seen(recording: Recording, curves: Curves) -> list[str]:
 
 @styled({})
 def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves) -> None:
-    """Draw each panel into axes that are there.
+    """Draw each panel into given axes.
 
     Raises:
-        ValueError: when there are not as many axes as panels, or there is too much to draw.
+        ValueError: when the number of axes is not that of panels, or there are too many curves.
     """
     check_curves(curves)
     count = len(curves.panels)
@@ -115,7 +115,7 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None
 
 
 def axis_label(names: Sequence[str], unit: str) -> str:
-    """Return the last part of all names, if they have the same, with the unit."""
+    """Return the label of an axis: the last part of the names, if all have the same, and the unit."""
     last = {name.rpartition(".")[2] for name in names}
     shared = last.pop() if len(last) == 1 else ""
     return f"{shared} [{unit}]".lstrip() if unit else shared

@@ -42,25 +42,30 @@ from chain_impact.scene.names import STOPS
 MUTED, CHAIN, TIP, FORCE, LOAD = "#566076", "#2b4a9f", "#c2255c", "#d9480f", "#0b7285"
 ENERGIES = {**ENERGY_COLOURS, "elastic": BLUE, "friction": BROWN}
 COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())
-"""All colours of a film, but white and their shades."""
-SHADES = 6  # of each colour of a gif, towards white
-WHITISH = 0.96  # in all of red, green and blue: a shade that Pillow takes white for
+"""All colours of a film, except white and the shades between."""
+SHADES = 6  # the shades of each colour in a gif, towards white
+WHITISH = 0.96  # the least part of red, green and blue in a shade that Pillow takes for white
 STYLE: Any = PICTURES | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
 STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
-RATES = {".gif": 20, ".mp4": 30}  # frames in a second; a gif counts in hundredths of a second
-HOLD = 1.5  # s for which a gif stays at its end before it starts anew
-QUALITY = "20"  # of H.264, where 0 loses nothing and 51 is the worst
-DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80  # pixels for an inch: usual, at least with energies, and without them
-ROOM = (8.0, 4.5)  # inches, width and height that a page with energies has at least
-SCENE, ENERGY = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)  # left, bottom, width, height of the page
-CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)  # left, and the middle of the height
+# frames per second; the time of a frame in a gif is in hundredths of a second
+RATES = {".gif": 20, ".mp4": 30}
+HOLD = 1.5  # s, the time for which a gif stays at its end before it starts anew
+QUALITY = "20"  # the quality of H.264: 0 loses nothing, 51 is the worst
+# pixels per inch: usual, the least with energies, and on a page without energies
+DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80
+ROOM = (8.0, 4.5)  # inches, the least width and height of a page with energies
+# left, bottom, width and height, as fractions of the page
+SCENE, ENERGY = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)
+CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)  # left and middle of the height, as fractions of the page
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.03, 0.96, 0.75), (0.02, 0.84), (0.55, 0.84)
-"""The same of a page that has no room for energies."""
+"""The same places on a page that has no room for energies."""
 LONGEST, LEAST, BAR = 0.26, 0.02, 0.035
-"""Of the smaller side of the scene: the arrow of the largest force, the least, half the bar of sticking."""
-TAIL, TAIL_PARTS = 0.3, 40  # s of simulated time in which the trace of the tip fades, and its pieces
-REAL, SLOW, TENS = 0.02, 0.5, 9.95  # so near to 1 is real time; slow motion; above, a rate has no decimals
+"""Fractions of the smaller side of the scene: the longest and the shortest arrow; half a bar of sticking."""
+# s of simulated time in which the trace of the tip fades; and the number of its pieces
+TAIL, TAIL_PARTS = 0.3, 40
+# a rate within REAL of 1 is real time; below SLOW, slow motion; factors from TENS on have no decimals
+REAL, SLOW, TENS = 0.02, 0.5, 9.95
 
 
 def write_film(
@@ -75,12 +80,12 @@ def write_film(
     """Write a gif or an mp4, as the suffix says.
 
     Args:
-        recording: what to show.
+        recording: the recording to show.
         path: the file.
-        speed: simulated seconds in a second on the screen, except in slow motion.
-        impact_time: what an impact takes on the screen [s], 0 for no slow motion.
-        size: width and height [pixels]; an mp4 has even ones.
-        progress: called with the fraction done.
+        speed: simulated seconds per second on the screen, except in slow motion.
+        impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
+        size: width and height [pixels]; for an mp4 they are rounded down to even numbers.
+        progress: is called with the finished fraction.
 
     Raises:
         MissingExtraError: when PyAV is not installed, for an mp4.
@@ -101,14 +106,14 @@ def write_film(
 def draw_frames(
     recording: Recording, times: np.ndarray, rates: np.ndarray, size: tuple[int, int], progress: Progress
 ) -> Iterator[np.ndarray]:
-    """Draw a recording at some times: red, green, blue of each pixel, shape (height, width, 3)."""
+    """Draw a recording at some times; yield red, green, blue of each pixel, shape (height, width, 3)."""
     with matplotlib.style.context(["default", STYLE]):
         dpi = resolution(size)
         figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
-        canvas: Any = FigureCanvasAgg(figure)  # matplotlib says nothing of its types
+        canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no types for it
         film = Film(figure, recording, times)
         canvas.draw()
-        ground = canvas.copy_from_bbox(figure.bbox)  # what does not move is drawn once
+        ground = canvas.copy_from_bbox(figure.bbox)  # the parts that do not move are drawn once
         for frame, rate in enumerate(rates.tolist()):
             canvas.restore_region(ground)
             for artist in film.show(frame, rate):
@@ -118,13 +123,13 @@ def draw_frames(
 
 
 def resolution(size: tuple[int, int]) -> float:
-    """The pixels for an inch of a film: fewer for a small one, so that its page has room for all it shows."""
+    """Return the pixels per inch of a film: fewer for a small film, so that its page has room for all."""
     found = min(pixels / inches for pixels, inches in zip(size, ROOM, strict=True))
     return min(DPI, found) if found >= LEAST_DPI else SMALL_DPI
 
 
 def write_gif(pictures: Iterable[np.ndarray], path: Path, rate: int) -> None:
-    """Pack pictures, all with the same few colours, so that what does not move takes no room."""
+    """Write pictures with the same few colours as a gif; parts that do not move take no room in the file."""
     from PIL import Image
 
     full = np.array([to_rgb(colour) for colour in COLOURS])
@@ -140,7 +145,7 @@ def write_gif(pictures: Iterable[np.ndarray], path: Path, rate: int) -> None:
 
 
 def write_mp4(pictures: Iterable[np.ndarray], path: Path, rate: int, size: tuple[int, int]) -> None:
-    """Pack pictures as H.264, which every browser and slide program plays."""
+    """Write pictures as H.264, which every browser and slide program plays."""
     av = require("av", "video")
     with av.open(str(path), "w", format="mp4", options={"movflags": "faststart"}) as container:
         stream = container.add_stream("libx264", rate=rate, options={"crf": QUALITY})
@@ -152,10 +157,10 @@ def write_mp4(pictures: Iterable[np.ndarray], path: Path, rate: int, size: tuple
 
 
 class Film:
-    """The page that the frames of a film show: the chain between its walls, energies, a clock, forces."""
+    """The page for the frames of a film: the chain between its walls, energies, a clock, forces."""
 
     def __init__(self, figure: Figure, recording: Recording, times: np.ndarray) -> None:
-        """Draw what does not move."""
+        """Draw the parts that do not move."""
         self.recording, self.times = recording, times
         self.points = np.stack(
             [self._over_frames(point) for point in recording.all_points.transpose(1, 0, 2)], axis=1
@@ -215,7 +220,7 @@ class Film:
         return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
 
     def _draw_key(self, figure: Figure, right: float) -> None:
-        """What the two kinds of arrows are."""
+        """Draw the legend of the two kinds of arrows."""
         arrow: dict[str, Any] = {"marker": ">", "linewidth": 2.2, "markersize": 5}
         kinds = {"wall forces": FORCE, "joint forces": LOAD}
         place: dict[str, Any] = {"loc": "center right", "bbox_to_anchor": (right, 0.94), "borderaxespad": 0.0}
@@ -226,7 +231,7 @@ class Film:
         pinned = self.recording.pinned
         view, anchor = framed(places_of(self.recording), self.recording.walls, radius, pinned=pinned)
         self.side = float(min(np.ptp(view, axis=0)))
-        # the same scale along x and y: the view, and beside or above it as much as the page has room for
+        # x and y have the same scale: the axes show the view, and more beside or above it as the page allows
         room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
         seen = room * (size / room).max()
         low = view[0] - anchor * (seen - size)
@@ -269,11 +274,11 @@ class Film:
         self.now = axes.axvline(time[0], color=INK, linewidth=1.0, animated=True)
 
     def show(self, frame: int, rate: float) -> Iterable[Artist]:
-        """Move to a frame; give what is to be drawn, in order.
+        """Move to a frame; return the artists to draw, in order.
 
         Args:
-            frame: its number.
-            rate: simulated seconds in a second on the screen.
+            frame: the number of the frame.
+            rate: simulated seconds per second on the screen.
         """
         time, places = self.times[frame], self.points[frame]
         points = places[: self.recording.link_count + 1]
@@ -311,7 +316,7 @@ class Film:
         self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
 
     def _forces(self, frame: int) -> Iterator[Artist]:
-        """The forces of walls and the moments of stops, and how large they are, and joints that stick."""
+        """Yield arrows of wall forces and stop moments with their sizes, and marks of joints that stick."""
         for artist in self.moving:
             artist.remove()
         self.moving.clear()
@@ -334,7 +339,7 @@ class Film:
         yield from self.moving
 
     def _add_loads(self, frame: int) -> None:
-        """The forces in the joints that are not too small to be seen, with the size of the largest one."""
+        """Add the forces in joints that are large enough to be seen, and the size of the largest one."""
         forces = {joint: force[frame] for joint, force in self.loads.items()}
         largest = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)
         for joint, force in forces.items():
@@ -347,7 +352,7 @@ class Film:
         return float(np.interp(self.times[frame], self.recording.time, column))
 
     def _add_contact(self, place: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
-        """The force on a point, normal and along the wall; a bar along the wall where it sticks."""
+        """Add the force on a point, normal and along the wall; and a bar along the wall if it sticks."""
         plane = self.plane[wall]
         normal = np.array(plane.normal)
         tangent = np.array([normal[1], -normal[0]])
@@ -360,7 +365,7 @@ class Film:
     def _add_arrow(
         self, foot: np.ndarray, direction: np.ndarray, whole: float, colour: str, told: bool = True
     ) -> None:
-        """The arrow of a force [N] from a place in a direction, and how large it is if that is told."""
+        """Add the arrow of a force [N] from a place in a direction; with ``told``, also its size in words."""
         head = foot + self.side * max(LEAST, LONGEST * whole / self.peak) * direction
         style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
         arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)
@@ -378,7 +383,7 @@ class Film:
 
 
 def rate_text(rate: float) -> str:
-    """Return how many times slower or faster than in reality, for example: 480 × slower."""
+    """Return how many times slower or faster than in reality a film runs, for example: 480 × slower."""
     if abs(rate - 1.0) < REAL:
         return "real time"
     times, word = (1.0 / rate, "slower") if rate < 1.0 else (rate, "faster")

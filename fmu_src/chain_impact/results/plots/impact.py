@@ -1,4 +1,4 @@
-"""The picture of one impact: force, penetration and speed over time, and the loop that they make."""
+"""The picture of one impact: force, penetration and speed over time, and the force over the penetration."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ from chain_impact.results.recording import Recording
 from chain_impact.results.text import speed_unit
 
 SIZE = (7.5, 4.8)  # inches
-PEAK = 0.95  # of the largest force, from which the peak is taken to be reached
-AFTER_PEAK = 4.0  # times of the peak force, for which an impact is shown at least
-MUCH_LONGER = 2.0  # times as long as its impact lasts a contact of which the impact alone is shown
-EDGE = 0.03  # of the time shown, before the onset
-DOT = 5.0  # points, the mark of the end of a contact that lasts
-LOOP = 1.6  # of the height of a panel over time, the loop on a narrow page
+PEAK = 0.95  # the part of the largest force from which the peak counts as reached
+AFTER_PEAK = 4.0  # the least time for which an impact is shown, in units of the time to the peak force
+MUCH_LONGER = 2.0  # a contact longer than so many times its impact is shown for the time of the impact only
+EDGE = 0.03  # the time before the onset, as a fraction of the time shown
+DOT = 5.0  # points, the size of the mark at the end of a contact that lasts
+LOOP = 1.6  # the height of the loop on a narrow page, in heights of a panel over time
 
 
 @styled()
 def fill_impact(page: Figure, recording: Recording, number: int, course: Course) -> None:
-    """Draw an impact, by its number, on an empty page: on a wide one the loop is on the right, else below."""
+    """Draw an impact, by its number, on an empty page: the loop on the right, on a narrow page below."""
     impact = recording.impacts[number - 1]
     stop = recording.is_stop(impact["wall"])
     hit = f"{recording.toucher(impact)} hits {recording.wall_names[impact['wall']]}"
@@ -80,9 +80,9 @@ def fill_impact(page: Figure, recording: Recording, number: int, course: Course)
 
 
 def shown_time(impact: np.void, course: Course) -> float:
-    """How long after the onset [s] an impact is shown: all of it, but of a contact that lasts, its impact.
+    """Return how long after the onset [s] an impact is shown: of a long contact only the time of the impact.
 
-    That is until the force is over by theory, and long after it is first near its peak.
+    This time is the longer one of the duration of an impact by theory, and of a few times to the peak force.
     """
     if not len(course.time):
         return 0.0
@@ -95,16 +95,16 @@ def shown_time(impact: np.void, course: Course) -> float:
 
 
 def duration_text(impact: np.void, course: Course) -> str:
-    """Return how long a contact lasts, in words."""
+    """Return the duration of a contact in words."""
     lasting = float(np.ptp(course.time)) if len(course.time) else 0.0
     told = force_text(lasting, "s") if lasting > 0.0 else "0 s"
     return f"lasts to the end, for {told}" if lasts(impact) else f"lasts {told}"
 
 
 def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
-    """Draw the force over the penetration; the area within is the energy that the contact has taken.
+    """Draw the force over the penetration; the area inside is the energy that the contact dissipates.
 
-    That of a contact that lasts is open: a dot is where it ends.
+    The loop of a contact that lasts is open, with a dot at its end.
     """
     (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, at_stop)
     force_factor, force_told = prefixed(force.max(initial=0.0), force_unit)
@@ -130,7 +130,7 @@ def say_impulse(axes: Axes) -> None:
 
 
 def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
-    """Return name, values, unit and colour of what is drawn over time."""
+    """Return name, values, unit and colour of each curve over time."""
     force = ("moment", course.force, "N·m") if at_stop else ("force", course.force, "N")
     return (
         (*force, VERMILLION),
@@ -152,13 +152,13 @@ def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
 
 
 def restitution_text(impact: np.void) -> str:
-    """Return the restitution that was realised: the speed of separation over that of approach."""
+    """Return the realised restitution in words: the speed of separation over the speed of approach."""
     found = impact["separation_speed"] / impact["impact_speed"]
     return "in contact to the end" if math.isnan(found) else f"restitution {found:.4g} realised"
 
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
-    """Return the factor from a unit to one with a prefix that suits the largest value, and that unit."""
+    """Return the factor from a unit to a unit with a prefix that suits the largest value, and this unit."""
     power = 3 * math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
     power = min(max(power, min(EngFormatter.ENG_PREFIXES)), max(EngFormatter.ENG_PREFIXES))
     return 10.0**-power, f"{EngFormatter.ENG_PREFIXES[power]}{unit}"

@@ -1,4 +1,4 @@
-"""What the picture of a recording says, in a line, and under which conditions it came about."""
+"""The headline of a picture of a recording, and the conditions of the recording."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from chain_impact.results.plots.style import SEPARATOR, headline, is_narrow, num
 from chain_impact.results.recording import Recording
 from chain_impact.results.text import plural
 
-ROUND_OFF = 1e-12  # of the largest energy: less is not dissipated
+ROUND_OFF = 1e-12  # dissipated energy below this part of the largest energy is round-off
 
 
 def message(recording: Recording, *, short: bool = False) -> str:
@@ -55,7 +55,7 @@ def conditions(recording: Recording, *first: str) -> str:
         parts.append(f"law {law}")
     if "contact.restitution" in known:
         parts.append(f"restitution e = {known['contact.restitution']:g}")
-        if not (law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive):  # such a law has no stiffness
+        if not (law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive):  # an impulsive law has no stiffness
             unit = f"N/m$^{{{known['contact.exponent']:g}}}$"
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
     if rubbing := [one for name, value in known.items() if (one := friction(name, value))]:
@@ -70,7 +70,7 @@ def conditions(recording: Recording, *first: str) -> str:
 
 
 def friction(name: str, value: Any) -> str:
-    """A coefficient of dry friction of all walls or of one; "" if the parameter of this name is none."""
+    """Return a coefficient of dry friction, of all walls or of one, in words; "" for any other parameter."""
     at = re.fullmatch(r"(?:contact|wall\.(\w+))\.(static_)?friction", name)
     if not at or not (value or (at[1] and not at[2])):
         return ""

@@ -1,4 +1,4 @@
-"""The picture of the motion: few strong poses, the paths of the points, the rest faint, the impacts."""
+"""The picture of the motion: a few strong poses, the paths of the points, faint poses, and the impacts."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ from chain_impact.results.stick_slip import JOINT
 from chain_impact.results.view import size_of
 from chain_impact.scene.bodies import TICK
 
-STRONG = 6  # poses at impacts, at most: those at the highest speeds
-FAINT = 80  # evenly spaced poses behind them
-MARKED = 12  # points: those of a longer chain have no marks
-FEW = 6  # points: of a longer chain the paths are fainter
+STRONG = 6  # the largest number of strong poses at impacts: the impacts with the highest speeds
+FAINT = 80  # the number of faint poses, at even distances in time
+MARKED = 12  # the largest number of points that have marks
+FEW = 6  # the number of points beyond which their paths are fainter
 RING = 6.5  # points, the size of the mark of an impact
 SQUARE = 4.0  # points, the size of the mark of what sticks
 NEAR_PLACE = 0.03  # of the view's width, within which impacts at a wall share a ring
@@ -78,12 +78,12 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) ->
 
 
 def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
-    """Return the chain in one pose.
+    """Draw the chain in one pose.
 
     Args:
-        axes: where it is drawn.
+        axes: the axes to draw into.
         points: positions of the points 0…N, shape (N+1, 2) [m].
-        look: of the line, as matplotlib names it: color, linewidth, markersize, label, …
+        look: properties of the line, as matplotlib names them: color, linewidth, markersize, label, …
 
     Returns:
         The line; `set_data(*points.T)` moves it to another pose.
@@ -95,7 +95,7 @@ def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
 
 
 def colour_of_time(recording: Recording) -> Any:
-    """Return the function that gives the colour of a time."""
+    """Return the function from a time to its colour."""
     start, end = recording.time[0], recording.time[-1]
     norm = Normalize(start, end if end > start else start + 1.0)
     return lambda time: TIME_COLOURS(norm(time))
@@ -108,18 +108,18 @@ def strongest(recording: Recording, count: int) -> np.ndarray:
 
 
 def by_speed(recording: Recording) -> np.ndarray:
-    """Return the order of the impacts by their approach speeds, the highest first."""
+    """Return the numbers of the impacts in the order of their approach speeds, the highest first."""
     return np.argsort(-recording.end_speeds, kind="stable")
 
 
 def draw_faint(axes: Axes, recording: Recording) -> None:
-    """The chain at evenly spaced times."""
+    """Draw the chain at evenly spaced times."""
     rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT).round().astype(int))
     axes.add_collection(LineCollection(list(recording.points[rows]), colors=INK, linewidths=0.6, alpha=0.13))
 
 
 def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
-    """The paths of the points; that of the tip is strong, in the colours of time."""
+    """Draw the paths of the points; the path of the tip is strong, in the colours of time."""
     *others, tip = recording.points.transpose(1, 0, 2)
     others += [*recording.sites.transpose(1, 0, 2)]
     alpha = 0.45 * min(1.0, FEW / (len(others) + 1))
@@ -133,14 +133,14 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
 
 
 def draw_rings(axes: Axes, recording: Recording) -> None:
-    """A ring where a wall was hit, or where a joint came to its stop."""
+    """Draw a ring at each place where a point hit a wall, or a joint came to its stop."""
     look: dict[str, Any] = {"marker": "o", "markersize": RING, "markerfacecolor": "none", "linestyle": ""}
     if spots := list(rings(axes, recording)):
         axes.plot(*np.transpose(spots), **look, color=INK, zorder=5, label="impacts")
 
 
 def draw_sticking(axes: Axes, recording: Recording) -> None:
-    """A square where a contact or a joint sticks at the end."""
+    """Draw a square at each contact and joint that sticks at the end."""
     last, points = recording.stick_slip[np.isnan(recording.stick_slip["end"])], recording.all_points[-1]
     places = []
     for phase in last[last["mode"] == STICKS]:
@@ -156,10 +156,10 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
 
 
 def draw_loads(axes: Axes, recording: Recording) -> None:
-    """The largest force in each joint, where the joint was then.
+    """Draw the largest force in each joint as an arrow, at the place of the joint at that time.
 
-    The largest forces are those between the rows, too, if the recording has these peaks. The direction and
-    the place are those of the row with the largest force.
+    The size is the largest one also between the rows, if the recording has these peaks. Direction and place
+    are from the row with the largest force.
     """
     arrows = []
     for joint, force in recording.loads.items():
@@ -206,9 +206,10 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
 def _label_place(
     recording: Recording, impact: np.void, spot: tuple[float, float]
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return where a label of an impact at a spot begins, and its direction: into the wall that was hit.
+    """Return the place of the label of an impact, and its direction from there: into the wall.
 
-    At the stop of a joint that is across the link; at the stop of a slider the label is beyond the mark.
+    At the stop of a joint, the direction is across the link. At the stop of a slider, the label is beyond the
+    mark.
     """
     if recording.is_stop(impact["wall"]):
         x, y = touching_place(recording.pose_at(impact["onset"]), impact["point"])[1]
@@ -222,9 +223,9 @@ def _label_place(
 
 
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
-    """Return the places where walls were hit, and the rows of the impacts there, the hardest first.
+    """Return the places of impacts on walls → the rows of the impacts there, the hardest first.
 
-    Those near to each other share a place.
+    Impacts near to each other share a place.
     """
     spacing = NEAR_PLACE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     found: dict[tuple[float, float], list[int]] = {}

@@ -46,7 +46,7 @@ DOT = 4.0  # points, the size of the mark of an impact
 
 
 def draw_clock(axes: Axes, recording: Recording) -> None:
-    """The axis of time, in the colours of the motion."""
+    """Draw the axis of time, in the colours of the motion."""
     start, end = recording.time[0], max(recording.time[-1], recording.time[0] + 1e-9)
     axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
     shown = shown_time(recording)
@@ -61,13 +61,13 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
 
 
 def draw_energy(axes: Axes, recording: Recording) -> None:
-    """The energies over time; the impacts as lines."""
+    """Draw the energies over time, with lines at impacts."""
     mark_impacts(axes, recording)
     for name, colour in ENERGY_COLOURS.items():
         energy = recording.energies.get(name, np.zeros(len(recording.time)))
         if name != "supplied" or energy.any():
             look: dict[str, Any] = {"color": colour, "linewidth": 1.0}
-            if name == "total":  # not black on black
+            if name == "total":  # black cannot be seen on a black page
                 look = {"color": mpl.rcParams["text.color"], "linewidth": 2.0}
             axes.plot(recording.time, energy, label=name, **look)
     for name, colour in PARTS.items():
@@ -85,7 +85,10 @@ def over_all_time(axes: Axes, recording: Recording) -> None:
 
 
 def draw_stick_slip(axes: Axes, recording: Recording) -> None:
-    """When contacts and joints stick, as bars, and slide, as lines; of many, those that rub for longest."""
+    """Draw phases of dry friction: bars where a contact or joint sticks, lines where it slides.
+
+    Of many contacts and joints, only those with the longest phases are drawn.
+    """
     phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:ROWS], reverse=True)
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
         if (place := place_of(phase, recording.wall_names, recording.point_names)) in shown:
@@ -112,7 +115,7 @@ def phase_lengths(recording: Recording) -> np.ndarray:
 
 
 def rubbing_places(recording: Recording) -> list[str]:
-    """Return the contacts and joints with dry friction, those that rub for longest first."""
+    """Return the contacts and joints with dry friction, those with the longest phases first."""
     total: dict[str, float] = {}
     for phase, length in zip(recording.stick_slip, phase_lengths(recording), strict=True):
         place = place_of(phase, recording.wall_names, recording.point_names)
@@ -121,16 +124,16 @@ def rubbing_places(recording: Recording) -> list[str]:
 
 
 def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0) -> None:
-    """A line at each impact; ``start`` is where the axis of time has its zero, ``factor`` its unit [1/s]."""
+    """Draw a line at each impact; the axis of time is zero at ``start``, and ``factor`` is its unit [1/s]."""
     onsets = factor * (recording.impacts["onset"] - start)
     axes.vlines(onsets, 0.0, 1.0, PALE, linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform())
 
 
 def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
-    """The approach speed of each impact over time, coloured by point; of many points most share a grey.
+    """Draw the approach speed of each impact over time, coloured by point; of many points, most share a grey.
 
-    A band goes on from the mark as long as the contact lasts, where that is long enough to be seen. Impacts
-    at stops have an axis of their own, on the right, if there are others too.
+    A band behind the mark shows the duration of the contact, if that is long enough to be seen. If there are
+    impacts at walls and at stops, the speeds at stops have their own axis on the right.
     """
     stopped, times, tops = recording.at_stops, recording.impacts["onset"], heights(recording)
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
@@ -160,14 +163,20 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
 
 
 def contact_ends(recording: Recording) -> np.ndarray:
-    """The ends of the contacts, shape (I,) [s]: of one that lasts, that of the recording; else the onset."""
+    """Return the ends of the contacts, shape (I,) [s].
+
+    A contact that lasts ends with the recording. A contact with an unknown end ends at its onset.
+    """
     impacts = recording.impacts
     ends = np.where(lasts(impacts), recording.time[-1], impacts["end"])
     return np.asarray(np.where(np.isnan(ends), impacts["onset"], ends))
 
 
 def stop_scale(recording: Recording) -> float:
-    """The height [m/s] of 1 rad/s in the picture of speeds: the fastest impact of each kind is as high."""
+    """Return the height [m/s] of 1 rad/s in the picture of speeds.
+
+    The fastest impacts at walls and at stops have the same height.
+    """
     speeds, stopped = recording.impacts["impact_speed"], recording.at_stops
     at_walls, at_stops = (speeds[kind].max(initial=0.0) for kind in (~stopped, stopped))
     return float(at_walls / at_stops) if min(at_walls, at_stops) > 0.0 else 1.0
@@ -180,9 +189,9 @@ def heights(recording: Recording) -> np.ndarray:
 
 
 def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
-    """Return name, colour and impacts of what is told apart: the points hit hardest, and all others together.
+    """Return name, colour and impacts of each group of impacts: of the points hit hardest, and of all others.
 
-    Points and joints at their stops are told apart, too.
+    Impacts of points and of joints at their stops are in different groups.
     """
     names, impacts = [recording.toucher(row) for row in recording.impacts], recording.impacts
     members = list(zip(recording.at_stops.tolist(), impacts["point"].tolist(), names, strict=True))

@@ -38,7 +38,7 @@ PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "impacts": draw_impact_speeds,
     "friction": draw_stick_slip,
 }
-"""What a picture can have."""
+"""The panels of a picture: name → function that draws it."""
 NUMBERS = {"motion": number_rings, "impacts": number_impacts}
 """What writes the numbers of impacts into a panel that has its place, and returns those without room."""
 TOLD_AS = {"motion": "motion", "impacts": "speeds"}
@@ -49,11 +49,11 @@ TOLD_AS = {"motion": "motion", "impacts": "speeds"}
 def fill(page: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
     """Draw panels of PANELS on an empty page, by default all that the recording has.
 
-    On a wide page the motion is on the left of what is drawn over time, else above it. The title is what
-    happened if it is ""; if it is None, there is none.
+    On a wide page the motion is on the left of the panels over time, else above them. The title "" stands for
+    the summary of the run, None for no title.
 
     Raises:
-        ValueError: when there is no panel of a name.
+        ValueError: when a panel does not exist.
     """
     shown = chosen(recording, panels)
     if title is not None:
@@ -98,10 +98,10 @@ def number_all(page: Figure, found: dict[str, Axes], recording: Recording) -> st
 
 @styled({})
 def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
-    """Draw each of some panels into axes that are there: one, or as many as panels.
+    """Draw each of some panels into given axes: one, or as many as panels.
 
     Raises:
-        ValueError: when there is no panel of a name, or not as many axes.
+        ValueError: when a panel does not exist, or the number of axes is another one.
     """
     shown, given = chosen(recording, panels), np.ravel(axes).tolist()
     if len(shown) != len(given):
@@ -131,7 +131,7 @@ def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
 
 
 def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
-    """Return the axes of the panels, and of the clock below what is drawn over time, by their names."""
+    """Return the axes of the panels, and of the clock below the panels over time, by their names."""
     timed = [name for name in shown if name != "motion"]
     rubbing = RUBBING + RUBBING_ROW * len(rubbing_places(recording)[:ROWS])
     heights = [rubbing if name == "friction" else 1.0 for name in timed] + ([CLOCK] if timed else [])
@@ -158,5 +158,5 @@ def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[st
 
 
 def plot(recording: Recording, path: Path, draw: Callable[[Figure, Recording], None] = fill) -> None:
-    """Draw the recording into a file; the suffix says which kind (png, svg, pdf)."""
+    """Draw the recording into a file; the suffix png, svg or pdf gives its kind."""
     drawn(lambda page: draw(page, recording), path, usual=SIZE)

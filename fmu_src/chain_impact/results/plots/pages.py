@@ -1,4 +1,4 @@
-"""Pages for pictures, of the size asked for if all has room there, and labels that do not overlap on them."""
+"""Pages of a given size for pictures, if there is room for all panels, and labels that do not overlap."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ ROUND_OFF = 1e-9  # of an axis
 HIGHER = 40  # quarters of an inch, at most, by which a page is too low
 LONGER = 1.1  # of the height of axes, a label in one line
 Fill = Callable[[Figure], None]
-"""Draws on an empty page."""
+"""A function that draws on an empty page."""
 
 
 def drawn(
@@ -40,13 +40,13 @@ def drawn(
     """Draw a page into a file, or return it.
 
     Args:
-        fill: draws it.
-        path: the file, whose suffix says which kind (png, svg, pdf); None to return the page.
+        fill: draws the page.
+        path: the file, whose suffix png, svg or pdf gives its kind; None to return the page.
         size: width and height [inches].
-        usual: the same where none is asked for.
+        usual: width and height [inches] if ``size`` is None.
 
     Raises:
-        ValueError: when a page cannot have this size, or has no room for what is drawn.
+        ValueError: when a page cannot have this size, or has no room for the panels.
         OSError: when the file cannot be written.
     """
     inches = usual if size is None else page_size(size)
@@ -63,7 +63,7 @@ def page_size(size: Sequence[float]) -> tuple[float, float]:
     """Return the width and the height of a page [inches].
 
     Raises:
-        ValueError: when they are less than LEAST, or no two numbers.
+        ValueError: when they are less than LEAST, or not two numbers.
     """
     try:
         width, height = map(float, size)
@@ -75,20 +75,20 @@ def page_size(size: Sequence[float]) -> tuple[float, float]:
 
 
 def check_alone(path: object, size: object) -> None:
-    """Refuse a file, or a size, beside axes that are there.
+    """Refuse a file or a size if axes are given.
 
     Raises:
-        ValueError: when there is one.
+        ValueError: when a file or a size is given.
     """
     if path is not None or size is not None:
         raise ValueError("ax: axes that are there have their size and their figure, which writes files")
 
 
 def fill_or_refuse(fill: Fill, page: Figure) -> None:
-    """Draw on a page, and refuse it if axes have nearly no height; say how high it must be.
+    """Draw on a page, or refuse the page if there is too little room; the error names a height that suffices.
 
     Raises:
-        ValueError: when it is so.
+        ValueError: when there is too little room.
     """
     if has_room(fill, page):
         return
@@ -108,7 +108,7 @@ def fill_or_refuse(fill: Fill, page: Figure) -> None:
 
 @styled()
 def has_room(fill: Fill, page: Figure) -> bool:
-    """Draw on a page; return whether axes have some height, no text is cut off, and none is on another."""
+    """Draw on a page; return whether axes have some height, and texts are neither cut off nor overlap."""
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
         fill(page)

@@ -1,4 +1,4 @@
-"""The room of the motion: its walls, the free side of them, and the part of it that is in view."""
+"""The room of the motion: its walls, the free sides of the walls, and the part in view."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def view_of(recording: Recording, shape: float | None = None) -> View:
 
 
 def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
-    """Yield the walls where each leaves the chain most room in the time that is recorded, and where least."""
+    """Yield the walls where each leaves the chain the most room in the recording, then where the least."""
     for extreme in (np.min, np.max):
         found = dict(recording.walls)
         for name, moved in recording.moved_walls.items():
@@ -112,7 +112,7 @@ def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> No
 
 
 def moving_walls(recording: Recording, names: Iterable[str]) -> list[str]:
-    """Those of some walls that do move."""
+    """Return the walls, among some, that do move."""
     return [name for name in names if moves(recording.moved_walls.get(name, np.zeros(1)))]
 
 
@@ -127,7 +127,7 @@ def _corners(walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
 
 
 def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
-    """The ground mark of a pinned base, by the lines that ``pin_mark`` gives; returns what is drawn."""
+    """Draw the ground mark of a pinned base from the lines of ``pin_mark``; return the artists."""
     look: dict[str, Any] = {"colors": INK, "linewidths": 1.2, "capstyle": "round", "zorder": 3}
     if not lines:
         return []
@@ -139,16 +139,16 @@ def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
 def draw_room(
     axes: Axes, view: np.ndarray, near: Sequence[HalfPlane], lines: Sequence[HalfPlane] | None = None
 ) -> list[Artist]:
-    """Return the room between some walls in white, all beyond them in grey; sets the limits of the axes.
+    """Draw the room between some walls in white and all beyond in grey, and set the limits of the axes.
 
     Args:
-        axes: where it is drawn.
-        view: lower left and upper right corner of what the axes show, shape (2, 2) [m].
+        axes: the axes to draw into.
+        view: lower left and upper right corner of the axes' view, shape (2, 2) [m].
         near: the walls.
-        lines: those that have a line, by default all.
+        lines: the walls that have a line, by default all.
 
     Returns:
-        What is drawn.
+        The artists.
     """
     axes.set_facecolor(OUTSIDE_COLOUR if near else "white")
     room = Polygon(_corners(near, view), facecolor="white", zorder=0.5)
@@ -162,7 +162,7 @@ def draw_room(
 
 
 def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
-    """The ends of the part of a wall that bounds the room between some walls in a view, shape (C, 2) [m]."""
+    """Return the ends of the line of a wall at the room between some walls in a view, shape (C, 2) [m]."""
     corners = _corners(walls, view)
     gaps = corners @ np.array(wall.normal) - wall.offset
     return np.asarray(corners[abs(gaps) < ROUND_OFF * np.ptp(view)])

@@ -26,9 +26,12 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.scene import Scene
 
 SIZE, ICON = (7.6, 4.6), (1.28, 1.28)  # inches, width and height of the drawing, and of the icon
-BORDER, MARGIN = 1.4, 0.3  # of these, around what is shown, both sides together
-ARROW, ARC, REFERENCE = 30.0, 18.0, 32.0  # points: an arrow, the arc of an angle, the line that it begins at
-LABELLED = 8  # of a longer chain not every point has a label, and only the first angle
+# inches, the space around the picture, both sides together: of the drawing, and of the icon
+BORDER, MARGIN = 1.4, 0.3
+# points: the length of an arrow, the radius of the arc of an angle, the length of the line at its start
+ARROW, ARC, REFERENCE = 30.0, 18.0, 32.0
+# the number of points beyond which not every point has a label, and only the first angle is shown
+LABELLED = 8
 SIGNS = (
     "This is the start. Link i ends at point i. Angles, angular velocities and torques are positive "
     "anticlockwise. link[i].angle, θi, is measured from the x axis, and joint[i].angle from the link before. "
@@ -39,7 +42,7 @@ SIGNS = (
 
 @contextmanager
 def repeatable() -> Iterator[None]:
-    """Draw equal scenes equally, whatever the settings of matplotlib are."""
+    """Draw equal scenes in the same way, whatever the settings of matplotlib."""
     own = STYLE | COLOURS | {"svg.hashsalt": "chain-impact"}
     with matplotlib.style.context("default"), matplotlib.rc_context(own):
         yield
@@ -47,7 +50,7 @@ def repeatable() -> Iterator[None]:
 
 @repeatable()
 def drawing(scene: Scene) -> str:
-    """Return the chain with its points, angles and walls, and the directions that are positive, as SVG."""
+    """Return the drawing of the chain with points, angles, walls and positive directions, as SVG."""
     axes, joints, unit = _chain(scene, SIZE, BORDER, linewidth=5.0, markersize=8.0)
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     for name, plane in scene.walls_at_start.items():
@@ -79,7 +82,7 @@ def drawing(scene: Scene) -> str:
 
 @repeatable()
 def icon(scene: Scene) -> bytes:
-    """Return the chain at its start and the walls, as PNG."""
+    """Return the picture of the chain at its start and the walls, as PNG."""
     axes, *_ = _chain(scene, ICON, MARGIN, linewidth=4.0, markersize=6.0)
     stream = io.BytesIO()
     axes.figure.savefig(stream, format="png", dpi=100, metadata={"Software": None})
@@ -89,9 +92,11 @@ def icon(scene: Scene) -> bytes:
 def _chain(
     scene: Scene, size: tuple[float, float], border: float, **look: float
 ) -> tuple[Any, np.ndarray, float]:
-    """Draw the chain at its start, and the walls; returns the axes, the points [m] and a point's length [m].
+    """Draw the chain at its start, and the walls.
 
-    In view are the chain and the nearest points of all walls.
+    Return the axes, the points [m], and the size of a point [m].
+
+    The view holds the chain and the nearest points of all walls.
     """
     places = np.array([place[:2] for place in scene.start.values()])
     joints, sites = np.split(places, [len(scene.chain.links) + 1])
@@ -117,14 +122,14 @@ def _chain(
 
 
 def _foot(plane: HalfPlane, place: np.ndarray) -> np.ndarray:
-    """Return the place of a wall that is nearest to another place."""
+    """Return the point of a wall that is nearest to a place."""
     return np.asarray(place - plane.clearance(*place) * np.array(plane.normal))
 
 
 def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
-    """The line and the name of a wall, its normal n, and, if that is asked for, its tangent t.
+    """Draw the line and the name of a wall, and an arrow for each letter: its normal, then its tangent.
 
-    These stand beside the middle, where the chain is less likely to be.
+    The arrows are beside the middle, where the chain is less likely to be.
     """
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     foot, normal = _foot(plane, 0.5 * (low + high)), np.array(plane.normal)
@@ -140,23 +145,23 @@ def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
 
 
 def _draw_angle(axes: Axes, place: np.ndarray, text: str, angle: float, unit: float) -> None:
-    """The angle of a link, from the x axis, at its joint; -180° to 180° is drawn."""
+    """Draw the angle of a link from the x axis, at its joint, within -180° to 180°."""
     x, y = place
     turned = math.degrees(math.remainder(angle, math.tau))
     axes.plot([x, x + REFERENCE * unit], [y, y], "--", color=INK, linewidth=0.8)
     ends = {"theta1": min(0.0, turned), "theta2": max(0.0, turned)}
     axes.add_patch(Arc((x, y), 2.0 * ARC * unit, 2.0 * ARC * unit, color=INK, **ends))
-    below = -9.0 if turned > 0.0 else 6.0  # where the link is not
+    below = -9.0 if turned > 0.0 else 6.0  # the side without the link
     _text(axes, text.replace("-", "−"), place, (0.7 * REFERENCE, below), ha="left")
 
 
 def _arrow(axes: Axes, letter: str, start: np.ndarray, direction: Iterable[float]) -> None:
-    """An arrow from a place, with a letter at its tip."""
+    """Draw an arrow from a place, with a letter at its tip."""
     _text(axes, letter, start, ARROW * np.array(direction), arrowprops={"arrowstyle": "<-", "shrinkB": 0.0})
 
 
 def _text(axes: Axes, text: str, place: np.ndarray, offset: Iterable[float], **look: Any) -> None:
-    """A text beside a place; the offset is in points."""
+    """Draw a text beside a place; the offset is in points."""
     x, y = offset
     style: dict[str, Any] = {"ha": "center", "va": "center", "textcoords": "offset points", "zorder": 6}
     axes.annotate(text, (place[0], place[1]), (x, y), annotation_clip=False, **(style | look))

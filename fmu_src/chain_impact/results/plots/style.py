@@ -1,4 +1,4 @@
-"""How all pictures look: fonts, colours that the colour-blind can tell apart, the headline."""
+"""The look of all pictures: fonts, colours that the colour-blind can tell apart, the headline."""
 
 from __future__ import annotations
 
@@ -24,8 +24,10 @@ from chain_impact.system import written_whole
 BLACK, ORANGE, SKY, GREEN = "#000000", "#e69f00", "#56b4e9", "#009e73"
 BLUE, VERMILLION, PURPLE, BROWN = "#0072b2", "#d55e00", "#cc79a7", "#7a4b2a"
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
-"""For what is told apart by colour. Okabe and Ito, Color Universal Design (2008), without their yellow, which
-is too pale on white, and without black."""
+"""Colours for curves.
+
+Okabe and Ito, Color Universal Design (2008), without yellow, which is too pale on white, and without black.
+"""
 GREY, PALE, INK = "0.72", "0.9", "0.25"
 """Curves in the background; lines of a grid; text and outlines."""
 OUTSIDE_COLOUR, AT_TIMES_COLOUR, REST_COLOUR = "0.93", "0.965", "0.95"
@@ -51,10 +53,11 @@ STYLE: Any = {
     "ytick.labelsize": "small",
     "pdf.fonttype": 42,  # TrueType: many journals refuse Type 3
     "ps.fonttype": 42,
-    "svg.fonttype": "none",  # text, and not its outlines
-    "text.hinting": "none",  # text is as wide whatever the resolution, so that a layout holds for all
+    "svg.fonttype": "none",  # text stays text, and does not become outlines
+    # the width of text does not depend on the resolution, so the layout holds for all resolutions
+    "text.hinting": "none",
 }
-"""Settings of matplotlib for every picture, but where its user, or a style sheet, has changed them."""
+"""Settings of matplotlib for every picture, unless a user or a style sheet has changed them."""
 COLOURS: Any = {
     name: "white" if name.endswith("facecolor") else "black"
     for name in (
@@ -62,7 +65,7 @@ COLOURS: Any = {
         *("axes.facecolor", "figure.facecolor", "savefig.facecolor"),
     )
 }
-"""Settings that hold whatever the style: the colours of pictures are chosen for white."""
+"""Settings that hold in any style: the colours of pictures are chosen for a white page."""
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
 """The kinds of settings that matter when a page is drawn."""
 DPI = 160
@@ -79,9 +82,9 @@ SEPARATOR = "\u00a0\u00a0·\u00a0 "  # a line is broken after it only
 
 @contextmanager
 def styled(colours: dict[str, str] = COLOURS) -> Iterator[None]:
-    """Draw in the style of all pictures; also a decorator of functions that draw.
+    """Draw in the style of all pictures; also usable as a decorator.
 
-    Into axes that are there one draws without ``colours``: in those of the style that they have.
+    Given axes are drawn into without ``colours``: they keep the colours of their own style.
     """
     kept = {key: value for key, value in STYLE.items() if mpl.rcParams[key] == mpl.rcParamsDefault[key]}
     with mpl.rc_context(kept | colours):
@@ -89,10 +92,13 @@ def styled(colours: dict[str, str] = COLOURS) -> Iterator[None]:
 
 
 class Page(Figure):
-    """An empty page for a picture, which a notebook shows whatever else was imported, and shows once."""
+    """An empty page for a picture.
+
+    A notebook shows the page exactly once, whatever else was imported.
+    """
 
     def __init__(self, **options: Any) -> None:
-        """Make a page that arranges what is on it, with options of a figure."""
+        """Make a page that arranges its contents; the options are those of a figure."""
         with styled():
             super().__init__(**{"layout": "constrained"} | options)
             self._settings = {
@@ -100,17 +106,17 @@ class Page(Figure):
             }
 
     def draw(self, renderer: Any) -> None:
-        """Draw with the settings that the layout is for: fonts are found, and ticks chosen, by them."""
+        """Draw with the settings that the layout is for: they decide on fonts and ticks."""
         with mpl.rc_context(self._settings):
             super().draw(renderer)
 
     def savefig(self, *args: Any, **options: Any) -> None:
-        """Write a file with fonts as journals ask for."""
+        """Write a file with fonts that journals accept."""
         with mpl.rc_context(self._settings):
             super().savefig(*args, **options)
 
     def _repr_png_(self) -> bytes:
-        """What IPython asks for where no backend of matplotlib has told it how to show a figure."""
+        """Return the picture for IPython where no backend of matplotlib has told it how to show a figure."""
         file = BytesIO()
         self.savefig(file, format="png", dpi="figure")
         return file.getvalue()
@@ -136,7 +142,7 @@ def give_ticks(*axes: Axes) -> None:
 
 
 def headline(page: Figure, message: str, conditions: str = "") -> None:
-    """Write what the picture says over it, and below that, smaller, under which conditions.
+    """Write a message over the picture, and below it, smaller, the conditions.
 
     Both are broken into lines where the page ends, the message only if it is too long when it is smaller. On
     a narrow page the conditions are at the foot; on a page that is too low there are none.
@@ -203,7 +209,7 @@ def _reserve(page: Figure, top: float, bottom: float) -> None:
 
 
 def words_of(page: Figure) -> dict[str, str]:
-    """What a picture says, as its file keeps it: the headline, and all else but the numbers at ticks."""
+    """Return the words of a picture for its file: the headline, and all others but the numbers at ticks."""
     title = page.get_suptitle()
     told = [text.get_text().replace("\n", " ") for text in page.texts if text.get_text() != title]
     for axes in page.axes:
@@ -216,7 +222,7 @@ def words_of(page: Figure) -> dict[str, str]:
 def save(
     path: str | os.PathLike[str], fill: Callable[[Figure], None], size: tuple[float, float] | None = None
 ) -> None:
-    """Draw what ``fill`` draws on an empty page into a file, whose suffix says which kind (png, svg, pdf).
+    """Draw an empty page with ``fill``, and write it into a file; the suffix png, svg or pdf gives the kind.
 
     Raises:
         OSError: when the file cannot be written.
@@ -234,5 +240,5 @@ def force_text(value: float, unit: str) -> str:
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Return a number with up to so many digits, without zeros that say nothing: 1e8, 2.145e10."""
+    """Return a number with at most so many digits, and without useless zeros: 1e8, 2.145e10."""
     return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:.{digits}g}")

@@ -1,4 +1,4 @@
-"""The trace of the tip in a film: a smooth curve through the rows, which has corners where impacts are."""
+"""The trace of the tip in a film: a smooth curve through the rows, with corners at impacts."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ import numpy as np
 
 from chain_impact.results.recording import Recording
 
-PIECE = 0.004  # of the size of what is seen, about the length of a piece
-MOST_PARTS = 32  # of the curve between two rows
+PIECE = 0.004  # the length of a piece, about, as a fraction of the size of the view
+MOST_PARTS = 32  # the largest number of pieces between two rows
 
 
 def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the path of the last point, with places between the rows where these are far from each other.
 
     Args:
-        recording: what is shown.
-        size: of what is seen [m].
+        recording: the recording to show.
+        size: the size of the view [m].
 
     Returns:
         The times, shape (S,) [s], and the places, shape (S, 2) [m].
@@ -36,7 +36,10 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
 
 
 def _speeds(recording: Recording) -> np.ndarray:
-    """Return the velocity of the last point, shape (T, 2) [m/s]; else of parabolas through the rows."""
+    """Return the velocity of the last point, shape (T, 2) [m/s].
+
+    An unknown velocity follows from parabolas through the rows.
+    """
     last = recording.points.shape[1] - 1
     known = [recording.columns.get(f"point[{last}].v{axis}") for axis in "xy"]
     if known[0] is not None and known[1] is not None:
@@ -46,7 +49,7 @@ def _speeds(recording: Recording) -> np.ndarray:
 
 
 def _broken(recording: Recording) -> np.ndarray:
-    """Whether the velocity may jump between two rows, or is that of a curve across a jump, shape (T − 1,)."""
+    """Return where the velocity may jump between rows, or is of a curve across a jump, shape (T − 1,)."""
     at = np.searchsorted(recording.time, recording.impacts["onset"], side="right") - 1
     broken = np.zeros(len(recording.time) - 1, bool)
     knows = f"point[{recording.points.shape[1] - 1}].vx" in recording.columns
