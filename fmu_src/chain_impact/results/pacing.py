@@ -16,6 +16,7 @@ RAMP = 0.05  # s of simulated time: the slowing down begins so long before an im
 LONGEST = 0.1  # s, the part of a contact shown in slow motion; in a longer one the chain rests or leans
 SHORTEST = 1e-4  # s, the duration assumed for a contact without one, as between rigid walls
 FRAME_RATE = 60.0  # frames per second on the screen
+FRAMES_OF_A_PERIOD = 16.0  # the least number of frames in a period of the fastest sine that drives an input
 FLIGHT_STEP = 1 / 240  # s, the step of the grid on which the rate is computed, far from impacts
 NEAR = np.geomspace(1e-3, 1.0, 48)  # the points of this grid near an impact, as fractions of RAMP
 WITHIN = np.linspace(0.0, 1.0, 25)  # the points of this grid within a contact, as fractions of its duration
@@ -65,8 +66,24 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
     return slowest
 
 
+def frame_rate(recording: Recording) -> float:
+    """Return the frames per second of a page: so many that the sines that drive inputs are seen."""
+    known, stop, fastest = recording.parameters, float(recording.time[-1]), 0.0
+    for name, value in known.items():
+        if name.startswith("signal.") and name.endswith(".frequency"):
+            ends = float(value), float(value) + stop * float(known.get(f"{name}_rate", 0.0))
+            fastest = max(fastest, *map(abs, ends))
+    return max(FRAME_RATE, FRAMES_OF_A_PERIOD * fastest)
+
+
 def frame_times(
-    start: float, stop: float, spans: Sequence[Span], impact_time: float = IMPACT_TIME, most: int = 20_000
+    start: float,
+    stop: float,
+    spans: Sequence[Span],
+    impact_time: float = IMPACT_TIME,
+    most: int = 20_000,
+    *,
+    usual: float = FRAME_RATE,
 ) -> tuple[np.ndarray, float]:
     """Return the simulated times of frames that follow each other evenly on the screen.
 
@@ -76,6 +93,7 @@ def frame_times(
         spans: onset and end of each impact to be seen slowly [s].
         impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
         most: the largest number of frames; a longer film has fewer frames per second.
+        usual: frames per second where there are not too many.
 
     Returns:
         The times, shape (F,) [s], from ``start`` to ``stop``, and the frames per second on the screen.
@@ -88,5 +106,5 @@ def frame_times(
     slowness = 1.0 / rate(grid, shown, impact_time)
     # the time on the screen: ∫ dt / rate, by the trapezoidal rule
     screen = np.concatenate([[0.0], np.cumsum(np.diff(grid) * (slowness[1:] + slowness[:-1]) / 2)])
-    frames = min(most, 2 + int(screen[-1] * FRAME_RATE))
+    frames = min(most, 2 + int(screen[-1] * usual))
     return np.interp(np.linspace(0.0, screen[-1], frames), screen, grid), (frames - 1) / screen[-1]

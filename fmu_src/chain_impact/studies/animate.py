@@ -10,7 +10,7 @@ import numpy as np
 
 from chain_impact.progress import Progress, silent
 from chain_impact.results import animate as results
-from chain_impact.results.pacing import IMPACT_TIME, WITHIN, frame_times, impact_ends, slow_spans
+from chain_impact.results.pacing import IMPACT_TIME, WITHIN, frame_rate, frame_times, impact_ends, slow_spans
 from chain_impact.results.page.inline import InlinePage
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import Result
@@ -84,7 +84,8 @@ def record_slowly(
     scene, show = scene_of(scene), progress or silent
     result = simulate(scene, inputs=inputs, progress=lambda done: show(done / 2))
     stop, onsets = float(result.time[-1]), result.impacts["onset"]
-    shown, _ = frame_times(0.0, stop, slow_spans(result), impact_time, MOST_ROWS)
+    spans, usual = slow_spans(result), frame_rate(result)
+    shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_ROWS, usual=usual)
     # an impact that is too weak for slow motion still gets rows for its peak force
     lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
     others = (onsets[:, None] + lasting * WITHIN).ravel()[:MOST_ROWS]

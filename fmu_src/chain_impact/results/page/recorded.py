@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.results.joint_stops import JointRange
-from chain_impact.results.pacing import frame_times, slow_spans
+from chain_impact.results.pacing import frame_rate, frame_times, slow_spans
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import Touch
 from chain_impact.results.view import radius_of, size_of
@@ -89,7 +89,8 @@ def thinned(recording: Recording, impact_time: float) -> Recording:
     time, impacts = recording.time, recording.impacts
     if len(time) <= MOST_ROWS:
         return recording
-    frames, _ = frame_times(float(time[0]), float(time[-1]), slow_spans(recording), impact_time)
+    start, stop, usual = float(time[0]), float(time[-1]), frame_rate(recording)
+    frames, _ = frame_times(start, stop, slow_spans(recording), impact_time, usual=usual)
     shown = np.concatenate([frames, impacts["onset"], impacts["end"]])
     after = np.searchsorted(time, shown[np.isfinite(shown)])
     even = np.linspace(0, len(time) - 1, MOST_ROWS).astype(int)
@@ -127,6 +128,7 @@ def data(recording: Recording) -> dict[str, Any]:
         "bodies": [[link, corners.tolist()] for link, corners in recording.outlines.items()],
         "rail": _rail(recording),
         "pinned": recording.pinned,
+        "frameRate": frame_rate(recording),
     }
 
 

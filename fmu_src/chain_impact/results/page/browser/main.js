@@ -9,5 +9,5 @@ import { Recording } from "./recording.js";
 const rows = unpack(JSON.parse(find("data").textContent));
 const [start, stop] = [rows.time[0], rows.time.at(-1)];
 const contacts = contactsOf(rows.impacts, stop);
-const frames = timesOf(contacts, start, stop, rows.pointCount, rows.impactTime);
+const frames = timesOf(contacts, start, stop, rows.pointCount, rows.impactTime, rows.frameRate);
 new Player(rows.speed).show(new Recording(framesOf({ ...rows, contacts }, frames)));
