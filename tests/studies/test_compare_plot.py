@@ -90,14 +90,25 @@ def test_a_free_impact_is_not_called_otherwise(comparison):
 def test_the_panels_show_loops_and_energy(comparison):
     page = drawn(comparison)
     loops, energy = page.axes
-    count = len(looks_of(comparison))
-    assert len(loops.lines) == len(energy.lines) == count
+    looks = looks_of(comparison)
+    named = sum(look["color"] != GREY for look in looks.values())
+    assert [sum(line.get_color() != GREY for line in axes.lines) for axes in page.axes] == [named, named]
     line = next(line for line in loops.lines if line.get_label().startswith("zhang_sharf"))
     np.testing.assert_allclose(line.get_xydata().T, comparison["zhang_sharf"].loop * [[1e3], [1e-3]])
     names = [axes.get_xlabel() for axes in page.axes] + [axes.get_ylabel() for axes in page.axes]
     assert sum("[" in name for name in names) == 4
     (legend,) = page.legends
-    assert len(legend.get_texts()) == NAMED
+    told = [text.get_text() for text in legend.get_texts()]
+    assert len(told) == NAMED + 1
+    ends = {
+        run.law: run.restitution for run in comparison.runs if looks.get(run.law, {}).get("color") == GREY
+    }
+    for law in (min(ends, key=ends.get), max(ends, key=ends.get)):
+        assert law in told[-1]
+    (band,) = energy.collections
+    least, most = band.get_datalim(energy.transData).intervaly
+    last = [comparison[law].result.energy["total"][-1] for law in ends if comparison[law].result]
+    assert least <= min(last) <= max(last) <= most
 
 
 def test_the_headline_has_the_spread_of_the_laws(comparison):

@@ -17,13 +17,26 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.results.plots.pages import check_alone, drawn
-from chain_impact.results.plots.style import BLACK, GREY, PALETTE, SEPARATOR, WIDE, headline, number, styled
+from chain_impact.results.plots.style import (
+    BLACK,
+    GREY,
+    PALETTE,
+    SEPARATOR,
+    WIDE,
+    give_ticks,
+    headline,
+    legend_at_foot,
+    number,
+    styled,
+)
 from chain_impact.results.text import plural
 from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns
 
 SIZE = (11.0, 4.5)  # inches
 NAMED = 6  # number of laws with a colour
+MOST_GREY = 2  # grey curves; more are a band
+FINE, SOFT = 400, 0.45  # penetrations at which a band is known, and its opacity
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
 """Laws that are found in many programs and papers."""
 MILLI, KILO = 1e3, 1e-3
@@ -43,7 +56,7 @@ def plot_comparison(
     check_alone(path, size)
     with styled({}):
         draw_loops(ax, comparison, looks_of(comparison))
-        ax.legend(handles=[line for line in ax.lines if line.get_color() != GREY])
+        ax.legend(handles=told_apart(ax))
     return ax
 
 
@@ -55,8 +68,10 @@ def fill(page: Figure, comparison: LawRuns) -> None:
     loops, energy = page.subplots(*((2, 1) if narrow else (1, 2)))
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
-    lines = [line for line in energy.lines if line.get_color() != GREY]
-    page.legend(handles=lines, loc="outside lower center" if narrow else "outside right center")
+    if narrow:
+        legend_at_foot(page, told_apart(energy))
+    else:
+        page.legend(handles=told_apart(energy), loc="outside right center")
 
 
 def message(comparison: LawRuns) -> str:
@@ -148,10 +163,15 @@ def _alike(one: np.ndarray | None, other: np.ndarray | None) -> bool:
 
 
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
-    """Draw force over penetration in the first impact; an impulse is a line at no penetration."""
+    """Draw force over penetration in the first impact; an impulse is a line at no penetration.
+
+    Laws without a colour share a band.
+    """
+    band = banded(comparison, looks)
+    fill_loops(axes, [loop for law in band if (loop := comparison[law].loop) is not None and loop.size])
     for law, look in looks.items():
         run = comparison[law]
-        if run.loop is None:
+        if run.loop is None or (law in band and run.loop.size):
             continue
         if run.loop.size:
             depth, force = run.loop
@@ -160,13 +180,66 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
             axes.axvline(0.0, **look)
     depth_unit, name = ("mrad", "moment [kN m]") if comparison.at_stop else ("mm", "force [kN]")
     axes.set(xlabel=f"penetration in the {first_place(comparison.scene)} [{depth_unit}]", ylabel=name)
+    give_ticks(axes)
+
+
+def banded(comparison: LawRuns, looks: Looks) -> list[str]:
+    """Return the laws that share a band: those without a colour, if they are too many to be told apart."""
+    grey = [
+        law for law, look in looks.items() if look["color"] == GREY and comparison[law].result is not None
+    ]
+    return grey if len(grey) > MOST_GREY else []
+
+
+def band_label(comparison: LawRuns, band: Sequence[str]) -> str:
+    """Tell how many laws share a band, and those with the least and the largest restitution."""
+    found = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
+    order = sorted(found, key=lambda law: comparison[law].restitution)
+    told = " to ".join(f"{law} (e′ = {comparison[law].restitution:.2f})" for law in (order[0], order[-1]))
+    return f"{plural(len(band), 'other law')}:\n{told.replace(' to ', ' to' + chr(10))}"
+
+
+def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
+    """Fill what loops of force over penetration, shape (2, K) each, cover together."""
+    if not loops:
+        return
+    depths = np.linspace(0.0, max(loop[0].max() for loop in loops), FINE)
+    branches = []
+    for depth, force in loops:
+        turn = int(depth.argmax())
+        for part in (slice(0, turn + 1), slice(turn, None)):
+            order = np.argsort(depth[part], kind="stable")
+            known = {"left": np.nan, "right": np.nan}
+            branches.append(np.interp(depths, depth[part][order], force[part][order], **known))
+    low, high = extremes(branches)
+    axes.fill_between(MILLI * depths, KILO * low, KILO * high, color=GREY, alpha=SOFT, linewidth=0.0)
+
+
+def extremes(curves: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the smallest and the largest of some curves at each place; NaN where none has a value."""
+    known = np.ma.masked_invalid(curves)
+    return known.min(axis=0).filled(np.nan), known.max(axis=0).filled(np.nan)
 
 
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
-    """Draw the total energy over time."""
+    """Draw the total energy over time; laws without a colour share a band."""
+    band = banded(comparison, looks)
+    results = [result for law in band if (result := comparison[law].result) is not None]
+    if results:
+        time = max((result.time for result in results), key=len)
+        curves = [np.interp(time, one.time, one.energy["total"], right=np.nan) for one in results]
+        look: dict[str, Any] = {"color": GREY, "alpha": SOFT, "linewidth": 0.0}
+        axes.fill_between(time, *extremes(curves), **look, label=band_label(comparison, band))
     for law, look in looks.items():
         result = comparison[law].result
-        if result is not None:
+        if result is not None and law not in band:
             axes.plot(result.time, result.energy["total"], **look)
     axes.set(xlabel="time [s]", ylabel="total energy [J]")
     axes.margins(x=0.0)
+    give_ticks(axes)
+
+
+def told_apart(axes: Axes) -> list[Any]:
+    """Return what a legend tells of the laws: those with a colour, and the band."""
+    lines = [line for line in axes.lines if line.get_color() != GREY]
+    return [*lines, *(one for one in axes.collections if str(one.get_label())[:1] != "_")]

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from chain_impact import UnknownNameError, simulate
 from chain_impact.results.plots.changes import calm, fill_sensitivities
-from chain_impact.results.plots.style import GREY, PALETTE
+from chain_impact.results.plots.style import PALETTE
 from tests.problems import flat_rod
 from tests.stops import knee, struck_rod
 
@@ -86,16 +86,20 @@ def test_of_many_parameters_the_most_important_have_colours():
     count = len(found.parameters)
     curves = [line for line in page.axes[1].lines if len(line.get_xdata()) == len(recording.time)]
     colours = [line.get_color() for line in curves]
-    assert [colour for colour in colours if colour != GREY] == [*PALETTE]
-    assert colours.count(GREY) == count - len(PALETTE)
+    assert colours == [*PALETTE]
     ranges = {name: np.ptp(recording.columns[name]) for name in ("point[1].x", "point[1].y", "energy.total")}
     shares = [np.abs(found.changes(name)[calm(recording)]) / span for name, span in ranges.items()]
     matter = np.max(shares, axis=(0, 1))
-    coloured = [colour != GREY for colour in colours]
-    assert matter[coloured].min() >= matter[~np.array(coloured)].max()
+    order = [name for _, name in sorted(zip(-matter, found.parameters, strict=True))]
+    told = [line.get_label().partition(" + ")[0] for line in curves]
+    assert {*told} == {*order[: len(PALETTE)]}
+    (band,) = [one for one in page.axes[1].collections if one.get_label()[:1].isdigit()]  # of the others
+    grey = found.changes("point[1].y")[:, [k for k, one in enumerate(found.parameters) if one not in told]]
+    ends = band.get_datalim(page.axes[1].transData).intervaly
+    np.testing.assert_allclose(ends, (np.nanmin(grey), np.nanmax(grey)))
     (legend,) = [axes.get_legend() for axes in page.axes if axes.get_legend()]
     *_, last = sorted(text.get_text() for text in legend.get_texts() if "others" in text.get_text())
-    assert last == f"{count - len(PALETTE)} others"
+    assert last == f"{count - len(PALETTE)} others, most {order[len(PALETTE)]}"
 
 
 def test_nothing_changes_before_the_first_impact():

@@ -15,12 +15,23 @@ from matplotlib.figure import Figure
 
 from chain_impact.results.plots.message import conditions
 from chain_impact.results.plots.over_time import DOT, mark_impacts
-from chain_impact.results.plots.style import GREY, INK, OUTSIDE_COLOUR, PALETTE, WIDE, headline, styled
+from chain_impact.results.plots.style import (
+    GREY,
+    INK,
+    OUTSIDE_COLOUR,
+    PALETTE,
+    WIDE,
+    give_ticks,
+    headline,
+    legend_at_foot,
+    styled,
+)
 from chain_impact.results.recording import Recording
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.text import plural, speed_unit
 
 NOTHING = 1e-12  # smaller changes, as fractions of the range of an output, are round-off
+MOST_GREY, SOFT = 2, 0.45  # more grey curves are a band, which has this opacity
 STEEP = 30.0  # the axis is not linear if the largest change is so many times as large as a usual one
 Looks = list[dict[str, Any]]
 
@@ -49,11 +60,12 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
     for axes in panels:
         mark_impacts(axes, recording)
         mark_unknown(axes, recording, found)
-    for axes in panels[-across:]:
         axes.tick_params(labelbottom=True)
+        give_ticks(axes)
+    for axes in panels[-across:]:
         axes.set_xlabel("time [s]")
     if across == 1:
-        page.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center")
+        legend_at_foot(page, panels[0].get_legend_handles_labels()[0])
     else:
         panels[min(1, len(names) - 1)].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
     page.supxlabel("\n".join(found.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True)
@@ -91,13 +103,15 @@ def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
     order = np.argsort(-relative.max(axis=0), kind="stable")
     told = {k for k in order[: len(PALETTE)] if relative[:, k].max() > NOTHING}
     others = sorted(set(order) - told)
+    largest = next((names[k] for k in order if k not in told and relative[:, k].max() > NOTHING), "")
+    rest = f"{len(others)} others" + (f", most {largest}" if largest else "")
     colours, looks = iter(PALETTE), []
     for k, name in enumerate(names):
         if k in told:
             label = f"{name} + {found.step_text(name)}"
             looks.append({"color": next(colours), "linewidth": 1.5, "zorder": 3, "label": label})
         else:
-            label = f"{len(others)} others" if k == others[-1] else "_"
+            label = rest if k == others[-1] else "_"
             looks.append({"color": GREY, "linewidth": 0.9, "zorder": 2, "label": label})
     return looks
 
@@ -105,8 +119,15 @@ def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
 def draw_changes(axes: Axes, recording: Recording, found: Sensitivities, output: str, looks: Looks) -> None:
     """Draw the change of an output over time, with each parameter; there are gaps where it is not known."""
     changes = found.changes(output)
-    for values, look in zip(changes.T, looks, strict=True):
-        axes.plot(recording.time, values, **look)
+    grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
+    if len(grey) > MOST_GREY:
+        known = np.ma.masked_invalid(changes[:, grey])
+        look = {"color": GREY, "alpha": SOFT, "linewidth": 0.0, "label": looks[grey[-1]]["label"]}
+        ends = known.min(axis=1).filled(np.nan), known.max(axis=1).filled(np.nan)
+        axes.fill_between(recording.time, *ends, **look)
+    for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
+        if len(grey) <= MOST_GREY or k not in grey:
+            axes.plot(recording.time, values, **look)
     axes.set_ylabel(f"change of {output} [{found.units[output]}]")
     fit_scale(axes, changes[calm(recording)], NOTHING * np.ptp(recording.columns[output]))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
@@ -196,6 +196,14 @@ def write_foot(page: Figure, text: str) -> Text | None:
         return None
     _reserve(page, 0.0, low + room)
     return told
+
+
+def legend_at_foot(page: Figure, handles: Sequence[Any], **look: Any) -> None:
+    """Put a legend for all axes below them, above what is written at the foot."""
+    engine = page.get_layout_engine()
+    low = engine.get()["rect"][1] if isinstance(engine, ConstrainedLayoutEngine) else 0.0
+    legend = page.legend(handles=list(handles), loc="lower center", bbox_to_anchor=(0.5, low), **look)
+    _reserve(page, 0.0, low + legend.get_window_extent().height / page.bbox.height)
 
 
 def _reserve(page: Figure, top: float, bottom: float) -> None:

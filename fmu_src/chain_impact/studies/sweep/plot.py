@@ -22,7 +22,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.results.plots.pages import drawn
-from chain_impact.results.plots.style import WIDE, headline, number, styled
+from chain_impact.results.plots.style import WIDE, give_ticks, headline, legend_at_foot, number, styled
 from chain_impact.results.text import plural
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
@@ -119,6 +119,7 @@ def fill(page: Figure, found: Runs) -> None:
     """Draw all panels on an empty page."""
     quantities, kind = _quantities(found), kind_of(found.design)
     varying = varying_in(found.design)
+    headline(page, title(found, "" if kind == MAPS else " (×)"), conditions(varying))
     # numbers come before choices
     first, *rest = sorted(varying, key=lambda one: bool(one.choices))
     if kind == DOTS:
@@ -127,7 +128,6 @@ def fill(page: Figure, found: Runs) -> None:
         _curves(page, found, quantities, first, *rest)
     else:
         _maps(page, found, quantities, first, *rest)
-    headline(page, title(found, "" if kind == MAPS else " (×)"), conditions(varying))
 
 
 def kind_of(design: Design) -> str:
@@ -225,11 +225,12 @@ def _curves(
             axes.plot(failed, np.full(len(failed), 0.02), transform=axes.get_xaxis_transform(), **CROSS)
         axes.set_xscale("log" if _is_logarithmic(across) else "linear")
         axes.set_xlabel(_label(across))
+        give_ticks(axes)
         _dress(axes, quantity, shown)
     if choice:
         handles, labels = panels[0].get_legend_handles_labels()
         if page.get_figwidth() < WIDE:
-            page.legend(handles, labels, loc="outside lower center", title=choice.name, ncols=2)
+            legend_at_foot(page, handles, title=choice.name, ncols=2)
         else:
             page.legend(handles, labels, loc="outside right center", title=choice.name)
 
@@ -283,7 +284,7 @@ def _maps(page: Figure, found: Runs, quantities: list[Quantity], first: Variatio
         if np.ma.is_masked(shown):
             grey = [Patch(facecolor=FAILED_COLOUR, label="failed")]
     if grey:
-        page.legend(handles=grey, loc="outside lower right")
+        legend_at_foot(page, grey)
 
 
 @dataclass(frozen=True)
