@@ -87,6 +87,9 @@ def locate_at(d, theta):
 
 # The largest bend of φ that is round-off, over a link length: no interval is halved for it.
 RESOLUTION = 1e-15
+# A point skims a wall if neither φ nor its change in an interval is larger than this, over a link length, as
+# points of a link that is held elsewhere do. Intervals of this part of a step are not halved for it.
+SKIMS, FINE = 1e-13, 2.0**-8
 # The largest time between events that are one [s]: symmetric chains touch at several points at once.
 SIMULTANEOUS = 1e-12
 QUIET, SPLIT, CROSSES = 0, 1, 2
@@ -145,11 +148,18 @@ def check_candidate(d, c, a, b):
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
     # `sag < …` would halve without end for a curvature that is not finite
-    if settled or not sag >= RESOLUTION * d.model.size:
+    if settled or not sag >= RESOLUTION * d.model.size or (b - a <= FINE and skims(d, c, width)):
         # at a loose tolerance the interpolant can put a point deep inside although its rate is not inward; a
         # point in contact that moves inward has not left, wherever the interpolant of a stiff step puts it
         return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
     return SPLIT
+
+
+def skims(d, c, width):
+    """Whether candidate c skims its wall in an interval of a ``width`` in the step's variable."""
+    search = d.search
+    moved = width * max(abs(search.clear_start_rate[c]), abs(search.clear_end_rate[c]))
+    return max(abs(search.clear_start[c]), abs(search.clear_end[c]), moved) < SKIMS * d.model.size
 
 
 def nearly_linear(d, c, part):
