@@ -1,4 +1,4 @@
-"""Sizes and offsets in the record of an instance: affine in its counts.
+"""Sizes and offsets in the record of an instance, which are affine in the record's counts.
 
 They are a + bN + cC + dF + eL + fK + gP + hD + iR. A record has N links, C candidates, F elements that may
 have dry friction, L loads, K channels, P sites, D signals and R knots of these.
@@ -17,7 +17,7 @@ SAMPLES = (
     *(tuple(number + (k == n) for k, number in enumerate(_FIRST)) for n in range(len(_FIRST))),
     (7, 10, 9, 8, 5, 6, 4, 9),
 )
-"""The counts of the records that all sizes and offsets follow from; the last one is a check."""
+"""The counts of the records from which all sizes and offsets are computed; the last record is a check."""
 
 
 class Affine(NamedTuple):
@@ -35,10 +35,10 @@ class Affine(NamedTuple):
 
 
 def affine(numbers: Sequence[int]) -> Affine:
-    """Return the number whose values for the records of ``SAMPLES`` are given.
+    """Return the affine number whose values for the records of ``SAMPLES`` are given.
 
     Raises:
-        ValueError: when there is none.
+        ValueError: when the values are not affine in the counts.
     """
     first, *others, last = numbers
     slopes = [number - first for number in others]

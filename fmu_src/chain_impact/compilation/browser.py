@@ -1,8 +1,8 @@
 """The kernel for a web page: a WebAssembly module for any number of links, which imports nothing.
 
-It has the same code as every library, but for the C interface of FMUs. WebAssembly has no library of
-mathematical functions: those that the kernel calls are compiled into it (mathematics/), with the digits that
-the C library of Linux has.
+It has the same code as every library, without the C interface of FMUs. WebAssembly has no library of
+mathematical functions: the functions that the kernel calls are compiled into it (mathematics/), with the same
+digits as in the C library of Linux.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from chain_impact.compilation.sources import PACKAGE
 MODULE, COMPILED = "kernel-any-browser.wasm", "kernel-any-browser.o"
 EXPORTS = ("initialize", "advance_awhile", "observe", "follow", "trajectory", "run_each", "__heap_base")
 MATHEMATICS = PACKAGE / "compilation" / "mathematics"
-STACK = 1 << 20  # bytes; the kernel needs a few thousand
+STACK = 1 << 20  # [byte] size of the stack; the kernel needs a few thousand
 # 32 bits: zig has no headers for 64. Two numbers fit a vector, as on every x86 processor.
 TARGET = ("-target", "wasm32-wasi", "-msimd128", "-nostdlib", "-nostartfiles", "-s", "-fvisibility=hidden")
 # Roots and signs are instructions. What musl calls hidden is its own.
@@ -32,7 +32,7 @@ def compile_kernel(module: str, compiled: Path) -> None:
 
     Args:
         module: the kernel in LLVM's language, as lower.py writes it.
-        compiled: the file to write; others are put beside it.
+        compiled: the file to write; temporary files are put beside it.
 
     Raises:
         BuildError: when the compiler fails.
@@ -47,11 +47,11 @@ def link(compiled: Path, output: Path, law: Path | None = None) -> None:
 
     Args:
         compiled: the kernel, as ``compile_kernel`` writes it.
-        output: the file to write; others are put beside it.
+        output: the file to write; temporary files are put beside it.
         law: a user's law in LLVM's language, if there is one.
 
     Raises:
-        LawError: when the law calls what the module does not have.
+        LawError: when the law calls a function that the module does not have.
         BuildError: when the compiler fails.
     """
     headers = files("ziglang") / "lib" / "libc" / "include"

@@ -46,17 +46,17 @@ class Library(codegen.JITCodeLibrary):
         self.modules.append(llvm.parse_assembly(cgutils.normalize_ir_text(str(module))))
 
     def finalize(self) -> None:
-        """Leave all as it is: who calls the function finds its library among its own."""
+        """Leave the code unchanged; a caller of the function finds this library among its own."""
         self._raise_if_finalized()
         self._finalized = True
 
     def get_pointer_to_function(self, _name: str) -> int:
-        """None: the function is never called here."""
+        """Return 0: the function is never called here."""
         self._ensure_finalized()
         return 0
 
     def and_those_it_calls(self) -> Iterator[Library]:
-        """This library and all that it needs, each once."""
+        """Yield this library and all libraries that it needs, each once."""
         found: dict[Library, None] = {}
         waiting = [self]
         while waiting:
@@ -69,10 +69,13 @@ class Library(codegen.JITCodeLibrary):
 
 
 class Convention(callconv.MinimalCallConv):
-    """A function returns a code, which is not 0 where Python would raise, and puts its result in place."""
+    """The call convention: a function stores its result at an address, and returns a code.
+
+    The code is not 0 where Python would raise.
+    """
 
     def decorate_function(self, fn: Any, args: Any, fe_argtypes: Any, noalias: bool = False) -> None:
-        """Tell LLVM that the place of the result is nowhere else."""
+        """Tell LLVM that no other pointer leads to the place of the result."""
         super().decorate_function(fn, args, fe_argtypes, noalias)
         for attribute in ("captures(none)", "noalias"):
             fn.args[0].add_attribute(attribute)
@@ -86,9 +89,10 @@ def collect_only(*, any_python: bool, guarded: bool) -> None:
     """Make numba, in this process, lower functions and do nothing else.
 
     Args:
-        any_python: whether the functions may use all that numba knows; else what the kernel's use.
-        guarded: whether the C functions set the floating-point registers: those that only the kernel calls
-            need not.
+        any_python: whether the functions may use everything that numba knows, or only what the kernel's
+            functions use.
+        guarded: whether the C functions set the floating-point registers; functions that only the kernel
+            calls need not.
     """
     codegen.JITCPUCodegen._library_class = Library
     codegen.JITCPUCodegen.set_env = _nothing
@@ -102,18 +106,18 @@ def collect_only(*, any_python: bool, guarded: bool) -> None:
     compiler_machinery.PassManager._runPass = _runs_passes(frozenset() if any_python else IDLE)
     if not any_python:
         arrayobj.fix_integer_index = _plain_index
-    gc.disable()  # the garbage of a compiler that ends soon
+    gc.disable()  # collecting garbage would not pay in a compiler that ends soon
 
 
 def _plain_index(context: Any, builder: Any, kind: Any, index: Any, _size: Any) -> Any:
-    """An index as it is: no index of the kernel is negative, so none counts from the end."""
+    """Return an index as it is: no index of the kernel is negative, so none counts from the end."""
     return context.cast(builder, index, kind, types.intp)
 
 
 def _entry_point(context: Any, library: Library, description: Any, *_: Any, guarded: bool, **__: Any) -> None:
-    """The C function that returns the result of a function itself, or 0 where Python would raise.
+    """Make the C function that returns the result of a function itself, or 0 where Python would raise.
 
-    A guarded one computes with the usual floating-point registers, whatever its caller has set.
+    A guarded C function computes with the usual floating-point registers, whatever its caller has set.
     """
     module = context.create_module("entry point")
     result, arguments = description.restype, description.argtypes
@@ -140,7 +144,7 @@ def _external(module: ir.Module, result: ir.Type, name: str, *arguments: ir.Type
 
 
 def _runs_passes(leave_out: Container[str]) -> Callable[..., None]:
-    """What runs one pass over a function, without taking its time and without analysing it once more."""
+    """Return a function that runs one pass over a function, without timing and without analysing it again."""
 
     def run(manager: Any, _index: int, step: Any, state: Any) -> None:
         if step.name() not in leave_out:
@@ -151,7 +155,10 @@ def _runs_passes(leave_out: Container[str]) -> Callable[..., None]:
 
 
 def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable[..., Any]:
-    """A method that numba asks the same thousands of times; ``key`` of its arguments tells results apart."""
+    """Return a method that remembers its results; ``key`` of the arguments distinguishes results.
+
+    numba asks for the same results thousands of times.
+    """
     known: dict[Any, Any] = {}
 
     def remembered(*arguments: Any) -> Any:
@@ -164,4 +171,4 @@ def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable
 
 
 def _nothing(*_: Any) -> None:
-    """The address of a Python object, for functions that are called here."""
+    """Do nothing in place of storing a Python object's address, which only functions called here need."""

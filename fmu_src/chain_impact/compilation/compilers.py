@@ -1,8 +1,9 @@
 """The two programs that make a library: numba's front end, run once, and zig's C compiler, run for each.
 
-lower.py writes the kernel in LLVM's language, without sizes. The prelude has the sizes; with it the kernel is
-compiled. It is linked with the C interface of native FMUs (c_interface/), the same for every scene, and with
-what it leaves open: the hooks, which carry derivatives or do nothing, and a user's contact law, or none.
+lower.py writes the kernel in LLVM's language, without sizes. The prelude has the sizes; the kernel is
+compiled with it. Then the kernel is linked with the C interface of native FMUs (c_interface/), the same for
+every scene, and with the functions that it leaves open: the hooks, which carry derivatives or do nothing, and
+a user's contact law, or none.
 """
 
 from __future__ import annotations
@@ -30,33 +31,35 @@ _TARGETS = {
     "aarch64-darwin": "aarch64-macos.11.0",
 }
 ZIG_TARGETS = {name: (target, PLATFORMS[name].suffix) for name, target in _TARGETS.items()}
-"""Platform → zig target and file suffix."""
+"""Platform → zig's target and the file suffix."""
 PORTABLE_CPU = "x86-64-v2"
-BAD_LAW = 3  # exit code of lower.py; what is wrong is on standard error
-# For every x86 processor since 2009 and every 64-bit ARM, so that results are bit-equal on all of a kind.
+BAD_LAW = 3  # exit code of lower.py for a faulty law; the reason is on standard error
+# For every x86 processor since 2009 and every 64-bit ARM, so that all processors of a kind give equal bits.
 CPUS = {"x86_64": "x86_64_v2", "aarch64": "generic"}
 KERNEL, DERIVATIVES = "kernel", "derivatives"
 """What is lowered and compiled by itself: the kernel, and the hooks that carry derivatives. Also the kinds of
 libraries: the kernel, and the kernel with these hooks."""
-# ARM's instruction that multiplies and adds is not used: it rounds once where the two of x86 round twice.
-# Without LLVM's loop strength reduction, linking takes less time, and kernels are no slower.
+# ARM's instruction that multiplies and adds is not used: it rounds once where the two instructions of x86
+# round twice. Without LLVM's loop strength reduction, linking takes less time, and kernels are no slower.
 FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything", "-mllvm", "-disable-lsr")
-# Twice as much as usual is inlined, which makes steps of four links up to 4 % faster. Derivatives do without:
-# they would be no faster, and take longer to compile.
+# Twice as much as usual is inlined, which makes steps of four links up to 4 % faster. Derivatives do without
+# it: they would be no faster, and take longer to compile.
 INLINE_MORE = ("-mllvm", "-inline-threshold=500")
-# LLVM's vectors of straight code make runs of one link up to a tenth slower, and those of two a tenth faster.
+# LLVM's vectors of straight code make runs of one link up to a tenth slower, and runs of two links a tenth
+# faster.
 SCALAR = ("-fno-slp-vectorize",)
-# numba's code refers to these on its error paths only, which the kernel never takes: it does not allocate
+# numba's code refers to these only on its error paths, which the kernel never takes because it does not
+# allocate
 PYTHON_SYMBOLS = ("NRT_MemInfo_call_dtor",)
 INTERFACE = PACKAGE / "compilation" / "c_interface"
 INCLUDES = tuple(INTERFACE / name for name in ("common", "fmi2", "fmi3"))
-# Runs lower.py with these sources. The variable PYTHONPATH would not do: where pip builds a wheel, it hides
+# Runs lower.py with these sources. The variable PYTHONPATH would not work: where pip builds a wheel, it hides
 # the folder of an editable installation of the same sources.
 LOWER = """import runpy, sys
 sys.path.insert(0, sys.argv.pop(1))
 runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sys=True)"""
-# Parts of the C runtime that Windows has since version 10. Without them zig would first build one of its own,
-# which takes a minute. What Windows lacks is in zig's compiler-rt and in c_interface/common/windows.c.
+# Parts of the C runtime that Windows has since version 10. Without them zig would first build its own, which
+# takes a minute. Functions that Windows lacks are in zig's compiler-rt and in c_interface/common/windows.c.
 WINDOWS_PARTS = ("convert", "heap", "math", "private", "stdio", "string")
 GENERAL = 0
 """In place of a number of links: a kernel for any number of links and for all that few scenes have, such as
@@ -69,7 +72,7 @@ Sizes = int | tuple[int, ...] | None
 the start of a record, for scenes of these very sizes."""
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
-# A number that the instance holds does not change while the kernel works on it, and is of a sensible size.
+# A number that the instance holds does not change while the kernel works on it, and has a sensible size.
 HELD = """define internal i64 @{name}(ptr %instance) alwaysinline {{
   %place = getelementptr i64, ptr %instance, i64 {word}
   %number = load i64, ptr %place, align 8, !invariant.load !{{}}, !range !{{i64 0, i64 1048576}}
@@ -103,7 +106,7 @@ HOOKS: Open = {
 REGISTERS = """declare hidden i64 @usual_registers()
 declare hidden void @put_registers_back(i64)
 """
-# WebAssembly has no such registers: there it always computes in the usual way
+# WebAssembly has no such registers: it always computes in the usual way
 NO_REGISTERS = """define internal i64 @usual_registers() alwaysinline {
   ret i64 0
 }
@@ -122,7 +125,7 @@ _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
 def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
-    """A lowered kernel with what it leaves open.
+    """Return a lowered kernel with the functions that it leaves open.
 
     Args:
         module: the kernel in LLVM's language, as lower.py writes it.
@@ -169,7 +172,7 @@ def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: S
 
     Args:
         module: the part in LLVM's language, as lower.py writes it.
-        compiled: the file to write; others are put beside it.
+        compiled: the file to write; temporary files are put beside it.
         platform: of ``ZIG_TARGETS``.
         what: the part.
         sizes: what it is for.
@@ -180,13 +183,13 @@ def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: S
     kernel = compiled.with_name("kernel.ll")
     kernel.write_text(complete(module, sizes))
     flags = ["-c", *_tuning(what, sizes)]
-    if "windows" not in ZIG_TARGETS[platform][0]:  # whose code is always so
+    if "windows" not in ZIG_TARGETS[platform][0]:  # Windows code is always position-independent
         flags.append("-fPIC")
     _zig(platform, compiled, kernel, flags=flags)
 
 
 def _tuning(what: str, sizes: Sizes) -> tuple[str, ...]:
-    """What makes a part of a kernel for these sizes faster."""
+    """Return the flags that make a part of a kernel for these sizes faster."""
     if what == DERIVATIVES:
         return ()
     links = sizes[0] if isinstance(sizes, tuple) else sizes
@@ -198,12 +201,12 @@ def link(parts: Collection[Path], library: Path, platform: str, law: Path | None
 
     Args:
         parts: the compiled kernel and, in one that carries derivatives, the compiled hooks.
-        library: the file to write; others are put beside it.
-        platform: of ``ZIG_TARGETS``.
+        library: the file to write; temporary files are put beside it.
+        platform: a key of ``ZIG_TARGETS``.
         law: a user's law in LLVM's language, if there is one.
 
     Raises:
-        LawError: when the law calls what only numba has.
+        LawError: when the law calls a function that only numba has.
         BuildError: when the compiler fails.
     """
     prepare_zig(platform)
@@ -218,14 +221,14 @@ def link(parts: Collection[Path], library: Path, platform: str, law: Path | None
 
 
 def zig_is_prepared(platform: str) -> bool:
-    """Whether zig has already linked for a platform."""
+    """Return whether zig has already linked for a platform."""
     return (linker_folder() / f"prepared-{platform}").exists()
 
 
 def prepare_zig(platform: str) -> None:
-    """See that zig has the libraries that it makes for itself when it first links for a platform.
+    """Make sure that zig has the libraries that it makes for itself at its first link for a platform.
 
-    Later it only reads them, so several can link at once.
+    Later zig only reads these libraries, so several links can run at once.
     """
     if zig_is_prepared(platform):
         return
@@ -242,20 +245,21 @@ def prepare_zig(platform: str) -> None:
 
 
 def interface_sources() -> list[Path]:
-    """The files of the C interface."""
+    """Return the files of the C interface."""
     return sorted(INTERFACE.rglob("*.c"))
 
 
 def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
-    """Compile what is not compiled yet, and link a library."""
+    """Compile the parts that are not compiled yet, and link a library."""
     target, _ = ZIG_TARGETS[platform]
     options = ["-shared", "-s"]
     if "linux" in target:
-        # what it calls must not be found in another library that the same process has loaded, nor be missing
+        # a called function must not be found in another library that the same process has loaded, nor be
+        # missing
         options += ["-Wl,-Bsymbolic", "-Wl,-z,defs"]
-    if "macos" in target:  # else the folder in which it was made
+    if "macos" in target:  # otherwise the library names the folder in which it was made
         options.append("-Wl,-install_name,@rpath/kernel.dylib")
-    # Without start files and, but for Windows, zig's runtime, which it would first have to build. Nothing
+    # Without start files and, except for Windows, zig's runtime, which it would first have to build. Nothing
     # calls them.
     libraries = ["-nostdlib", *(_from_windows() if "windows" in target else ["-lm", "-lc"])]
     _zig(platform, library, *inputs, flags=options, libraries=libraries)
@@ -285,10 +289,10 @@ def _zig(
 
 
 def run_zig(arguments: Iterable[str], output: Path) -> None:
-    """Run zig in a cache that no other program uses; what it makes on the way is put beside the output.
+    """Run zig in a cache that no other program uses; temporary files are put beside the output.
 
     Raises:
-        BuildError: when it fails.
+        BuildError: when zig fails.
     """
     folders = {"ZIG_GLOBAL_CACHE_DIR": linker_folder(), "ZIG_LOCAL_CACHE_DIR": output.with_name("zig")}
     places = {name: str(path) for name, path in folders.items()}
@@ -296,7 +300,7 @@ def run_zig(arguments: Iterable[str], output: Path) -> None:
 
 
 def _from_windows() -> list[str]:
-    """Zig's options for a library that takes C's functions from Windows, and for the headers of these."""
+    """Return zig's options for a library that takes C's functions from Windows, and for their headers."""
     headers = files("ziglang") / "lib" / "libc" / "include" / "any-windows-any"
     options = ["-Wl,--no-entry", "-rtlib=compiler-rt"]
     options += [f"-isystem{headers}", "-D__MSVCRT_VERSION__=0xE00"]
@@ -304,7 +308,7 @@ def _from_windows() -> list[str]:
 
 
 def _run(*arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:
-    """Run Python, whatever the user's settings of numba and the files of the present folder."""
+    """Run Python independently of the user's settings of numba and of the files in the present folder."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
     with TemporaryDirectory() as nowhere:
         return subprocess.run(

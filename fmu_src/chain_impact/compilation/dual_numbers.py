@@ -1,9 +1,9 @@
-"""Dual numbers as a numba type: a value and, beside it, its derivatives in several directions.
+"""Dual numbers as a numba type: a value with its derivatives in several directions.
 
-A function of the kernel that is compiled for them gives, beside its values, their exact derivatives: those
-are carried through each operation by the chain rule. The values are the same, bit for bit, as without.
-Comparisons look at values alone. The derivatives of one number are one vector, so that the processor works
-on several at once.
+A function of the kernel that is compiled for dual numbers gives exact derivatives with its values: the chain
+rule carries them through each operation. The values are the same, bit for bit, as without derivatives.
+Comparisons look at values only. The derivatives of one number are one vector, so that the processor works on
+several at once.
 
 Source: W. K. Clifford 1873, Preliminary sketch of biquaternions, Proc London Math Soc 4:381; for derivatives
 A. Griewank and A. Walther 2008, Evaluating Derivatives, SIAM, chapter 3.
@@ -37,11 +37,11 @@ class Dual(types.Type):
         super().__init__(name=f"dual{DIRECTIONS}")
 
     def can_convert_from(self, _context: Any, other: types.Type) -> Conversion | None:
-        """A number is one without derivatives."""
+        """Return a promotion for a number, which becomes a dual number without derivatives."""
         return Conversion.promote if isinstance(other, types.Number | types.Boolean) else None
 
     def unify(self, _context: Any, other: types.Type) -> types.Type | None:
-        """Of a variable that is a number in some places."""
+        """Return this type for a variable that is an ordinary number in some places."""
         return self if isinstance(other, types.Number | types.Boolean) else None
 
 
@@ -50,7 +50,7 @@ DUAL = Dual()
 
 @register_model(Dual)
 class _Model(models.PrimitiveModel):
-    """In memory and in registers alike: the value, then the derivatives, without a gap."""
+    """The layout in memory and in registers: the value, then the derivatives, without a gap."""
 
     def __init__(self, manager: Any, kind: Dual) -> None:
         super().__init__(manager, kind, ir.LiteralStructType([ir.DoubleType(), VECTOR], packed=True))
@@ -70,7 +70,7 @@ def _parts(builder: ir.IRBuilder, dual: ir.Value) -> tuple[ir.Value, ir.Value]:
 
 
 def _all(builder: ir.IRBuilder, number: ir.Value) -> ir.Value:
-    """A vector with the number in each place."""
+    """Return a vector with the number in each place."""
     one = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), number, cgutils.int32_t(0))
     places = ir.Constant(ir.VectorType(cgutils.int32_t, DIRECTIONS), [0] * DIRECTIONS)
     return builder.shuffle_vector(one, ir.Constant(VECTOR, ir.Undefined), places)
@@ -96,7 +96,7 @@ for _kind in (types.Float, types.Integer, types.Boolean, types.IntegerLiteral):
 
 
 def _declare(function: Any, result: types.Type, number: types.Type | None = float64) -> None:
-    """Let numba take a function for dual numbers, too, and plain ones as ``number``, or as they are."""
+    """Let numba accept a function for dual numbers, with ordinary ones as ``number``, or unchanged."""
 
     class _Template(AbstractTemplate):
         key = function
@@ -116,7 +116,7 @@ Code = Callable[..., ir.Value]
 
 
 def _lower(function: Any, code: Code, *kinds: types.Type) -> None:
-    """Let a function of arguments of some kinds be ``code(context, builder, *arguments)``."""
+    """Let ``code(context, builder, *arguments)`` be the code of a function for arguments of some kinds."""
 
     def lowered(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
         return code(context, builder, *arguments)
@@ -125,7 +125,7 @@ def _lower(function: Any, code: Code, *kinds: types.Type) -> None:
 
 
 def _of_numbers(context: Any, builder: ir.IRBuilder, function: Any, *numbers: ir.Value) -> ir.Value:
-    """The function of plain numbers."""
+    """Return the result of the function of ordinary numbers."""
     typed = context.typing_context.resolve_function_type(function, (float64,) * len(numbers), {})
     return context.get_function(function, typed)(builder, numbers)
 
@@ -142,7 +142,10 @@ _ONE = ir.Constant(ir.DoubleType(), 1.0)
 
 
 def _bilinear(operation: str, slopes: Callable[..., tuple[ir.Value, ir.Value]]) -> tuple[Code, ...]:
-    """A sum, difference or product, for each of ``_KINDS``; ``slopes(a, b)`` are its derivatives by both."""
+    """Return the code of a sum, difference or product for each of ``_KINDS``.
+
+    ``slopes(a, b)`` are the derivatives with respect to a and b.
+    """
 
     def code(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
         (a, *da), (b, *db) = (
@@ -239,7 +242,7 @@ def _extreme(relation: str) -> Any:
     def lowered(_context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
         best, *others = arguments
         for one in others:
-            # as Python, which keeps the first of equal ones
+            # as in Python, which keeps the first of equal numbers
             a, b = (builder.extract_value(number, 0) for number in (one, best))
             best = builder.select(builder.fcmp_ordered(relation, a, b), one, best)
         return best
@@ -253,7 +256,7 @@ for _function, _relation in ((max, ">"), (min, "<")):
 
 
 def _chain(function: Any, slope: Code) -> None:
-    """A function f of one number: f(x)′ = f′(a) a′, for ``slope(context, builder, a, f(a))``."""
+    """Lower a function f of one number: f(x)′ = f′(a) a′, for ``slope(context, builder, a, f(a))``."""
 
     def code(context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
         a, da = _parts(builder, x)
@@ -265,7 +268,7 @@ def _chain(function: Any, slope: Code) -> None:
 
 
 def _root_slope(_context: Any, builder: ir.IRBuilder, _a: ir.Value, root: ir.Value) -> ir.Value:
-    """½/√a, and 0 at 0: there the kernel has the root of a gap that stays 0."""
+    """Return ½/√a, and 0 at 0: there the kernel has the root of a clearance that stays 0."""
     slope = builder.fdiv(ir.Constant(root.type, 0.5), root)
     zero = ir.Constant(root.type, 0.0)
     return builder.select(builder.fcmp_ordered(">", root, zero), slope, zero)
@@ -315,7 +318,7 @@ def _hypot(context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.
     slopes = builder.fadd(_times(builder, a, da), _times(builder, b, db))
     zero = ir.Constant(length.type, 0.0)
     inverse = builder.fdiv(_ONE, length)
-    # as the root of 0
+    # the derivative at 0 is 0, as for the root
     inverse = builder.select(builder.fcmp_ordered(">", length, zero), inverse, zero)
     return _made(builder, length, _times(builder, inverse, slopes))
 

@@ -43,18 +43,18 @@ Entries = dict[str, tuple[Any, Callable[..., Any]]]
 
 
 def follow(d):
-    """Follow the contacts up to the communication point, and log those that last behind the finished ones."""
+    """Follow the contacts up to the communication point, and log the active ones after the finished ones."""
     update_to_output_time(d)
     return 0
 
 
 def record_words(d):
-    """How many numbers of 8 bytes the record of an instance with these sizes has, and what is behind it."""
+    """Return the number of words of 8 bytes in the record of an instance with these sizes, and after it."""
     return len(words(d)) + hooks.words_behind(d)
 
 
 def trajectory(d, times, count, spans, span_count, rows, columns):  # noqa: PLR0917
-    """Fill rows with numbers of the record; return how many."""
+    """Fill rows with numbers of the record; return the number of filled rows."""
     wanted = matrix(spans, span_count, 2)
     return entry.trajectory(d, words(d), vector(times, count), wanted, matrix(rows, count, columns))
 
@@ -62,7 +62,7 @@ def trajectory(d, times, count, spans, span_count, rows, columns):  # noqa: PLR0
 def run_each(  # noqa: PLR0917 - in C, arguments have no names
     d, places, parameters, values, stops, runs, output_indices, columns, rows, continuing
 ):
-    """Run again and again with other parameters; return how many runs are done."""
+    """Run again and again with other parameters; return the number of finished runs."""
     return entry.run_each(
         d,
         words(d),
@@ -76,12 +76,12 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
 
 
 def hook_entries() -> Entries:
-    """The hooks that carry derivatives."""
+    """Return the hooks that carry derivatives."""
     return {hook.__name__: (kind, _HOOKS[hook]) for hook, kind in HOOK_SIGNATURES.items()}
 
 
 def entry_points() -> Entries:
-    """Those of the kernel."""
+    """Return the C functions of the kernel."""
     reals, indices = types.CPointer(float64), types.CPointer(int64)
     runs = (INSTANCE, indices, int64, reals, reals, int64, indices, int64, reals, int32)
     return {
@@ -95,6 +95,6 @@ def entry_points() -> Entries:
         "follow": (int32(INSTANCE), follow),
         "trajectory": (int64(INSTANCE, reals, int64, indices, int64, reals, int64), trajectory),
         "run_each": (int64(*runs), run_each),
-        # for the C interface, which is given a record by a file
+        # for the C interface, which reads a record from a file
         "record_words": (int64(INSTANCE), record_words),
     }

@@ -15,26 +15,26 @@ from chain_impact.compilation.law_file import LawError, UserLaw
 from chain_impact.compilation.law_syntax import FUNCTIONS
 from chain_impact.kernel.forces.user_law import ARGUMENTS
 
-MEMORY = "NRT required"  # numba says so where a function needs memory of its own
+MEMORY = "NRT required"  # numba's message for a function that needs memory of its own
 
 
 def law_entry(law: UserLaw) -> dict[str, tuple[Any, Callable[..., Any]]]:
-    """The C function of a law, as in entry_points.py.
+    """Return the C function of a law, in the form of entry_points.py.
 
     Raises:
-        LawError: when it cannot be compiled.
+        LawError: when the law cannot be compiled.
     """
     numbers = (float64,) * len(ARGUMENTS)
     return {LAW_FORCE: (float64(*numbers), _checked_function(law))}
 
 
 def _checked_function(law: UserLaw) -> Callable[..., float]:
-    """The function of a law with all of ``ARGUMENTS``, which can be compiled.
+    """Return the function of a law with all of ``ARGUMENTS``, which can be compiled.
 
-    Python evaluates the constants of its file and reaches nothing but what law_syntax.py lists.
+    Python evaluates the constants of the file and reaches only the names that law_syntax.py lists.
 
     Raises:
-        LawError: when it cannot be compiled.
+        LawError: when the law cannot be compiled.
     """
     known = {**FUNCTIONS, "__import__": lambda *_: math}
     space: dict[str, Any] = {"__name__": law.id, "__builtins__": known}
@@ -55,13 +55,13 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
         if MEMORY in str(error):
             raise LawError("makes arrays or lists; a law can use numbers only") from None
         raise LawError(f"does not compile: {_reason(error)}") from None
-    except Exception as error:  # as of a division by zero in a constant
+    except Exception as error:  # for example a division by zero in a constant
         raise LawError(f"cannot be run: {type(error).__name__}: {error}") from None
     return function
 
 
 def _reason(error: NumbaError) -> str:
-    """The lines of numba's message that tell what is wrong and where, in one."""
+    """Return the lines of numba's message with the fault and its place, joined in one."""
     text = re.sub(r"\x1b\[\d*m", "", str(error))  # colours
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     said = [line for line in lines if not line.startswith("Failed in")]

@@ -1,6 +1,6 @@
-"""A user's own contact law: a Python file with a function of its name, to be linked to the kernel.
+"""A user's own contact law: a Python file with a function of its name, which is linked to the kernel.
 
-A scene is validated by a look at the file (law_syntax.py); the build of a kernel compiles it (law.py).
+A scene is validated by a look at the file (law_syntax.py); the build of a kernel compiles the law (law.py).
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ __all__ = ["LawError", "UserLaw", "parse_law", "read_law", "source_of"]
 
 @dataclass(frozen=True)
 class UserLaw:
-    """A law as its file has it.
+    """The law in a file.
 
     Attributes:
-        id: its name, that of the file and of the function in it.
+        id: the name of the law, of the file and of the function in the file.
         source: the text of the file.
         summary: first line of the function's docstring.
-        arguments: what the function takes, some of ``ARGUMENTS``.
+        arguments: the arguments of the function, some of ``ARGUMENTS``.
     """
 
     id: str
@@ -41,7 +41,7 @@ def read_law(path: Path) -> UserLaw:
     """Read the law of a file, without running it.
 
     Raises:
-        LawError: when there is no such law.
+        LawError: when the file holds no law.
     """
     try:
         source = path.read_text(encoding="utf-8")
@@ -53,10 +53,10 @@ def read_law(path: Path) -> UserLaw:
 
 
 def parse_law(name: str, source: str) -> UserLaw:
-    """The law of that name in the text of its file.
+    """Return the law with a name in the text of its file.
 
     Raises:
-        LawError: when there is no such law.
+        LawError: when the text holds no law with this name.
     """
     if not (name.isidentifier() and name.isascii()):
         raise LawError("must have the name of its law: an identifier in the letters A to Z, digits and _")
@@ -87,10 +87,10 @@ def _arguments(function: ast.FunctionDef) -> tuple[str, ...]:
 
 
 def source_of(function: Callable[..., float]) -> str:
-    """The text of a file for a function, in which the module math is known.
+    """Return the text of a file for a function, in which the module math is known.
 
     Raises:
-        LawError: when it has no name, or Python does not know its source.
+        LawError: when the function has no name, or Python does not know its source.
     """
     if not getattr(function, "__name__", "<").isidentifier():
         raise LawError("has no name: give a named function, written with def")

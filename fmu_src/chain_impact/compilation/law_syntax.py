@@ -1,8 +1,8 @@
-"""What a file with a law may contain: a list of what is allowed, so that nobody's file runs anything else.
+"""The allowed syntax of a file with a law: a list, so that a file cannot run anything else.
 
-Python evaluates the constants of a file and what its functions' heads need; the functions themselves are
-compiled and never run by Python. Numbers, tuples of numbers, functions of ``math`` and those of the file are
-all the values that there can be, as no other name can be reached.
+Python evaluates the constants of a file and the heads of its functions; the functions themselves are compiled
+and never run by Python. The only values are numbers, tuples of numbers, functions of ``math`` and functions
+of the file, because no other name can be reached.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
 LONG = {"comb", "dist", "factorial", "fsum", "isqrt", "lcm", "perm", "prod", "sumprod"}
 """Functions of ``math`` that a kernel does not have, and that can take long where Python evaluates them."""
 MATH = {name for name in dir(math) if name[0] != "_"} - LONG
-"""What a law can use of ``math``."""
+"""The names of ``math`` that a law can use."""
 ALLOWED = (
     "a law's file can have: import math, constants, and functions with arithmetic, comparisons, if, for, "
     f"while, the functions of math, {', '.join(FUNCTIONS)} and those of the file"
@@ -40,20 +40,23 @@ STATEMENTS = (
 )
 NODES = {ast.Module, *TOP, *STATEMENTS, *EXPRESSIONS}
 ANNOTATIONS = {"bool", "float", "int"}
-LONGEST = 40  # letters of what is refused, in its sentence
+LONGEST = 40  # number of letters of refused text in its sentence
 WORDS = {"inf", "-inf", "+inf", "nan", "infinity", "-infinity"}
-"""What may stand in ``float("nan")``: there are no other texts in a law but its docstrings."""
+"""The words allowed in ``float("nan")``; a law has no other texts except docstrings."""
 
 
 class LawError(ValueError):
-    """A file that holds no usable law: the end of a sentence that begins with the file's name."""
+    """A file that holds no usable law.
+
+    The message is the end of a sentence that begins with the file's name.
+    """
 
 
 def check_syntax(tree: ast.Module, source: str) -> None:
-    """Refuse a file that has anything but what a law can have, before any of it is run.
+    """Refuse a file that has anything other than a law, before any of it is run.
 
     Raises:
-        LawError: with the line, and what is allowed.
+        LawError: with the line, and the allowed syntax.
     """
     for node in ast.walk(tree):
         _check_common(node)
@@ -66,7 +69,7 @@ def check_syntax(tree: ast.Module, source: str) -> None:
 
 
 def _check_common(node: ast.AST) -> None:
-    """Refuse what people write in good faith, each with a sentence of its own."""
+    """Refuse frequent mistakes, each with a sentence of its own."""
     imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
     imported += ["." * node.level + (node.module or "")] if isinstance(node, ast.ImportFrom) else []
     for module in imported:
@@ -83,7 +86,7 @@ def _line(node: Any) -> int:
 
 
 def _refused(tree: ast.Module) -> Iterator[ast.AST]:
-    """Each part of a file that is not allowed, as far as it can be pointed at."""
+    """Yield each part of a file that is not allowed, as precisely as possible."""
     names = _Names(tree)
     for node in ast.walk(tree):
         for child in ast.iter_child_nodes(node):
@@ -103,13 +106,13 @@ def _refused(tree: ast.Module) -> Iterator[ast.AST]:
 
 
 def _is_text(statement: ast.AST) -> bool:
-    """Whether a statement is a text only, as a docstring is."""
+    """Return whether a statement is only a text, such as a docstring."""
     value = statement.value if isinstance(statement, ast.Expr) else None
     return isinstance(value, ast.Constant) and isinstance(value.value, str)
 
 
 class _Names:
-    """The names that a file gives to something, and the rules that need them."""
+    """The names that a file defines, and the rules that need them."""
 
     def __init__(self, tree: ast.Module) -> None:
         self._all = set(_bound(ast.walk(tree)))
@@ -129,7 +132,7 @@ class _Names:
         self._texts = {id(text) for node in ast.walk(tree) for text in _texts(node)}
 
     def allow(self, node: ast.AST) -> bool:
-        """Whether a part of the file, as far as it is not its own parts, is allowed anywhere in a law."""
+        """Return whether a part of the file, without its own parts, is allowed anywhere in a law."""
         fine = True
         match node:
             case ast.Name(id=name):
@@ -159,7 +162,7 @@ class _Names:
         return fine
 
     def not_constant(self, value: ast.AST | None, *, calls: bool = True) -> Iterator[ast.AST]:
-        """The parts of what Python evaluates that make it more than a constant.
+        """Yield the parts of an expression that make it more than a constant for Python.
 
         Args:
             value: an expression.
@@ -181,7 +184,7 @@ class _Names:
 
 
 def _bound(nodes: Iterable[ast.AST]) -> Iterator[str]:
-    """The names that some parts of a file give to something."""
+    """Yield the names that some parts of a file define."""
     for node in nodes:
         match node:
             case ast.Name(id=name, ctx=ast.Store()) | ast.arg(arg=name) | ast.FunctionDef(name=name):
@@ -191,7 +194,7 @@ def _bound(nodes: Iterable[ast.AST]) -> Iterator[str]:
 
 
 def _texts(node: ast.AST) -> Iterator[ast.AST]:
-    """The text that a part of a file may be: a statement, or the word in ``float("nan")``."""
+    """Yield the text that a part of a file may have: a statement, or the word in ``float("nan")``."""
     match node:
         case ast.Expr(value=text) if _is_text(node):
             yield text
@@ -201,5 +204,5 @@ def _texts(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def _is_annotation(kind: ast.AST | None) -> bool:
-    """Whether this is no annotation, or one of a number."""
+    """Return whether an annotation is missing, or is one of a number."""
     return kind is None or (isinstance(kind, ast.Name) and kind.id in ANNOTATIONS)

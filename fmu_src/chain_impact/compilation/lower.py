@@ -1,9 +1,10 @@
 """Lower a part of a kernel to LLVM's intermediate language: lower.py FINGERPRINT FILE WHAT [LAW].
 
-WHAT is `kernel`, `derivatives`, the hooks that carry them beside the run, or `law`, a user's in the file LAW.
+WHAT is `kernel`; `derivatives`, the hooks that carry derivatives beside the run; or `law`, a user's law in
+the file LAW.
 
-It is run in a process of its own, because it changes how numba compiles, and because numba reads the
-processor to compile for when it is imported.
+It runs in a process of its own, because it changes how numba compiles, and because numba reads the target
+processor when it is imported.
 """
 
 from __future__ import annotations
@@ -22,15 +23,15 @@ from chain_impact.compilation.law import law_entry
 from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.compilation.sources import fingerprint
 
-TRIPLE = "x86_64-unknown-linux-gnu"  # what the passes that are run here take for the target
+TRIPLE = "x86_64-unknown-linux-gnu"  # the target that the passes run here assume
 # Python keeps its frames in blocks of 16 kB, and gets and returns memory each time that calls go to and fro
-# across the end of one. A block for a frame of so many words is rounded up to a power of two. This leaves
-# room for the frames of all that numba calls.
+# across the end of a block. A block for a frame of FRAME words is rounded up to a power of two, which leaves
+# room for the frames of all calls in numba.
 FRAME = 2**20
 
 
 def lowered(entries: Entries) -> str:
-    """Some C functions and all that they call as one module, free of a target and of sizes."""
+    """Return some C functions and all functions that they call as one module, without a target and sizes."""
     libraries: dict[Library, None] = {}
     names = {}
     for name, (signature, function) in entries.items():
@@ -51,7 +52,10 @@ def lowered(entries: Entries) -> str:
 
 
 def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
-    """All modules as one. They are joined in pairs, as the time to join two grows with the sizes of both."""
+    """Return all modules joined to one.
+
+    They are joined in pairs, because the time to join two modules grows with the sizes of both.
+    """
     while len(modules) > 1:
         for one, next_one in zip(modules[::2], modules[1::2], strict=False):
             one.link_in(next_one)
@@ -60,10 +64,10 @@ def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
 
 
 def _simplify(whole: llvm.ModuleRef) -> None:
-    """Leave out what each linking would have to leave out anew: variables in memory, and idle code.
+    """Remove code that each link would have to remove again: variables in memory, and idle code.
 
-    LLVM does the same first, so that kernels are as fast as without. More, as combining instructions, would
-    make them up to 12 % slower: those passes want to come after inlining.
+    LLVM does the same first, so kernels are as fast as without this step. More passes, such as combining
+    instructions, would make them up to 12 % slower: those passes should come after inlining.
     """
     llvm.initialize_all_targets()  # the machine may have another processor
     machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=PORTABLE_CPU)

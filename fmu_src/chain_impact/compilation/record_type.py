@@ -1,12 +1,11 @@
 """The instance as a numba type: one lowering of the kernel serves every number of links and candidates.
 
-numba's own record types have all sizes in them. Code for this type asks for the numbers of links, candidates
-and so on (affine.py), and for two flags, by calling functions that are defined when a kernel is linked
-(compilers.py): as constants, or as numbers that the instance holds. All sizes and offsets follow from these
-numbers.
+numba's own record types contain all sizes. Code for this type gets the numbers of links, candidates and so on
+(affine.py), and two flags, by calls of functions that are defined when a kernel is linked (compilers.py): as
+constants, or as numbers that the instance holds. All sizes and offsets follow from these numbers.
 
-A value is the address of the instance. Which record or field of it is meant, the type tells; and whether its
-reals are plain numbers or dual ones, which carry derivatives (dual_numbers.py).
+A value is the address of the instance. The type tells which record or field of it is meant, and whether its
+reals are ordinary numbers or dual ones, which carry derivatives (dual_numbers.py).
 """
 
 from __future__ import annotations
@@ -39,11 +38,11 @@ from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
-# field of the instance → the function that tells its number for an instance …
+# field of the instance → the function that returns its number for an instance …
 COUNTERS = {name: f"chain_{name}" for name in COUNTS}
 # … and flags, on which no size depends
 FLAGS = {name: f"chain_{name}" for name in ("skewed", "slides")}
-WORD = 8  # bytes of every scalar
+WORD = 8  # [byte] size of every scalar
 
 Path = tuple[str, ...]
 
@@ -57,8 +56,8 @@ class Field:
         size: bytes.
         fields: the parts of a record; none for a number or an array.
         kind: numba's type of a number or of the entries of an array.
-        shape: of an array.
-        stride: bytes from one entry to the next, of a column of a table; 0 for an array without gaps.
+        shape: the shape of an array.
+        stride: bytes from one entry of a table's column to the next; 0 for an array without gaps.
     """
 
     offset: Affine
@@ -70,12 +69,12 @@ class Field:
 
 
 def _kind(dtype: np.dtype) -> types.Type:
-    """Numba's type of a number, or of the entries of an array."""
+    """Return numba's type of a number, or of the entries of an array."""
     return DUAL if dtype == dual_dtype(np.dtype(REAL)) else from_dtype(dtype)
 
 
 def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
-    """Every part of the instance, by its path, for its layouts with the sizes of ``SAMPLES``."""
+    """Return every part of the instance, by its path, from its layouts with the sizes of ``SAMPLES``."""
     table: dict[Path, Field] = {}
 
     def add(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
@@ -119,8 +118,8 @@ class Record(types.Type):
     """An instance, or a record in it.
 
     Attributes:
-        what: of ``TABLES``: an instance of plain numbers, or of dual ones.
-        path: of the record.
+        what: a key of ``TABLES``: an instance of ordinary numbers, or of dual ones.
+        path: the path of the record.
     """
 
     def __init__(self, what: str, path: Path = ()) -> None:
@@ -128,7 +127,7 @@ class Record(types.Type):
         super().__init__(name=".".join((what, *path)))
 
     def field(self, *names: str) -> Field:
-        """A part of it; KeyError when there is none."""
+        """Return a part of the record; KeyError when there is none."""
         return TABLES[self.what][*self.path, *names]
 
 
@@ -143,7 +142,7 @@ class _Fields(AttributeTemplate):
     key = Record
 
     def generic_resolve(self, record: Record, name: str) -> types.Type | None:
-        """The type of one."""
+        """Return the type of a field."""
         try:
             field = record.field(name)
         except KeyError:
@@ -155,7 +154,7 @@ class _Fields(AttributeTemplate):
 
 
 def _built(number: Affine, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
-    """The number, computed for an instance."""
+    """Return the code for an affine number, computed for an instance."""
     total: ir.Value = cgutils.intp_t(number.constant)
     for factor, name in zip(number[1:], COUNTERS.values(), strict=True):
         if factor:
@@ -170,7 +169,7 @@ def _counter(builder: ir.IRBuilder, name: str) -> ir.Function:
 
 
 def _place(context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field) -> ir.Value:
-    """The address of a field, as that of numbers."""
+    """Return the address of a field, as an address of numbers."""
     kind = context.get_data_type(types.float64 if field.fields else field.kind).as_pointer()
     return cgutils.pointer_add(builder, instance, _built(field.offset, builder, instance), kind)
 
@@ -198,9 +197,9 @@ def _array(
     *,
     stride: int = 0,
 ) -> ir.Value:
-    """An array that does not own its memory, from the address of its first entry.
+    """Return an array that does not own its memory, from the address of its first entry.
 
-    It has no gaps, or a ``stride`` of so many bytes from one entry to the next.
+    The array has no gaps, or a ``stride`` of so many bytes from one entry to the next.
     """
     array = cgutils.create_struct_proxy(types.Array(scalar, len(shape), "A" if stride else "C"))(
         context, builder
@@ -288,14 +287,14 @@ def _type_of_copy_values(_context: Any) -> Any:
 @type_callable(duals.copy_given)
 def _type_of_copy_given(_context: Any) -> Any:
     def typer(source: types.Type, target: types.Type, when: types.Type) -> types.Type | None:
-        # numba asks once more with the constant itself
+        # numba asks again with the constant itself
         return types.none if _has_dual(source, target) and isinstance(when, types.Literal) else None
 
     return typer
 
 
 def _has_dual(source: types.Type, target: types.Type) -> bool:
-    """Whether one is a part of an instance, and the other that part of one of dual numbers."""
+    """Return whether one is a part of an instance, and the other the same part of one of dual numbers."""
     if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
         return False
     return (source.what, target.what) == ("instance", "tangent")
@@ -318,7 +317,7 @@ def _copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: 
 def _copy_fields(
     context: Any, builder: ir.IRBuilder, instances: Sequence[ir.Value], wanted: Callable[[Path], bool]
 ) -> None:
-    """Copy the values of the wanted fields of an instance to those of one of dual numbers."""
+    """Copy the values of the wanted fields of an instance to the same fields of one of dual numbers."""
     source, target = instances
     for path, field in TABLES["instance"].items():
         if path and wanted(path) and not field.fields:
@@ -336,14 +335,14 @@ def _copy_fields(
 def _words_of(
     context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field, word: ir.Type
 ) -> tuple[ir.Value, ir.Value]:
-    """The address of the first value of a field, and how many words it is from one value to the next."""
+    """Return the address of a field's first value, and the number of words from one value to the next."""
     words = context.get_abi_sizeof(context.get_data_type(field.kind)) // WORD
     place = builder.bitcast(_place(context, builder, instance, field), word.as_pointer())
     return place, cgutils.intp_t(words)
 
 
 def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
-    """The signature and the code of an array of numbers, from the address of the first one and its shape."""
+    """Return the signature and the code of an array of numbers, from its first address and its shape."""
     scalar = first.dtype
 
     def code(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> Any:
@@ -355,11 +354,11 @@ def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
 
 @intrinsic
 def vector(_context: Any, first: types.CPointer, count: types.Integer) -> Any:
-    """An array of numbers for the address of the first one, shape (count,)."""
+    """Return an array of numbers for the address of the first one, shape (count,)."""
     return _numbers(first, count)
 
 
 @intrinsic
 def matrix(_context: Any, first: types.CPointer, rows: types.Integer, columns: types.Integer) -> Any:
-    """An array of numbers for the address of the first one, shape (rows, columns)."""
+    """Return an array of numbers for the address of the first one, shape (rows, columns)."""
     return _numbers(first, rows, columns)

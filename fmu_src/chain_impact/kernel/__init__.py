@@ -1,1 +1,1 @@
-"""The compiled kernel: imports nothing but math, numpy and itself."""
+"""The compiled kernel, which imports only math, numpy and itself."""

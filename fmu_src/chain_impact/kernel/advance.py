@@ -85,9 +85,10 @@ from chain_impact.kernel.status import (
     work_exceeded,
 )
 
-# s. A chain in flight without spin has no other limit, because its error estimate is only round-off.
+# [s] Longest step. The error estimate of a chain in flight without spin is only round-off and gives no limit.
 LONGEST_STEP = 1.0
-# s. Far below the resolution of floating-point time, except at t = 0. A run that needs less ends.
+# [s] Shortest step, far below the resolution of floating-point time except at t = 0. A run that needs a
+# shorter one ends.
 SHORTEST_STEP = 1e-18
 
 
@@ -96,9 +97,9 @@ def advance(d, time, log_capacity, work):
 
     Returns:
         A status. After a fault the instance stays at the last time it reached. The run can continue after
-        LOG_FULL, once the finished contacts, of which the log holds ``log_capacity``, and the changes of dry
-        friction are collected; and after PAUSED, which is returned when the work since the start exceeds
-        ``work`` evaluations.
+        LOG_FULL when the finished contacts, for which the log has room for ``log_capacity``, and the changes
+        of dry friction have been collected. It can continue after PAUSED, which is returned when the work
+        since the start exceeds ``work`` evaluations.
     """
     status = reinit_if_changed(d, time)
     while status == OK and d.step.end < time:
@@ -113,14 +114,14 @@ def advance(d, time, log_capacity, work):
 
 
 def log_is_full(d, capacity):
-    """Whether so many contacts are to be collected, or the log of changes lacks room for all elements."""
+    """Return whether ``capacity`` contacts wait for collection, or the log of changes lacks room."""
     if d.finished.count - d.finished.collected >= capacity:
         return True
     return capacity < UNLIMITED and d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements
 
 
 def advance_to_onset(d, time):
-    """As ``advance``, without bounds, but only to the first onset on the way, which is not yet applied.
+    """Advance as ``advance`` does, without its bounds, but only to the first onset, which is not yet applied.
 
     An onset at the present time counts if it was not known before: a point may start at a wall.
 
@@ -140,9 +141,9 @@ def advance_to_onset(d, time):
 
 
 def event_update(d):
-    """Apply the onsets at the communication point, under the present parameters; returns a status.
+    """Apply the onsets at the communication point, with the present parameters; returns a status.
 
-    The state right after them is then the start of the next step.
+    The state right after the onsets is the start of the next step.
     """
     status = reinit_if_changed(d, d.step.time)
     while status == OK and onset_due(d):
@@ -153,12 +154,15 @@ def event_update(d):
 
 
 def onset_due(d):
-    """Whether contacts begin at the communication point that have not been applied yet."""
+    """Return whether contacts begin at the communication point that have not been applied yet."""
     return d.step.end == d.step.time and ends_in_onset(d)
 
 
 def reinit_if_changed(d, time):
-    """Re-initialize if an input or parameter has changed; what moves goes on to ``time`` [s]; a status."""
+    """Re-initialize if an input or parameter has changed; moving parts go on to ``time`` [s].
+
+    Returns a status.
+    """
     if d.channels > 0 and d.statistics.status == OK:
         set_status(d, follow_motion(d, time))
     if d.statistics.status == OK and must_reinit(d):
@@ -167,10 +171,10 @@ def reinit_if_changed(d, time):
 
 
 def must_reinit(d):
-    """Whether an input or parameter has changed so that the solver starts anew at the communication point.
+    """Return whether an input or parameter has changed so that the solver must re-initialize.
 
     Inputs that continue without a jump at the end of the last step are applied by the next step instead.
-    Values that were set, and then set back, have not changed.
+    A value that was set and then set back has not changed.
     """
     if d.given.changed == AT_ONCE and inputs_in_use(d) and laws_in_use(d):
         withdraw_request(d)
@@ -195,14 +199,14 @@ def set_output_time(d, time):
 
 
 def reinit(d):
-    """Re-initialize at the communication point, as an input or parameter changed; returns a status."""
+    """Re-initialize at the communication point, because an input or parameter changed; returns a status."""
     update_to_output_time(d)
-    control.rescale(d, time_rate_now(d, d.step.state_end))  # in seconds
+    control.rescale(d, time_rate_now(d, d.step.state_end))  # the size of the next step, in seconds
     reset_step(d, d.step.time, d.step.state_end)
     status = apply_pending_inputs(d)
     clear_loads(d)
     reinit_balance(d)
-    # a chain at rest has taken steps far too long for the motion that a new input may cause
+    # the steps of a chain at rest are far too long for the motion that a new input may cause
     control.limit(d, first_size(d))
     if status == OK:
         hooks.on_reinit(d)
@@ -213,8 +217,8 @@ def apply_pending_inputs(d):
     """Apply the given inputs and parameters, and update the active set; invalid parameters change nothing.
 
     Returns:
-        A status: while a point touches a wall, a law with penetration cannot change to a rigid one. Where no
-        forces are found for what has been set, it has been applied.
+        A status. While a point touches a wall, a law with penetration cannot change to a rigid one. If no
+        forces are found for the new values, these are applied all the same.
     """
     clear_unsolved(d)
     apply_inputs(d)
@@ -226,13 +230,13 @@ def apply_pending_inputs(d):
 
 
 def latch_again(d):
-    """Set what the active contacts have latched of a law that may have changed."""
+    """Latch again the values of active contacts that follow from a law that may have changed."""
     for k in range(d.touch.compliant_count):
         latch(d, d.touch.active_index[k])
 
 
 def apply_laws(d):
-    """Set what is latched, what is held, modes and sides of kinks for laws that may have changed."""
+    """Set latched values, held contacts, modes and sides of kinks for laws that may have changed."""
     latch_again(d)
     renew_modes(d, belts_jump(d))
 
@@ -258,7 +262,7 @@ def take_step(d):
 
 
 def check_solved(d, status):
-    """FORCES_NOT_FOUND if forces or modes at an event have not been found, else ``status``."""
+    """Return FORCES_NOT_FOUND if the forces or modes at an event have not been found, else ``status``."""
     return FORCES_NOT_FOUND if status == OK and d.rigid.unsolved == UNSOLVED else status
 
 
@@ -270,12 +274,13 @@ def find_step(d):
         limited = limit_to_segment(d, limited)
     h, grow = prepare(d, limited), control.GROW
     if limited < wanted:
-        h = min(h, limited)  # a step made longer to pass the end of a contact must not pass the piece
-    while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # else it is lost in the time
+        # a step that was lengthened to pass the end of a contact must not pass the end of the piece
+        h = min(h, limited)
+    while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # a shorter step would be lost in the time
         try_step(d, h)
         suggested = h * min(grow, control.factor(d))
         if control.accepted(d):
-            # the end of a piece of an input says nothing about the size
+            # the end of an input's piece says nothing about the step size
             control.propose(d, max(suggested, wanted) if limited < wanted and grow > 1.0 else suggested)
             return OK
         count_rejected_step(d)
@@ -286,7 +291,7 @@ def find_step(d):
 
 
 def try_step(d, h):
-    """Try a step of size h. If it is accepted, it is the last step, up to its first event."""
+    """Try a step of size h; if it is accepted, it becomes the last step, up to its first event."""
     clear_stage_notes(d)
     attempt(d, h)
     if not control.accepted(d):
@@ -311,18 +316,21 @@ def try_step(d, h):
 
 
 def must_land(d, theta):
-    """Whether the last step must be repeated so that it ends at the event at its fraction θ (−1: none).
+    """Return whether the last step must be repeated to end at the event at its fraction θ (−1: no event).
 
     At the end of a contact and at its kink the force is not smooth, and the interpolant of a step across it
-    is less accurate than the step. The interpolant of an implicit step is less accurate everywhere but at its
-    ends, so that such a step is repeated for every event: near its start, too, where a point that bounces
-    lower and lower would otherwise fall faster than it has risen, and bounce without end.
+        is less accurate than the step. The interpolant of an implicit step is less accurate everywhere except
+        at its ends, so such a step is repeated for every event. This includes events near its start: a point
+        that bounces lower and lower would otherwise fall faster than it has risen, and bounce without end.
     """
     return theta > 0.0 and (bends_force(d) or (d.step.last_method == IMPLICIT and theta < 1.0))
 
 
 def land(d, theta):
-    """Repeat the last step up to its fraction θ; returns the fraction of it at which onsets are, or −1."""
+    """Repeat the last step up to its fraction θ.
+
+    Return the fraction of the repeated step with the onsets, or −1.
+    """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)
     attempt(d, h)
@@ -350,7 +358,7 @@ def begin_step(d):
     if events > 0 or d.balance.breaks != d.step.breaks:
         rebase_energy(d)
     if not kinked:
-        choose_method(d)  # a step cut short by a kink is no evidence of stiffness
+        choose_method(d)  # a step that a kink cuts short is no evidence of stiffness
     choose_variable(d, events > 0)
     set_first_stage(d)
     return events

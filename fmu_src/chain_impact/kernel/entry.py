@@ -47,7 +47,7 @@ from chain_impact.kernel.status import (
 
 
 def sound(d):
-    """1 if every index of the record is within bounds and the hooks find theirs valid, or 0.
+    """Return 1 if every index of the record is within bounds and the hooks' own indices are valid, else 0.
 
     The caller must ensure that the sizes at the start of the record, such as the number of links, are right.
     """
@@ -55,7 +55,7 @@ def sound(d):
 
 
 def within_bounds(d):
-    """Whether every index of the record is within its bounds."""
+    """Return whether every index of the record is within its bounds."""
     laws = LAW_COUNT + present()
     fits = within(d.model.middle, 0, d.links)
     fits = fits and within(d.step.regularized, NO_CONTACT, d.candidates - 1)
@@ -77,10 +77,10 @@ def within_bounds(d):
         fits = (
             fits
             and within(d.candidate.stop[c], -2, 2)
-            # a stop is in a joint, and these are counted from 1
+            # a stop belongs to a joint, and joints count from 1
             and within(d.candidate.point[c], abs(d.candidate.stop[c]) % 2, d.links + d.sites)
             and within(d.candidate.place[c], 0, 2 * d.links + d.sites)
-            # those of stops have the numbers after those of walls
+            # stops have the numbers after those of the walls
             and within(d.candidate.wall[c], 0, len(WALLS) + d.candidates - 1 + 2 * abs(d.candidate.stop[c]))
         )
         fits = fits and within(d.shift.channel[c], -1, max(-1, d.channels - 2))
@@ -98,7 +98,7 @@ def within_bounds(d):
 
 
 def signals_within_bounds(d):
-    """Whether the indices of signals are within their bounds."""
+    """Return whether the indices of signals are within their bounds."""
     fits, own = True, d.signal
     for j in range(d.signals):
         most = d.channels - 1 if own.input[j] == CHANNEL else d.links - 1
@@ -109,7 +109,7 @@ def signals_within_bounds(d):
         fits = fits and within(own.first[j], 0, own.last[j]) and within(own.last[j], 0, d.knots - 1)
         fits = fits and within(own.segment[j], own.first[j], own.last[j])
         if fits:
-            # those of what is given, and the knots that a form needs
+            # the indices of given knots, and the number of knots that a form needs
             given, needed = own.first[own.source[j]] + own.last[j] - own.first[j], 0
             if own.form[j] == SINE or own.form[j] == RAMP:
                 needed = 4 if own.shape[own.source[j]] == TRAPEZOID else 2
@@ -118,7 +118,7 @@ def signals_within_bounds(d):
 
 
 def friction_within_bounds(d):
-    """Whether the indices and counts of dry friction are within their bounds."""
+    """Return whether the indices and counts of dry friction are within their bounds."""
     own = d.friction
     fits = within(own.used, 0, min(1, d.elements)) and within(own.count, 0, d.elements)
     fits = fits and within(own.contact_count, 0, min(own.count, d.candidates))
@@ -132,13 +132,13 @@ def friction_within_bounds(d):
 
 
 def least_law(d):
-    """The least number of a law: 0 before the start of a run and after a start that failed."""
+    """Return the least number of a law: 0 before the start of a run and after a start that failed."""
     started = d.model.size != 0.0 and d.statistics.status == OK
     return 1 if started or d.touch.active_count > 0 else 0
 
 
 def within(number, least, most):
-    """Whether least ≤ number ≤ most."""
+    """Return whether least ≤ number ≤ most."""
     return least <= number <= most
 
 
@@ -151,19 +151,19 @@ def advance_to(d, time):
 
 
 def advance_awhile(d, time):
-    """As ``advance_to``, but return PAUSED within a second of computing, so that the caller can stop."""
+    """Advance as ``advance_to``, but return PAUSED within a second of computing, to let the caller stop."""
     return advance(d, time, UNLIMITED, work_done(d) + work_of_a_call(d))
 
 
 def observe_now(d):
     """Fill the outputs with the values at the communication point.
 
-    Where something has been set that the run does not have yet, it is tried: the instance has to be a copy of
-    the one that goes on, so that outputs can be read at any time without changing the run.
+    New values that the run does not use yet are tried: the instance must be a copy of the running one, so
+    that outputs can be read at any time without changing the run.
 
     Returns:
-        The status of the run or, while it can go on, why it cannot with what has been set: another value may
-        still be set before the next step. The outputs are those before it then.
+        The status of the run, or the status with which it could not continue with the new values. In the
+        second case other values may still be set before the next step, and the outputs do not change.
     """
     observe(d)
     status = d.statistics.status
@@ -171,9 +171,9 @@ def observe_now(d):
 
 
 def observe_trial(d):
-    """Apply what has been set, and fill the outputs that it moves at once; returns a status.
+    """Apply the new values, and fill the outputs that they change at once; returns a status.
 
-    No run goes on from here. After a fault all outputs stay as they are.
+    No run continues from here. After a fault all outputs stay unchanged.
     """
     counted = counted_work(d)
     keep_state(d)
@@ -192,9 +192,10 @@ def trajectory(d, words, times, spans, rows):
 
     Args:
         d: the instance.
-        words: all numbers of its record and of those of dual numbers behind it (8 bytes each), shape (M,).
+        words: all numbers of the record and of the records of dual numbers after it (8 bytes each), shape
+            (M,).
         times: shape (T,), increasing [s].
-        spans: the first index and the number of those that are wanted, shape (S, 2); W in all.
+        spans: first index and length of each span of wanted numbers, shape (S, 2); W numbers in all.
         rows: result, shape (T, W).
 
     Returns:
@@ -220,22 +221,23 @@ def trajectory(d, words, times, spans, rows):
 def run_each(d, words, places, values, stops, output_indices, rows, continuing):
     """Run the instance once for each row of parameter values, each time from its start.
 
-    The runs before leave nothing behind: no run changes a parameter, and ``initialize`` sets all else.
+    A run does not depend on the runs before it: no run changes a parameter, and ``initialize`` sets
+        everything else.
 
     Args:
         d: the instance.
-        words: all numbers of its record (8 bytes each), shape (W,).
+        words: all numbers of the record (8 bytes each), shape (W,).
         places: indices of the words that vary, shape (K,).
         values: their values in each run, shape (R, K).
         stops: the end time of each run, shape (R,) [s].
         output_indices: indices of the words to return from the end of a run, shape (L,).
-        rows: result, shape (R, L): the words that are asked for. After a fault the outputs among them are not
-            those of the end.
+        rows: result, shape (R, L): the requested words. After a fault the outputs among them are not those at
+            the end.
         continuing: 1 if an earlier call has begun the first run, which now continues.
 
     Returns:
-        How many runs are complete: fewer than requested to return within a second of computing. The next run
-        has begun then.
+        The number of complete runs. It is smaller than requested if the function returns after a second of
+        computing; the next run has then begun.
     """
     work = work_of_a_call(d) + (work_done(d) if continuing else 0)
     for r in range(len(rows)):

@@ -41,21 +41,22 @@ from chain_impact.kernel.rows.geometry import clearance
 
 
 def energy_balance(d, y):
-    """The energy balance [J], constant in the exact motion, for the located points.
+    """Return the energy balance [J], constant in the exact motion, for the located points.
 
-    Kinetic, potential and elastic energy, plus the dissipated, minus the energy supplied by the inputs.
+    It is the kinetic, potential and elastic energy, plus the dissipated energy, minus the energy that inputs
+    supply.
     """
     kinetic, potential = mechanical_energy(d, y)
     return kinetic + potential + other_energy(d, y)
 
 
 def other_energy(d, y):
-    """The energy balance without kinetic and potential energy [J], for the located points."""
+    """Return the energy balance without kinetic and potential energy [J], for the located points."""
     return stored_energy(d, y) + y[dissipated_at(d.links)] - y[supplied_at(d.links)]
 
 
 def stored_energy(d, y):
-    """Elastic energy [J] of the active contacts, for the located points, and of the springs."""
+    """Return the elastic energy [J] of the active contacts, for the located points, and of the springs."""
     energy = spring_energy(d, y) if d.model.sprung else 0.0
     if d.slides:
         energy += slider_spring_energy(d, y)
@@ -68,7 +69,7 @@ def stored_energy(d, y):
 
 
 def mechanical_energy(d, y):
-    """Kinetic and potential energy [J] of the chain, for the located points."""
+    """Return kinetic and potential energy [J] of the chain, for the located points."""
     n = d.links
     kinetic, potential = 0.0, 0.0
     for i in range(n):
@@ -91,7 +92,7 @@ def mechanical_energy(d, y):
 
 
 def rotor_energy(d, y):
-    """Kinetic energy [J] of the armatures, ½ I_a (ω_i − ω_{i−1})² of each."""
+    """Return the kinetic energy [J] of the armatures, the sum of ½ I_a (ω_i − ω_{i−1})²."""
     energy, before = 0.0, 0.0
     for i in range(d.links):
         omega = y[omega_at(d.links) + i]
@@ -102,7 +103,7 @@ def rotor_energy(d, y):
 
 def state_rate(d, y, rate):
     """Set rate = f(y), for the active contacts and the present inputs."""
-    # in free flight no point is located, no wall moved and no force evaluated
+    # in free flight no point is located, no wall is moved and no force is evaluated
     if d.touch.active_count > 0 or d.model.driven or d.friction.count > 0:
         locate_points(d, y)
         located_rate(d, y, rate)
@@ -112,16 +113,16 @@ def state_rate(d, y, rate):
 
 
 def located_rate(d, y, rate):
-    """As ``state_rate``, for the located points."""
+    """Set rate = f(y), as ``state_rate`` does, for the located points."""
     ensure_inputs(d, y)
     free_rate(d, y, rate)
     constrain(d, y, rate)
 
 
 def told_rate(d, y, rate):
-    """As ``located_rate``, by the forces that outputs have: none is continued beyond its kink.
+    """Set the rate ẏ as ``located_rate`` does, with the forces of outputs: none continues beyond its kink.
 
-    The powers in it are none.
+    The dissipated power in ẏ leaves out the contacts.
     """
     ensure_inputs(d, y)
     apply_told_contacts(d)
@@ -130,7 +131,7 @@ def told_rate(d, y, rate):
 
 
 def constrain(d, y, rate):
-    """Add what constraints and motions of base and walls do to a rate ẏ, found just now without them."""
+    """Add the effects of constraints and of motions of base and walls to a rate ẏ that has none yet."""
     if any_constraint(d):
         add_constraint_forces(d, y, rate)
     if d.channels > 0:
@@ -138,12 +139,12 @@ def constrain(d, y, rate):
 
 
 def free_rate(d, y, rate):
-    """As ``located_rate``, without the forces of constraints."""
+    """Set rate = f(y), for the located points, without the forces of constraints."""
     loaded_rate(d, y, apply_contacts(d), rate)
 
 
 def loaded_rate(d, y, dissipated, rate):
-    """As ``state_rate``, for given loads; ``dissipated`` is the power [W] that the contacts dissipate."""
+    """Set rate = f(y), for given loads; ``dissipated`` is the power [W] that the contacts dissipate."""
     n = d.links
     supplied = 0.0
     if d.model.resisting or d.model.driven or d.model.jointed:
@@ -168,7 +169,7 @@ def loaded_rate(d, y, dissipated, rate):
 
 
 def clear_stage_notes(d):
-    """Reset what the stages of a step record: crossings of kinks, forces not found or least, margins."""
+    """Reset the records of a step's stages: crossings of kinks, forces not found, least forces, margins."""
     clear_unsolved(d)
     clear_crossings(d)
     clear_least_forces(d)

@@ -1,4 +1,4 @@
-"""What is compiled in its own way: memory that is cleared, inlined functions, functions made of several."""
+"""Functions that are compiled in a special way: they clear memory, are inlined, or combine others."""
 
 
 def clear(part):
@@ -7,13 +7,13 @@ def clear(part):
 
 
 def inlined(function):
-    """Mark a function that is compiled into its callers, so that the compiler knows its arguments there."""
+    """Mark a function that is compiled into its callers, so that the compiler knows its arguments."""
     function.inlined = True
     return function
 
 
 def dispatch(functions):
-    """Make a function of (number, …) that calls the function with that number, from 0, on the rest."""
+    """Make a function of (number, …) that calls one of several functions, by its number from 0."""
     first, others = functions[0], functions[1:]
     if not others:
         return lambda _number, *rest: first(*rest)

@@ -56,7 +56,8 @@ from chain_impact.kernel.status import (
     set_status,
 )
 
-OVERLAP = 1e-12  # m. A start no deeper in a wall counts as touching: it is round-off of positions and sines
+# [m] depth in a wall at the start that still counts as touching: round-off of positions and sines
+OVERLAP = 1e-12
 
 
 def initialize(d, time):
@@ -98,7 +99,7 @@ def set_initial_state(d, y):
     """Set y to the state that the initial values describe."""
     n = d.links
     for j in range(2):
-        # a base that moves has no part in the state
+        # a moving base has no part in the state
         y[j] = 0.0 if d.channels > 0 and d.model.base_moves else d.initial.position[j]
         y[velocity_at(n) + j] = d.initial.velocity[j]
     if d.slides:
@@ -112,7 +113,7 @@ def set_initial_state(d, y):
 
 
 def clear_run(d, time):
-    """Clear the data of an earlier run, for one that starts at ``time`` [s].
+    """Clear the data of an earlier run, for a run that starts at ``time`` [s].
 
     Large parts are not cleared as a whole, which would take a twentieth of the time of a short run.
     """
@@ -140,7 +141,7 @@ def clear_run(d, time):
 
 
 def derive_chain(d):
-    """Derive what is not given, the recursion's constants of each link, scales, and what joints have."""
+    """Derive the values that are not given, the recursion's constants, scales, and features of joints."""
     model = d.model
     d.stops.exponent = in_use(d.stops.given_exponent, d.contact.exponent)
     model.middle = 0 if model.pinned else len(model.length) // 2  # as in `accelerations`
@@ -211,7 +212,10 @@ def derive_sites(d):
 
 
 def derive_resistance(d):
-    """Derive how joints resist by the dampers and springs in use; at first no drive is at its limit."""
+    """Derive the resistance of joints by the dampers and springs in use.
+
+    At first no drive is at its limit.
+    """
     clear_saturation(d)
     model = d.model
     model.damped, model.sprung = 0, 0
@@ -227,7 +231,10 @@ def derive_resistance(d):
 
 
 def check_parameters(d):
-    """Check what divisions and loops depend on, as an importer may set any value; returns a status."""
+    """Check the values on which divisions and loops depend, as an importer may set any value.
+
+    Returns a status.
+    """
     status = check_links(d)
     if status != OK:
         return status
@@ -251,7 +258,7 @@ def check_parameters(d):
 
 
 def slider_is_valid(d):
-    """Whether the parameters of the slider are in their ranges."""
+    """Return whether the parameters of the slider are in their ranges."""
     own = d.slider
     positive = own.mass >= 0.0 and own.damping >= 0.0 and own.stiffness >= 0.0 and own.friction >= 0.0
     total = own.mass + own.damping + own.stiffness + own.friction + own.angle
@@ -260,7 +267,7 @@ def slider_is_valid(d):
 
 
 def walls_are_finite(d):
-    """Whether the places of the walls, the radius of the points with them, are finite numbers."""
+    """Return whether the places of the walls, and the radius of the points, are finite numbers."""
     total = d.contact.radius
     for w in range(len(d.model.wall)):
         total += d.model.wall[w]
@@ -309,7 +316,7 @@ def check_links(d):
 
 
 def first_size(d):
-    """A first step size [s] from the rotation of the links; the error control then adapts it."""
+    """Return a first step size [s] from the rotation of the links; the error control then adapts it."""
     state_rate(d, d.step.state, d.work.rate_start)
     return in_flight(d, d.step.state, d.work.rate_start)
 

@@ -1,20 +1,20 @@
-"""Loads: the forces and moments that the joints transmit, and what the chain exerts on each wall.
+"""Loads: the forces and moments that the joints transmit, and those of the chain on each wall.
 
-Newton's law for links i…N, with f_i the force of link i − 1 on link i, F_k the forces at the points:
+Newton's law for links i…N, with f_i the force of link i − 1 on link i, and F_k the forces at the points, is
 
     f_i = Σ_{j≥i} m_j (a_Cj − g) − Σ_{k≥i} F_k.
 
-A contact at point k acts on link k, which ends there; one at the base acts on link 1, and one at a site on
-its link. In time, with p the momentum of these links, that is
+A contact at point k acts on link k, which ends there; a contact at the base acts on link 1, and a contact at
+a site on the site's link. Integrated over time, with p the momentum of these links,
 
     ∫f_i dt = Δp − Σ m_j g Δt − Σ_{k≥i} ∫F_k dt,
 
-in which the impulses of rigid walls are contained. So the joints need no quadrature of their own. The peaks
-of |f_i| are found in the dense output of each step. An impulse of a rigid wall is no force, and in no peak.
-The largest force while a contact lasts is that of the steps in which it is active: it begins and ends at ends
-of steps.
+which includes the impulses of rigid walls. So the joints need no quadrature of their own. The peaks of |f_i|
+are found in the dense output of each step. An impulse of a rigid wall is no force and enters no peak. The
+largest force while a contact lasts comes from the steps in which the contact is active: it begins and ends at
+ends of steps.
 
-The record has a row for each joint, from 0 (that of the base), and after them one for each wall. A scene that
+The record has a row for each joint, from 0 (the base's joint), and then a row for each wall. A scene that
 does not request loads has none.
 """
 
@@ -31,10 +31,10 @@ from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_poin
 from chain_impact.kernel.rows.geometry import WALLS, at_joint, lever, link_of, normal, tangent
 from chain_impact.kernel.status import counted_work, uncount_work
 
-# Intervals between the samples of the forces in joints in a step: in an implicit one they may rise and fall
-# often.
+# Number of intervals between the samples of joint forces in an explicit and in an implicit step; in an
+# implicit step the forces may rise and fall often.
 INTERVALS, IMPLICIT_INTERVALS = 8, 32
-NEARLY = 0.95  # a parabola through three samples estimates the square of a peak to this fraction
+NEARLY = 0.95  # a parabola through three samples estimates the square of a peak with at least this fraction
 
 
 def start_loads(d, time):
@@ -48,7 +48,7 @@ def start_loads(d, time):
 
 
 def keep_tip_impulse(d, j, impulse):
-    """Keep component j of the impulse [N·s] of the force at the tip since the start."""
+    """Keep component j of the impulse [N·s] of the tip's force since the start."""
     d.transmitted.tip_impulse[j] = impulse
 
 
@@ -71,7 +71,7 @@ def joint_forces(d, contact_force, friction_force, x, y):
 
 
 def subtract_contact(d, c, along_normal, along_tangent, x, y):
-    """Subtract the force, or impulse, of candidate c from what its link needs."""
+    """Subtract the force or impulse of candidate c from its link's need."""
     if d.candidate.stop[c] == 0:
         fx, fy = wall_force(d, c, along_normal, along_tangent)
         i = link_of(d, c)
@@ -80,7 +80,7 @@ def subtract_contact(d, c, along_normal, along_tangent, x, y):
 
 
 def sum_from_tip(d, at_tip, x, y):
-    """Turn what each link needs into what its joint transmits, with a force or impulse at the tip."""
+    """Turn the need of each link into the force of its joint, with a force or impulse at the tip."""
     x[d.links - 1] -= at_tip[0]
     y[d.links - 1] -= at_tip[1]
     for i in range(d.links - 2, -1, -1):
@@ -89,7 +89,7 @@ def sum_from_tip(d, at_tip, x, y):
 
 
 def wall_force(d, c, along_normal, along_tangent):
-    """The force [N], or impulse [N·s], of a wall on the point of candidate c, from those of candidates."""
+    """Return the force [N] or impulse [N·s] of a wall on candidate c's point, from the arrays of all."""
     _, nx, ny = normal(d, c)
     fx, fy = along_normal[c] * nx, along_normal[c] * ny
     if d.elements > 0:
@@ -100,10 +100,10 @@ def wall_force(d, c, along_normal, along_tangent):
 
 
 def fill_loads(d, y, rate):
-    """Fill the outputs of forces and moments, for the accelerated points, from those of the contacts.
+    """Fill the outputs of forces and moments, for the accelerated points, from the forces of the contacts.
 
-    The moment of a joint is all that it transmits to its outer link: of its drive it is the torque less that
-    which accelerates the armature. So each link obeys Euler's law with these moments.
+    The moment of a joint is the whole moment on its outer link: the torque of the drive minus the torque that
+    accelerates the armature. So each link obeys Euler's law with these moments.
     """
     out = d.output
     joint_forces(d, out.force, out.friction.force, out.load.x, out.load.y)
@@ -129,7 +129,7 @@ def fill_loads(d, y, rate):
 
 
 def fill_guide(d):
-    """Fill the outputs of what the line of a slider exerts on the carriage, from the loads of joint 1."""
+    """Fill the outputs of the line's force and moment on the slider's carriage, from the loads of joint 1."""
     out, own, gravity = d.output, d.slider, d.model.gravity
     # R = n·(f₁ − m g),  n = (−u_y, u_x); the carriage does not turn
     fx, fy = out.load.x[0] - own.mass * gravity[0], out.load.y[0] - own.mass * gravity[1]
@@ -139,7 +139,7 @@ def fill_guide(d):
 def load_wall(d, c):
     """Add the force of candidate c on its wall, and its moment, to the outputs.
 
-    The moment is about the wall's point, and at a wall of the box about the origin.
+    The moment is about the wall's point; for a wall of the box it is about the origin.
     """
     out, wall, place = d.output, d.candidate.wall[c], d.candidate.place[c]
     fx, fy = wall_force(d, c, out.force, out.friction.force)
@@ -167,7 +167,7 @@ def fill_load_impulses(d):
 
 
 def fill_load_peaks(d):
-    """Fill the outputs of the largest forces so far. Afterwards the points are located elsewhere.
+    """Fill the outputs of the largest forces so far; afterwards the points are located elsewhere.
 
     Most steps raise none of them: then their rows need no search of their own.
     """
@@ -187,9 +187,9 @@ def fill_load_peaks(d):
 
 
 def update_load_peaks(d):
-    """Update the largest forces in the joints over the last step; as for outputs, no work is counted.
+    """Update the largest forces in the joints over the last step, since the start and during each contact.
 
-    They are those so far, and those while each active contact has lasted.
+    As for outputs, no work is counted.
     """
     own, touch, counted = d.transmitted, d.touch, counted_work(d)
     ensure_dense(d, OUTPUTS)
@@ -201,7 +201,8 @@ def update_load_peaks(d):
         for i in range(0 if d.model.pinned else 1, d.links):
             if own.top[i] > touch.joint_top[c]:
                 set_joint_top(d, c, own.top[i], i + 1)
-    load_joints_at(d, fraction(d, d.step.end))  # so that forces, and what follows from them, are those there
+    # sets the forces, and the values that follow from them, to the end of the step
+    load_joints_at(d, fraction(d, d.step.end))
     ensure_points(d)
     uncount_work(d, counted)
 
@@ -209,7 +210,8 @@ def update_load_peaks(d):
 def search_step(d):
     """Set ``transmitted.top`` to the largest |f|² [N²] in the last step.
 
-    Where that raises neither the largest one so far nor that of an active contact, it is less than these.
+    If neither the largest one so far nor one during an active contact rises, the value is only known to be
+    less than these.
     """
     own, least = d.transmitted, math.inf
     for k in range(d.touch.active_count):
@@ -237,9 +239,9 @@ def search_peaks(d, time):
 
 
 def rises_between(left, top, right, highest):
-    """Whether a value with these three samples may have a maximum between them that exceeds the highest."""
+    """Return whether a value with these three samples may have a maximum between them above ``highest``."""
     bend = 2.0 * top - left - right
-    # the top of a parabola through them, which at the ends of a step may lie between the outer two
+    # the top of a parabola through the samples, which may lie between the outer two at the ends of a step
     if bend <= 0.0 or abs(right - left) > 2.0 * bend:
         return False
     return top + (right - left) ** 2 / (8.0 * bend) > NEARLY * highest
@@ -256,12 +258,12 @@ def load_joints_at(d, theta):
 
 
 def square_of_force(d, i):
-    """|f|² [N²] of the joint in row i, as found last."""
+    """Return |f|² [N²] of the joint in row i, from the forces found last."""
     return d.transmitted.x[i] * d.transmitted.x[i] + d.transmitted.y[i] * d.transmitted.y[i]
 
 
 def square_at(d, i, theta):
-    """|f|² [N²] of the joint in row i at the fraction θ of the last step."""
+    """Return |f|² [N²] of the joint in row i at the fraction θ of the last step."""
     load_joints_at(d, theta)
     return square_of_force(d, i)
 

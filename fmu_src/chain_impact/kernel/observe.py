@@ -1,7 +1,7 @@
 """The outputs at the communication point.
 
-What an importer sets acts at once on accelerations, forces and what sticks. It changes neither the state nor
-integrals, such as impulses: these outputs stay as they are until the next step.
+A value that an importer sets acts at once on accelerations, forces and sticking. It changes neither the state
+nor integrals, such as impulses: these outputs stay unchanged until the next step.
 """
 
 from chain_impact.kernel import hooks
@@ -31,8 +31,8 @@ def observe(d):
 def fill_outputs(d):
     """Fill the output record with the values at ``step.time``.
 
-    The active contacts are those of the step that contains that time: an impact that the solver has already
-    found later on is not visible yet.
+    The active contacts belong to the step that contains this time: a later impact that the solver has already
+        found is not visible yet.
     """
     counted, theta = counted_work(d), fraction(d, d.step.time)
     fill_motion(d, theta)
@@ -49,7 +49,7 @@ def fill_outputs(d):
 
 
 def refill_motion(d):
-    """Fill those outputs anew that are no sums over the time until ``step.time``."""
+    """Fill again the outputs that are no integrals over the time until ``step.time``."""
     counted = counted_work(d)
     fill_motion(d, fraction(d, d.step.time))
     if d.model.stopped:
@@ -63,8 +63,8 @@ def fill_motion(d, theta):
     interpolate(d.step, theta, y)
     locate_points(d, y)
     if d.channels > 0 and any_constraint(d):
-        # the interpolant meets what moves by itself up to its error only; what sticks shares its load by the
-        # limits of friction in this state
+        # The interpolant meets constraints and prescribed motions only up to its error. Sticking elements
+        # share their load by the limits of friction in this state.
         apply_told_contacts(d)
         project_state(d, y)
     told_rate(d, y, rate)
@@ -110,7 +110,7 @@ def fill_motion(d, theta):
 
 
 def fill_site(d, s):
-    """Fill the outputs of the motion of site s, which stand behind those of the points 0…N."""
+    """Fill the outputs of site s's motion, which come after those of the points 0…N."""
     out, work, k, place = d.output, d.work, d.links + 1 + s, site_place(d, s)
     out.point_position[k, 0], out.point_position[k, 1] = work.position.x[place], work.position.y[place]
     out.point_velocity[k, 0], out.point_velocity[k, 1] = work.velocity.x[place], work.velocity.y[place]
@@ -119,7 +119,7 @@ def fill_site(d, s):
 
 
 def fill_forces(d):
-    """Fill the outputs of contacts, but for their impulses; the points are located, the rate evaluated."""
+    """Fill the outputs of contacts, without their impulses; the points are located, the rate is evaluated."""
     out = d.output
     for c in range(d.candidates):
         out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
@@ -134,7 +134,7 @@ def fill_forces(d):
 
 
 def fill_friction(d):
-    """Fill the outputs of dry friction, but for its impulses and its energy."""
+    """Fill the outputs of dry friction, without its impulses and its energy."""
     own, out = d.friction, d.output.friction
     for e in range(d.elements):
         out.force[e], out.sticking[e] = 0.0, 0.0
@@ -145,7 +145,7 @@ def fill_friction(d):
         sticks = 1.0 if mode == STICKS else 0.0
         if e >= d.candidates:
             joint = joint_of(d, e)
-            arm = d.model.size if joint < d.links else 1.0  # a slider has a force
+            arm = d.model.size if joint < d.links else 1.0  # a slider has a force, so its arm is 1
             out.joint_moment[joint], out.joint_sticking[joint] = arm * d.element.force[e], sticks
         else:
             out.sticking[e] = sticks
@@ -182,7 +182,7 @@ def fill_quadrature(d, i, value):
 def combine_forces(d):
     """Turn the forces and depths of stops into moments [N·m] and angles [rad] of joints, at the first stop.
 
-    A joint can touch one of its two stops at a time; moments at joint_max are negative.
+    A joint can touch only one of its two stops at a time; moments at joint_max are negative.
     """
     out = d.output
     for c in range(d.candidates):
@@ -198,7 +198,7 @@ def combine_forces(d):
 
 
 def combine_impulses(d):
-    """Likewise turn the impulses of stops into those of joints [N·m·s]."""
+    """Turn the impulses of stops into impulses of joints [N·m·s], in the same way."""
     out = d.output
     for c in range(d.candidates):
         side = d.candidate.stop[c]
@@ -209,7 +209,7 @@ def combine_impulses(d):
 
 
 def first_stop(d, c):
-    """The first stop of the joint of candidate c, a stop: this one, or the one before it."""
+    """Return the first stop of the joint of candidate c, which is a stop: this one, or the one before it."""
     own = d.candidate
     second = c > 0 and own.stop[c] < 0 and own.stop[c - 1] > 0 and own.point[c - 1] == own.point[c]
     return c - 1 if second else c

@@ -1,7 +1,7 @@
-"""Status codes, with the sentence that users read, and the bounds on work and events by which every run ends.
+"""Status codes, their sentences for users, and the bounds on work and events by which every run ends.
 
-The unit of work is an evaluation of the right-hand side. To locate the points in the search for events costs
-about as much, and so does to solve for the response of the chain to impulses.
+The unit of work is an evaluation of the right-hand side. Locating the points in the search for events costs
+about as much, and so does solving for the response of the chain to impulses.
 """
 
 OK = 0
@@ -27,15 +27,15 @@ WALL_JUMPS = 19
 BASE_BEYOND_WALL = 20
 NO_ROOM = 21
 SIGNAL_JUMPS = 22
-LOG_FULL = -1  # not a fault: collect the finished contacts, then continue
-PAUSED = -2  # not a fault: the caller may continue
-ONSET_DUE = -3  # not a fault: contacts begin at the time reached and are not yet applied
+LOG_FULL = -1  # no fault: collect the finished contacts, then continue
+PAUSED = -2  # no fault: the caller may continue
+ONSET_DUE = -3  # no fault: contacts begin at the time reached and are not yet applied
 
 WITHOUT_FRICTION = (
     "Newton's law of impact together with Coulomb's law of friction can add energy, and the motion of a "
     "rigid body that slides on a rigid wall need neither exist nor be unique"
 )
-"""Why rigid walls have no friction."""
+"""The reason why rigid walls have no friction."""
 STATUS_TEXT = {
     OK: "no fault",
     STEP_TOO_SMALL: "the error control asks for a step smaller than the resolution of time: loosen "
@@ -77,7 +77,7 @@ STATUS_TEXT = {
     SIGNAL_JUMPS: "a signal lets the velocity of the base or of a wall jump, which would be an impact of "
     "unknown strength: let it rise or begin smoothly",
 }
-# Status → its name in the tables of sweeps, that of the constant.
+# status → its name in the tables of sweeps, which is the constant's name
 STATUS_NAME = {code: name.lower() for name, code in globals().items() if name[0] != "_" and code in range(99)}
 LAST_STATUS = max(STATUS_TEXT)
 
@@ -89,32 +89,32 @@ def set_status(d, status):
 
 
 def refuse_candidate(d, c, status):
-    """Note that candidate c is the reason for a status, and return it."""
+    """Note that candidate c is the reason for a status, and return the status."""
     d.fault.place = 1 + c
     return status
 
 
 def refuse_base(d, c, status):
-    """Note that the base at the wall of candidate c is the reason for a status, and return it."""
+    """Note that the base at the wall of candidate c is the reason for a status, and return the status."""
     d.fault.place = 1 + d.candidates + d.links + c
     return status
 
 
 def refuse_link(d, i, status):
-    """Note that link i, counted from 0, or its joint is the reason for a status, and return it."""
+    """Note that link i, counted from 0, or its joint is the reason for a status, and return the status."""
     d.fault.place = 1 + d.candidates + i
     return status
 
 
-UNLIMITED = 1 << 62  # evaluations
-WORK_WINDOW = 1.0  # s of simulated time, for which `solver.work_limit` bounds the work
-# s. A communication step of any length may take at most the work allowed for this simulated time.
+UNLIMITED = 1 << 62  # number of evaluations that stands for no limit
+WORK_WINDOW = 1.0  # [s] simulated time for which `solver.work_limit` bounds the work
+# [s] simulated time whose allowed work a communication step of any length may take at most
 LONGEST_CALL = 20.0
-# Evaluations times links, after which a long call returns so that its caller can stop it: 20 to 30 ns each,
-# so that Ctrl-C takes effect within a second.
+# The number of evaluations times links after which a long call returns so that its caller can stop it: each
+# takes 20 to 30 ns, so Ctrl-C takes effect within a second.
 CALL_WORK = 20_000_000
-# A candidate that begins and ends a contact MOST_EVENTS times in EVENT_WINDOW [s] is taken for a chattering
-# that never ends: in a bounce of a microsecond the point rises by only 1e-12 m.
+# The number of contacts that a candidate may begin and end in EVENT_WINDOW [s]; more count as chattering that
+# never ends: in a bounce of a microsecond the point rises by only 1e-12 m.
 EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
 
 
@@ -135,7 +135,7 @@ def count_rejected_step(d):
 
 
 def work_done(d):
-    """All work since the start, in evaluations of the right-hand side."""
+    """Return all work since the start, in evaluations of the right-hand side."""
     return d.statistics.rhs_evaluations + d.limits.other_work
 
 
@@ -145,27 +145,27 @@ def count_evaluations(d, number):
 
 
 def count_other_work(d, number):
-    """Count work that costs about as much as so many evaluations."""
+    """Count work that costs about as much as ``number`` evaluations."""
     d.limits.other_work += number
 
 
 def counted_work(d):
-    """The evaluations and the other work so far, for ``uncount_work``."""
+    """Return the evaluations and the other work so far, for ``uncount_work``."""
     return d.statistics.rhs_evaluations, d.limits.other_work
 
 
 def uncount_work(d, counted):
-    """Return to the counts of ``counted_work``: what was done since then serves outputs only."""
+    """Return to the counts of ``counted_work``: the work since then serves outputs only."""
     d.statistics.rhs_evaluations, d.limits.other_work = counted
 
 
 def work_exceeded(d):
-    """Whether the work in a second of simulated time exceeds the limit; every long loop checks it."""
+    """Return whether the work in a second of simulated time exceeds the limit; every long loop checks it."""
     return work_done(d) - d.limits.work_count > d.solver.work_limit * WORK_WINDOW
 
 
 def work_of_a_call(d):
-    """The work, in evaluations, after which a call returns so that its caller can stop: under a second."""
+    """Return the work, in evaluations, after which a call returns so that its caller can stop: under 1 s."""
     return CALL_WORK // (d.links + 1)
 
 
@@ -180,7 +180,7 @@ def allow_any_length(d):
 
 
 def check_work(d):
-    """TOO_MUCH_WORK or STEP_TOO_LONG if a second or a communication step takes too much work, else OK."""
+    """Return TOO_MUCH_WORK or STEP_TOO_LONG if a second or a communication step takes too long, else OK."""
     limits = d.limits
     if work_exceeded(d):
         return TOO_MUCH_WORK
@@ -193,7 +193,7 @@ def check_work(d):
 
 
 def check_events(d, events):
-    """EVENT_STORM if ``events`` more exceed the limit of the present EVENT_WINDOW, else OK."""
+    """Return EVENT_STORM if ``events`` more exceed the limit of the present EVENT_WINDOW, else OK."""
     limits = d.limits
     if d.step.end >= limits.event_start + EVENT_WINDOW:
         limits.event_start = d.step.end

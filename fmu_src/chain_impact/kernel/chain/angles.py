@@ -1,8 +1,8 @@
 """Cosines and sines of angles.
 
-They are computed without branches, so that the compiler computes those of several angles at once, three times
-cheaper than the C library's, which would take half the time of a right-hand side. They are the same on every
-machine, so results do not depend on its C library. Their errors are below 2e-16, see
+They are computed without branches, so that the compiler computes several angles at once, three times faster
+than the C library, which would take half the time of a right-hand side. The results are the same on every
+machine, because they do not depend on its C library. Their errors are below 2e-16, see
 tests/kernel/chain/test_angles.py.
 """
 
@@ -10,7 +10,7 @@ import math
 
 from chain_impact.kernel.functions import inlined
 
-LARGEST = 1e6  # rad; beyond it the reduction loses digits
+LARGEST = 1e6  # [rad] largest angle; beyond it the reduction loses digits
 TWO_OVER_PI = 0.6366197723675814
 # π/2 in two parts, the first of 33 bits, so that any multiple by k < 2²⁰ is exact (after Cody & Waite 1980)
 HALF_PI_1, HALF_PI_2 = 1.5707963267341256, 6.077100506506192e-11
@@ -28,7 +28,7 @@ ROUND = 1.5 * 2.0**52
 
 
 def direction(angle):
-    """The cosine and sine of any angle."""
+    """Return the cosine and sine of any angle."""
     if abs(angle) < LARGEST:
         return cosine_and_sine(angle)
     return math.cos(angle), math.sin(angle)
@@ -36,11 +36,11 @@ def direction(angle):
 
 @inlined
 def cosine_and_sine(angle):
-    """The cosine and sine of an angle below LARGEST."""
+    """Return the cosine and sine of an angle below LARGEST."""
     # φ = k π/2 + r
     k = (angle * TWO_OVER_PI + ROUND) - ROUND
     r = (angle - k * HALF_PI_1) - k * HALF_PI_2
-    # the quarter turns k mod 4, from −2 to 2
+    # number of quarter turns k mod 4, from −2 to 2
     turns = k - 4.0 * ((0.25 * k + ROUND) - ROUND)
     t = r * r
     t2 = t * t

@@ -2,36 +2,36 @@
 
     F = u − c (q̇ − q̇_t) − k (q − q_t)
 
-With targets q_t, q̇_t they are a servo. F may have a limit. Then a drive is in one of three modes, which only
-events change (events/saturation.py): 0 below the limit, ±1 at it in one direction.
+With targets q_t, q̇_t a drive is a servo. F may have a limit. Then a drive is in one of three modes, which
+only events change (events/saturation.py): 0 below the limit, ±1 at it in one direction.
 """
 
-# The largest excess that is round-off: over the limit of a drive, and over the forces whose difference is a
-# spring's.
+# The largest excess that is round-off: over the limit of a drive; and over the forces whose difference is the
+# force of a spring.
 EXCESS, ROUND_OFF = 1e-12, 1e-14
 
 
 def wanted_drive(motor, damping, rate, stiffness, stretch):
-    """U − c (q̇ − q̇_t) − k (q − q_t), before a limit; ``rate`` and ``stretch`` are the two differences."""
+    """Return F = u − c (q̇ − q̇_t) − k (q − q_t) without a limit, for a rate and a stretch."""
     return motor - damping * rate - stiffness * stretch
 
 
 def limited_drive(wanted, limit, mode):
-    """The force F of a drive that wants a force.
+    """Return the force F of a drive from its force without a limit.
 
-    Beyond the end of a mode it continues smoothly, until an event ends the step there.
+    Beyond the end of a mode F continues smoothly, until an event ends the step there.
     """
     return wanted if mode == 0 else float(mode) * limit
 
 
 def drive_mode(wanted, limit):
-    """The mode of a drive that wants a force."""
+    """Return the mode of a drive from its force without a limit."""
     if abs(wanted) > limit or limit == 0.0:
         return 1 if wanted > 0.0 else -1
     return 0
 
 
 def mode_excess(wanted, limit, mode, stiffness, size):
-    """By how much a drive is from the end of its mode, plus round-off; ``size`` is that of q and q_t."""
+    """Return the distance of a drive from the end of its mode, plus round-off; ``size`` is |q| + |q_t|."""
     margin = limit - abs(wanted) if mode == 0 else float(mode) * wanted - limit
     return margin + (EXCESS * limit + ROUND_OFF * stiffness * size)

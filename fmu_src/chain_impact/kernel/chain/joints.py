@@ -32,48 +32,48 @@ from chain_impact.kernel.chain.state import ANGLES, omega_at
 
 
 def joint_damping(d, i):
-    """c_i [N·m·s/rad], 0 at a free base, which has no joint, and while the torque is at its limit."""
+    """Return c_i [N·m·s/rad]; 0 at a free base, which has no joint, and while the torque is at its limit."""
     return d.inputs.joint_damping[i] if (i > 0 or d.model.pinned) and d.drive.mode[i] == 0 else 0.0
 
 
 def spring_stiffness(d, i):
-    """k_i [N·m/rad], likewise."""
+    """Return k_i [N·m/rad]; 0 at a free base, which has no joint, and while the torque is at its limit."""
     return d.inputs.joint_stiffness[i] if (i > 0 or d.model.pinned) and d.drive.mode[i] == 0 else 0.0
 
 
 def joint_armature(d, i):
-    """I_a [kg·m²] of the drive in joint i, 0 at a free base, which has no joint."""
+    """Return I_a [kg·m²] of the drive in joint i; 0 at a free base, which has no joint."""
     return d.model.joint_armature[i] if i > 0 or d.model.pinned else 0.0
 
 
 def joint_resistance(d, i, time):
-    """κ_i = s c_i + s² k_i [kg·m²] of the damper and the spring in joint i, for a ``time`` s [s]."""
+    """Return κ_i = s c_i + s² k_i [kg·m²] of the damper and the spring in joint i, for a ``time`` s [s]."""
     return time * (joint_damping(d, i) + time * spring_stiffness(d, i))
 
 
 def resists(constant):
-    """Whether this damping or stiffness of a joint has an effect, so that its terms are needed."""
+    """Return whether a damping or stiffness of a joint has an effect, so that its terms are needed."""
     return constant != 0.0
 
 
 def stretch(d, y, i):
-    """φ_i [rad], the angle of the joint of link i relative to the rest or target angle of its spring."""
+    """Return φ_i [rad], the angle of link i's joint relative to the rest or target angle of its spring."""
     before = y[ANGLES + i - 1] if i > 0 else 0.0
     return y[ANGLES + i] - before - d.inputs.joint_target_angle[i]
 
 
 def is_drive(d, i):
-    """Whether the work of spring, damper and motor in joint i is that of a drive: supplied energy."""
+    """Return whether joint i has a drive, so that the work of spring, damper and motor is supplied energy."""
     return d.model.followed != 0 or d.model.joint_torque_limit[i] < math.inf
 
 
 def elastic_stiffness(d, i):
-    """k_i [N·m/rad] of a spring that stores energy, 0 in a drive."""
+    """Return k_i [N·m/rad] of a spring that stores energy; 0 in a drive."""
     return 0.0 if is_drive(d, i) else spring_stiffness(d, i)
 
 
 def spring_energy(d, y):
-    """The energy [J] stored in the springs."""
+    """Return the energy [J] stored in the springs."""
     energy = 0.0
     for i in range(d.links):
         angle = stretch(d, y, i)
@@ -82,7 +82,7 @@ def spring_energy(d, y):
 
 
 def wanted_torque(d, y, i):
-    """u_i − c_i (ω_i − ω_{i−1} − ω_t) − k_i φ_i [N·m] of motor, damper and spring, before a limit."""
+    """Return u_i − c_i (ω_i − ω_{i−1} − ω_t) − k_i φ_i [N·m] of motor, damper and spring, before a limit."""
     if i == 0 and not d.model.pinned:
         return 0.0
     own, first = d.inputs, omega_at(d.links)
@@ -92,12 +92,15 @@ def wanted_torque(d, y, i):
 
 
 def joint_torque(d, y, i):
-    """The torque [N·m] of motor, damper and spring in joint i, at its limit while its mode says so."""
+    """Return the torque [N·m] of motor, damper and spring in joint i, at the limit while the mode says so."""
     return limited_drive(wanted_torque(d, y, i), d.model.joint_torque_limit[i], d.drive.mode[i])
 
 
 def mode_margin(d, y):
-    """By how much [N·m] drives are from the ends of their modes, plus round-off: the least; ∞ without end."""
+    """Return the least distance [N·m] of drives from the ends of their modes, plus round-off.
+
+    ∞ without an end.
+    """
     least = math.inf
     for i in range(d.links):
         limit, stiffness = d.model.joint_torque_limit[i], d.inputs.joint_stiffness[i]
@@ -116,7 +119,7 @@ def mode_margin(d, y):
 
 
 def joint_bound(d):
-    """An upper bound [1/s] on the rates of decay and oscillation by the joints' dampers and springs."""
+    """Return an upper bound [1/s] on the rates of decay and oscillation by joints' dampers and springs."""
     damping, stiffness = 0.0, 0.0
     for i in range(d.links):
         c, k = joint_damping(d, i), spring_stiffness(d, i)
@@ -132,14 +135,14 @@ def joint_bound(d):
 
 
 def over(resistance, inertia):
-    """A resistance over an inertia, neither of them negative; 0/0 = 0."""
+    """Return a resistance over an inertia, neither of them negative; 0/0 = 0."""
     if inertia > 0.0:
         return resistance / inertia
     return math.inf if resistance > 0.0 else 0.0
 
 
 def joint_rate(d, y):
-    """The largest of all ρ_i and ω_i [1/s] in the state y, whose link vectors are stored in ``work.link``."""
+    """Return the largest of all ρ_i and ω_i [1/s] in state y, and store its link vectors in ``work.link``."""
     link_vectors(d, y)
     work, fastest = d.work, 0.0
     no_impedance(d, work.impedance)

@@ -1,9 +1,9 @@
-"""Kinematics of the chain: where its points are, how fast they move and how they accelerate.
+"""Kinematics of the chain: positions, velocities and accelerations of its points.
 
 Vectors of all places are records with ``x, y``, shape (2N+1+P,). The first N + 1 places are the points 0…N.
-The next N are those of the joints 1…N, which scenes with stops use: their x is the joint's own angle
-θ_i − θ_{i−1} at a lever arm, the longest link, and their y is 0. So a stop is to all other modules what a
-wall is to a point. The last P places are the sites (chain/sites.py).
+The next N places belong to the joints 1…N, and scenes with stops use them: their x is the joint's own angle
+θ_i − θ_{i−1} at a lever arm, the longest link, and their y is 0. So all other modules treat a stop like a
+wall at a point. The last P places are the sites (chain/sites.py).
 """
 
 import math
@@ -39,8 +39,8 @@ def polar(radius, y, first, horizontal, vertical):
 def copy(y, first, count, out):
     """Copy ``count`` numbers of y, from index ``first`` on, in vectors.
 
-    They are read again as vectors, which is slow for a processor if they were written one by one. All numbers
-    of a group are read before the first is written, so the compiler moves a group as a vector.
+    The copy is read as vectors, which is slow for a processor if the numbers were written one by one. All
+    numbers of a group are read before the first is written, so the compiler moves a group as a vector.
     """
     fours, pairs = count - count % 4, count - count % 2
     for i in range(0, fours, 4):
@@ -54,7 +54,7 @@ def copy(y, first, count, out):
 
 
 def in_reach(y, first, count):
-    """Whether the angles in y, from index ``first`` on, are small enough for ``cosine_and_sine``."""
+    """Return whether the angles in y, from index ``first`` on, are small enough for ``cosine_and_sine``."""
     total = 0.0
     for i in range(count):
         total += abs(y[first + i])
@@ -62,9 +62,9 @@ def in_reach(y, first, count):
 
 
 def locate_points(d, y):
-    """Positions [m] and velocities [m/s] of the points 0…N, and the link vectors, for the state y.
+    """Set positions [m] and velocities [m/s] of the points 0…N, and the link vectors, for the state y.
 
-    A base and walls that move are where they are at the time of y.
+    A moving base and moving walls are placed at the time of y.
     """
     if d.channels > 0:
         move_with(d, y)
@@ -72,13 +72,13 @@ def locate_points(d, y):
 
 
 def locate_points_now(d, y):
-    """As ``locate_points``, with base and walls where they have been moved to last."""
+    """Locate points as ``locate_points`` does, with base and walls where they were moved to last."""
     link_vectors(d, y)
     place_points(d, y)
 
 
 def place_points(d, y):
-    """As ``locate_points``, for link vectors that are already set."""
+    """Locate points as ``locate_points`` does, for link vectors that are already set."""
     n, link, position, velocity = d.links, d.work.link, d.work.position, d.work.velocity
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
@@ -101,7 +101,7 @@ def place_points(d, y):
 
 
 def place_joints(d, values, first, vectors):
-    """Set the vectors of the joints' places from values of the N links, which begin at the ``first``."""
+    """Set the vectors of the joints' places from values of the N links, which begin at index ``first``."""
     before, size = 0.0, d.model.size
     for i in range(d.links):
         vectors.x[d.links + 1 + i] = size * (values[first + i] - before)
@@ -109,7 +109,7 @@ def place_joints(d, values, first, vectors):
 
 
 def accelerate_points(d, y, rate):
-    """Accelerations [m/s²] of the located points 0…N, for the state y and its rate."""
+    """Set the accelerations [m/s²] of the located points 0…N, for the state y and its rate."""
     n, link, acceleration = d.links, d.work.link, d.work.acceleration
     ax, ay = rate[velocity_at(n)], rate[velocity_at(n) + 1]
     if d.channels > 0 and d.model.base_moves:
@@ -129,7 +129,7 @@ def accelerate_points(d, y, rate):
 
 def zero(d, vectors):
     """Set the vectors of all places to zero."""
-    # the compiler knows the number of links, and of points
+    # the numbers of links and points are constants for the compiler
     for k in range(d.links + 1):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
     if d.model.jointed:
@@ -156,12 +156,12 @@ def note_points_at_end(d):
 
 
 def note_points_elsewhere(d):
-    """Note that the points are not, or not any more, those at the end of the last step."""
+    """Note that the points are not, or no longer, at the end of the last step."""
     d.work.at_end = 0
 
 
 def move_points(d, links, change, response):
-    """Motion of the places that follows from a change of the coordinates: Δp_{i+1} = Δp_i + Δθ_i L⊥."""
+    """Set the motion of the places for a change of the coordinates: Δp_{i+1} = Δp_i + Δθ_i L⊥."""
     n = d.links
     x, y = change[0], change[1]
     for i in range(n):
@@ -175,7 +175,7 @@ def move_points(d, links, change, response):
 
 
 def largest(d, vectors):
-    """The largest component of the vectors of all places."""
+    """Return the largest component of the vectors of all places."""
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
@@ -188,7 +188,7 @@ def largest(d, vectors):
 
 
 def at_center(d, vectors, i):
-    """The vector at the centre of mass of link i, from velocities, accelerations or changes at the points."""
+    """Return the vector at link i's centre of mass, from velocities, accelerations or changes at points."""
     # v_C = v_i + (c/ℓ) Δv + (o/ℓ) Δv⊥,  Δv = v_{i+1} − v_i
     ratio, x, y = d.model.center_of_mass_ratio[i], vectors.x[i], vectors.y[i]
     dx, dy = vectors.x[i + 1] - x, vectors.y[i + 1] - y

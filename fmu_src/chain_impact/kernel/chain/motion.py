@@ -1,15 +1,15 @@
-"""Motions that are given as functions of time: of a pinned base, and of walls.
+"""Motions of a pinned base and of walls, given as functions of time.
 
-A channel is one such motion. In a scene with a base that moves the first two are x and y of the base. A wall
-that moves has two: the displacement along its inward normal n and the travel of its belt along
-t = (n_y, −n_x). In each piece of the course of the inputs (forces/inputs.py) the position of a channel is a
+A channel is one such motion. In a scene with a moving base the first two channels are x and y of the base. A
+moving wall has two channels: the displacement along its inward normal n and the travel of its belt along t =
+(n_y, −n_x). In each piece of the course of the inputs (forces/inputs.py) the position of a channel is a
 polynomial,
 
     s(t) = c₀ + x (c₁ + x (c₂ + …)),   x = (t − middle) scale,
 
-and its velocity and acceleration are the derivatives of that. So the three never disagree, nothing drifts,
-and a base has no part in the state: there its coordinates and their rates are 0, and the points are located
-with the position and velocity of the channels at the time of the state.
+and velocity and acceleration are its derivatives. So the three always agree, nothing drifts, and the base has
+no part in the state: its coordinates and rates there are 0, and the points are located with the position and
+velocity of the channels at the time of the state.
 """
 
 from chain_impact.kernel.chain.signals import CHANNEL, signal_at, signal_bounds, sway_of_signals
@@ -17,12 +17,12 @@ from chain_impact.kernel.chain.state import time_at
 
 
 def move_with(d, y):
-    """Move base and walls to where they are at the time of the state y."""
+    """Move base and walls to their places at the time of the state y."""
     move(d, d.step.clock + y[time_at(d.links)])
 
 
 def move(d, time):
-    """Set position [m], velocity [m/s] and acceleration [m/s²] of all channels, and walls, at a time [s]."""
+    """Set position [m], velocity [m/s], acceleration [m/s²] of all channels at a time [s], and move walls."""
     own, course = d.moved, d.inputs.course
     x, since = (time - course.middle) * course.scale, time - own.began
     for m in range(d.channels):
@@ -31,7 +31,7 @@ def move(d, time):
             half_a = half_a * x + v
             v = v * x + s
             s = s * x + own.course[course.order - k, m]
-        # what is added is 0, but for its derivatives in a tangent instance
+        # the added terms are 0, but have derivatives in a tangent instance
         own.position[m] = s + own.added[m] + since * (own.added_rate[m] + 0.5 * since * own.added_push[m])
         own.velocity[m] = v * course.scale + own.added_rate[m] + since * own.added_push[m]
         own.acceleration[m] = 2.0 * half_a * course.scale * course.scale + own.added_push[m]
@@ -46,7 +46,7 @@ def move(d, time):
 
 
 def move_wall(d, c, m):
-    """Move the wall of candidate c with channel m, and its belt with the next one."""
+    """Move the wall of candidate c with channel m, and its belt with the next channel."""
     wall, own = d.shift, d.moved
     d.candidate.offset[c] = wall.rest[c] + own.position[m]
     wall.rate[c], wall.push[c] = own.velocity[m], own.acceleration[m]
@@ -55,7 +55,7 @@ def move_wall(d, c, m):
 
 
 def motion_bounds(d, m):
-    """Bounds on the speed [m/s] and the acceleration [m/s²] of channel m over the last step."""
+    """Return bounds on the speed [m/s] and the acceleration [m/s²] of channel m over the last step."""
     course, own = d.inputs.course, d.moved
     scale = course.scale
     most = max(abs(d.step.start - course.middle), abs(d.step.end - course.middle)) * scale
@@ -74,7 +74,7 @@ def motion_bounds(d, m):
 
 
 def fastest_wall(d):
-    """The largest speed [m/s] and acceleration [m/s²] of walls and belts, where they have been moved to."""
+    """Return the largest speed [m/s] and acceleration [m/s²] of walls and belts, as they were moved last."""
     speed, push = 0.0, 0.0
     for c in range(d.candidates):
         if d.shift.channel[c] >= 0:
@@ -84,7 +84,7 @@ def fastest_wall(d):
 
 
 def travel_of_piece(d):
-    """A bound on how far any channel moves in the present piece of its course [m]."""
+    """Return a bound on the distance that any channel moves in the present piece [m]."""
     most = 0.0
     for m in range(d.channels):
         total = 0.0

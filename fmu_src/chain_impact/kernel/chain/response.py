@@ -6,13 +6,13 @@ resists a change of its relative angular velocity by κ_i (Δ_i − Δ_{i−1}) 
 joint. The base has a damper only if it is pinned.
 
 A joint that resists transmits a moment. The response of the outer part of the chain therefore depends on the
-motion a of the joint and on β, that of the next link inward:
+motion a of the joint and on the motion β of the next link inward:
 
     Z = ½ a·A a + β e·a + ½ p β² − b·a − t β,
 
-with A, e and p a symmetric 3×3 articulated inertia. To this, link i adds its own inertia and its damper,
-and is eliminated, Δ_i = α. With L, m c, x⊥ as there and primes for the part outside of link i,
-whose β is α:
+with A, e and p a symmetric 3×3 articulated inertia. Link i adds its own inertia and its damper, and is
+eliminated, Δ_i = α. With L, m c and x⊥ as in chain/tree.py, and primes for the part outside of link i, whose
+β is α:
 
     h = m c⊥ + A' L⊥ + e',   H = I + m c² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t' + τ,
     Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β)² − μ (α − β),
@@ -23,13 +23,14 @@ The result has the coefficients, with σ = κ/(H + κ) between 0 and 1,
     A = A' + m 1 − h hᵀ/(H + κ),   e = σ h,   p = σ H,
     b = b' − h (s + μ)/(H + κ),    t = σ s − (1 − σ) μ,
 
-in which nothing cancels, however large κ is. As there two arms meet at the middle joint. Its damper
+in which nothing cancels, however large κ is. As in chain/tree.py, two arms meet at the middle joint. Its
+damper
 belongs to the outward arm, whose β is the α of the last link of the inward one: e, p and t of the outward arm
 add to h, H and s of that link. A light link at an end is eliminated before heavier ones, which
 would swallow its digits.
 
-No pivots are needed for complex κ and D of implicit steps (ode/extended.py): with the largest
-argument of a shift below 61° all quadratic forms lie in a sector of less than 122°, and no pivot vanishes.
+No pivots are needed for complex κ and D of implicit steps (ode/extended.py): the argument of every shift is
+below 61°, so all quadratic forms lie in a sector of less than 122°, and no pivot vanishes.
 """
 
 from chain_impact.kernel.chain.sites import has_link_moments, site_arm, site_place
@@ -38,40 +39,40 @@ from chain_impact.kernel.chain.tree import arm, hinge, inertia_along
 from chain_impact.kernel.functions import inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
-"""Rows of the factors of M, of M with impedances at what is held, and of those of a real shift."""
+"""Rows of the factors: of M; of M with impedances at held constraints; of a system with a real shift."""
 ROWS = 3
 
 
 def reciprocal(number):
-    """1/x of a number that is not zero and far from overflow."""
+    """Return 1/x of a number that is not zero and far from overflow."""
     return 1.0 / number
 
 
 def complex_reciprocal(number):
-    """As ``reciprocal``, for a complex number: numba's own quotient may raise, and has branches."""
+    """Return the reciprocal of a complex number; numba's own quotient may raise, and has branches."""
     size = 1.0 / (number.real * number.real + number.imag * number.imag)
     return complex(number.real * size, -number.imag * size)
 
 
 def cross(lx, ly, bx, by):
-    """L⊥·b."""
+    """Return L⊥·b."""
     return lx * by - ly * bx
 
 
 def complex_cross(lx, ly, bx, by):
-    """As ``cross``, for a complex b: numba would make L complex."""
+    """Return L⊥·b for a complex b; in ``cross``, numba would make L complex."""
     return complex(cross(lx, ly, bx.real, by.real), cross(lx, ly, bx.imag, by.imag))
 
 
 def complex_hinge(link, axx, axy, ayy):
-    """As ``hinge``, for a complex A', likewise."""
+    """Return h and H as ``hinge`` does, for a complex A'; in ``hinge``, numba would make L complex."""
     hx, hy, own = hinge(link, axx.real, axy.real, ayy.real)
     gx, gy, part = hinge((link[0], link[1], 0.0, 0.0, 0.0), axx.imag, axy.imag, ayy.imag)
     return complex(hx, gx), complex(hy, gy), complex(own, part)
 
 
 COMPLEX = {reciprocal: complex_reciprocal, cross: complex_cross, hinge: complex_hinge}
-"""Function of the kernel → what stands for it where an argument is complex."""
+"""Function of the kernel → its replacement for complex arguments."""
 
 
 def no_impedance(d, impedance):
@@ -94,8 +95,8 @@ def factorize(d, links, space, row, coupled):
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
         space: record with ``impedance``, which has ``xx, xy, yy`` of each point, D [kg], and ``joint``, shape
             (N,), κ_i [kg·m²]; and with ``factors``, the result, used by ``solve``.
-        row: of the factors.
-        coupled: whether there may be moments in joints: else κ and μ are zero, and are not read.
+        row: the row of the factors.
+        coupled: whether joints may transmit moments; otherwise κ and μ are zero, and are not read.
     """
     n, middle, impedance = d.links, d.model.middle, space.impedance
     space.factors.coupled[row] = 1 if coupled else 0
@@ -123,9 +124,9 @@ def factorize(d, links, space, row, coupled):
 
 
 def take_factors(d, coupled):
-    """Take the factors of M that ``accelerations`` has found; ``coupled`` as for ``factorize``.
+    """Take over the factors of M that ``accelerations`` has found; ``coupled`` as for ``factorize``.
 
-    With armatures, ``geared_accelerations`` in rows/compliance.py has left them in their place.
+    With armatures, ``geared_accelerations`` in rows/compliance.py has already put them in their place.
     """
     if d.model.geared:
         return
@@ -138,7 +139,7 @@ def take_factors(d, coupled):
 
 
 def set_middle(d, factors, row, axx, axy, ayy):
-    """Set A⁻¹ of the middle joint; of a pinned base 0, of a slider u uᵀ/(u·A u + m)."""
+    """Set A⁻¹ of the middle joint; it is 0 for a pinned base, and u uᵀ/(u·A u + m) for a slider."""
     mobility = factors.middle_mobility
     if d.slides:
         ux, uy, inverse = d.slider.ux, d.slider.uy, reciprocal(inertia_along(d, axx, axy, ayy))
@@ -191,10 +192,10 @@ def solve(d, links, space, row, change):
     Args:
         d: the instance.
         links: as for ``factorize``.
-        space: record with its result, and with ``load``, which has ``x, y`` of each point [N·s], and
-            ``joint``, shape (N,), μ_i [N·m·s], and ``link``, τ_i of each link, which is read in a
-            scene with sites or centres of mass beside the lines; or forces.
-        row: of the factors.
+        space: record with the result of ``factorize``, and with ``load``. The load has ``x, y`` of each point
+            [N·s], ``joint``, shape (N,), μ_i [N·m·s], and ``link``, τ_i of each link, which is read in a
+            scene with sites or centres of mass beside the lines. Forces may replace the impulses.
+        row: the row of the factors.
         change: result Δ, shape (N+2,): the change of the base's velocity [m/s] and of the angular velocities
             [rad/s]; or accelerations. Entries after these are not changed.
     """
@@ -227,7 +228,7 @@ def solve(d, links, space, row, change):
 def gather(d, links, space, row, coupled, i, outward, moment, bx, by, t, change):
     """Set the change of ω_i for an inner joint and a next link at rest; return b and t for b' and t'.
 
-    The ``moment`` is μ of the inner joint, as it acts on link i.
+    ``moment`` is μ of the inner joint, as it acts on link i.
     """
     factors, point, sign = space.factors, i + 1 if outward else i, 1.0 if outward else -1.0
     bx += space.load.x[point]
@@ -247,7 +248,7 @@ def gather(d, links, space, row, coupled, i, outward, moment, bx, by, t, change)
 
 @inlined
 def spread(links, space, row, coupled, i, outward, x, y, before, change):
-    """Correct the change of ω_i for those of its inner joint's velocity and the next link's ω.
+    """Correct the change of ω_i for the changes of the inner joint's velocity and of the next link's ω.
 
     Returns:
         The changes of the outer joint's velocity and of ω_i.

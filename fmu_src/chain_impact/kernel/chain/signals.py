@@ -1,34 +1,34 @@
 """Signals: inputs that the scene itself drives, as functions of time.
 
-A signal is one polynomial after the other, each from a knot at t_k on, and in some forms a sine beside:
+A signal is a sequence of polynomials, each from a knot at t_k on. In some forms a sine is added:
 
     u(t) = c₀ + x (c₁ + x (c₂ + …)) + r(s) a sin(ψ + 2π (f s + ½ ḟ s²)),   x = t − t_k,   s = t − start,
 
 where r rises from 0 to 1. `signal.segment` is the knot in use. A step ends where a segment does, and the
 segment stays until the next step begins (events/segments.py): so there are values on both sides of a jump.
 
-What drives the velocity or the acceleration of a base or a wall is integrated here, so that position,
-velocity and acceleration never disagree. The integral of a sine is a sine again.
+A signal that drives the velocity or the acceleration of a base or a wall is integrated here, so that
+position, velocity and acceleration always agree. The integral of a sine is a sine again.
 """
 
 import math
 
 from chain_impact.kernel.chain.angles import direction
 
-CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # signal.form
-SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # signal.shape, of a ramp
-# signal.input: what is driven; `signal.index` tells of which joint, component or channel
+CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form
+SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, for a ramp
+# values of signal.input, the driven input; `signal.index` is its joint, component or channel
 TORQUE, TARGET, TARGET_VELOCITY, TIP_FORCE = 0, 1, 2, 3
 SLIDER_FORCE, SLIDER_TARGET, SLIDER_TARGET_VELOCITY, CHANNEL = 4, 5, 6, 7
 RAMP_DEGREE, SPLINE_DEGREE = 5, 3
-DEGREE = RAMP_DEGREE + 2  # of the polynomials, at most: a ramp of an acceleration is integrated twice
+DEGREE = RAMP_DEGREE + 2  # largest degree of the polynomials: a ramp of an acceleration is integrated twice
 TAU = 2.0 * math.pi
 # the largest slope and curvature of ``smooth``
 STEEPEST, ROUNDEST = 1.875, 5.7735027
 
 
 def signal_at(d, j, time):
-    """Value, rate and second derivative of signal j at a ``time`` [s], by its present segment."""
+    """Return value, rate and second derivative of signal j at a ``time`` [s], by its present segment."""
     own, knot, k, degree = d.signal, d.knot, d.signal.segment[j], d.signal.degree[j]
     x = since_knot(d, j, time)
     u, v, half_a = knot.powers[k, degree], 0.0 * x, 0.0 * x
@@ -44,7 +44,7 @@ def signal_at(d, j, time):
 
 
 def drives(d, m):
-    """Whether a signal drives channel m."""
+    """Return whether a signal drives channel m."""
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL and d.signal.index[j] == m:
             return True
@@ -52,12 +52,12 @@ def drives(d, m):
 
 
 def since_knot(d, j, time):
-    """The argument x [s] of the present polynomial of signal j at a ``time`` [s]."""
+    """Return the argument x [s] of the present polynomial of signal j at a ``time`` [s]."""
     return time - d.signal.lap[j] * d.signal.period[j] - d.knot.time[d.signal.segment[j]]
 
 
 def sine_at(d, j, time):
-    """Value, rate and second derivative of the sine of signal j at a ``time`` [s]."""
+    """Return value, rate and second derivative of the sine of signal j at a ``time`` [s]."""
     own, i = d.signal, d.signal.source[j]
     s = time - own.start[i]
     phase = own.angle[j] + TAU * s * (own.frequency[i] + 0.5 * own.frequency_rate[i] * s)
@@ -73,13 +73,13 @@ def sine_at(d, j, time):
 
 
 def smooth(x):
-    """10 x³ − 15 x⁴ + 6 x⁵, from 0 to 1, and its first two derivatives."""
+    """Return 10 x³ − 15 x⁴ + 6 x⁵, which rises from 0 to 1, and its first two derivatives."""
     y = 1.0 - x
     return x * x * x * (10.0 + x * (6.0 * x - 15.0)), 30.0 * x * x * y * y, 60.0 * x * y * (1.0 - 2.0 * x)
 
 
 def signal_bounds(d, j):
-    """Bounds on the rate and on the second derivative of signal j over the last step."""
+    """Return bounds on the rate and on the second derivative of signal j over the last step."""
     own, knot, k = d.signal, d.knot, d.signal.segment[j]
     half = 0.5 * (d.step.end - d.step.start)
     x = since_knot(d, j, d.step.start + half)
@@ -106,7 +106,7 @@ def signal_bounds(d, j):
 
 
 def fastest(d, j):
-    """The largest angular frequency [rad/s] of the sine of signal j in the last step."""
+    """Return the largest angular frequency [rad/s] of the sine of signal j in the last step."""
     own, i = d.signal, d.signal.source[j]
     f, chirp = own.frequency[i], own.frequency_rate[i]
     begin, end = f + chirp * (d.step.start - own.start[i]), f + chirp * (d.step.end - own.start[i])
@@ -114,7 +114,7 @@ def fastest(d, j):
 
 
 def rate_of_signals(d):
-    """The largest rate [1/s] at which sines change in the last step."""
+    """Return the largest rate [1/s] at which sines change in the last step."""
     most = 0.0
     for j in range(d.signals):
         if d.signal.form[j] == SINE and d.signal.segment[j] > d.signal.first[j]:
@@ -123,7 +123,7 @@ def rate_of_signals(d):
 
 
 def sway_of_signals(d):
-    """The sum of the amplitudes of all sines."""
+    """Return the sum of the amplitudes of all sines."""
     total = 0.0
     for j in range(d.signals):
         if d.signal.form[j] == SINE:
@@ -135,7 +135,7 @@ def sway_of_signals(d):
 
 
 def segment_end(d, j):
-    """When the present segment of signal j ends [s]; infinity if it does not."""
+    """Return the end of the present segment of signal j [s]; infinity if it has no end."""
     own, k = d.signal, d.signal.segment[j]
     if k < own.last[j]:
         return own.lap[j] * own.period[j] + d.knot.time[k + 1]
@@ -155,7 +155,7 @@ def next_segment(d, j):
 
 
 def set_segment(d, j, k, lap):
-    """Set the knot in use of signal j, and how often its table has been repeated before."""
+    """Set the knot of signal j that is in use, and how often its table has been repeated before."""
     d.signal.segment[j], d.signal.lap[j] = k, lap
 
 
@@ -163,7 +163,7 @@ def set_segment(d, j, k, lap):
 
 
 def derive_signals(d, time):
-    """Derive the polynomials of all signals from what is given of them, and begin them at a ``time`` [s]."""
+    """Derive the polynomials of all signals from the given numbers, and begin them at a ``time`` [s]."""
     own = d.signal
     for j in range(d.signals):
         i, k = own.source[j], own.first[j]
@@ -201,7 +201,7 @@ def begin_signal(d, j, time):
 
 
 def set_level(d, k, time, level):
-    """Let a constant begin at a ``time`` [s] with knot k."""
+    """Let a constant begin with knot k at a ``time`` [s]."""
     d.knot.time[k] = time
     for p in range(1, DEGREE + 1):
         d.knot.powers[k, p] = 0.0
@@ -209,7 +209,7 @@ def set_level(d, k, time, level):
 
 
 def derive_sine(d, i, k):
-    """The knots of a sine with the numbers in row i, from knot k on: before its start, its rise, then."""
+    """Set the knots of a sine with the numbers in row i, from knot k on: before its start, rise, rest."""
     own = d.signal
     rises = own.rise[i] > 0.0
     _, sine = direction(own.phase[i])
@@ -220,7 +220,7 @@ def derive_sine(d, i, k):
 
 
 def derive_ramp(d, i, k, shape):
-    """The knots of a ramp with the numbers in row i, from knot k on."""
+    """Set the knots of a ramp with the numbers in row i, from knot k on."""
     own, powers = d.signal, d.knot.powers
     way, lasts, start = own.final[i] - own.initial[i], own.duration[i], own.start[i]
     set_level(d, k, start, own.initial[i])
@@ -244,7 +244,7 @@ def derive_ramp(d, i, k, shape):
 
 
 def integrate(d, j, time):
-    """Make signal j its integral over time, which is 0 at a ``time`` [s]."""
+    """Replace signal j by its integral over time, which is 0 at a ``time`` [s]."""
     own, knot = d.signal, d.knot
     if own.form[j] == SINE:
         # ∫ a sin(ψ + ω s) ds = (a/ω) sin(ψ − π/2 + ω s)
@@ -267,7 +267,7 @@ def integrate(d, j, time):
 
 
 def signals_are_valid(d):
-    """Whether the numbers that are given of signals are in their ranges."""
+    """Return whether the given numbers of signals are in their ranges."""
     own = d.signal
     for j in range(d.signals):
         total = own.size[j] + own.angle[j]

@@ -15,20 +15,20 @@ from chain_impact.kernel.functions import inlined
 
 @inlined
 def site_place(d, s):
-    """The place of site s: behind the N + 1 points and the N joints."""
+    """Return the place of site s, which comes after the N + 1 points and the N joints."""
     return 2 * d.links + 1 + s
 
 
 @inlined
 def site_arm(d, links, s):
-    """The arm r [m] of site s from the proximal joint of its link, for the link vectors in ``links``."""
+    """Return the arm r [m] of site s from its link's proximal joint, for the link vectors in ``links``."""
     i, along, beside = d.site.link[s], d.site.along[s], d.site.beside[s]
     lx, ly = links.x[i], links.y[i]
     return along * lx - beside * ly, along * ly + beside * lx
 
 
 def place_sites(d, y, first, position, velocity):
-    """Set positions and velocities of the sites, for ω that begin at index ``first`` of the state y."""
+    """Set positions and velocities of the sites; ω begins at index ``first`` of the state y."""
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
         rx, ry = site_arm(d, d.work.link, s)
@@ -37,7 +37,7 @@ def place_sites(d, y, first, position, velocity):
 
 
 def turn_sites(d, links, turns, first, vectors):
-    """Set the motion of the sites by that of the joints, and turns of the links from index ``first`` on."""
+    """Set the motion of the sites from the joints' motion and the links' turns, from index ``first`` on."""
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
         rx, ry = site_arm(d, links, s)
@@ -46,7 +46,7 @@ def turn_sites(d, links, turns, first, vectors):
 
 
 def accelerate_sites(d, y, rate, first, acceleration):
-    """Set the accelerations of the sites, for ω and α from index ``first`` on of y and its rate."""
+    """Set the accelerations of the sites; ω and α begin at index ``first`` of y and its rate."""
     turn_sites(d, d.work.link, rate, first, acceleration)
     for s in range(d.sites):
         k, omega = site_place(d, s), y[first + d.site.link[s]]
@@ -62,18 +62,18 @@ def clear_sites(d, vectors):
 
 
 def has_link_moments(d):
-    """Whether loads may have moments on links, from sites or from centres of mass beside the lines."""
+    """Return whether loads may have moments on links, from sites or from centres of mass beside the lines."""
     return d.sites > 0 or d.skewed != 0
 
 
 def clear_link_moments(d, load):
-    """Set the moments on all links to zero, where there may be any."""
+    """Set the moments on all links to zero, if there may be any."""
     for i in range(d.links if has_link_moments(d) else 0):
         load.link[i] = 0.0
 
 
 def carry_sites(d, links, load):
-    """Carry the forces at the sites to the proximal joints of their links, with moments on the links."""
+    """Move the forces at the sites to the proximal joints of their links, with moments on the links."""
     clear_link_moments(d, load)
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)

@@ -16,60 +16,60 @@ from chain_impact.kernel.chain.state import velocity_at
 
 
 def slide_along(d, vector_x, vector_y):
-    """The part of a vector along the line."""
+    """Return the component of a vector along the line."""
     return d.slider.ux * vector_x + d.slider.uy * vector_y
 
 
 def slider_position(d, y):
-    """S [m] for the state y."""
+    """Return s [m] for the state y."""
     return slide_along(d, y[0] - d.initial.position[0], y[1] - d.initial.position[1])
 
 
 def slider_velocity(d, y):
-    """ṡ [m/s] for the state y, or s̈ for its rate."""
+    """Return ṡ [m/s] for the state y, or s̈ for its rate."""
     n = d.links
     return slide_along(d, y[velocity_at(n)], y[velocity_at(n) + 1])
 
 
 def is_slider_drive(d):
-    """Whether the work of spring, damper and motor is that of a drive: supplied energy."""
+    """Return whether the slider has a drive: then the work of spring, damper and motor is supplied energy."""
     return d.model.followed != 0 or d.slider.force_limit < float("inf")
 
 
 def slider_damping(d):
-    """C [N·s/m], 0 without a slider and while the force is at its limit."""
+    """Return c [N·s/m]; 0 without a slider and while the force is at its limit."""
     return d.slider.damping if d.slides and d.slider.mode == 0 else 0.0
 
 
 def slider_stiffness(d):
-    """K [N/m], likewise."""
+    """Return k [N/m]; 0 without a slider and while the force is at its limit."""
     return d.slider.stiffness if d.slides and d.slider.mode == 0 else 0.0
 
 
 def slider_resistance(d, time):
-    """κ = t c + t² k [kg] of damper and spring, for a ``time`` t [s]."""
+    """Return κ = t c + t² k [kg] of damper and spring, for a ``time`` t [s]."""
     return time * (slider_damping(d) + time * slider_stiffness(d))
 
 
 def slider_stretch(d, y):
-    """S − s₀ [m], from the rest or target position of the spring."""
+    """Return s − s₀ [m], from the rest or target position of the spring."""
     return slider_position(d, y) - d.inputs.slider_target_position
 
 
 def wanted_force(d, y):
-    """F − c (ṡ − v_t) − k (s − s₀) [N] of motor, damper and spring, before a limit."""
+    """Return F − c (ṡ − v_t) − k (s − s₀) [N] of motor, damper and spring, before a limit."""
     own = d.inputs
     rate = slider_velocity(d, y) - own.slider_target_velocity
     return wanted_drive(own.slider_force, d.slider.damping, rate, d.slider.stiffness, slider_stretch(d, y))
 
 
 def slider_force(d, y):
-    """The force F [N] of motor, damper and spring, at its limit while its mode says so."""
+    """Return the force F [N] of motor, damper and spring, at its limit while the mode says so."""
     return limited_drive(wanted_force(d, y), d.slider.force_limit, d.slider.mode)
 
 
 def slider_power(d, y):
-    """The power [W] that the damper dissipates, and that motor or servo supply."""
+    """Return the power [W] that the damper dissipates, and the power that motor or servo supply."""
     rate = slider_velocity(d, y)
     if is_slider_drive(d):
         return 0.0, slider_force(d, y) * rate
@@ -77,12 +77,12 @@ def slider_power(d, y):
 
 
 def slider_spring_energy(d, y):
-    """The energy [J] of a spring that is no servo."""
+    """Return the energy [J] of a spring that is no servo."""
     stretch = slider_stretch(d, y)
     return 0.0 if is_slider_drive(d) else 0.5 * d.slider.stiffness * stretch * stretch
 
 
 def carriage_energy(d, y):
-    """Kinetic and potential energy [J] of the carriage."""
+    """Return kinetic and potential energy [J] of the carriage."""
     rate, gravity = slider_velocity(d, y), d.model.gravity
     return 0.5 * d.slider.mass * rate * rate, -d.slider.mass * (gravity[0] * y[0] + gravity[1] * y[1])

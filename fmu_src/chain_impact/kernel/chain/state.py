@@ -8,44 +8,44 @@ integration variable of a step: u = √(δ/δ*) of the regularized contact (ode/
 time since the start of the step [s].
 """
 
-ANGLES = 2  # the first angle, also in a change of all coordinates: those of the base come first
+ANGLES = 2  # index of the first angle, also in a change of all coordinates; the base's coordinates come first
 
 
 def coordinate_count(n):
-    """The number of coordinates of a chain of n links."""
+    """Return the number of coordinates of a chain of n links."""
     return n + 2
 
 
 def velocity_at(n):
-    """The index of the base's velocity, with which the rates of all coordinates begin."""
+    """Return the index of the base's velocity, the first of the rates of all coordinates."""
     return n + 2
 
 
 def omega_at(n):
-    """The index of the first angular velocity."""
+    """Return the index of the first angular velocity."""
     return n + 4
 
 
 def dissipated_at(n):
-    """The index of the dissipated energy, after all coordinates and their rates."""
+    """Return the index of the dissipated energy, after all coordinates and their rates."""
     return 2 * n + 4
 
 
 def supplied_at(n):
-    """The index of the energy supplied by the inputs."""
+    """Return the index of the energy supplied by the inputs."""
     return 2 * n + 5
 
 
 def sundman_u_at(n):
-    """The index of u, after all entries that belong to the chain."""
+    """Return the index of u, after all entries that belong to the chain."""
     return 2 * n + 6
 
 
 def time_at(n):
-    """The index of the time since the start of the step."""
+    """Return the index of the time since the start of the step."""
     return 2 * n + 7
 
 
 def state_size(n):
-    """The length of y."""
+    """Return the length of y."""
     return 2 * n + 8

@@ -27,11 +27,11 @@ from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import at_joint, clearance, gap_acceleration, lever
 from chain_impact.kernel.status import count_evaluations, counted_work, uncount_work
 
-HELD_SAMPLES = 5  # samples of a constraint force over a step, its ends included
+HELD_SAMPLES = 5  # number of samples of a constraint force over a step, including its ends
 
 
 def update_peaks(d):
-    """Update what is largest so far, of active contacts and of forces in joints, over the last step."""
+    """Update the peaks of active contacts and of forces in joints over the last step."""
     if d.touch.active_count > 0:
         update_extremes(d)
     if d.loads > 0:
@@ -47,7 +47,7 @@ def update_extremes(d):
     if any_point_held(d):
         update_held_extremes(d)
     for k in range(touch.compliant_count):
-        ensure_points(d)  # the search for the peaks of the last contact has located others
+        ensure_points(d)  # the search for the peaks of the last contact has located other points
         c = touch.active_index[k]
         _, gap_rate = clearance(d, c)
         force_rate = rate_of_force(d, c)
@@ -58,11 +58,11 @@ def update_extremes(d):
 
 
 def peaks(d, c, force_rate, time, reader):
-    """The largest force [N] and penetration [m] of candidate c until a ``time`` [s] in the last step.
+    """Return the largest force [N] and penetration [m] of candidate c until a ``time`` [s] in the last step.
 
-    The points must be located and accelerated at that time; the third value returned is true if they have
-    been located at another time since. ``force_rate`` [N/s] is dF/dt at these points; ``reader`` is OUTPUTS
-    or SOLVER, whichever the result is for.
+    The points must be located and accelerated at this time. The third result is true if they have been
+    located at another time since. ``force_rate`` [N/s] is dF/dt at these points; ``reader`` is OUTPUTS or
+    SOLVER, the user of the result.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
@@ -82,7 +82,7 @@ def peaks(d, c, force_rate, time, reader):
 
 
 def turns_at_end(d, c):
-    """Whether the last step ends where δ̇ = 0 for candidate c, so that its penetration is largest there."""
+    """Return whether the last step ends where δ̇ = 0 for candidate c, at its largest penetration."""
     return d.law.approach_only[c] and d.touch.event[c] == KINK
 
 
@@ -112,7 +112,7 @@ def update_to_output_time(d):
 
 
 def update_own_to_output_time(d):
-    """Truncate the last step at the communication point, and log the active contacts up to there."""
+    """Truncate the last step at the communication point, and log the active contacts up to this point."""
     counted = counted_work(d)
     end_at_output_time(d)
     ensure_rate(d)
@@ -125,8 +125,8 @@ def update_own_to_output_time(d):
 def end_at_output_time(d):
     """End the last step at the communication point and drop the later events, which will be found again.
 
-    An onset exactly there is kept: its point is already at the wall and cannot arrive a second time. So are
-    changes of modes.
+    An onset exactly at this point is kept: its point is already at the wall and cannot arrive a second time.
+        Changes of modes are kept as well.
     """
     due = d.step.end == d.step.time
     truncate_to_output_time(d)
@@ -138,9 +138,9 @@ def end_at_output_time(d):
 
 
 def list_latest(d):
-    """List the latest impacts, those that last as they are at the communication point.
+    """List the latest impacts; a contact that lasts has its values at the communication point.
 
-    The points must be located and accelerated there, and the outputs must already hold the impulses.
+    The points must be located and accelerated at this point, and the outputs must already hold the impulses.
     """
     latest, log, rows = d.latest, d.finished, d.finished.count
     if latest.kept == 0:
@@ -170,7 +170,7 @@ def list_latest(d):
 
 
 def rate_of_force(d, c):
-    """dF/dt [N/s] of candidate c, from the located and accelerated points; only its sign is used."""
+    """Return dF/dt [N/s] of candidate c, from the located and accelerated points; only its sign is used."""
     stiffness, damping = contact_slopes(d, c)
     # Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
     _, gap_rate = clearance(d, c)
@@ -178,19 +178,19 @@ def rate_of_force(d, c):
 
 
 def force_at(d, c, theta):
-    """The force [N] of candidate c at the fraction θ of the last step."""
+    """Return the force [N] of candidate c at the fraction θ of the last step."""
     gap, gap_rate = clearance_at(d, c, theta)
     return contact_force(d, c, gap, gap_rate)
 
 
 def penetration_at(d, c, theta):
-    """The penetration [m] of candidate c at the fraction θ of the last step."""
+    """Return the penetration [m] of candidate c at the fraction θ of the last step."""
     gap, _ = clearance_at(d, c, theta)
     return -gap
 
 
 def clearance_at(d, c, theta):
-    """The clearance [m] of candidate c and its rate [m/s] at the fraction θ of the last step."""
+    """Return the clearance [m] of candidate c and its rate [m/s] at the fraction θ of the last step."""
     interpolate(d.step, theta, d.work.y)
     locate_points(d, d.work.y)
     return clearance(d, c)
@@ -200,7 +200,7 @@ largest_force, largest_penetration = maximum_of(force_at), maximum_of(penetratio
 
 
 def clear_log(d):
-    """Forget all contacts, as a run starts."""
+    """Forget all contacts, because a run starts."""
     latest = d.latest
     d.finished.count, d.finished.collected = 0, 0
     for row in range(len(latest.time)):
@@ -216,9 +216,10 @@ def collect(d):
 
 
 def end_contact(d, c, held):
-    """End the contact of candidate c, and log it. In a full log it overwrites the oldest entry.
+    """End the contact of candidate c, and log it; in a full log it overwrites the oldest entry.
 
-    ``held``: whether a rigid wall held it until now; by now its law may have changed to one with a force.
+    ``held`` says whether a rigid wall held the point until now; its law may just have changed to one with a
+    force.
     """
     _, gap_rate = clearance(d, c)
     # a point that was held at a rigid wall is at rest: a negative rate is round-off
@@ -228,9 +229,9 @@ def end_contact(d, c, held):
 
 
 def log_active(d):
-    """Log the active contacts behind those that have ended, without an end. They are not counted.
+    """Log the active contacts after the ended ones, without an end; the log does not count them.
 
-    Where more contacts have ended than the log has room for, they overwrite the oldest.
+    If more contacts have ended than the log has room for, the active contacts overwrite the oldest.
     """
     row = d.finished.count
     for c in range(d.candidates):
@@ -240,7 +241,7 @@ def log_active(d):
 
 
 def log_with_peaks(d, c, row, end, separation_speed):
-    """As ``log_contact``, with what has been recorded of the contact, which also enters the peaks of all."""
+    """Log a contact with its recorded peaks, which also enter the peaks of all contacts."""
     touch, peaks, arm = d.touch, d.peaks, lever(d, c)
     force, depth = touch.peak_force[c], touch.max_penetration[c]
     log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.total[c])
@@ -253,12 +254,12 @@ def log_with_peaks(d, c, row, end, separation_speed):
 
 
 def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, impulse):
-    """Write the contact of candidate c to a row of the log; that of a stop by its moments and angles.
+    """Write the contact of candidate c to a row of the log; a stop's row has moments and angles.
 
     Args:
         d: the instance.
         c: the candidate.
-        row: in the log, counted without an end.
+        row: the row, which counts on beyond the end of the log.
         end: the time of its end [s].
         separation_speed: ġ at that time [m/s].
         peak_force: the largest force so far [N].

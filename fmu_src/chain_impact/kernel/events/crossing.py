@@ -1,11 +1,11 @@
-"""Where a function of the motion first falls through zero in a step: by bounds, or by samples.
+"""The first point in a step where a function of the motion falls through zero, by bounds or by samples.
 
 A clearance or a penetration φ is located on the dense output with bounds.
 
-A check for a sign change between the ends of a step alone misses a point that dips into a wall and returns.
-So a bound excludes that: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus A w²/8,
-and φ̇ keeps its sign if it has the same sign at both ends and |φ̇_a| + |φ̇_b| > A w. An interval for which
-neither condition decides is halved.
+A check for a sign change between the ends of a step alone misses a point that dips into a wall and returns. A
+bound excludes this: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus A w²/8, and φ̇
+keeps its sign if it has the same sign at both ends and |φ̇_a| + |φ̇_b| > A w. An interval for which neither
+condition decides is halved.
 """
 
 import math
@@ -23,7 +23,7 @@ from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.rows.geometry import at_joint, normal
 from chain_impact.kernel.status import count_other_work, work_exceeded
 
-FINEST = 1e-15  # fraction of a step: nothing is located better
+FINEST = 1e-15  # finest resolution, as a fraction of a step
 
 
 def first_passage(function, samples, resolution):
@@ -31,8 +31,8 @@ def first_passage(function, samples, resolution):
 
     Args:
         function: the value for candidate or element c at the fraction θ of the last step.
-        samples: function of d, the number of samples of the step.
-        resolution: [s of the step's variable], to which θ is located.
+        samples: function of d that returns the number of samples of the step.
+        resolution: accuracy of the location [s of the step's variable].
 
     Returns:
         A function of (d, c, end) that returns the θ ≤ ``end``, or −1 if no sample is below zero.
@@ -85,20 +85,20 @@ def locate_at(d, theta):
     locate_points(d, d.work.y)
 
 
-# The largest bend of φ that is round-off, over a link length: no interval is halved for it.
+# The largest bend of φ that is round-off, over a link length; an interval with less is not halved.
 RESOLUTION = 1e-15
-# A point skims a wall if neither φ nor its change in an interval is larger than this, over a link length, as
-# points of a link that is held elsewhere do. Intervals of this part of a step are not halved for it.
+# A point skims a wall if neither φ nor its change in an interval is larger than SKIMS, over a link length;
+# points of a link that is held elsewhere do so. An interval of FINE of a step, or less, is then not halved.
 SKIMS, FINE = 1e-13, 2.0**-8
-# The largest time between events that are one [s]: symmetric chains touch at several points at once.
+# The largest time [s] between events that count as one: symmetric chains touch at several points at once.
 SIMULTANEOUS = 1e-12
 QUIET, SPLIT, CROSSES = 0, 1, 2
 
 
 def find_crossing(d):
-    """θ of the first onset or end of a suspect's contact in the last step, or −1; marks these candidates.
+    """Return θ of the first onset or end of a suspect's contact in the last step, or −1; mark the candidates.
 
-    φ and φ′ at the start of the step must be set, and no candidate be marked.
+    φ and φ′ at the start of the step must be set, and no candidate may be marked.
     """
     a, b = 0.0, 1.0
     while not work_exceeded(d):
@@ -112,7 +112,7 @@ def find_crossing(d):
             return -1.0
         else:
             keep_start(d)
-            # the next interval is the widest that begins at b in the tree of the bisection
+            # the next interval is the widest one of the bisection's tree that begins at b
             a, width = b, b - a
             while a + width < 1.0 and a % (2.0 * width) == 0.0:
                 width *= 2.0
@@ -121,7 +121,7 @@ def find_crossing(d):
 
 
 def check_interval(d, a, b):
-    """QUIET if no suspect can have an event in (a, b], CROSSES if one has, SPLIT if undecided."""
+    """Return QUIET if no suspect can have an event in (a, b], CROSSES if one has an event, else SPLIT."""
     verdict = QUIET
     for k in range(d.search.suspect_count):
         outcome = check_candidate(d, d.search.suspect[k], a, b)
@@ -132,7 +132,7 @@ def check_interval(d, a, b):
 
 
 def check_candidate(d, c, a, b):
-    """The verdict on one candidate over an interval of the step."""
+    """Return the verdict on one candidate over an interval of the step."""
     width = (b - a) * d.step.size
     start, end = d.search.clear_start[c], d.search.clear_end[c]
     if c == d.step.regularized:
@@ -141,13 +141,13 @@ def check_candidate(d, c, a, b):
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
-    # a point so shallow at the end of the step, or one that leaves, may never penetrate further
+    # a point so shallow at the end of the step, or a point that leaves, may never penetrate further
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
-    # `sag < …` would halve without end for a curvature that is not finite
+    # the condition `sag < …` would halve without end for a curvature that is not finite
     if settled or not sag >= RESOLUTION * d.model.size or (b - a <= FINE and skims(d, c, width)):
         # at a loose tolerance the interpolant can put a point deep inside although its rate is not inward; a
         # point in contact that moves inward has not left, wherever the interpolant of a stiff step puts it
@@ -156,14 +156,14 @@ def check_candidate(d, c, a, b):
 
 
 def skims(d, c, width):
-    """Whether candidate c skims its wall in an interval of a ``width`` in the step's variable."""
+    """Return whether candidate c skims its wall in an interval of ``width`` in the step's variable."""
     search = d.search
     moved = width * max(abs(search.clear_start_rate[c]), abs(search.clear_end_rate[c]))
     return max(abs(search.clear_start[c]), abs(search.clear_end[c]), moved) < SKIMS * d.model.size
 
 
 def nearly_linear(d, c, part):
-    """Whether φ of candidate c is linear to round-off over a part of the step."""
+    """Return whether φ of candidate c is linear up to round-off over a part of the step."""
     width = part * d.step.size
     return not d.search.curvature[c] * width * width / 8.0 >= RESOLUTION * d.model.size
 
@@ -177,24 +177,26 @@ def locate(d, a, b):
         mark(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NONE)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # φ is that at `first`: a candidate with φ ≥ 0 there has its event later
+        # φ is the value at `first`: a candidate with φ ≥ 0 has its event later
         if d.touch.event[c] and d.search.clear_end[c] < 0.0:
             first = find_root(d, c, a, first)
             found = c
     within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # `found` is always kept, as round-off may exceed this limit for a slow point
+        # `found` is always kept, because round-off may exceed this limit for a slow point
         if c != found and d.search.clear_end[c] > within * abs(d.search.clear_end_rate[c]):
             mark(d, c, NONE)
     return first
 
 
 def find_root(d, c, a, b):
-    """θ in [a, b] at which φ of candidate c, negative at b, falls through zero; sets φ of all there.
+    """Return θ in [a, b] at which φ of candidate c, negative at b, falls through zero.
 
-    Newton's method safeguarded by a shrinking bracket. If φ is not positive at a either, the event is
-    overdue: it is at the first end of the bracket where φ falls.
+    Set φ of all suspects there.
+
+    Newton's method is safeguarded by a shrinking bracket. If φ is not positive at a either, the event is
+    overdue: it is placed at the first end of the bracket where φ falls.
     """
     if d.search.clear_start[c] <= 0.0 and (d.search.clear_start_rate[c] <= 0.0 or nearly_linear(d, c, b - a)):
         theta = a if d.search.clear_start_rate[c] <= 0.0 else b
@@ -225,7 +227,7 @@ def bound_curvature(d):
     """Bound |g̈| of every suspect over the last step.
 
     |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²) holds for any point k. This bound is far from sharp for a
-    point that rests on a stiff wall; but there the implicit step integrates the clearance itself.
+    point that rests on a stiff wall, but there the implicit step integrates the clearance itself.
     """
     n = d.links
     # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
@@ -254,7 +256,10 @@ def bound_curvature(d):
 
 
 def links_part(d, c):
-    """The bound in ``work.reach`` for the point of candidate c, with |r|/ℓ of its link for a site."""
+    """Return the bound in ``work.reach`` for the point of candidate c.
+
+    A site scales its link's part by |r|/ℓ.
+    """
     links, point = d.work.reach, d.candidate.point[c]
     if point <= d.links:
         return links[point]
@@ -264,9 +269,9 @@ def links_part(d, c):
 
 
 def motion_bounds(d, c, along_x, along_y):
-    """Bounds on |ġ| of candidate c without the links' part, and on its derivative, over the last step.
+    """Return bounds on |ġ| of candidate c without the links' part, and on its derivative, over the last step.
 
-    ``along_x`` and ``along_y`` are those of the components of the base's velocity.
+    ``along_x`` and ``along_y`` are the bounds for the components of the base's velocity.
     """
     if at_joint(d, c):
         link = d.candidate.point[c] - 1
@@ -278,13 +283,13 @@ def motion_bounds(d, c, along_x, along_y):
         return arm * v, arm * a
     _, nx, ny = normal(d, c)
     if nx * ny == 0.0:
-        # along an axis the same bounds serve all points and walls
+        # walls along an axis share the same bounds for all points
         return abs(nx) * along_x[0] + abs(ny) * along_y[0], abs(nx) * along_x[1] + abs(ny) * along_y[1]
     return rate_bounds_along(d.step, velocity_at(d.links), nx, ny)
 
 
 def given_bounds(d, c):
-    """Bounds on the parts of |ġ| and |g̈| of candidate c by what moves by itself, over the last step."""
+    """Return bounds on the parts of |ġ| and |g̈| of candidate c by given motions, over the last step."""
     speed, push = 0.0, 0.0
     if d.model.base_moves:
         for j in range(2):

@@ -19,31 +19,33 @@ from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, speed
 SMALL_TURN = 1.0
 # The margin for round-off and the estimated remainder, over the range of the Bernstein coefficients.
 MARGIN = 0.05
-# δ̇/v₀ at which v₀, latched (fixed) at the onset of the contact, is latched again. Gravity adds a thousandth
-# after the onset of an impact; at 2 the usual laws have at most 1 + 2λ times their elastic force.
+# The δ̇/v₀ at which v₀, which is latched (fixed) at the onset of the contact, is latched again. After the
+# onset of an impact, gravity adds only a thousandth; at 2 the usual laws have at most 1 + 2λ times their
+# elastic force.
 RELATCH_RATIO = 2.0
-NEARLY = 0.75  # fraction of that speed: if exceeded at an end of a step, its inside is sampled too
+# fraction of the latching speed; if it is exceeded at an end of a step, the step is sampled inside too
+NEARLY = 0.75
 
 
-# What is known of the clearances at the end of the last step: nothing; φ and φ′; also φ″; or only that those
-# of candidates that are apart are at least `search.safe_distance`.
+# values of `search.known`, the knowledge of the clearances at the end of the last step: none; φ and φ′; also
+# φ″; or only that candidates that are apart have at least `search.safe_distance`
 NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 
 def known_clearances(d):
-    """What is known of the clearances at the start of the step that is searched."""
+    """Return the knowledge of the clearances at the start of the step that is searched."""
     return d.search.known if d.search.known_for == d.step.breaks else NOTHING
 
 
 def remember_clearances(d, what):
-    """Note what is known of the clearances at the end of the last step; it is void if a jump follows."""
+    """Note the knowledge of the clearances at the end of the last step; a jump makes it void."""
     d.search.known, d.search.known_for = what, d.step.breaks
 
 
 def excludes_events(d):
-    """Whether the state and rate at the ends of the last step show that there is no event in it.
+    """Return whether the state and rate at the ends of the last step show that there is no event in it.
 
-    This rests on an estimate of the remainder of the interpolant, which is no bound. The step's method must
+    The test relies on an estimate of the interpolant's remainder, which is no bound. The step's method must
     provide the rate at the end; the points are located and accelerated there. If the result is false, φ and
     φ′ of all candidates are known at both ends, and the suspects are chosen.
     """
@@ -62,9 +64,9 @@ def excludes_events(d):
         d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
     measure_all(d, d.step.state_end)
     remember_clearances(d, WITH_CURVES)
-    # the remainder is h⁶ φ⁽⁶⁾/46080, estimated as ten times that of the tip of a stretched chain in uniform
-    # rotation, and of a motion which decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
-    # ρ h, with a bound ρ on the rate of decay or oscillation by resisting joints
+    # the remainder is h⁶ φ⁽⁶⁾/46080; it is estimated as ten times the remainder for the tip of a stretched
+    # chain in uniform rotation, plus the one for a motion that decays or oscillates with the rate ρ: |φ⁽⁶⁾| =
+    # ρ⁴ |φ̈|
     fade = (d.step.end - d.step.start) * d.model.joint_bound
     way = way_per_radian(d)
     if d.channels > 0:
@@ -72,11 +74,11 @@ def excludes_events(d):
     error = way * turn**2 * max(turn, fade) ** 4 / 4608.0
     clear, apart = turn < SMALL_TURN, error + leeway(d)
     for c in range(d.candidates):
-        # Without branches the compiler can use vectors. Of a point that a rigid wall holds φ is ∞, and the
+        # Without branches the compiler can use vectors. A point that a rigid wall holds has φ = ∞, and the
         # second term decides.
         clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
     for k in range(d.touch.compliant_count):
-        # the scale of errors in a penetration is far below that of a position
+        # the scale of errors in a penetration is far smaller than in a position
         c = d.touch.active_index[k]
         clear = clear and stays_in_contact(d, c, error) and is_quiet(d, c)
     if not clear:
@@ -100,7 +102,7 @@ def suspect_some(d, apart, error):
     Args:
         d: the instance, with φ, φ′ and φ″ at both ends.
         apart: the error [m] of φ where candidates are apart.
-        error: the same where they touch.
+        error: the error [m] of φ where candidates touch.
     """
     search, count = d.search, 0
     for c in range(d.candidates):
@@ -115,18 +117,18 @@ def suspect_some(d, apart, error):
 
 
 def leeway(d):
-    """The error [m] that the tolerance allows in the position of a place: the largest one of all places.
+    """Return the largest error [m] that the tolerance allows in the position of any place.
 
-    The dense output, by which outputs and the search locate a point, may differ that much from the Hermite
-    interpolant between the ends of the step.
+    The dense output, which locates points for outputs and for the search, may differ this much from the
+    Hermite interpolant between the ends of the step.
     """
     return d.solver.tolerance * way_per_radian(d)
 
 
 def way_per_radian(d):
-    """How far a place moves at most [m] when the angle of every link changes by at most 1 rad.
+    """Return the largest distance [m] that a place moves when every link turns by at most 1 rad.
 
-    That is the length of the stretched chain. The angle of a joint changes by 2 rad, at the lever arm of a
+    This is the length of the stretched chain. The angle of a joint changes by 2 rad, at the lever arm of a
     stop: if a link is longer than all others together, this is more.
     """
     if d.model.stopped and d.links > 1:
@@ -135,7 +137,7 @@ def way_per_radian(d):
 
 
 def remains_far(d):
-    """Whether no candidate can have touched, and no force law is active but the regularized one."""
+    """Return whether no candidate can have touched, and no force law is active except the regularized one."""
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
     search.speed = speed_bound(d, d.work.velocity)
@@ -143,7 +145,8 @@ def remains_far(d):
     if d.channels > 0:
         fastest, push = fastest_wall(d)
         search.speed, search.acceleration = search.speed + fastest, search.acceleration + push
-    # a bound on the way of any point in the step, with twice the contribution of its acceleration
+    # a bound on the distance that any point moves in the step, with twice the contribution of its
+    # acceleration
     way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
     search.safe_distance -= way
     if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > leeway(d)):
@@ -158,20 +161,20 @@ def remains_far(d):
 
 
 def is_quiet(d, c):
-    """Whether contact c has not crossed its kink in the last step, and its v₀ cannot need a new value."""
+    """Return whether contact c has not crossed its kink in the last step, and v₀ cannot need a new value."""
     return not (d.touch.kink_crossed[c] or nearly_fast(d, c))
 
 
 def nearly_fast(d, c):
-    """Whether contact c is compressed so fast at an end of the last step that its v₀ may need a new value."""
+    """Return whether contact c is compressed so fast at an end of the step that v₀ may need an update."""
     _, gap_rate = clearance(d, c)
     return max(d.touch.speed[c], -gap_rate) > NEARLY * RELATCH_RATIO * d.touch.impact_speed[c]
 
 
 def stays_positive(d, c, error):
-    """Whether φ of candidate c is larger than an error throughout the last step, after its start.
+    """Return whether φ of candidate c is larger than an error throughout the last step, after its start.
 
-    The quintic Hermite interpolant of φ, from its value and first two derivatives at the ends of the step,
+    The quintic Hermite interpolant of φ, from the value and first two derivatives at the ends of the step,
     stays above the least of its Bernstein coefficients.
     """
     h = d.step.size
@@ -185,7 +188,7 @@ def stays_positive(d, c, error):
 
 
 def stays_in_contact(d, c, error):
-    """As ``stays_positive``, for the penetration of a contact with a force law, or for u."""
+    """Return the same as ``stays_positive`` for the penetration of a contact with a force law, or for u."""
     if c == d.step.regularized:
         # δ̇ would have to change its sign twice for u to fall to zero and rise again
         return d.search.clear_end[c] > 0.0
@@ -217,7 +220,8 @@ def set_clearances(d, y):
     u, slope = sundman_u_now(d, y)
     p = time_rate_of(d, u)
     for c in range(d.candidates):
-        # as if all were apart: a branch in this loop would take longer than to set a few of them again
+        # as if all candidates were apart: a branch in this loop would cost more than setting a few of them
+        # again
         gap, gap_rate = clearance(d, c)
         d.search.clear_end[c], d.search.clear_end_rate[c] = gap, p * gap_rate
     for k in range(d.touch.active_count):
@@ -226,7 +230,7 @@ def set_clearances(d, y):
 
 
 def sundman_u_now(d, y):
-    """Evaluate u and u′ of the regularized contact for a state y and its located points; without one 1, 0."""
+    """Evaluate u and u′ of the regularized contact for a state y and its located points; 1, 0 without one."""
     if d.step.regularized == NO_CONTACT:
         return 1.0, 0.0
     u = y[sundman_u_at(d.links)]
@@ -239,7 +243,7 @@ def set_clearance(d, c, u, slope):
         d.search.clear_end[c], d.search.clear_end_rate[c] = u, slope
         return
     if d.touch.active[c] and d.law.impulsive[c]:
-        # held at a rigid wall: it can neither touch nor cross
+        # a point held at a rigid wall can neither touch nor cross
         d.search.clear_end[c], d.search.clear_end_rate[c] = math.inf, 0.0
         return
     gap, gap_rate = clearance(d, c)

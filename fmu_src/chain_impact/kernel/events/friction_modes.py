@@ -1,14 +1,14 @@
 """The modes of dry friction after an event: which elements stick, and which slide in which direction.
 
-An element that moves along t slides in the direction of its motion. The modes of those at rest follow from
-the forces: they stick if the forces of their constraints are within the limits of static friction, and else
-slide so that friction acts against the motion that begins,
+An element that moves along t slides in the direction of its motion. The modes of elements at rest follow from
+the forces: they stick if the forces of their constraints are within the limits of static friction; otherwise
+they slide so that friction acts against the motion that begins,
 
     sticks    |F_t| ≤ µ_s F_n        slides with s    s t·a ≥ 0.
 
-The modes are found by pivoting, as in ``solve_lcp``: all that violate their condition change at once as long
-as fewer and fewer do. An element keeps its mode if that is consistent. If this comes to no end, the modes are
-those of forces within the limits of friction (rows/limits.py), which always exist.
+The modes are found by pivoting, as in ``solve_lcp``: all elements that violate their condition change at once
+as long as their number falls. An element keeps its mode if the mode is consistent. If the pivoting does not
+end, the modes follow from forces within the limits of friction (rows/limits.py), which always exist.
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
@@ -35,20 +35,20 @@ from chain_impact.kernel.rows.limits import share_within_limits
 from chain_impact.kernel.status import count_evaluations
 
 # The largest acceleration against its direction with which a sliding element at rest keeps sliding, over the
-# largest acceleration, gravity and a link length per second squared; or twice what sticks accelerates. If
-# others hold the element, it is an error.
+# largest acceleration, gravity and a link length per second squared; plus twice the largest acceleration of a
+# sticking element. If other forces hold the element, such an acceleration is an error.
 AGAINST = 1e-9
-# The largest speed of what sticks or has just stopped, over a link length per second: an error at a loose
-# tolerance. With a larger speed it slides.
+# The largest speed of an element that sticks or has just stopped, over a link length per second: an error at
+# a loose tolerance. A faster element slides.
 MISLOCATED = 1e-3
 
 
 def update_modes(d, jumped):
-    """Set the modes for the state at the end of the last step, and project it onto what sticks.
+    """Set the modes for the end of the last step, and project the state onto the sticking constraints.
 
     Args:
         d: the instance, with the points located at the end of the last step.
-        jumped: whether speeds may have jumped. Otherwise what stuck has no speed but for errors.
+        jumped: whether speeds may have jumped. Otherwise an element that stuck has no speed except errors.
     """
     own = d.friction
     list_friction(d)
@@ -73,7 +73,7 @@ def update_modes(d, jumped):
 
 
 def reinit_modes(d, jumped):
-    """Choose the modes at the end of the last step, where parameters, inputs or the state have been set.
+    """Choose the modes at the end of the last step, after parameters, inputs or the state have been set.
 
     Args:
         d: the instance.
@@ -87,11 +87,11 @@ def reinit_modes(d, jumped):
 
 
 def set_slack(d, e):
-    """Set how far element e may move against its direction of sliding: as it does now, because of errors.
+    """Set how far element e may move against its direction of sliding because of errors.
 
-    Sliding that begins at rest does so with the error of a speed that has been located to be 0. If others
-    hold what has a force at its limit, it moves with them, by as much as the tolerance allows for a speed: it
-    accelerates backward, or has ended to slide and slides on.
+    Sliding that begins at rest has the error of a speed that was located as 0. If other forces hold an
+    element whose force is at its limit, it moves with them by as much as the tolerance allows for a speed: it
+    accelerates backward, or its sliding has ended and continues.
     """
     backward = -d.element.mode[e] * tangential_rate(d, e)
     held = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
@@ -100,7 +100,7 @@ def set_slack(d, e):
 
 
 def first_guess(d, e, jumped):
-    """The mode of element e by its motion; if it is at rest, the one it had, and it is undecided."""
+    """Return the mode of element e by its motion; at rest its last mode, and e is undecided."""
     speed = tangential_rate(d, e)
     before, event = d.element.before[e], d.element.event[e]
     d.element.undecided[e] = 1
@@ -109,7 +109,7 @@ def first_guess(d, e, jumped):
     resting = event == SLIDING_ENDS or (before == STICKS and not jumped)
     if resting and abs(speed) <= MISLOCATED * d.model.size:
         return STICKS
-    # a speed that sliding may have backward is an error
+    # a backward speed that a sliding element may have is an error
     slides = abs(before) == 1 and not jumped
     if abs(speed) > rest_speed(d) + (d.element.slack[e] if slides else 0.0):
         d.element.undecided[e] = 0
@@ -118,7 +118,7 @@ def first_guess(d, e, jumped):
 
 
 def choose_modes(d):
-    """Change the modes of undecided elements until all are consistent, or take those by the limits."""
+    """Change the modes of undecided elements until all are consistent, or else choose by the limits."""
     fewest, stalls_left = d.friction.count + 1, MAX_STALLED_PIVOTS
     while stalls_left >= 0:
         wrong = count_inconsistent_now(d)
@@ -133,7 +133,7 @@ def choose_modes(d):
 
 
 def count_inconsistent_now(d):
-    """Find the forces and accelerations with the present modes; return how many of these are inconsistent."""
+    """Find the forces and accelerations with the present modes; return the number of inconsistent modes."""
     rate = d.work.rate
     list_sticking(d)
     located_rate(d, d.step.state_end, rate)
@@ -143,9 +143,10 @@ def count_inconsistent_now(d):
 
 
 def choose_by_limits(d):
-    """Let all undecided elements stick but those whose forces are at their limits (rows/limits.py).
+    """Let all undecided elements stick, except those whose forces are at their limits (rows/limits.py).
 
-    An element at its limit slides, or others hold it: then it moves by errors only, in either direction.
+    An element at its limit slides, or other forces hold it: then it moves by errors only, in either
+    direction.
     """
     for i in range(d.friction.count):
         if d.element.undecided[d.element.index[i]]:
@@ -156,7 +157,7 @@ def choose_by_limits(d):
 
 
 def any_over(d):
-    """Whether the force of any element that sticks exceeds its limit."""
+    """Return whether the force of any sticking element exceeds its limit."""
     for i in range(d.friction.stuck_count):
         if is_inconsistent(d, d.element.stuck[i]):
             return True
@@ -164,7 +165,7 @@ def any_over(d):
 
 
 def let_go(d):
-    """Let the elements slide whose forces are at their limits, or if there are none, those over them."""
+    """Let the elements slide whose forces are at their limits or, if there are none, over their limits."""
     held = True
     for i in range(d.friction.stuck_count):
         if d.share.at_limit[i] != 0:
@@ -177,7 +178,7 @@ def let_go(d):
 
 
 def count_inconsistent(d):
-    """The number of undecided elements whose mode is not consistent with the forces."""
+    """Return the number of undecided elements whose mode is not consistent with the forces."""
     wrong = 0
     for i in range(d.friction.count):
         wrong += is_inconsistent(d, d.element.index[i])
@@ -185,7 +186,7 @@ def count_inconsistent(d):
 
 
 def is_inconsistent(d, e):
-    """Whether element e is undecided and its mode is not consistent with the forces and accelerations."""
+    """Return whether element e is undecided and its mode is not consistent with forces and accelerations."""
     if not d.element.undecided[e]:
         return False
     if d.element.mode[e] == STICKS:
@@ -195,7 +196,7 @@ def is_inconsistent(d, e):
 
 
 def unsure_acceleration(d):
-    """An acceleration [m/s²] of an element that may be an error: round-off, or as of what sticks."""
+    """Return an acceleration [m/s²] of an element that may be an error: round-off, or as of sticking ones."""
     left = 0.0
     for i in range(d.friction.stuck_count):
         left = max(left, abs(tangential_acceleration(d, d.element.stuck[i])))
@@ -203,19 +204,19 @@ def unsure_acceleration(d):
 
 
 def clear_changes(d):
-    """Clear the log of changes, as they have been collected or a run starts."""
+    """Clear the log of changes, because they have been collected or a run starts."""
     d.changes.count = 0
 
 
 def log_changes(d):
-    """Log the elements whose mode has changed. In a full log they overwrite the oldest entries."""
+    """Log the elements whose mode has changed; in a full log they overwrite the oldest entries."""
     log = d.changes
     for e in range(d.elements):
         if d.element.mode[e] != d.element.before[e]:
             row = log.count % len(log.time)
             joint = e >= d.candidates
             log.time[row], log.mode[row] = d.step.end, d.element.mode[e]
-            # a slider is point 0
+            # the slider has the number 0 of the base's point
             log.point[row] = (joint_of(d, e) + 1) % (d.links + 1) if joint else d.candidate.point[e]
             log.wall[row] = -1 if joint else d.candidate.wall[e]
             log.count += 1

@@ -1,10 +1,10 @@
-"""What is done at events, and the size of the step after them.
+"""The handlers of events, and the size of the step after an event.
 
-Crossings of clearances, ONSET and END, are found with bounds, so that none is missed (crossing.py); the other
-events by sampling a step, because to find one of them late does no harm (sampled.py, which lists them). At
-an event the points are located. For rigid walls, handle_impact handles all simultaneous events together
-(impacts.py). If a point arrives at one, the simultaneous onsets of contacts with a force wait for the
-impulses.
+Crossings of clearances, ONSET and END, are found with bounds, so that none is missed (crossing.py). The other
+events are found by samples of a step, because it does no harm to find one of them late (sampled.py lists
+them). The points are located at an event. For rigid walls, handle_impact handles all simultaneous events
+together (impacts.py). If a point arrives at a rigid wall, simultaneous onsets of contacts with a force wait
+for the impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -46,16 +46,16 @@ from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.status import count_evaluations
 
-# Fraction of the time scale of a contact: a point that will be out of the wall within it has left. To wait
-# until it is out would cost one more step, a tenth of the work of an impact at a tolerance of 1e-4.
+# Fraction of a contact's time scale: a point that will be out of the wall within it has left. To wait until
+# it is out would cost one more step, a tenth of the work of an impact at a tolerance of 1e-4.
 LEFT = 0.01
 
 
 def end_if_left(d, c):
     """End the contact of a point that has left its wall.
 
-    A point that still moves inward, or needs long to get out, has not left: the located end of a contact may
-    have an error of that size within the tolerance.
+    A point that still moves inward, or needs long to get out, has not left: the tolerance allows such an
+        error in the located end of a contact.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
@@ -88,7 +88,7 @@ def apply_events(d):
     rigid, rigid_impact = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
     if d.friction.count > 0:
-        # the forces that decide what sticks may be those of another time, at which the motion was observed
+        # the forces that decide on sticking may belong to another time, at which the motion was observed
         located_rate(d, d.step.state_end, d.work.rate)
         count_evaluations(d, 1)
     forces = touch.compliant_count > 0
@@ -114,7 +114,7 @@ def apply_events(d):
         update_modes(d, False)
     if rigid and touch.compliant_count == 0:
         if forces:
-            control.resume_flight(d)  # the last size was that of an impact with a force
+            control.resume_flight(d)  # the last size belonged to an impact with a force
         begin_flight(d)
     else:
         choose_size(d, onset, goes_on)
@@ -125,9 +125,9 @@ def apply_events(d):
 
 
 def renew_modes(d, jumped):
-    """Choose anew what is held, the modes and the sides of kinks, where laws or inputs may have changed.
+    """Choose again held contacts, modes and sides of kinks, after laws or inputs may have changed.
 
-    ``jumped`` tells whether speeds may have, as that of a belt.
+    ``jumped`` says whether speeds may have jumped, such as the speed of a belt.
     """
     recompute_active_set(d)
     choose_saturation(d)
@@ -168,7 +168,7 @@ def choose_size(d, onset, goes_on):
 
 
 def bends_force(d):
-    """Whether the force of a contact, in the variable of the step, is not smooth at the events found."""
+    """Return whether a contact's force, in the variable of the step, is not smooth at the found events."""
     if d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END:
         return False
     for c in range(d.candidates):

@@ -1,17 +1,19 @@
 """Impact at a rigid wall: instantaneous impulses, and the set of contacts that stay active after them.
 
-Newton's law of impact for any number of contacts at once, in the form of Moreau (1988, *Unilateral contact
-and dry friction in finite freedom dynamics*), for all touching candidates, those that arrive and those that
-are held with ġ = 0:
+Newton's law of impact holds for any number of contacts at once, in the form of Moreau (1988, *Unilateral
+contact and dry friction in finite freedom dynamics*). For all touching candidates, arriving ones and held
+ones with ġ = 0, it reads
 
     u⁺ = u⁻ + W p,   0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0,
 
-with e = 0 for a held contact and for one that arrives slower than ``contact.minimum_impact_speed``, so
+with e = 0 for a held contact and for a point that arrives slower than ``contact.minimum_impact_speed``, so
 that a bouncing point comes to rest after finitely many impacts. Every p does the work ½ p (u⁺ + u⁻) =
 ½ p (1 − e) u⁻ ≤ 0: no impact adds energy, whichever candidates touch. (An impact could add energy if a point
-within NEAR of a wall moves away from it, u⁻ > 0: then the impact is computed with e = 0, which cannot.)
+within NEAR of a wall moves away from the wall, u⁻ > 0: then the impact is computed with e = 0, which adds
+none.)
 
-A contact that separates with a speed ends. The others, at rest, are held by forces F as long as these push:
+A contact that separates with a speed ends. The other contacts, at rest, are held by forces F as long as these
+push:
 
     0 ≤ F ⟂ g̈ ≥ 0.
 
@@ -62,28 +64,29 @@ from chain_impact.kernel.rows.constraints import (
 )
 from chain_impact.kernel.rows.geometry import clearance, fastest_of_all
 
-# Fraction of the smallest speed that rebounds: slower points do not separate, because bounces that each have
-# a fraction of the speed of the last would accumulate in a finite time (Zeno behaviour).
+# Fraction of the smallest speed that rebounds. Slower points do not separate, because bounces that each have
+# a fraction of the last one's speed would accumulate in a finite time (Zeno behaviour).
 STICK = 1e-3
 NEAR = 1e-12  # the largest clearance of a point that takes part in an impact, over a link length
-GAIN = 1e-9  # the largest error of energy or speed that is round-off, over all that an impact moves
+# the largest error that is round-off: of energy, over Σ p (|u⁻| + |u⁺|), or of speed, over the largest
+GAIN = 1e-9
 # The clearance given to a point that is released, over a link length: a hundred times round-off, so that
 # round-off does not make it touch again.
 RELEASE_GAP = 1e-13
-# The largest way that weight and dry friction move what is coming to rest, over a link length.
+# The largest distance, over a link length, that weight and dry friction move a point that comes to rest.
 FALL = 10.0 * RELEASE_GAP
 
 
 def handle_impact(d):
-    """Apply the events of rigid contacts: impulses, then the update of the active set; points are located.
+    """Apply the events of rigid contacts at located points: the impulses, then the update of the active set.
 
-    The onsets of contacts with a force law that are still in ``touch.event`` are applied in between.
+    Onsets of contacts with a force law that are still in ``touch.event`` are applied between both.
 
     Returns:
         The last candidate with a force law whose contact began, or −1.
     """
     touch, onset = d.touch, -1
-    # an interpolated state satisfies the constraints only up to the error of the interpolant
+    # an interpolated state satisfies the constraints only up to the interpolant's error
     project_state(d, d.step.state_end)
     hit = False
     for c in range(d.candidates):
@@ -111,7 +114,7 @@ def handle_impact(d):
 
 
 def rigid_onset(d):
-    """Whether a point arrives at a rigid wall."""
+    """Return whether a point arrives at a rigid wall."""
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET and d.law.impulsive[c]:
             return True
@@ -122,7 +125,7 @@ def begin_late_contacts(d):
     """Begin the contacts with a force law, due now, whose points still move inward after the impulses.
 
     Returns:
-        The last of them, or −1.
+        The last of these candidates, or −1.
     """
     onset, round_off = -1, SIGN_TOLERANCE * fastest_of_all(d)
     for c in range(d.candidates):
@@ -135,12 +138,12 @@ def begin_late_contacts(d):
 
 
 def follow_jump(d):
-    """Take the rates of contacts with a force law, and their kink's side, from the motion after impulses."""
+    """Set the rates of contacts with a force law, and their kinks' sides, from the motion after impulses."""
     locate_points(d, d.step.state_end)
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         _, gap_rate = clearance(d, c)
-        # the force has jumped: a smaller rate of it would hide that it is at its peak
+        # the force has jumped: its own, smaller rate would hide that it is at its peak
         set_rates(d, c, -gap_rate, 1.0)
         set_kink_side(d, c)
 
@@ -180,7 +183,7 @@ def find_impulses(d, share):
     """Find the impulses of an impact with a ``share`` of the restitution.
 
     Returns:
-        The energy [J] they dissipate and Σ p (|u⁻| + |u⁺|) [J].
+        The energy [J] that the impulses dissipate, and Σ p (|u⁻| + |u⁺|) [J].
     """
     own, lost, moved = d.rigid, 0.0, 0.0
     activate_all(d)
@@ -202,7 +205,7 @@ def find_impulses(d, share):
 
 
 def lacks_rebound(d):
-    """Whether impulses cannot give all points the rebound speeds that the restitution demands."""
+    """Return whether impulses cannot give all points the rebound speeds that the restitution demands."""
     short, scale = False, fastest_of_all(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         short = short or d.rigid.reached[k] < d.rigid.target[k] - GAIN * scale
@@ -210,7 +213,7 @@ def lacks_rebound(d):
 
 
 def end_rebounding_contacts(d):
-    """End the contacts that separate with a speed that is distinguishable from rest."""
+    """End the contacts that separate with a speed that can be distinguished from rest."""
     free_rate(d, d.step.state_end, d.work.rate)
     fall = start_from_accelerations(d, d.step.state_end, d.work.rate)
     # u²/(2 a), the height to which a point thrown with u rises
@@ -218,17 +221,17 @@ def end_rebounding_contacts(d):
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] <= 0.0:
-            deactivate(d, c)  # it takes no part in the impact
+            deactivate(d, c)  # the candidate takes no part in the impact
         elif d.rigid.reached[k] > max(slow, STICK * d.law.minimum_impact_speed[c]):
             end_contact(d, c, True)
     list_touching(d)
 
 
 def is_gentle(d):
-    """Whether all points that arrive are as slow, or have as little energy, as those that come to rest.
+    """Return whether all arriving points are as slow, or have as little energy, as points that come to rest.
 
-    What sticks goes on to stick in such an impact. Else a joint would slide with what the impulses leave, and
-    its friction would throw up points for the next such impact, without end.
+    Sticking continues in such an impact. Otherwise a joint would slide with the rest of the impulses, and its
+    friction would throw up points for the next such impact, without end.
     """
     slow, energy, force = True, 0.0, mean_mass(d) * d.links * (d.model.gravity_size + d.model.size)
     for c in range(d.candidates):
@@ -277,7 +280,7 @@ def update_active_set(d):
         solve_lcp(d, scale)
         release_contacts(d)
         list_touching(d)
-    # the modes of dry friction are chosen after this, by their own events
+    # later events choose the modes of dry friction
     drop_contact_events(d)
 
 
@@ -301,7 +304,7 @@ def release_contacts(d):
             end_contact(d, d.touch.active_index[k], True)
             parting = True
     if parting:
-        # a joint may stick at a stop that it leaves: what sticks moves along, and sticks there
+        # a joint may stick at a stop that it leaves: the sticking moves along
         suspend_sticking(d)
         solve_positions(d)
         add_change(d, d.step.state_end, 0)

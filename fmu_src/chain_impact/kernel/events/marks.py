@@ -1,11 +1,11 @@
 """The marks of events that the search has found in the last step, in ``event`` of touch, element and drive.
 
-Only this module sets them. They stay until the next step applies them (handlers.py, friction_modes.py,
-saturation.py). handlers.py and sampled.py describe the kinds.
+Only this module sets the marks. They stay until the next step applies the events (handlers.py,
+friction_modes.py, saturation.py). handlers.py and sampled.py describe the kinds.
 """
 
 NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5
-NEIGHBOUR = 6  # not found by the search: a point near a wall that takes part in the impact of another point
+NEIGHBOUR = 6  # not found by the search: a point near a wall that takes part in another point's impact
 SLIDING_ENDS, STICKING_ENDS = 1, 2  # changes of modes
 
 
@@ -39,7 +39,10 @@ def drop_changes(d):
 
 
 def mark_saturation(d, ends):
-    """Mark whether the mode of a drive ends, 1, or none does, 0; all modes of drives are chosen anew then."""
+    """Mark whether the mode of a drive ends, 1, or not, 0.
+
+    At an end the modes of all drives are chosen again.
+    """
     d.drive.event = ends
 
 
@@ -53,7 +56,7 @@ def copy_marks(d, t):
 
 
 def ends_in_onset(d):
-    """Whether the last step ends where contacts begin."""
+    """Return whether contacts begin at the end of the last step."""
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
             return True
@@ -61,7 +64,7 @@ def ends_in_onset(d):
 
 
 def pending_changes(d):
-    """The number of elements whose mode ends at the end of the last step."""
+    """Return the number of elements whose mode ends at the end of the last step."""
     changes = 0
     for i in range(d.friction.count):
         changes += d.element.event[d.element.index[i]] != 0

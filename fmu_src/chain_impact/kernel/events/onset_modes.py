@@ -1,9 +1,8 @@
 """The mode of dry friction of a contact that begins without any tangential speed.
 
-Where it begins, its normal force F is zero, and so is the limit of its friction. What follows is decided by
-the limit from the right: F grows, and the tangential force that keeps the point from sliding grows in
-proportion to it, with the chain's couplings as their ratio. The point sticks if that force is at most µ_s F,
-and else it slides the other way.
+At the onset the normal force F is zero, and so is the limit of friction. The limit from the right decides: F
+grows, and the tangential force that keeps the point from sliding grows in proportion, with a ratio that the
+chain's couplings give. The point sticks if this force is at most µ_s F; otherwise it slides the other way.
 """
 
 from chain_impact.kernel.forces.contact_force import law_force
@@ -13,16 +12,17 @@ from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal
 from chain_impact.kernel.status import count_other_work
 
-SOON = 1e-6  # s after an onset: the forces then show in which ratio those of several contacts grow
+# [s] time after an onset at which the forces show the ratio in which those of several contacts grow
+SOON = 1e-6
 
 
 def begins(d, e):
-    """Whether element e is a contact that begins now."""
+    """Return whether element e is a contact that begins now."""
     return e < d.candidates and d.touch.active[e] != 0 and d.touch.onset[e] == d.step.end
 
 
 def decide_onsets(d):
-    """Choose the modes of contacts that begin now and have been guessed to stick, for the located points."""
+    """Choose the modes of contacts that begin now and are guessed to stick, for the located points."""
     own, open_ones = d.friction, 0
     for i in range(own.contact_count):
         open_ones += is_open(d, d.element.index[i])
@@ -46,12 +46,12 @@ def decide_onsets(d):
 
 
 def is_open(d, e):
-    """Whether element e begins now, at rest along its wall."""
+    """Return whether element e begins now, at rest along its wall."""
     return begins(d, e) and d.element.undecided[e] != 0 and d.element.mode[e] == STICKS
 
 
 def force_soon(d, c):
-    """The normal force [N] of a contact that begins now, shortly after."""
+    """Return the normal force [N] of a contact that begins now, shortly after its onset."""
     speed = d.touch.onset_speed[c]
     force, _ = law_force(d, c, SOON * speed, speed)
     return force

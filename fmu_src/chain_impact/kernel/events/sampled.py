@@ -7,16 +7,17 @@
     STICKING_ENDS    µ_s F_n − |F_t|
     (drives)         torque of a drive from the end of its mode, the least of all
 
-The stages of a step, and its ends, show which of them to look for. To find one late does no harm but a little
-energy of its error. ``search_for`` makes the search for each kind.
+The stages of a step, and its ends, show which of these events to look for. An event that is found late causes
+only a small error of energy. ``search_for`` makes the search for each kind.
 
 KINK: the force of a contact is continuous where it is cut off at 0 or, for a law that damps on approach only,
-at δ̇ = 0, and its slopes are not, so that a step across would lose its order. A step is computed with the
+    at δ̇ = 0. Its slopes are not continuous there, so a step across would lose its order. A step is computed
+    with the
 force of one side, continued smoothly beyond the kink. If a stage or the end is beyond it, the step is
 repeated so as to end there, and the next step uses the force of the other side. A point without force that is
 still inside the wall moves as in flight until it leaves, or until the wall pushes again.
 
-The torque of a drive is continuous where it reaches its limit or falls below it, and its slopes are not: as
+The torque of a drive is continuous where it reaches its limit or falls below it, but its slopes are not. As
 with a kink, the mode of the torque is kept until the end of the step.
 
 RELATCH: a second impact, or an onset so slow that gravity soon makes δ̇ much larger. With the v₀ latched
@@ -52,18 +53,18 @@ from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
 from chain_impact.kernel.status import count_evaluations
 
-# Samples of a step in which a stage has shown an event, its end included. A new latch has fewer: if a short
-# excess is missed, v₀ stays as it was.
+# Number of samples of a step in which a stage has shown an event, including its end. A new latch has fewer
+# samples: if a short excess is missed, v₀ stays unchanged.
 SAMPLES, FEW_SAMPLES = 8, 4
-# The largest turn of inputs in a step [rad] that its stages follow, as these are up to a quarter of the step
-# apart; the samples for each radian of a larger turn; and the largest turn that is sampled so.
+# The largest turn [rad] of inputs in a step that the stages follow, as these are up to a quarter of the step
+# apart; the number of samples for each radian of a larger turn; and the largest turn with so many samples.
 SWEPT, DENSITY, SAMPLED = 0.5, 8.0, 1e4
 # The largest pull that is round-off, over the chain's mass times (gravity + one link length per s²).
 PULL = 1e-11
-SHORT = 1e-9  # the shortest step [s] that is refused for the sake of a release
-AT_REST = 1e-12  # the largest tangential speed that is rest, over a link length per second
-# The largest excess of static friction that is round-off, over the limit of friction and the weight of a link
-# that falls and turns by 1 rad per second squared.
+SHORT = 1e-9  # [s] the shortest step that is refused for the sake of a release
+AT_REST = 1e-12  # the largest tangential speed that counts as rest, over a link length per second
+# The largest excess of static friction that is round-off, over the limit of friction plus the weight of a
+# link that falls and turns by 1 rad per second squared.
 EXCESS = 1e-10
 
 
@@ -73,12 +74,12 @@ WHOLE = (lambda _d: 1, lambda _d, _k: 0)
 
 
 def turn_of_inputs(d):
-    """By how much [rad] inputs that are functions of time turn in the last step."""
+    """Return by how much [rad] inputs that are functions of time turn in the last step."""
     return (d.step.end - d.step.start) * max(d.inputs.course.change_rate, rate_of_signals(d))
 
 
 def many_samples(d):
-    """The samples of a step in which inputs turn by more than SWEPT."""
+    """Return the number of samples of a step in which inputs turn by more than SWEPT."""
     return 1 + int(DENSITY * min(SAMPLED, turn_of_inputs(d)))
 
 
@@ -89,16 +90,16 @@ def search_for(
 
     Args:
         value: function of (d, c, θ) that falls below zero at the event.
-        suspected: function of (d, c): whether it may have one, by the stages and the located points.
-        mark_ended: function of (d, c, θ) that marks the event of c at θ, and others at the same time.
-        members: functions of d and (d, k) for the number of those c, and the k-th of them.
-        samples: function of d, the number of samples of the step.
-        resolution: [s], as in ``first_passage``.
+        suspected: function of (d, c): whether c may have an event, by the stages and the located points.
+        mark_ended: function of (d, c, θ) that marks the event of c at θ, and other events at the same time.
+        members: functions of d and (d, k) that return the number of possible c, and the k-th one.
+        samples: function of d that returns the number of samples of the step.
+        resolution: accuracy of the location [s], as in ``first_passage``.
 
     Returns:
-        A function of (d, found) that returns θ of an event of this kind before the one at ``found`` (−1:
-        before the end of the step), and marks it alone; or else ``found``. The points are located at
-        ``found`` before; afterwards those of contacts are located at the result.
+        A function of (d, found) that returns θ of an event of this kind before the event at ``found`` (−1:
+        before the end of the step), and marks only this event; otherwise it returns ``found``. The points
+        must be located at ``found``; afterwards the points of contacts are located at the result.
     """
     count, member = members
     first_end = first_passage(value, samples, resolution)
@@ -122,7 +123,7 @@ def search_for(
 
 
 def search_by_inputs(still, swept):
-    """Make the search that is ``swept`` in a step in which inputs turn much, and ``still`` in others."""
+    """Return the search that is ``swept`` in a step in which inputs turn by much, and else ``still``."""
 
     def find(d, found):
         return swept(d, found) if turn_of_inputs(d) > SWEPT else still(d, found)
@@ -145,25 +146,25 @@ def mark_kinks(d, c, theta):
 
 
 def own_side(d, c):
-    """By how much contact c is on the side of its kink that the step assumes, for the located points."""
+    """Return by how much contact c is on the kink's side that the step assumes, for the located points."""
     height = kink_height(d, c)
     return -height if d.touch.beyond_kink[c] else height
 
 
 def has_crossed(d, c):
-    """Whether a stage of the last step, or the located points, have been on the other side of the kink."""
+    """Return whether a stage of the last step, or the located points, have been on the kink's other side."""
     note_crossing(d, c, kink_height(d, c))
     return d.touch.kink_crossed[c] != 0
 
 
 def own_side_at(d, c, theta):
-    """``own_side`` at the fraction θ of the last step."""
+    """Return ``own_side`` at the fraction θ of the last step."""
     locate_at(d, theta)
     return own_side(d, c)
 
 
 def slowness(d, c, theta):
-    """RELATCH_RATIO times v₀, less δ̇, of candidate c at the fraction θ of the last step [m/s]."""
+    """Return RELATCH_RATIO v₀ − δ̇ of candidate c at the fraction θ of the last step [m/s]."""
     locate_at(d, theta)
     _, gap_rate = clearance(d, c)
     return RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate
@@ -179,7 +180,7 @@ find_kink = search_for(own_side_at, has_crossed, mark_kinks, CONTACTS, resolutio
 
 
 def may_pull(d, _c):
-    """Whether a stage of the last step has shown that a rigid wall pulls.
+    """Return whether a stage of the last step has shown that a rigid wall pulls.
 
     The step is refused if a stage has passed a configuration where forces go to infinity.
     """
@@ -195,12 +196,12 @@ def may_pull(d, _c):
 
 
 def pull_limit(d):
-    """The force [N] with which a held contact may pull, because it is round-off."""
+    """Return the force [N] with which a held contact may pull, because it is round-off."""
     return PULL * d.model.energy / (d.model.size * d.model.size) * (d.model.gravity_size + d.model.size)
 
 
 def strongest(d):
-    """The largest plausible force [N], from gravity and the motion at the start of the last step.
+    """Return the largest plausible force [N], from gravity and the motion at the start of the last step.
 
     A stage in which a wall pulls by more has passed a toggle position, where forces go to infinity: the step
     is wrong, and so is its time of release.
@@ -214,7 +215,7 @@ def strongest(d):
 
 
 def least_force(d, _c, theta):
-    """The least force of the held contacts at the fraction θ of the last step, plus what is round-off [N]."""
+    """Return the least force of the held contacts at the fraction θ of the last step, plus round-off [N]."""
     interpolate(d.step, theta, d.work.y)
     # stiff joints would turn the constraint error of the interpolant into a force
     locate_points(d, d.work.y)
@@ -239,12 +240,12 @@ find_release = search_for(least_force, may_pull, mark_pulling)
 
 
 def has_changed(d, e):
-    """Whether the stages of the last step have shown that the mode of element e ends (forces/friction.py)."""
+    """Return whether the last step's stages show that the mode of element e ends (forces/friction.py)."""
     return d.element.margin[e] < -resolution_of(d, e)
 
 
 def mark_changes(d, element, theta):
-    """Mark the element found at θ, and all others whose mode ends then: symmetric chains have such."""
+    """Mark the element found at θ, and all whose mode ends at the same time, as in symmetric chains."""
     for i in range(d.friction.count):
         e = d.element.index[i]
         if e == element or element_margin(d, e, theta) < 0.0:
@@ -252,22 +253,22 @@ def mark_changes(d, element, theta):
 
 
 def resolution_of(d, e):
-    """By how much the function of element e may be negative, because that is round-off: m/s or N."""
+    """Return by how much the function of element e may be negative because of round-off: m/s or N."""
     return excess(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
 
 
 def rest_speed(d):
-    """The tangential speed [m/s] that counts as rest."""
+    """Return the tangential speed [m/s] that counts as rest."""
     return AT_REST * d.model.size
 
 
 def excess(d, e):
-    """The force [N] by which the friction of element e may exceed its limit."""
+    """Return the force [N] by which the friction of element e may exceed its limit."""
     return EXCESS * (d.element.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.size))
 
 
 def element_margin(d, e, theta):
-    """How far the mode of element e is from its end at the fraction θ of the last step: m/s or N."""
+    """Return how far the mode of element e is from its end at the fraction θ of the last step: m/s or N."""
     locate_at(d, theta)
     if d.element.mode[e] != STICKS:
         return d.element.mode[e] * tangential_rate(d, e) + resolution_of(d, e)
@@ -278,10 +279,10 @@ def element_margin(d, e, theta):
 
 
 def has_come_near(d):
-    """Whether the modes that end with the last step, repeated to end there, have come nearer to their ends.
+    """Return whether the modes that end with the repeated last step have come nearer to their ends.
 
-    A long implicit step has an interpolant that errs: it can show an end that a shorter step does not have.
-    Without half of the way, such ends would follow each other without end.
+    The interpolant of a long implicit step has errors: it can show an end that a shorter step does not have.
+    Without the condition of half the distance, such ends would follow each other without end.
     """
     near = True
     for i in range(d.friction.count):
@@ -293,7 +294,10 @@ def has_come_near(d):
 
 
 def may_change(d, e):
-    """Whether the mode of element e may end where inputs turn much: sliding ends unseen by the stages."""
+    """Return whether the mode of element e may end in a step in which inputs turn by much.
+
+    Sliding may end between the stages.
+    """
     return d.element.mode[e] != STICKS or has_changed(d, e)
 
 
@@ -307,7 +311,7 @@ find_mode_change = search_by_inputs(
 
 
 def is_past_limit(d, _c):
-    """Whether a stage of the last step, or its end, is beyond the end of a drive's mode."""
+    """Return whether a stage of the last step, or its end, is beyond the end of a drive's mode."""
     if not d.model.limited:
         return False
     ensure_inputs(d, d.step.state_end)
@@ -315,14 +319,14 @@ def is_past_limit(d, _c):
 
 
 def drive_margin(d, _c, theta):
-    """``mode_margin`` at the fraction θ of the last step [N·m]."""
+    """Return ``mode_margin`` at the fraction θ of the last step [N·m]."""
     locate_at(d, theta)
     ensure_inputs(d, d.work.y)
     return mode_margin(d, d.work.y)
 
 
 def is_limited(d, _c):
-    """Whether a drive has a limit."""
+    """Return whether a drive has a limit."""
     return d.model.limited != 0
 
 

@@ -1,7 +1,7 @@
 """The search of a step for its earliest event.
 
-For most steps a test on their ends excludes any event (exclusion.py); then no dense output is needed. In the
-other steps the first crossing is located, and then the other kinds of event are searched for up to it.
+For most steps a test at their ends excludes any event (exclusion.py); then no dense output is needed. In the
+other steps the first crossing is located, and then the other kinds of event are searched for before it.
 handlers.py lists all kinds of event.
 """
 
@@ -41,16 +41,16 @@ from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
-# The largest depth at which an onset may be found, over a link length. Onsets are located to round-off, some
-# 1e-15: a deeper one is an error of the step; at K = 1e12 N/m^1.5 it would add 1e-11 J.
+# The largest depth at which an onset may be found, over a link length. Onsets are located up to round-off,
+# about 1e-15; a deeper onset is an error of the step: at K = 1e12 N/m^1.5 it would add 1e-11 J.
 DEEP = 1e-9
-# The part of a step in which a crossing has to agree with the Taylor polynomial at its start, whose remainder
-# of third order is relatively 1e-9 there. The interpolant of a stiff step can err by more.
+# The part of a step in which a crossing has to agree with the Taylor polynomial at the step's start, whose
+# relative remainder of third order is 1e-9 there. The interpolant of a stiff step can have larger errors.
 EARLY = 1e-3
-# The largest distance from an onset to the end of the step that is repeated to land on it, over that step.
+# The largest distance from an onset to the end of the step that is repeated to end at it, over that step.
 LANDED = 1e-2
-# The shortest step that is refused, over the time: ten times what time resolves, as the next try may be a
-# tenth.
+# The shortest step that is refused, over the time: ten times the resolution of time, because the next try may
+# be a tenth as long.
 RESOLVED = 4e-15
 
 
@@ -59,7 +59,7 @@ def find_event(d):
 
     Returns:
         The fraction θ ∈ [0, 1] of the step at which it happens, or −1. ``touch.event`` then holds the kind of
-        event of each candidate. A step that is too inaccurate to locate it is refused.
+        event of each candidate. A step that is too inaccurate to locate the event is refused.
     """
     if d.candidates == 0:
         return find_event_without_crossing(d)
@@ -82,7 +82,8 @@ def find_event(d):
         if theta < 0.0:
             measure(d, 1.0)
     theta = find_sampled_event(d, theta)
-    # without an event they are those at the end of the step; an event breaks the step, so they are void
+    # without an event the clearances belong to the end of the step; an event breaks the step and makes them
+    # void
     remember_clearances(d, VALUES)
     # the time in a regularized step is not under error control
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
@@ -91,16 +92,16 @@ def find_event(d):
 
 
 def find_event_without_crossing(d):
-    """θ of the earliest event in a step without crossings, or −1."""
+    """Return θ of the earliest event in a step without crossings, or −1."""
     if any_point_held(d):
-        ensure_dense(d, SOLVER)  # `update_held_extremes` needs it, too
+        ensure_dense(d, SOLVER)  # `update_held_extremes` needs the dense output as well
         return find_sampled_event(d, -1.0)
     theta = find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
     return find_saturation(d, theta) if d.model.limited else theta
 
 
 def find_sampled_event(d, theta):
-    """θ of the crossing at ``theta`` (−1: none) or of an earlier event of another kind."""
+    """Return θ of the crossing at ``theta`` (−1: none), or of an earlier event of another kind."""
     if any_point_held(d):
         theta = find_release(d, theta)
         if not accepted(d):
@@ -112,16 +113,16 @@ def find_sampled_event(d, theta):
 
 
 def credible(d, theta):
-    """Whether the crossings found at θ, for which φ and φ′ are set there, are of points that arrive or leave.
+    """Return whether the points of the crossings at θ, for which φ and φ′ are set, really arrive or leave.
 
     Positions and rates of the interpolant may be inconsistent within the tolerance. An onset deep inside a
-    wall, or of a point that moves away, is an error of a step that is too long; so is a crossing right after
+    wall, or of a point that moves away, is an error of a step that is too long. So is a crossing right after
     the start of the step by a point that cannot have reached the wall yet.
     """
     if theta <= EARLY and starts_clear(d, theta * d.step.size):
         return False
     if theta == 0.0:
-        return True  # a point inside a wall at the start is so in a shorter step as well
+        return True  # a point that is inside a wall at the start is inside in a shorter step as well
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
             deep = d.search.clear_end[c] < -DEEP * d.model.size
@@ -131,9 +132,9 @@ def credible(d, theta):
 
 
 def starts_clear(d, lasted):
-    """Whether a candidate with an event within ``lasted`` [s] has φ > 0 there by its motion at the start.
+    """Return whether a candidate with an event within ``lasted`` [s] has φ > 0 by its motion at the start.
 
-    Near its start, the interpolant of a step over a stiff motion may err by as much as the tolerance allows.
+    Near the start, the interpolant of a step over a stiff motion may have an error as large as the tolerance.
     """
     locate_points(d, d.step.state)
     accelerate_points(d, d.step.state, d.work.rate_start)
@@ -150,11 +151,12 @@ def starts_clear(d, lasted):
 
 
 def onset_fraction(d):
-    """The fraction θ at which the onsets are, in the last step, repeated to end at its events; or −1.
+    """Return the fraction θ with the onsets in the last step, which was repeated to end at its events; or −1.
 
     θ is 1 up to the error of the interpolant with which the events were found. Two Newton iterations correct
-    it; it may come to lie a little beyond the end. The step is refused if points are then deep inside a wall
-    or far from an onset. θ is −1, the end, without an onset or in a step that time hardly resolves.
+    it; the result may lie a little beyond the end. The step is refused if points are then deep inside a wall
+    or far from an onset. θ is −1, which means the end, without an onset, or in a step that time hardly
+    resolves.
     """
     if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
         return -1.0
@@ -180,11 +182,11 @@ def onset_fraction(d):
 
 
 def onset_lateness(d, y):
-    """The time from the onsets to a state y of the last step, over the step size; locates the points.
+    """Return the time from the onsets to a state y of the last step, over the step size; locate the points.
 
     Returns:
-        The time since the earliest onset; ∞ if a point does not arrive, or is far from its onset; −∞ without
-        onsets. And the largest depth [m] of the arriving points inside their walls.
+        The time since the earliest onset, which is ∞ if a point does not arrive or is far from its onset, and
+        −∞ without onsets; and the largest depth [m] of the arriving points inside their walls.
     """
     locate_points(d, y)
     latest, deepest = -math.inf, 0.0

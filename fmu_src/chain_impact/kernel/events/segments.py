@@ -1,7 +1,7 @@
-"""The ends of the segments of signals (chain/signals.py), where what is driven may jump or bend.
+"""The ends of the segments of signals (chain/signals.py), where a driven input may jump or bend.
 
-Their times are known, so nothing is searched: a step ends there, and the next one begins with the next
-segment. A step in the variable of a contact, whose time is not known beforehand, is cut there.
+The times are known, so nothing is searched: a step ends there, and the next step begins with the next
+segment. A step in the variable of a contact, whose time is not known beforehand, is cut off there.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -21,19 +21,19 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
-CONTINUES, BENDS, JUMPS = 0, 1, 2  # what is driven has no jump; it has one; the speed of a belt has one
-# Of the values on both sides, of their change in a second, and of a link length or the energy of the chain
-# that moves by one in a second: a smaller difference is round-off.
+CONTINUES, BENDS, JUMPS = 0, 1, 2  # no driven input jumps; one jumps; the speed of a belt jumps
+# The largest difference of the values on both sides that is round-off, over their sizes, their change in a
+# second, and a link length or the energy of the chain that moves by a link length in a second.
 SAME = 1e-9
 
 
 def limit_to_segment(d, h):
-    """A size ≤ h of the next step, in time, with which it ends where a segment does, or well before."""
+    """Return a size ≤ h of the next step, in time, with which it ends with a segment or well before."""
     return h if d.step.regularized >= 0 else limit_to(d, first_end(d), h)
 
 
 def first_end(d):
-    """When the first of the present segments ends [s]."""
+    """Return the end of the first of the present segments to end [s]."""
     first = segment_end(d, 0)
     for j in range(1, d.signals):
         first = min(first, segment_end(d, j))
@@ -41,7 +41,7 @@ def first_end(d):
 
 
 def end_at_segment(d):
-    """End the last step where a segment ends, if it went beyond."""
+    """End the last step where a segment ends, if the step went beyond."""
     end = first_end(d)
     if end < d.step.end - LANDED * abs(d.step.end):
         drop_events(d)
@@ -51,12 +51,12 @@ def end_at_segment(d):
 
 
 def has_ended(d, j):
-    """Whether the present segment of signal j ends at the end of the last step."""
+    """Return whether the present segment of signal j ends at the end of the last step."""
     return segment_end(d, j) - d.step.end <= LANDED * abs(d.step.end)
 
 
 def check_segments(d):
-    """SIGNAL_JUMPS if position or velocity of base or wall would jump with what begins, or OK."""
+    """Return SIGNAL_JUMPS if position or velocity of base or wall would jump with what begins, else OK."""
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL and has_ended(d, j):
             before, rate, bend = signal_at(d, j, d.step.end)
@@ -73,18 +73,18 @@ def check_segments(d):
 
 
 def same(before, after, scale):
-    """Whether two numbers are equal up to round-off, where numbers of a ``scale`` are usual."""
+    """Return whether two numbers are equal up to round-off, where numbers of a ``scale`` are usual."""
     return abs(after - before) <= SAME * (abs(before) + abs(after) + scale)
 
 
 def begin_next(d, j):
-    """Begin the segment of signal j that follows the one that has ended."""
+    """Begin the segment of signal j that follows the ended one."""
     while has_ended(d, j):
         next_segment(d, j)
 
 
 def begin_segments(d):
-    """Begin the segments that follow those that end at the end of the last step, if any do.
+    """Begin the segments that follow those that end at the end of the last step.
 
     The energy that a jump brings into springs counts as supplied.
 
@@ -125,7 +125,7 @@ def begin_segment(d, j):
     supply(d, energy_balance(d, y) - energy)
     size = d.model.size
     if d.signal.input[j] != CHANNEL:
-        # torques, forces and angles alike
+        # for torques, forces and angles alike
         return CONTINUES if same(before, after, abs(rate) + abs(rate_after) + d.model.energy) else BENDS
     if d.motion.belt[d.signal.index[j]] and not same(rate, rate_after, abs(bend) + abs(bend_after) + size):
         return JUMPS
@@ -135,5 +135,5 @@ def begin_segment(d, j):
 def shift_start(_d, _delay):
     """Move the start of the next step to the time of a segment's end, a ``delay`` [s] later.
 
-    That is round-off; but the delay may have derivatives (tangent/rules.py).
+    The move is round-off, but the delay may have derivatives (tangent/rules.py).
     """

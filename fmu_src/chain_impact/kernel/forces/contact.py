@@ -20,13 +20,13 @@ from chain_impact.kernel.rows.geometry import add_along, at_joint, clear_loads_o
 
 
 def clear_impacts(d, time):
-    """Start at ``time`` [s] without impacts so far."""
+    """Start at ``time`` [s] without any impacts."""
     clear(d.impact)
     d.impact.last_time, d.impact.last_point = time, -1
 
 
 def contact_force(d, c, gap, gap_rate):
-    """Force [N] of an active candidate at a clearance [m] and its rate [m/s]."""
+    """Return force [N] of an active candidate at a clearance [m] and its rate [m/s]."""
     # at the onset the clearance is 0 up to round-off; a force that jumps there has already jumped
     return force_on_side(d, c, max(0.0, -gap), -gap_rate)
 
@@ -41,7 +41,7 @@ def apply_contact(d, c, gap, gap_rate):
 
 
 def keep_force(d, c, force):
-    """Store the force [N] of an active candidate that was evaluated just now."""
+    """Store the force [N] of an active candidate that was just evaluated."""
     d.touch.force[c] = force
 
 
@@ -65,7 +65,7 @@ def apply_contacts(d):
 
 
 def apply_told_contacts(d):
-    """Set the loads for the located points to the forces that outputs have, of which none pulls."""
+    """Set the loads for the located points to the forces of outputs, none of which pulls."""
     clear_loads(d)
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
@@ -77,7 +77,7 @@ def apply_told_contacts(d):
 
 
 def contact_slopes(d, c):
-    """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points; 0 where it is cut off."""
+    """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points; 0 if cut off."""
     gap, gap_rate = clearance(d, c)
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
 
@@ -90,7 +90,8 @@ def begin_contact(d, c):
     _, gap_rate = clearance(d, c)
     touch = d.touch
     touch.onset[c] = d.step.end
-    # a point that moves outward at its onset, by an integration error or another impact, has the speed 0
+    # a point that moves outward at its onset, because of an integration error or another impact, has the
+    # speed 0
     touch.onset_speed[c] = max(0.0, 0.0 - gap_rate)
     touch.impact_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
     set_rates(d, c, -gap_rate, 1.0)  # the force rises
@@ -117,7 +118,7 @@ def start_contact(d, c):
 
 
 def latch(d, c):
-    """Fix what follows for the contact of candidate c from its law, v₀ and effective mass."""
+    """Fix the values of candidate c's contact that follow from its law, v₀ and effective mass."""
     set_expected_depth(d, c)
     if not d.law.impulsive[c]:
         set_damping(d, c)
@@ -141,12 +142,12 @@ def deactivate(d, c):
 
 
 def set_rates(d, c, speed, force_rate):
-    """Set δ̇ [m/s] and dF/dt [N/s] of candidate c, from which the search for its peaks goes on."""
+    """Set δ̇ [m/s] and dF/dt [N/s] of candidate c, from which the search for its peaks continues."""
     d.touch.speed[c], d.touch.force_rate[c] = speed, force_rate
 
 
 def expect_peaks(d):
-    """Search the next step for peaks of all forces: those that fell may rise, as modes may have changed."""
+    """Search the next step for peaks of all forces: as modes may have changed, a falling force may rise."""
     for k in range(d.touch.compliant_count):
         d.touch.force_rate[d.touch.active_index[k]] = 1.0
 
@@ -157,7 +158,7 @@ def set_extremes(d, c, peak_force, max_penetration):
 
 
 def set_joint_top(d, c, top, joint):
-    """Set the largest |f|² [N²] of a joint while candidate c has been active, and its joint, 1…N or 0."""
+    """Set the largest |f|² [N²] in a joint while candidate c has been active, and the joint, 1…N or 0."""
     d.touch.joint_top[c], d.touch.joint[c] = top, joint
 
 
@@ -172,13 +173,13 @@ def cross_kink(d, c):
 
 
 def kink_height(d, c):
-    """The function with a sign change at the kink of the force of candidate c, for the located points."""
+    """Return the function whose sign changes at the kink of candidate c's force, for the located points."""
     gap, gap_rate = clearance(d, c)
     return height_over_kink(d, c, max(0.0, -gap), -gap_rate)
 
 
 def set_kink_side(d, c):
-    """Set on which side of the kink of its force candidate c is, for the located points."""
+    """Set the side of its kink on which candidate c is, for the located points."""
     d.touch.beyond_kink[c] = 1 if kink_height(d, c) < 0.0 else 0
 
 
@@ -206,7 +207,7 @@ def list_touching(d):
 
 
 def list_kind(d, impulsive):
-    """Append the active contacts with or without impulses instead of a force law to the packed list."""
+    """Append the active contacts with impulses, or those with a force law, to the packed list."""
     touch = d.touch
     for c in range(d.candidates):
         if touch.active[c] and d.law.impulsive[c] == impulsive:

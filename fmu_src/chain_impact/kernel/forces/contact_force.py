@@ -24,7 +24,7 @@ TURNED = 0.3
 
 
 def power(depth, exponent):
-    """δ^exponent for δ ≥ 0, without pow() for the usual exponents."""
+    """Return δ^exponent for δ ≥ 0, without pow() for the usual exponents."""
     if exponent == 1.5:
         return depth * math.sqrt(depth)
     if exponent == 1.0:
@@ -39,17 +39,17 @@ def power(depth, exponent):
 
 
 def elastic_force(d, c, penetration):
-    """K δⁿ [N] of candidate c for a penetration δ ≥ 0 [m]."""
+    """Return K δⁿ [N] of candidate c for a penetration δ ≥ 0 [m]."""
     return d.law.stiffness[c] * power(penetration, d.law.exponent[c])
 
 
 def elastic_energy(d, c, penetration):
-    """K δⁿ⁺¹/(n+1) [J] of candidate c for a penetration δ ≥ 0 [m]."""
+    """Return K δⁿ⁺¹/(n+1) [J] of candidate c for a penetration δ ≥ 0 [m]."""
     return elastic_force(d, c, penetration) * penetration / (d.law.exponent[c] + 1.0)
 
 
 def elastic_depth(d, c, mass, speed):
-    """Penetration [m] at which K δⁿ has stored the kinetic energy of a mass [kg] with a speed [m/s]."""
+    """Return the penetration [m] at which K δⁿ stores the kinetic energy of a mass [kg] at a speed [m/s]."""
     stiffness, exponent = d.law.stiffness[c], d.law.exponent[c]
     # K δⁿ⁺¹/(n+1) = ½ m v²
     energy = 0.5 * mass * speed * speed
@@ -81,7 +81,7 @@ def set_damping(d, c):
 
 
 def unit_of_damping(d, c, mass_power):
-    """The factor on f K^(1−s) m^s, found for lengths, that makes it that of the angles of a stop.
+    """Return the factor on f K^(1−s) m^s, defined for lengths, that gives the damping for a stop's angle.
 
     With the lever arm r these are K' = K rⁿ⁺¹, m' = m r² and d = d'/rᵖ⁺²: the factor is 1 if f is a number
     without a unit.
@@ -94,10 +94,10 @@ def unit_of_damping(d, c, mass_power):
 
 
 def turning_margin(d, c):
-    """The |δ̇| [m/s] up to which the force of the wrong side of δ̇ = 0 has an error within the tolerance.
+    """Return the |δ̇| [m/s] up to which the wrong side's force at δ̇ = 0 has an error within the tolerance.
 
     If δ̇ reaches v on the wrong side, the relative error of the impulse is (v/v₀)² times the share of the
-    damping. For a point at rest the sign of δ̇ changes all the time, with speeds within the tolerance.
+    damping. The sign of δ̇ of a point at rest changes all the time, with speeds within the tolerance.
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_share(d, c)))
@@ -105,14 +105,17 @@ def turning_margin(d, c):
 
 
 def law_force(d, c, depth, rate):
-    """Force of candidate c at a penetration δ ≥ 0 [m] and its rate [m/s], and its elastic part K δⁿ [N]."""
+    """Return the force of candidate c at a penetration δ ≥ 0 [m] and its rate [m/s], and K δⁿ [N]."""
     force, elastic = uncut_force(d, c, depth, rate, rate < 0.0)
-    # not max(), in which a NaN would be lost
+    # max() could hide a NaN
     return 0.0 if force < 0.0 else force, elastic
 
 
 def continued_force(d, c, depth, rate):
-    """As ``law_force``, but continued smoothly from the contact's side of the kink; records a crossing."""
+    """Return the same as ``law_force``, but continued smoothly from the contact's side of the kink.
+
+    A crossing of the kink is recorded.
+    """
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
     approach_only = d.law.approach_only[c] != 0
@@ -121,9 +124,9 @@ def continued_force(d, c, depth, rate):
 
 
 def force_on_side(d, c, depth, rate):
-    """The force of candidate c as motion and loads have it, from its side of the kink, but none that pulls.
+    """Return the force of candidate c on its side of the kink, as motion and loads use it, without a pull.
 
-    Where a point rests, δ̇ is 0 up to errors, and its sign does not tell the side of a law that damps on
+    At a point that rests δ̇ is 0 up to errors, and its sign does not tell the side for a law that damps on
     approach only.
     """
     leaves = d.touch.beyond_kink[c] != 0 if d.law.approach_only[c] else rate < 0.0
@@ -132,7 +135,7 @@ def force_on_side(d, c, depth, rate):
 
 
 def note_crossing(d, c, height):
-    """Record that candidate c has crossed its kink, if ``height`` shows it by more than the margin."""
+    """Record that candidate c has crossed its kink, if ``height`` exceeds the margin."""
     margin = d.touch.kink_margin[c]
     if height > margin if d.touch.beyond_kink[c] else height < -margin:
         d.touch.kink_crossed[c] = 1
@@ -145,7 +148,7 @@ def clear_crossings(d):
 
 
 def height_over_kink(d, c, depth, rate):
-    """δ̇ or the uncut force of candidate c: zero at the kink of its force, negative beyond the kink."""
+    """Return δ̇ or the uncut force of candidate c: zero at the kink of its force, negative beyond the kink."""
     if d.law.approach_only[c]:
         return rate
     force, _ = uncut_force(d, c, depth, rate, False)
@@ -153,12 +156,15 @@ def height_over_kink(d, c, depth, rate):
 
 
 def cut_off(d, c):
-    """Whether the force of candidate c is cut off at 0, because its law would pull."""
+    """Return whether the force of candidate c is cut off at 0, because its law would pull."""
     return d.touch.beyond_kink[c] != 0 and not d.law.approach_only[c]
 
 
 def uncut_force(d, c, depth, rate, leaves):
-    """As ``law_force``, but not cut off at 0; ``leaves``: whether approach-only damping is off."""
+    """Return the same as ``law_force`` without the cut at 0.
+
+    ``leaves``: whether approach-only damping is off.
+    """
     spring = power(depth, d.law.exponent[c])
     elastic = d.law.stiffness[c] * spring
     if d.law.number[c] == USER_LAW and user_law.present():
@@ -167,7 +173,7 @@ def uncut_force(d, c, depth, rate, leaves):
 
 
 def user_contact_force(d, c, depth, rate):
-    """The force of a user's law for candidate c, before it is cut off at 0.
+    """Return the force of a user's law for candidate c, before it is cut off at 0.
 
     The law of a stop takes the angle, and returns a moment.
     """
@@ -181,17 +187,17 @@ def user_contact_force(d, c, depth, rate):
 
 
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
-    """The force of a user's law, before it is cut off at 0."""
+    """Return the force of a user's law, before it is cut off at 0."""
     return user_law.force(depth, rate, speed, mass, stiffness, exponent, restitution)
 
 
 def may_jump(d, c):
-    """Whether the force may jump where a contact begins or ends: a user's law, or damping with p = 0."""
+    """Return whether the force may jump at a contact's begin or end: a user's law, or damping with p = 0."""
     return d.law.number[c] == USER_LAW or d.law.rate_exponent[c] == 0.0
 
 
 def damping_slope(d, c, depth, leaves, spring):
-    """∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c where its force is not cut off; ``spring`` is δⁿ."""
+    """Return ∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c where its force is not cut off; ``spring`` is δⁿ."""
     law = d.law
     if law.approach_only[c] and leaves:
         return 0.0
@@ -200,7 +206,10 @@ def damping_slope(d, c, depth, leaves, spring):
 
 
 def law_slopes(d, c, depth, rate):
-    """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of candidate c at a penetration δ ≥ 0 [m] and its rate; 0 if cut off."""
+    """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of candidate c at a penetration δ ≥ 0 [m] and its rate.
+
+    Both are 0 where the force is cut off.
+    """
     if cut_off(d, c):
         return 0.0, 0.0
     if d.law.number[c] == USER_LAW and user_law.present():
@@ -215,7 +224,7 @@ def law_slopes(d, c, depth, rate):
 
 
 def user_slopes(d, c, depth, rate):
-    """As ``law_slopes``, for a user's law, by central differences; each at least 0."""
+    """Return the same as ``law_slopes``, for a user's law, by central differences; each is at least 0."""
     step = DIFFERENCE * depth
     low, _ = law_force(d, c, depth - step, rate)
     high, _ = law_force(d, c, depth + step, rate)
@@ -227,7 +236,7 @@ def user_slopes(d, c, depth, rate):
 
 
 def damping_share(d, c):
-    """Damping force over elastic force of candidate c, at v₀ and the expected penetration; ≥ 0.
+    """Return damping force over elastic force of candidate c, at v₀ and the expected penetration; ≥ 0.
 
     It is λ for the Hunt–Crossley family.
     """

@@ -1,8 +1,8 @@
-"""The contact law of each candidate: a wall may be of another material, and stops have a law of their own.
+"""The contact law of each candidate: a wall may have another material, and stops may have their own law.
 
 The law of a stop acts on the angle of its joint. For the kernel a stop is a contact at a lever arm s, the
-longest link (geometry.py): its depth is δ = s φ and its force F = M/s. With M = K φⁿ this is the stiffness
-K/sⁿ⁺¹, and its minimum impact speed is s times that in rad/s.
+longest link (geometry.py): its depth is δ = s φ and its force F = M/s. With M = K φⁿ the stiffness is K/sⁿ⁺¹,
+and the minimum impact speed is s times the one in rad/s.
 
 Candidates whose parameters come from the same place have the same law. Its constants are derived for the
 first of them, and the others copy these: ``law.same_as``.
@@ -35,9 +35,9 @@ from chain_impact.kernel.status import (
     refuse_candidate,
 )
 
-# The depth in a wall up to which a point is not in contact, over a link length. It leaves out a force K δⁿ,
-# of 1e-10 N at K = 1e8; round-off of positions is some 1e-15. Without it, every step of a point that slides
-# along a wall at zero clearance would be searched for an onset.
+# The depth in a wall up to which a point is not in contact, over a link length. It leaves out a force K δⁿ of
+# 1e-10 N at K = 1e8; round-off of positions is about 1e-15. Without this margin, every step of a point that
+# slides along a wall at zero clearance would be searched for an onset.
 HARMLESS = 1e-12
 USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with one
 
@@ -45,7 +45,7 @@ USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked
 def start_laws(d):
     """Find which candidates share a law, and set the laws of all; returns a status."""
     for c in range(d.candidates):
-        d.law.number[c] = 0  # any parameter may have changed
+        d.law.number[c] = 0  # 0, because any parameter may have changed
         first, own = 0, origin(d, c)
         while origin(d, first) != own:
             first += 1
@@ -54,11 +54,11 @@ def start_laws(d):
 
 
 def origin(d, c):
-    """Where the law of candidate c comes from.
+    """Return the place that the law of candidate c comes from.
 
     Returns:
-        The wall if its material is its own, −1 if it is that of `contact`, −2 for a stop in a joint, and −3
-        for an end of the slider's line, which has no friction.
+        The wall if it has its own material, −1 for the material of `contact`, −2 for a stop in a joint, and
+        −3 for an end of the slider's line, which has no friction.
     """
     if d.candidate.stop[c] != 0:
         return -2 if at_joint(d, c) else -3
@@ -69,7 +69,7 @@ def origin(d, c):
 
 
 def update_laws(d):
-    """Set the laws of all candidates from the given values; returns a status. Invalid ones change nothing."""
+    """Set the laws of all candidates from the given values; invalid ones change nothing. Returns a status."""
     status = check_laws(d)
     if status != OK:
         return status
@@ -87,7 +87,7 @@ def update_laws(d):
 
 
 def check_laws(d):
-    """Check the given values; returns a status. A law with a force cannot become rigid during a contact."""
+    """Check the given values; a law with a force cannot become rigid during a contact. Returns a status."""
     for c in range(d.candidates):
         status = check_law(d, c) if d.law.same_as[c] == c else OK
         if status != OK:
@@ -100,7 +100,7 @@ def check_laws(d):
 
 
 def laws_in_use(d):
-    """Whether the given values are those of the laws of all candidates."""
+    """Return whether the laws of all candidates use the given values."""
     for c in range(d.candidates):
         if d.law.same_as[c] == c and not is_in_use(d, c):
             return False
@@ -108,14 +108,14 @@ def laws_in_use(d):
 
 
 def is_in_use(d, c):
-    """Whether the given values are those of the law of candidate c."""
+    """Return whether the law of candidate c uses the given values."""
     law, (sliding, static) = d.law, given_friction(d, c)
     same_friction = law.friction[c] == sliding and law.static_friction[c] == max(sliding, static)
     return is_derived(d, c) and law.stiffness[c] == given_stiffness(d, c) and same_friction
 
 
 def note_kind(d, c):
-    """Note that the law of candidate c is one with a force, or rigid, and whether it has dry friction."""
+    """Note that the law of candidate c has a force or is rigid, and whether it has dry friction."""
     if d.law.static_friction[c] > 0.0:
         d.contact.any_friction = 1
     if d.law.impulsive[c]:
@@ -125,12 +125,12 @@ def note_kind(d, c):
 
 
 def given_number(d, c):
-    """The number of the law that is given for candidate c."""
+    """Return the given number of the law of candidate c."""
     return d.stops.law if at_joint(d, c) and d.stops.law > 0 else d.given.law
 
 
 def given_stiffness(d, c):
-    """The given stiffness K of candidate c [N/mⁿ], of a stop as of a contact at the lever arm."""
+    """Return the given stiffness K of candidate c [N/mⁿ]; for a stop as of a contact at the lever arm."""
     if at_joint(d, c):
         return d.given.stop_stiffness / d.model.size ** (d.stops.exponent + 1.0)
     if d.candidate.stop[c] != 0:
@@ -140,7 +140,7 @@ def given_stiffness(d, c):
 
 
 def given_restitution(d, c):
-    """The given restitution of candidate c."""
+    """Return the given restitution of candidate c."""
     if at_joint(d, c):
         return in_use(d.given.stop_restitution, d.given.restitution)
     if d.candidate.stop[c] != 0:
@@ -150,9 +150,10 @@ def given_restitution(d, c):
 
 
 def given_friction(d, c):
-    """The given coefficients of sliding and of static friction of candidate c; a stop has none.
+    """Return the given coefficients of sliding and of static friction of candidate c; a stop has none.
 
-    A static coefficient of 0 means the one of sliding, as where a wall has its own sliding friction only.
+    A static coefficient of 0 means the sliding coefficient, also at a wall with its own sliding coefficient
+    only.
     """
     if d.candidate.stop[c] != 0:
         return 0.0, 0.0
@@ -165,12 +166,12 @@ def given_friction(d, c):
 
 
 def exponent(d, c):
-    """The exponent n of the law of candidate c."""
+    """Return the exponent n of the law of candidate c."""
     return d.stops.exponent if at_joint(d, c) else d.contact.exponent
 
 
 def check_law(d, c):
-    """Check what is given for the law of candidate c; returns a status."""
+    """Check the given values for the law of candidate c; returns a status."""
     number, restitution = given_number(d, c), given_restitution(d, c)
     if not 1 <= number <= LAW_COUNT + user_law.present():
         return UNKNOWN_LAW
@@ -187,7 +188,7 @@ def check_law(d, c):
 
 
 def check_values(d, c):
-    """Check what is given for candidate c, whatever its law; returns a status."""
+    """Check the given values of candidate c that do not depend on the law; returns a status."""
     sliding, static = given_friction(d, c)
     in_range = 0.0 <= given_restitution(d, c) <= 1.0 and given_stiffness(d, c) > 0.0
     if not (in_range and sliding >= 0.0 and static >= 0.0 and math.isfinite(sliding + static)):
@@ -196,7 +197,7 @@ def check_values(d, c):
 
 
 def is_derived(d, c):
-    """Whether the constants of candidate c are those of the law and the restitution that are given."""
+    """Return whether the constants of candidate c belong to the given law and restitution."""
     return d.law.number[c] == given_number(d, c) and d.law.restitution[c] == given_restitution(d, c)
 
 
@@ -215,7 +216,7 @@ def derive_damping(d, c):
 
 
 def copy_law(law, source, c):
-    """Give candidate c the law of another one."""
+    """Give candidate c the law of candidate ``source``."""
     law.number[c], law.exponent[c] = law.number[source], law.exponent[source]
     law.stiffness[c], law.restitution[c] = law.stiffness[source], law.restitution[source]
     law.impulsive[c], law.approach_only[c] = law.impulsive[source], law.approach_only[source]

@@ -9,11 +9,11 @@ the equations of motion are smooth within a step:
 
 with µ the coefficient of sliding and µ_s ≥ µ that of static friction. The sign of the tangential speed is not
 evaluated within a step: s is latched. In a joint with the friction moment M both limits are M/s, with the
-lever arm s of its place. As the normal force of a law with a force depends on the state alone, the modes and
-accelerations that follow from these laws exist; for µ_s = µ the accelerations are unique.
+lever arm s of its place. The normal force of a law with a force depends on the state alone, so modes and
+accelerations that satisfy these laws exist; for µ_s = µ the accelerations are unique.
 
-Where several constraints are dependent, the forces of the sticking elements are not unique. They are shared
-in proportion to their limits (constraints.py), or so that none exceeds its limit (limits.py).
+Where several constraints are dependent, the forces of the sticking elements are not unique. The forces are
+shared in proportion to the limits (constraints.py), or so that none exceeds its limit (limits.py).
 
 Source: C. A. Coulomb 1785, Théorie des machines simples, Mém. Math. Phys. Acad. Sci. 10:161; for latched
 modes in place of the sign of a speed, after Pfeiffer & Glocker 1996, Multibody Dynamics with Unilateral
@@ -28,12 +28,15 @@ NOT_HELD = 1e-13
 
 
 def may_rub(d, c):
-    """Whether the contact of candidate c has dry friction."""
+    """Return whether the contact of candidate c has dry friction."""
     return d.law.static_friction[c] > 0.0
 
 
 def joint_of(d, e):
-    """The index of the joint of element e, an element of a joint; 0 is the joint of link 1, N the slider."""
+    """Return the index of the joint of element e, which is a joint's element.
+
+    0 is the joint of link 1, N the slider.
+    """
     return e - d.candidates
 
 
@@ -52,7 +55,7 @@ def clear_friction(d):
 
 
 def against(force):
-    """The sign of the sliding that a friction force opposes."""
+    """Return the sign of the sliding that a friction force opposes."""
     return 1 if force < 0.0 else -1
 
 
@@ -67,9 +70,9 @@ def set_anchor(d, e):
 
 
 def list_friction(d):
-    """Pack the elements that have friction now, contacts first, and those of them that stick.
+    """Pack the elements that have friction now, contacts first, and the sticking ones among them.
 
-    A joint without a place, the first one of a free base, has none.
+    The first joint of a free base has no place, and so no friction.
     """
     own = d.friction
     own.count = 0
@@ -93,7 +96,7 @@ def list_friction(d):
 
 
 def list_sticking(d):
-    """Pack the elements that stick: each of them is a constraint, after those of the contacts."""
+    """Pack the sticking elements; each is a constraint, after the constraints of the contacts."""
     own = d.friction
     own.stuck_count, own.stuck_joints = 0, 0
     for i in range(own.count):
@@ -105,32 +108,32 @@ def list_sticking(d):
 
 
 def suspend_sticking(d):
-    """Let nothing stick in an impact on rigid walls: the limits of friction are forces, not impulses."""
+    """Let nothing stick during an impact on rigid walls: the limits of friction are forces, not impulses."""
     d.friction.stuck_count, d.friction.stuck_joints = 0, 0
 
 
 def begin_friction(d, c):
     """Set the mode of a contact that begins at located points, until events/friction_modes.py chooses it."""
     speed = tangential_rate(d, c)
-    # The state may be projected before that: what sticks stays where it is.
+    # The state may be projected before the choice: a sticking element stays where it is.
     set_anchor(d, c)
     set_mode(d, c, STICKS if speed == 0.0 else (1 if speed > 0.0 else -1))
 
 
 def friction_load(d, c):
-    """The normal force [N] of candidate c that its friction goes with.
+    """Return the normal force [N] of candidate c that determines its friction.
 
-    Beyond its kink the force of a contact is continued smoothly until the kink has been located, and friction
-    with it. But a law that damps on approach only may pull within ``touch.kink_margin`` of its kink, where no
-    step ends, and friction would add energy.
+    Beyond its kink the force of a contact is continued smoothly until the kink has been located, and so is
+    friction. But a law that damps on approach only may pull within ``touch.kink_margin`` of its kink, where
+    no step ends, and friction would add energy.
     """
     return max(0.0, d.touch.force[c]) if d.law.approach_only[c] else d.touch.force[c]
 
 
 def apply_friction(d):
-    """Add the sliding friction of contacts, whose normal forces are set, and joints to the loads.
+    """Add the sliding friction of joints, and of contacts whose normal forces are set, to the loads.
 
-    The friction of what sticks is found later, as the force of a constraint.
+    The friction of sticking elements is found later, as the force of a constraint.
 
     Returns:
         The dissipated power [W].
@@ -139,7 +142,7 @@ def apply_friction(d):
     own.power = 0.0
     for i in range(own.count):
         e = d.element.index[i]
-        sliding = d.element.limit[e]  # of a joint both limits are the same
+        sliding = d.element.limit[e]  # both limits of a joint are the same
         if e < d.candidates:
             normal = friction_load(d, e)
             d.element.limit[e] = d.law.static_friction[e] * normal
@@ -150,7 +153,7 @@ def apply_friction(d):
 
 
 def slide(d, e, size):
-    """Add the friction of a ``size`` [N] of element e, which slides; return the dissipated power [W]."""
+    """Add friction of a ``size`` [N] for the sliding element e; return the dissipated power [W]."""
     sign = float(d.element.mode[e])
     speed = tangential_rate(d, e)
     d.element.force[e] = -sign * size
@@ -161,10 +164,11 @@ def slide(d, e, size):
 
 
 def keep_static_forces(d):
-    """Store the forces of what sticks, found just now as those of constraints, and its margins.
+    """Store the forces of sticking elements, just found as constraint forces, and their margins.
 
     Returns:
-        The power [W] that they dissipate, as what sticks has a speed of the size of errors.
+        The power [W] that these forces dissipate, because a sticking element has a speed of the size of
+        errors.
     """
     own, first, dissipated = d.friction, d.touch.active_count, 0.0
     for i in range(own.stuck_count):
@@ -177,9 +181,9 @@ def keep_static_forces(d):
 
 
 def keep_anchors(d):
-    """Set the anchors of what sticks to the located points where the projection has missed them.
+    """Move the anchors of sticking elements to the located points if the projection has missed them.
 
-    Such motions can hardly be held (constraints.py), and to correct them in each step would do work.
+    Such motions can hardly be constrained (constraints.py), and to correct them in each step would do work.
     """
     own = d.friction
     for i in range(own.stuck_count):

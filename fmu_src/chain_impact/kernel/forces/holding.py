@@ -1,7 +1,7 @@
-"""What is held: the forces of rigid walls and of dry friction on what rests, and the projection of a state.
+"""Constraint forces, of rigid walls and of dry friction on points at rest, and the projection of a state.
 
-The constraints and how their impulses are found, constraints.py tells. Here are the problems that a
-right-hand side, an accepted step and an event state: what moves freely, and what is to be reached.
+constraints.py describes the constraints and how their impulses are found. This module states the problems for
+a right-hand side, an accepted step and an event state: the free motion, and the targets.
 """
 
 import math
@@ -43,22 +43,23 @@ from chain_impact.kernel.rows.geometry import (
 )
 
 # The largest distance from a rigid wall that a projection may leave, over a link length. A point that stays
-# further away has no room there.
+# farther away has no room at the wall.
 SQUEEZE = 1e-6
-# The least height that a point rises when it leaves, over a link length. A lower one could not be told from
-# round-off, and the next onset could not be located.
+# The least height that a point rises when it leaves, over a link length. A lower one could not be
+# distinguished from round-off, and the next onset could not be located.
 RISE = 1e-14
 # The largest plausible correction of a coordinate, in rad or link lengths, over the tolerance plus the error
 # of a clearance in link lengths.
 MISPLACED = 10.0
-# The impedance with which stiff contacts resist the projection of what sticks, over the mean mass of a link.
+# The impedance with which stiff contacts resist the projection of sticking elements, over the mean mass of a
+# link.
 RESISTANCE = 1e3
 
 
 def start_from_state(d, derivative):
-    """Set ``start`` to clearances of contacts and distances of what sticks from its anchors, or their rates.
+    """Set ``start`` to the clearances of contacts and the distances of sticking elements from their anchors.
 
-    The rates are meant with a ``derivative`` of 1.
+    With a ``derivative`` of 1, ``start`` is set to the rates.
     """
     own, first = d.rigid, d.touch.active_count
     for k in range(first):
@@ -88,7 +89,7 @@ def clear_least_forces(d):
 
 
 def add_change(d, y, first):
-    """Add the change of the coordinates by the impulses to the entries of y from the ``first`` on."""
+    """Add the change of the coordinates by the impulses to the entries of y from ``first`` on."""
     for j in range(coordinate_count(d.links)):
         y[first + j] += d.rigid.change[j]
 
@@ -102,9 +103,9 @@ def start_from_accelerations(d, y, rate):
 
 
 def add_constraint_forces(d, y, rate):
-    """Add to a rate ẏ, found just now without them, the effect of the constraint forces of g̈ = 0 and t·a = 0.
+    """Add to a rate ẏ, just found without them, the effect of the constraint forces of g̈ = 0 and t·a = 0.
 
-    The forces [N] are then stored in ``d.rigid.impulse``; they do no work but that of errors.
+    The forces [N] are then stored in ``d.rigid.impulse``; apart from errors they do no work.
     """
     own = d.rigid
     take_factors(d, joints_loaded(d))
@@ -124,13 +125,13 @@ def add_constraint_forces(d, y, rate):
 def project_state(d, y):
     """Project the located state y onto the constraints, so that no drift accumulates.
 
-    Held contacts have g = 0 and ġ = 0. What sticks has its tangential coordinate at its anchor and no
-    tangential speed. The contacts with a force law resist it, as on a stiff wall a change of their clearances
-    would act as an impact.
+    Held contacts get g = 0 and ġ = 0. A sticking element gets its anchor's tangential coordinate and no
+    tangential speed. The contacts with a force law resist the change, because a change of a clearance at a
+    stiff wall would act as an impact.
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
-    size. Where walls would pull by more than the errors explain, the points that leave are not stopped and
-    keep their ġ > 0, in ``d.rigid.reached``. The loss of kinetic energy by all this counts as dissipated.
+    size. If walls would pull by more than the errors explain, the points that leave are not stopped and keep
+    their ġ > 0, in ``d.rigid.reached``. The loss of kinetic energy in the projection counts as dissipated.
     """
     own, lost = d.rigid, dissipated_at(d.links)
     for k in range(d.touch.compliant_count if any_sticking(d) else 0):
@@ -158,10 +159,10 @@ def project_state(d, y):
 
 
 def power_of_motion(d, y, rate):
-    """The power [W] of walls and a base that move, for a state y and its rate ẏ with all forces.
+    """Return the power [W] of moving walls and a moving base, for a state y and its rate ẏ with all forces.
 
-    That is F w for a force F of a wall that moves with w. The force of the base follows from Newton's law for
-    the whole chain, with the accelerations that ẏ holds; the points are accelerated by it.
+    The power of a wall's force F is F w, with the wall's speed w. The force of the base follows from Newton's
+    law for the whole chain, with the accelerations in ẏ, which are applied to the points.
     """
     power, fx, fy = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):
@@ -189,7 +190,7 @@ def power_of_motion(d, y, rate):
 
 
 def work_of_impulses(d):
-    """The work [J] of walls and a base that move in a change of velocities by impulses, found just now."""
+    """Return the work [J] of moving walls and base in a change of velocities by the impulses just found."""
     own, work, px, py = d.rigid, 0.0, 0.0, 0.0
     for k in range(constraint_rows(d)):
         sticks = k >= d.touch.active_count
@@ -209,7 +210,7 @@ def work_of_impulses(d):
 
 
 def momentum(d, vectors):
-    """Σ m v_C of vectors v at the points: velocities, their changes, or accelerations."""
+    """Return Σ m v_C of vectors v at the points: velocities, their changes, or accelerations."""
     x, y = 0.0, 0.0
     for i in range(d.links):
         cx, cy = at_center(d, vectors, i)
@@ -218,7 +219,7 @@ def momentum(d, vectors):
 
 
 def contact_resistance(d):
-    """The resistance [kg] of the contacts with a force law to a projection."""
+    """Return the resistance [kg] of the contacts with a force law to a projection."""
     return RESISTANCE * mean_mass(d)
 
 
@@ -226,7 +227,7 @@ def solve_positions(d):
     """Find the change of the coordinates that brings the active set to its targets, g = target.
 
     If the residuals and errors do not explain so large a change, only candidates with g < target are moved.
-    What sticks then stays where it is, as motions that can hardly be held would be large.
+    Sticking elements then stay, because motions that can hardly be constrained would be large.
     """
     own, size, asked, moved = d.rigid, d.model.size, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
@@ -252,7 +253,7 @@ def solve_stopping_impulses(d):
 
 
 def least_impulse(d):
-    """The most negative impulse, or 0 if all push."""
+    """Return the most negative impulse, or 0 if all push."""
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         least = min(least, d.rigid.impulse[k])
@@ -260,7 +261,7 @@ def least_impulse(d):
 
 
 def tolerated_momentum(d, speed):
-    """Momentum [N·s] of the chain from the tolerated error of a ``speed`` [m/s] and from a fall by RISE."""
+    """Return the chain's momentum [N·s] from the tolerated error of a ``speed`` [m/s] and a fall by RISE."""
     size = d.model.size
     mass = d.model.energy / (size * size)
     rise = math.sqrt(2.0 * (d.model.gravity_size + size) * RISE * size)

@@ -6,13 +6,14 @@
 `given.course` but in `given` itself. Inputs of order 0 are constant, and no polynomial is evaluated.
 
 Prescribed motions (chain/motion.py) have all their coefficients in `motion.course`, those in use in
-`moved.course`. They are set with the course of the other inputs, or, if `motion.follows`, they follow what is
-given at the communication points: position s, velocity v and acceleration a at a time t₀. The step to the
-next one, at t₁ = t₀ + h, is a cubic. It begins with the present position and velocity, and ends with those of
-a uniform acceleration, s + v h + ½ a h² and v + a h. So both are continuous, a uniform acceleration is
-followed exactly, and no error adds up, as the aim does not depend on the present position. What is not given
-anew goes on. Where a velocity is given anew without a position, as that of a belt always is, the speed
-changes at a uniform rate to the value given, and the position follows from it.
+`moved.course`. They are set with the course of the other inputs or, if `motion.follows`, they follow the
+    values at the communication points: position s, velocity v and acceleration a at a time t₀. The motion to
+    the next point, at t₁ = t₀ + h, is a cubic. It begins with the present position and velocity, and ends
+    with the position s + v h + ½ a h² and the velocity v + a h of a uniform acceleration. So both are
+    continuous, a uniform acceleration is followed exactly, and errors do not add up, because the end does not
+    depend on the present position. A motion without new values continues. If a velocity is given without a
+    position, as always for a belt, the speed changes at a uniform rate to the given value, and the position
+    follows from the speed.
 """
 
 import math
@@ -34,19 +35,20 @@ from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
 DEGREE = 9  # the highest degree of the polynomials
-AT_ONCE, CONTINUES = 1, 2  # given.changed: re-initialize; or the inputs continue without a jump
-# The largest difference between a given distance and that of the given speeds, over the speeds times the time
-# between two communication points. A larger one is a jump of the position.
+AT_ONCE, CONTINUES = 1, 2  # values of given.changed: re-initialize; or the inputs continue without a jump
+# The largest difference between a given distance and the distance by the given speeds, over the speeds times
+# the time between two communication points. A larger one is a jump of the position.
 UNEXPLAINED = 0.05
 TOUCH_OFF = 1e-9  # the distance, over a link length, up to which a position is no jump whatever the speeds
 # The largest change of an acceleration that is round-off, over the largest position per squared step.
 SAME = 1e-14
 SLOW_CHANGE = 0.5  # `change_rate` of a cubic, over 1/h: its sixth derivative is 0
-LANDED = 4e-15  # the largest time from the end of a piece to a step that ends with it, over the time
+# the largest time from a step's end to the end of the piece that the step ends with, over the time
+LANDED = 4e-15
 
 
 def apply_inputs(d):
-    """Make the given inputs the present ones: no change of them is left to apply."""
+    """Put the given inputs in use; no change of them then remains to be applied."""
     d.given.changed = 0
     given, course, own = d.given, d.given.course, d.inputs.course
     own.order, own.change_rate, own.until = course.order, course.change_rate, course.until
@@ -77,7 +79,7 @@ def apply_inputs(d):
 
 
 def apply_slider_inputs(d):
-    """Make the given inputs of the slider the present ones."""
+    """Put the given inputs of the slider in use."""
     given, course, own, used = d.given, d.given.course, d.inputs.course, d.inputs
     used.slider_force = own.slider_force[0, 0] = given.slider_force
     used.slider_target_position = own.slider_target_position[0, 0] = given.slider_target_position
@@ -89,12 +91,12 @@ def apply_slider_inputs(d):
 
 
 def withdraw_request(d):
-    """Nothing that has been set is to be applied."""
+    """Withdraw the request to apply values that were set."""
     d.given.changed = 0
 
 
 def inputs_in_use(d):
-    """Whether the given inputs are constants that are in use."""
+    """Return whether the given inputs are constants that are in use."""
     given, own, used = d.given, d.inputs, d.inputs.course
     if given.course.order > 0 or used.order > 0:
         return False
@@ -151,7 +153,7 @@ def set_inputs(d, time):
 
 
 def set_driven(d, time):
-    """Set the inputs that signals drive, but for motions, to their values at a ``time`` [s]."""
+    """Set the inputs that signals drive, except motions, to their values at a ``time`` [s]."""
     own = d.inputs
     for j in range(d.signals):
         driven, i = d.signal.input[j], d.signal.index[j]
@@ -175,7 +177,7 @@ def set_driven(d, time):
 
 
 def polynomial(powers, order, i, x):
-    """The value at x of the polynomial with the coefficients in column i, by Horner's scheme."""
+    """Return the value at x of the polynomial with the coefficients in column i, by Horner's scheme."""
     total = powers[order, i]
     for m in range(1, order + 1):
         total = total * x + powers[order - m, i]
@@ -183,19 +185,19 @@ def polynomial(powers, order, i, x):
 
 
 def inputs_continue(d):
-    """Whether the inputs only continue with another piece, which begins where the last step ends."""
+    """Return whether the inputs only continue with another piece, which begins where the last step ends."""
     return d.given.changed == CONTINUES and d.step.end - d.step.time <= LANDED * abs(d.step.end)
 
 
 def limit_to_piece(d, h):
-    """A size ≤ h of the next step, in time, with which it ends at the end of the piece or well before it."""
+    """Return a size ≤ h of the next step, in time, with which it ends with the piece or well before."""
     if d.inputs.course.order == 0 or d.step.regularized >= 0:
         return h
     return limit_to(d, d.inputs.course.until, h)
 
 
 def limit_to(d, time, h):
-    """A size ≤ h of the next step with which it ends at a ``time`` [s] or well before it."""
+    """Return a size ≤ h of the next step with which it ends at a ``time`` [s] or well before it."""
     rest = time - d.step.end
     if rest <= 0.0 or 2.0 * h <= rest:
         return h
@@ -203,12 +205,12 @@ def limit_to(d, time, h):
 
 
 def belts_jump(d):
-    """Whether the present piece of the inputs began with a jump of the speed of a belt."""
+    """Return whether the present piece of the inputs began with a jump of a belt's speed."""
     return d.channels > 0 and d.motion.jumps != 0
 
 
 def begin_motion(d, time):
-    """Begin all motions at a ``time`` [s] with what is given then, or with the course that is set."""
+    """Begin all motions at a ``time`` [s] with the values given then, or with the course that is set."""
     given, own, course = d.motion, d.moved, d.given.course
     own.began, own.until, own.contradiction = time, time, 0
     for j in range(d.channels):
@@ -234,16 +236,16 @@ def begin_motion(d, time):
 
 
 def follow_motion(d, time):
-    """Let what moves follow what is given until a ``time`` [s], the next communication point.
+    """Let motions follow the given values until a ``time`` [s], the next communication point.
 
     Returns:
-        WALL_JUMPS if a wall is given a jump: a distance that its velocities do not explain; or OK.
+        WALL_JUMPS if a wall is given a jump, a distance that its velocities do not explain; else OK.
     """
     given, own, course = d.motion, d.moved, d.given.course
     if d.channels == 0 or not given.follows or not time > d.step.time:
         return OK
     if time == own.until and d.given.changed != AT_ONCE:
-        return OK  # a step that was interrupted goes on
+        return OK  # an interrupted step continues
     now, h = d.step.time, time - d.step.time
     move(d, now)
     for j in range(d.channels):
@@ -269,7 +271,7 @@ def follow_motion(d, time):
 
 
 def refuse_channel(d, j):
-    """Note that the wall that moves with channel j is the reason for WALL_JUMPS, and return that."""
+    """Note that the wall that moves with channel j is the reason for WALL_JUMPS, and return the status."""
     first = 0
     for c in range(d.candidates):
         if d.shift.channel[d.candidates - 1 - c] == j:
@@ -278,7 +280,10 @@ def refuse_channel(d, j):
 
 
 def set_cubic(d, j, time, h):
-    """Set the course of channel j until a ``time`` [s], from where it is; return whether it does not bend."""
+    """Set the course of channel j from its present place until a ``time`` [s].
+
+    Return whether it does not bend.
+    """
     given, own = d.motion, d.moved
     s, v, lasted = own.position[j], own.velocity[j], time - own.given_at[j]
     speed = own.from_velocity[j] + own.mean[j]
@@ -301,9 +306,11 @@ def set_cubic(d, j, time, h):
 
 
 def note_given(d, j, now):
-    """Note what channel j is given at the present communication point; return False for a jump of a wall.
+    """Note the values given to channel j at the present communication point.
 
-    Of a base that is given without a velocity this is the mean one since its last position.
+    Return False for a jump of a wall.
+
+    The velocity of a base without a given velocity is the mean one since its last position.
     """
     given, own = d.motion, d.moved
     s, v, a = given.position[j], given.velocity[j], given.acceleration[j]
@@ -316,7 +323,7 @@ def note_given(d, j, now):
     own.given_at[j], own.mean[j], own.from_position[j], own.from_velocity[j] = now, 0.0, s, v
     own.anchored[j] = 1
     if as_before:
-        # the position goes on from where it is, and so does a velocity that is as before
+        # the position continues from its present value, and so does an unchanged velocity
         own.from_position[j], own.anchored[j] = own.position[j], 0
         own.from_velocity[j] = v if v_anew else own.velocity[j]
         return True
@@ -324,7 +331,7 @@ def note_given(d, j, now):
     speeds, ignored = lasted * (abs(before) + abs(v)), TOUCH_OFF * d.model.size
     if not unexplained > UNEXPLAINED * speeds + ignored:
         return True
-    of_base = d.model.base_moves and j < 2  # its channels come first
+    of_base = d.model.base_moves and j < 2  # the base's channels come first
     if not of_base and unexplained > speeds + ignored:
         own.contradiction, own.distance, own.lasted, own.speed = j + 1, moved, lasted, v
         return False

@@ -31,20 +31,20 @@ DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 class ContactLaw:
     """One entry of the registry: F = max(0, K δⁿ + d δᵖ δ̇), or impulses."""
 
-    id: str  # its name in scene files and in the FMU
-    number: int  # in the FMU's enumeration, from 1
+    id: str  # name in scene files and in the FMU
+    number: int  # number in the FMU's enumeration, from 1
     title: str  # authors, for tables
     source: str  # author, year, journal
-    formula: str  # the factor f(e) as text; λ(e) of the Hunt–Crossley family
-    limits: str  # its range of use, its limits and known flaws
-    # where the formula is from. A: an open source that cites the paper. B: public code that follows a review.
-    # C: the standard literature. Derived, recomputed: it also follows from an integration of a free impact.
+    formula: str  # the factor f(e) as text; λ(e) for the Hunt–Crossley family
+    limits: str  # range of use, limits and known flaws
+    # source of the formula. A: an open source that cites the paper. B: public code that follows a review. C:
+    # the standard literature. Derived, recomputed: it also follows from an integration of a free impact.
     evidence: str
-    accurate_from: float  # restitutions for which the rebound is within 5 % of the prescribed one
+    accurate_from: float  # smallest restitution from which on the rebound is within 5 % of the prescribed one
     accurate_to: float
     damping_factor: object  # f(e), a function of the kernel
     allows_zero: bool = True  # whether f(0) is finite
-    exponent: float | None = None  # the n for which it is defined; None for any
+    exponent: float | None = None  # the exponent n for which the law is defined; None for any
     rate_exponent: float | None = None  # p; None for p = n
     mass_power: float = 0.0  # s of d = f K^(1−s) m^s, m the effective mass; 0 for the family: d = λ K/v₀
     approach_only: bool = False  # whether the damping acts only during compression
@@ -57,12 +57,12 @@ class ContactLaw:
 
     @property
     def in_family(self) -> bool:
-        """Whether it belongs to the Hunt–Crossley family."""
+        """Whether the law belongs to the Hunt–Crossley family."""
         return self.rate_exponent is None and not self.impulsive
 
     @property
     def force(self) -> str:
-        """The force as text, where it is not cut off at 0."""
+        """The force as text, without the cut at 0."""
         if self.impulsive:
             return "impulses"
         if self.rate_exponent is None:
@@ -82,7 +82,7 @@ class ContactLaw:
         return self.rate_exponent != 0.0 and not self.impulsive
 
     def allows_exponent(self, exponent: float) -> bool:
-        """Whether the law is defined for an exponent n."""
+        """Return whether the law is defined for an exponent n."""
         return self.exponent is None or self.exponent == exponent
 
 
@@ -92,7 +92,8 @@ CONTACT_LAWS: dict[str, ContactLaw] = {}
 def contact_law(title, source, formula, accurate, evidence, **properties):
     """Register the decorated f(e) as the next contact law, under the function's name.
 
-    Its docstring states the limits of the law. A source that begins with a year is by whom the title names.
+    The docstring of f states the limits of the law. A source that begins with a year has the authors in the
+    title.
     """
 
     def register(function):
@@ -276,7 +277,7 @@ def tsuji(e):
 
 
 def _logarithmic_damping(scale, e):
-    """A multiple of the damping ratio ζ of a linear oscillator whose half-cycles shrink to e."""
+    """Return a multiple of the damping ratio ζ of a linear oscillator whose half-cycles shrink to e."""
     return -scale * math.log(e) / math.sqrt(math.pi * math.pi + math.log(e) ** 2)
 
 
@@ -340,16 +341,16 @@ _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)
 NEWTON_IMPACT = CONTACT_LAWS["newton_impact"].number
 _factor = dispatch([law.damping_factor for law in _LAWS])
-# for the kernel, where ANY means "any exponent" and "equal to the exponent"
+# for the kernel, where ANY means "any exponent" or "equal to the exponent"
 ANY = -1.0
 EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
 RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent for law in _LAWS)
-# 1/e of a smaller one would overflow
+# 1/e of a smaller restitution would overflow
 LEAST_RESTITUTIONS = tuple(0.0 if law.allows_zero else 1e-300 for law in _LAWS)
 MASS_POWERS = tuple(law.mass_power for law in _LAWS)
 APPROACH_ONLY = tuple(int(law.approach_only) for law in _LAWS)
 
 
 def damping_factor(law, restitution):
-    """f(e) of the law with the number ``law``, counted from 1."""
+    """Return f(e) of the law with the number ``law``, counted from 1."""
     return _factor(law - 1, restitution)

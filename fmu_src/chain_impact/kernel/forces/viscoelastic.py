@@ -1,14 +1,14 @@
 """f(e) of Kuwabara and Kono: the damping g of an impact that realises the restitution e.
 
-The impact is that of m = K = v₀ = 1 under F = max(0, δ^{3/2} + g δ^{1/2} δ̇). In z = √δ, w = δ̇ and a variable
-s with dt = 2z ds its equations are those of a polynomial, dz/ds = w, dw/ds = −2z²(z² + g w). While F > 0, w
+The impact has m = K = v₀ = 1 under F = max(0, δ^{3/2} + g δ^{1/2} δ̇). In z = √δ, w = δ̇ and a variable s
+with dt = 2z ds the equations have polynomials on the right, dz/ds = w, dw/ds = −2z²(z² + g w). While F > 0, w
 falls; −e is its minimum.
 
     f(e) = (1 − e) e^(−3/5) P(r),   r = √(1 − e^(1/8))
 
-separates what is singular. For e → 1 the impact ends with a speed in which g has the powers 0, 1, 2, 5/2 …
-and P is smooth in √(1 − e); for e → 0 it is as g^(−5/3), with terms of e ln e. P falls from 1.1761 at e = 0
-to 1/1.15345 at e = 1. It is a polynomial in r, found from solutions of the impact by Taylor series of order
+separates the singular factors. For e → 1 the speed at the end has the powers 0, 1, 2, 5/2 … of g, and P is
+smooth in √(1 − e); for e → 0 it is proportional to g^(−5/3), with terms of e ln e. P falls from 1.1761 at e =
+0 to 1/1.15345 at e = 1. It is a polynomial in r, found from solutions of the impact by Taylor series of order
 24 at 64 Chebyshev points, with a relative error below 2e-11 for all e.
 """
 
@@ -51,19 +51,20 @@ SERIES = (
     1.232169309263561e-12,
 )
 """The coefficients of P, for the Chebyshev polynomials of 2r − 1."""
-# For a smaller 1 − e, P of e = 1 is used: the derivative of r by e is infinite there.
+# The 1 − e below which P of e = 1 is used, because the derivative of r with respect to e is infinite at e =
+# 1.
 NEAREST = 1e-12
 
 
 def viscoelastic_factor(e):
-    """f(e), for 0 < e ≤ 1."""
+    """Return f(e), for 0 < e ≤ 1."""
     exponent = math.log(e)
     root = math.sqrt(-math.expm1(0.125 * exponent)) if 1.0 - e > NEAREST else 0.0 * e
     return (1.0 - e) * math.exp(-0.6 * exponent) * series(2.0 * root - 1.0)
 
 
 def series(x):
-    """The sum of the Chebyshev series at x, by Clenshaw's rule (1955, Math Tab Wash 9:118)."""
+    """Return the sum of the Chebyshev series at x, by Clenshaw's rule (1955, Math Tab Wash 9:118)."""
     last, sum_so_far = 0.0 * x, 0.0 * x
     for k in range(len(SERIES) - 1, 0, -1):
         last, sum_so_far = sum_so_far, SERIES[k] + 2.0 * x * sum_so_far - last

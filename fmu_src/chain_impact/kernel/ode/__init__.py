@@ -1,1 +1,1 @@
-"""The integration of the equations: two methods, control of the size, the last step, its energy balance."""
+"""The integration of the equations: two methods, the control of the step size, the last step, its energy."""

@@ -57,27 +57,31 @@ from chain_impact.kernel.rows.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
 # The allowed change of the energy balance in a step, over the tolerance times S. In 1500 random scenes the
-# largest change in a step was .0015 in the median, and more than 1 in 1 % of them.
+# largest change in a step was 0.0015 in the median, and more than 1 in 1 % of the scenes.
 OF_A_STEP = 3.0
-# The same for all steps in a window of time. The errors of steps have a common sign only where a point rests:
-# then they add up to 230 in 100,000 steps. A run that exceeds this ends with an error status.
+# The allowed change of the energy balance by all steps in a window of time, over the tolerance times S. The
+# errors of steps have a common sign only where a point rests: then they add up to 230 in 100,000 steps. A run
+# that exceeds the limit ends with an error status.
 OF_A_WINDOW = 100.0
-WINDOW = 1.0  # s, the same as for the work limit
-GAIN = 0.1  # what the errors of all steps together may add, over the available energy
-# What a step may add beyond GAIN, over the available energy, so that round-off does not stop a run. When
-# these additions reach another GAIN, the run ends.
+WINDOW = 1.0  # [s] length of a window, the same as for the work limit
+GAIN = 0.1  # energy that the errors of all steps together may add, over the available energy
+# The energy that a step may add beyond GAIN, over the available energy, so that round-off does not stop a
+# run. When these additions reach another GAIN, the run ends.
 SLIP = 1e-8
-# The loss by errors of all steps that is allowed in LASTING seconds, over the tolerance as OF_A_STEP. In 3360
-# random scenes this limits steps in 3 % of the runs, most of them with stiff springs.
+# The loss by errors of all steps that is allowed in LASTING seconds, over the tolerance as for OF_A_STEP. In
+# 3360 random scenes this limits steps in 3 % of the runs, most of them with stiff springs.
 LOSS, LASTING = OF_A_STEP, 10.0
-NOTABLE = 0.1  # the least loss that limits the next step, over the loss allowed to a step
-# A tolerance above which the first step of a run, whose size is a guess, can be as long as half a turn of a
+NOTABLE = 0.1  # the least loss that limits the next step, over the allowed loss of a step
+# The tolerance above which the first step of a run, whose size is a guess, can be as long as half a turn of a
 # link, with a correct end by chance.
 LOOSE = 1e-4
-# Rotation of a link in a step [rad] beyond which the dense output, if the step has one, is checked.
+# The rotation of a link in a step [rad] beyond which the dense output, if the step has one, is checked.
 LONG_TURN = 1.0
-INTERPOLATED = 10.0  # times the allowed change of a step: allowed at its middle, where the order is lower
-ROUND_OFF = 1e-15  # round-off in a step, over the energies and each force times the coordinates of its point
+# the change of the energy balance that is allowed at a step's middle, where the order is lower, over the one
+# allowed at its end
+INTERPOLATED = 10.0
+# round-off in a step, over the energies, and over each force times the coordinates of its point
+ROUND_OFF = 1e-15
 
 
 def start_balance(d, time):
@@ -87,7 +91,7 @@ def start_balance(d, time):
     for i in range(d.links):
         total += model.mass[i]
         reach += model.length[i]
-        # ½ m (s + Σ L)² + ½ I, twice, of the stretched chain
+        # twice ½ m (s + Σ L)² + ½ I of the stretched chain
         square += model.mass[i] * reach * reach + (model.inertia[i] + model.joint_armature[i])
     balance.unit_motion = math.sqrt(square)
     balance.weight = total * model.gravity_size
@@ -103,7 +107,7 @@ def start_balance(d, time):
 
 
 def begin_window(d):
-    """Begin a window of time: the energy balance is compared with its present value."""
+    """Begin a window of time: later energy balances are compared with the present one."""
     balance = d.balance
     balance.reference = balance.at_end
     # the allowed change in every state
@@ -121,7 +125,8 @@ def rebase_energy(d):
 def apply_next_piece(d):
     """Apply inputs that continue with another piece.
 
-    The pieces of a motion meet within round-off only. What that changes in the energy counts as supplied.
+    The pieces of a motion meet only up to round-off. The change of energy that this causes counts as
+    supplied.
     """
     if d.channels == 0:
         apply_inputs(d)
@@ -135,7 +140,7 @@ def apply_next_piece(d):
 
 
 def reinit_balance(d):
-    """Re-initialize at the communication point, where a parameter may have changed the contacts' energy."""
+    """Re-initialize the balance at the communication point: a parameter may have changed contacts' energy."""
     balance, before = d.balance, d.balance.at_start
     balance.available = balance.available_at_start
     if d.touch.active_count > 0:
@@ -148,10 +153,10 @@ def reinit_balance(d):
 def check_energy(d, theta):
     """Refuse the last step if it does not keep the energy balance, up to an event at θ or (−1) to its end.
 
-    Its loss over the allowed loss, if it is notable, counts as an error of the step.
+    The step's loss over the allowed loss, if it is notable, counts as an error of the step.
 
     Returns:
-        The energy balance and the available energy [J] there, for ``keep_energy``.
+        The energy balance and the available energy [J] at this point, for ``keep_energy``.
     """
     balance, y = d.balance, d.step.state_end
     if theta >= 0.0:
@@ -165,7 +170,7 @@ def check_energy(d, theta):
     present = kinetic + potential + other_energy(d, y)
     change = present - balance.at_end
     there = most_energy(d, y, potential)
-    # not >, which would let a NaN pass
+    # `>` would let a NaN pass
     if not abs(change) <= balance.least_allowed:
         allowed = allowance(d, y)
         if not abs(change) <= allowed:
@@ -193,13 +198,13 @@ def keep_energy(d, present, available):
 
 
 def most_energy(d, y, potential):
-    """The available energy [J] up to and in state y, where the potential energy is ``potential``."""
+    """Return the available energy [J] up to and in state y, whose potential energy is ``potential``."""
     balance, supplied = d.balance, y[supplied_at(d.links)]
     return max(balance.available, balance.least_allowed + balance.origin - potential + max(0.0, supplied))
 
 
 def loss_allowed(d, there):
-    """The energy that the last step may lose [J], which is > 0."""
+    """Return the energy that the last step may lose [J], which is > 0."""
     balance, budget = d.balance, loss_budget(d, there)
     share = (d.step.end - d.step.start) / (LASTING + d.step.end - balance.since)
     left = budget - (balance.origin - balance.at_end)
@@ -207,18 +212,18 @@ def loss_allowed(d, there):
 
 
 def loss_budget(d, there):
-    """B at the end of the last step [J], where the available energy is ``there``."""
+    """Return B at the end of the last step [J], where the available energy is ``there``."""
     balance, speed = d.balance, math.sqrt(2.0 * there)
     most = LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
     return most * (1.0 + (d.step.end - balance.since) / LASTING)
 
 
 def is_long(d):
-    """Whether the last step is so long that its end may be correct by chance, and wrong in between.
+    """Return whether the last step is so long that its end may be correct by chance, and wrong in between.
 
-    That is a step in which a link has turned far, if the dense output is available to check; an explicit one
+    This is a step in which a link has turned far, if the dense output is available to check; an explicit step
     that is longer than its stability limit for joints with dampers or springs; and, at a loose tolerance, the
-    first one of a run, whose size is a guess.
+    first step of a run, whose size is a guess.
     """
     if d.statistics.steps == 0 and d.solver.tolerance > LOOSE:
         return True
@@ -229,7 +234,7 @@ def is_long(d):
 
 
 def interpolates(d):
-    """Whether the dense output keeps the energy balance and dissipation in the middle of the last step."""
+    """Return whether the dense output keeps the energy balance and dissipation in the last step's middle."""
     y = d.work.y
     ensure_dense(d, SOLVER)
     interpolate(d.step, 0.5, y)
@@ -241,7 +246,7 @@ def interpolates(d):
 
 
 def dissipates_evenly(d, middle):
-    """Whether the dissipated energy in the ``middle`` of the last step is between those at the ends."""
+    """Return whether the dissipated energy in the last step's ``middle`` is between those at its ends."""
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
     scale = d.model.energy + abs(end) + impact_energy(d)
     slack = INTERPOLATED * OF_A_STEP * d.solver.tolerance * scale
@@ -249,21 +254,21 @@ def dissipates_evenly(d, middle):
 
 
 def allowance(d, y):
-    """The allowed change of the energy balance [J] in a step that ends in state y, for the located points."""
+    """Return the allowed change of the energy balance [J] in a step to state y, whose points are located."""
     scale, known = scales(d, y)
     return OF_A_STEP * d.solver.tolerance * scale + ROUND_OFF * known
 
 
 def round_off(d, y):
-    """The part of the allowed change [J] that is round-off."""
+    """Return the part of the allowed change [J] that is round-off."""
     _, known = scales(d, y)
     return ROUND_OFF * known
 
 
 def scales(d, y):
-    """S, and the energies [J] whose round-off enters the energy balance, for state y and located points."""
+    """Return S, and the energies [J] whose round-off enters the balance, for state y at located points."""
     kinetic, potential = mechanical_energy(d, y)
-    # the potential energy is a difference of these
+    # the potential energy is a difference of these energies
     known = d.balance.weight * (abs(d.work.position.x[0]) + abs(d.work.position.y[0])) + abs(potential)
     known += kinetic + abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
     speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
@@ -284,7 +289,7 @@ def scales(d, y):
 
 
 def check_balance(d):
-    """ENERGY_NOT_KEPT if all steps, or those of a window, have changed the energy balance too much, or OK."""
+    """Return ENERGY_NOT_KEPT if all steps, or a window's, changed the energy balance too much, else OK."""
     balance, most = d.balance, GAIN * d.balance.available
     gain = balance.at_end - balance.origin
     if gain > 2.0 * most or -gain > 2.0 * max(most, loss_budget(d, balance.available)):

@@ -65,25 +65,28 @@ from chain_impact.kernel.status import count_evaluations, count_other_work
 
 LAST = RADAU_STAGES - 1
 SLOW = 0.2  # convergence rate θ of Newton's iteration above which shorter steps are cheaper
-# The errors assigned to a refused step, whose iteration did not converge in time or diverged: the next try is
+# The errors assigned to a refused step whose iteration did not converge in time, or diverged: the next try is
 # half or a third as long.
 LATE, DIVERGED = 40.0, 700.0
-# how far beyond its step the last polynomial, of degree 5, 4 and 3, is extrapolated, in lengths of that step
+# distance beyond its step to which the last polynomial, of degree 5, 4 and 3, is extrapolated, over the
+# step's length
 FORETOLD = (1.2, 2.0, 3.0)
 # Costs in evaluations: a real factorization costs 1 and a solution .7, complex ones 2.5 times as much; the
 # error estimate and the projection onto the clearances take four real solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
-BEYOND = 1.04  # times the predicted time to the end of a contact, whose error is some hundredths
+# size of a step over the predicted time to the end of a contact, whose error is some hundredths
+BEYOND = 1.04
 LEFT = 1e-3  # the part of a step within which a contact that ends has practically no force left
-FADED = 3.0  # time constants of a fast motion: the first step after an event at a tolerance of 1
+# length of the first step after an event at a tolerance of 1, over the time constant of a fast motion
+FADED = 3.0
 WITH_START = (0.0, *NODES)
 
 
 def _coefficients():
-    """For each function of the dense output, its coefficient from the increments of the stages.
+    """Return for each function of the dense output its coefficients for the increments of the stages.
 
     The functions at the nodes are inverted in rational numbers and rounded once. The last digits of NumPy's
-    inverse depend on the processor, and with them the compiled kernel would, too.
+    inverse depend on the processor, and the compiled kernel would then depend on it as well.
     """
     nodes = [Fraction(node) for node in NODES]
     rows = [[t**p * (1 - t) ** q for p, q in POWERS[:RADAU_STAGES]] for t in nodes]
@@ -97,7 +100,7 @@ def _coefficients():
     return tuple(tuple(float(value) for value in row[RADAU_STAGES:]) for row in rows)
 
 
-# row m: the coefficient of the m-th function, from the increments of the stages
+# row m: the coefficients of the m-th function for the increments of the stages
 SHAPE = _coefficients()
 CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)  # the largest second derivatives of these functions on [0, 1]
 
@@ -123,20 +126,20 @@ def set_residual(d, i, j, residual):
 
 
 def shift_of(pair, h):
-    """The complex shift [s] of a pair of eigenvalues."""
+    """Return the complex shift [s] of a pair of eigenvalues."""
     real, imaginary = COMPLEX_EIGENVALUES[pair]
     return complex(h * real, h * imaginary)
 
 
 def can_extrapolate(d):
-    """Whether the polynomial of the last step, with the same contacts, can predict the stages."""
+    """Return whether the polynomial of the last step, with the same contacts, can predict the stages."""
     return d.implicit.listing == d.touch.listings and d.step.last_method == IMPLICIT
 
 
 def set_jacobian(d, z):
-    """Evaluate A where f was evaluated just now, in the middle of the step, if the prediction is accurate.
+    """Evaluate A where f was just evaluated, in the middle of the step, if the prediction is accurate.
 
-    Otherwise A of the start is kept, which distinguishes a fast motion there from the others.
+    Otherwise A of the start is kept, which distinguishes a fast motion at the start from the others.
     """
     if can_extrapolate(d):
         extended_slopes(d, z)
@@ -160,7 +163,10 @@ def prepare(d, h):
 
 
 def set_weights(d):
-    """Set the weights 1/(tolerance × scale) of errors in z; what is not controlled has a weight of 0."""
+    """Set the weights 1/(tolerance × scale) of errors in z.
+
+    Components without error control have a weight of 0.
+    """
     weight = d.implicit.weight
     for j in range(supplied_at(d.links), extended_size(d)):
         weight[j] = math.inf
@@ -170,7 +176,7 @@ def set_weights(d):
 
 
 def toward_end(d, h):
-    """A size that does not go far beyond the end of a contact, where the force is not smooth."""
+    """Return a size that does not go far beyond the end of a contact, where the force is not smooth."""
     for k in range(compliant(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
         # −g/ġ, as the force is almost zero; a contact that ends within LEFT of the step is ignored
@@ -180,9 +186,10 @@ def toward_end(d, h):
 
 
 def first_size(d, h):
-    """A size that resolves a fast motion at the start, if it is larger than the tolerance; otherwise h.
+    """Return a size that resolves a fast motion at the start if it exceeds the tolerance; otherwise h.
 
-    (1 − h μ A)⁻¹ removes a part of the rate; applied again to this part, it shows how fast and large that is.
+    (1 − h μ A)⁻¹ removes a part of the rate. Applied again to this part, it shows how fast and large the
+    motion is.
     """
     own, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
     factorize_real(d, shift)
@@ -200,7 +207,7 @@ def first_size(d, h):
         most, remains = max(most, abs(fast[j]) * own.weight[j]), max(remains, abs(left[j]) * own.weight[j])
     if not (math.isfinite(most) and most > remains > 0.0):
         return h
-    # of a motion that decays with the rate ρ, the factor 1/(1 + ρ h μ) remains
+    # the factor 1/(1 + ρ h μ) remains of a motion that decays with the rate ρ
     rho = (most / remains - 1.0) / shift
     if rho * h > 1.0 and most > rho:
         return min(h, FADED / rho * (rho / most) ** (1.0 / (ORDER[IMPLICIT] - 1)))
@@ -265,7 +272,7 @@ def attempt(d, h):
 
 
 def cost_factor(own):
-    """The factor that shortens the next step below what its error allows, as iterations cost time, too."""
+    """Return a factor below 1 on the size that the error of a step allows, because iterations cost time."""
     share = (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + own.iterations)
     if own.contraction > SLOW:
         share = min(share, math.sqrt(max(0.5, SLOW / own.contraction)))
@@ -285,7 +292,7 @@ def set_result(d, h):
 
 
 def estimate(d, h, size):
-    """The error of the step, relative to the tolerance."""
+    """Return the error of the step, relative to the tolerance."""
     own, shift = d.implicit, h * REAL_EIGENVALUE
     for j in range(size):
         start, end = own.start_rate[j], own.rates[LAST, j]
@@ -301,7 +308,8 @@ def estimate(d, h, size):
         return math.inf
     if any_constraint(d):
         # The projection onto rigid walls leaves a fast motion of stiff joints at the start, which decays
-        # within the step. E would show it in full, however long the step is, so it is solved for once more.
+        # within the step. E would show all of it, however long the step is, so the system is solved once
+        # more.
         solve_real(d, shift, own.parts[0])
         count_other_work(d, 1)
         for j in range(dissipated_at(d.links)):
@@ -312,7 +320,7 @@ def estimate(d, h, size):
 
 
 def lagrange(first, m, x):
-    """The m-th Lagrange polynomial through the start of a step and its nodes, from the ``first`` on, at x."""
+    """Return the m-th Lagrange polynomial through a step's start and its nodes, from ``first`` on, at x."""
     value = 1.0
     for k in range(first, RADAU_STAGES + 1):
         if k != m:
@@ -321,7 +329,7 @@ def lagrange(first, m, x):
 
 
 def coefficient(stages, m, j):
-    """The coefficient of the m-th function of the dense output, for component j of z."""
+    """Return the coefficient of the m-th function of the dense output, for component j of z."""
     total = 0.0
     for i in range(RADAU_STAGES):
         total += SHAPE[m][i] * stages[i, j]
@@ -329,7 +337,7 @@ def coefficient(stages, m, j):
 
 
 def keep_stages(d):
-    """Store the stages of the step that was tried, to predict the next ones, and the dense output."""
+    """Store the stages of the tried step, for the prediction of the next ones, and the dense output."""
     own = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
@@ -371,7 +379,7 @@ def keep_clearances(d):
 
 
 def interpolated(d, j, theta):
-    """Component j of z at the fraction θ of the last step."""
+    """Return component j of z at the fraction θ of the last step."""
     total = d.implicit.start[j]
     for m in range(1, RADAU_STAGES + 1):
         total += lagrange(0, m, theta) * d.implicit.last[m - 1, j]

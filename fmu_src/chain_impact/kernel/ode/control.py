@@ -1,16 +1,16 @@
-"""Control of the step's size: the error of a tried step, and the size of the next one.
+"""Control of the step size: the error of a tried step, and the size of the next step.
 
 The methods of integration are data here; methods.py chooses between them. Explicit steps are stable for
 equations that are not stiff; they evaluate the rate at their end, as the first stage of the next step.
 Implicit steps are stable however stiff the equations are. The end of an implicit step is more accurate than
-its dense output, so that it is repeated to end at an event, and its method finds a size for the first step
-after one.
+its dense output, so the step is repeated to end at an event, and the implicit method finds a size for the
+first step after an event.
 
-A method tries a step and concludes it with its error. If that is within the tolerance, the search for events
-and the energy check can still refuse the step: it is accepted if its error is at most 1 after them. A
-rejected step costs as much as an accepted one. So the sizes of the first step in flight and of the first step
-of a contact are estimated in advance. The size of an error is that of its components over the scales to which
-the tolerance refers.
+A method tries a step and concludes it with the step's error. If the error is within the tolerance, the search
+for events and the energy check can still refuse the step: it is accepted if its error is at most 1 after
+them. A rejected step costs as much as an accepted one. So the sizes of the first step in flight and of the
+first step of a contact are estimated in advance. The size of an error is the size of its components over the
+scales to which the tolerance refers.
 """
 
 import math
@@ -33,13 +33,13 @@ from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
 
 EXPLICIT, IMPLICIT = 0, 1  # step.method: the current method
 SOLVER_METHODS = ("auto", "explicit", "implicit")
-"""The choices of `solver.method`, counted from 1: the first leaves it to the solver."""
+"""The choices of `solver.method`, counted from 1; with the first one the solver chooses."""
 AUTO = 1
 
 # By the number of the method: the error of a step over its length is proportional to h to the ORDER; SAFETY
-# is a factor on the size of the next step that the last error suggests; the first step of a contact is of
-# ONSET_SIZE times its time scale, at a tolerance of 1, with an error proportional to its size to the
-# ONSET_ORDER.
+# is a factor on the size of the next step that the last error suggests; the first step of a contact has
+# ONSET_SIZE times the contact's time scale, at a tolerance of 1, with an error proportional to its size to
+# the ONSET_ORDER.
 ORDER = (8, 7)
 SAFETY = (0.8, 0.85)
 ONSET_SIZE = (4.5, 1.2)
@@ -47,7 +47,7 @@ ONSET_ORDER = (8, 3.5)  # the force, δ^(3/2), integrated twice
 
 
 def chosen(choice):
-    """The number of the method that `solver.method` prescribes, or −1 for `auto`."""
+    """Return the number of the method that `solver.method` prescribes, or −1 for `auto`."""
     return choice - AUTO - 1
 
 
@@ -55,15 +55,15 @@ def chosen(choice):
 SHRINK, GROW = 0.1, 6.0
 EXPONENT = tuple(-1.0 / order for order in ORDER)
 ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
-# The error of a step that is refused, whatever its own: the next try is a seventh as long, or an eighth if it
-# is implicit.
+# The error of a step that is refused, whatever its own error: the next try is a seventh as long, or an eighth
+# if it is implicit.
 FAR_OFF = 1e6
 LEAST = 1e-16  # a smaller error, which may be 0, counts as this one
-# Rotation of the links [rad] in the first step of a flight at a tolerance of 1: the largest for which few of
-# them are rejected (tests/kernel/ode/test_control.py). ONSET_SIZE of the methods is chosen likewise.
+# The rotation of the links [rad] in the first step of a flight at a tolerance of 1: the largest for which few
+# of these steps are rejected (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the same way.
 TURN = 2.8
-# In the place of ONSET_SIZE and ONSET_ORDER for an explicit step in time: there the force begins as a power
-# of the time since the onset, so errors are of a lower order than those of the method.
+# ONSET_SIZE and ONSET_ORDER for an explicit step in time: there the force begins as a power of the time since
+# the onset, so errors are of a lower order than those of the method.
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
 
 
@@ -73,17 +73,17 @@ def begin_trial(d, h):
 
 
 def conclude(d, error, cost_factor):
-    """Set the error of the tried step, over the tolerance, and what its cost says about the next size."""
+    """Set the error of the tried step, over the tolerance, and the factor on the next size by its cost."""
     d.trial.error, d.trial.cost_factor = error, cost_factor
 
 
 def refuse(d, error):
-    """Let something else count as an error of the tried step, over the tolerance, if it is larger."""
+    """Let an error, over the tolerance, count as the tried step's error if it is larger."""
     d.trial.error = max(d.trial.error, error)
 
 
 def accepted(d):
-    """Whether the tried step is accepted, as far as it has been checked."""
+    """Return whether the tried step is accepted, according to the checks so far."""
     return d.trial.error <= 1.0
 
 
@@ -113,7 +113,7 @@ def resume_flight(d):
 
 
 def factor(d):
-    """The factor on the size of the tried step that follows from its outcome."""
+    """Return the factor on the size of the tried step that follows from its outcome."""
     if not math.isfinite(d.trial.error):
         return SHRINK
     method, error = d.step.method, max(d.trial.error, LEAST)
@@ -121,7 +121,7 @@ def factor(d):
 
 
 def in_flight(d, y, rate):
-    """A size [s] ≤ 1 s for an explicit step from state y, by how fast the links turn there."""
+    """Return a size [s] ≤ 1 s for an explicit step from state y, by how fast the links turn there."""
     n, fastest = d.links, 0.0
     for i in range(n):
         fastest = max(fastest, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
@@ -130,19 +130,19 @@ def in_flight(d, y, rate):
 
 
 def at_onset(d, c, method):
-    """A size for a method's first step in the contact of candidate c, which has just begun."""
+    """Return a size for a method's first step in the contact of candidate c, which has just begun."""
     return ONSET_SIZE[method] * time_scale(d, c) * d.solver.tolerance ** ONSET_EXPONENT[method]
 
 
 def at_onset_beside(d, c):
-    """As ``at_onset``, for a contact that begins beside others: an explicit step is then one in time."""
+    """Return the size for a contact that begins beside others: an explicit step is then a step in time."""
     return BESIDE_SIZE * time_scale(d, c) * d.solver.tolerance ** (1.0 / BESIDE_ORDER)
 
 
 def time_scale(d, c):
-    """The time [s] in which the force of candidate c, whose contact has just begun, rises: δ*/v₀ or less."""
+    """Return the time [s], at most δ*/v₀, in which the force of candidate c rises after its onset."""
     share, power = damping_share(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
-    # it is shorter where damping stops the point
+    # the time is shorter where damping stops the point
     return d.touch.depth_scale[c] / d.touch.impact_speed[c] * (1.0 + share) ** -power
 
 
@@ -154,14 +154,14 @@ LARGEST_ERROR = 0.01
 def set_scales(d, y, scale, contacts):
     """Set the scales of errors in state y over the tolerance, for the points located there.
 
-    They are 1 rad for angles and one link length for positions, whatever their value (turning or
-    shifting the scene changes nothing); for speeds their own size plus one of these per second, and for
-    dissipated energy likewise; and for the penetration of each of the first active ``contacts`` its own
-    scale, which may be a millionth of a link length. The scales of these stand from that of u on, as in z of
-    extended.py. The energy supplied is controlled where base or walls move, as its power then changes with
-    them, however slow the chain is; that of other inputs depends on the others. Nor are controlled u and the
-    time of a step, whose errors are far smaller than those of the motion, rates of clearances and
-    quadratures: their scales are not set.
+    They are 1 rad for angles and one link length for positions, whatever their value, so turning or shifting
+    the scene changes nothing. For speeds they are the speed itself plus one of these per second, and for the
+    dissipated energy they are formed in the same way. For the penetration of each of the first active
+    ``contacts`` the scale may be a millionth of a link length; these scales are stored from the place of u
+    on, as in z of extended.py. The supplied energy is controlled if base or walls move, because its power
+    then changes with them, however slow the chain is; the power of other inputs depends on controlled
+    components. The components u and t of a step, whose errors are far smaller than those of the motion, the
+    rates of clearances and the quadratures are not controlled: their scales are not set.
     """
     n, size = d.links, d.model.size
     for j in range(velocity_at(n)):
@@ -176,20 +176,20 @@ def set_scales(d, y, scale, contacts):
 
 
 def no_step(d):
-    """The status of a run in which no step is accepted, however small."""
+    """Return the status of a run in which no step is accepted, however small."""
     if d.rigid.unsolved == SQUEEZED:
         return NO_ROOM
     return STEP_TOO_SMALL if math.isfinite(d.trial.error) else NOT_FINITE
 
 
 def controlled_count(d):
-    """How many entries of y have their errors controlled."""
+    """Return how many entries of y have their errors controlled."""
     return supplied_at(d.links) + (1 if d.channels > 0 else 0)
 
 
 @inlined
 def largest_errors(one, other, weight, count):
-    """The largest weighted components of two estimates of an error; infinity if a component is not finite."""
+    """Return the largest weighted components of two error estimates; infinity if one is not finite."""
     first, second, total = 0.0, 0.0, 0.0
     for j in range(count):
         a, b = abs(one[j]) * weight[j], abs(other[j]) * weight[j]
@@ -199,10 +199,10 @@ def largest_errors(one, other, weight, count):
 
 
 def scaled_errors(d):
-    """The sizes of the two error estimates in ``work.error`` and ``gap_error``, for the tried step.
+    """Return the sizes of the two error estimates in ``work.error`` and ``gap_error``, for the tried step.
 
-    The points must be located at its end. A size is at most 1 if the error is within the tolerance, and
-    infinity if the result is not finite.
+    The points must be located at the end of the step. A size is at most 1 if the error is within the
+    tolerance, and infinity if the result is not finite.
     """
     y, scale, total = d.trial.state, d.implicit.weight, 0.0
     one, other, first, second = d.work.error[0], d.work.error[1], 0.0, 0.0
@@ -223,7 +223,7 @@ def scaled_errors(d):
 
 
 def moment_error(d, row):
-    """The largest error of a joint's damper and spring moment, relative to the moments that move the chain.
+    """Return the largest error of a joint's damper and spring moment, over the moments that move the chain.
 
     The constraint forces of rigid walls depend on these moments, and their signs decide on releases.
     """
@@ -238,7 +238,7 @@ def moment_error(d, row):
 
 
 def impact_energy(d):
-    """The kinetic energy [J] with which the active contacts began, ½ m v₀² of each."""
+    """Return the kinetic energy [J] with which the active contacts began, the sum of ½ m v₀²."""
     energy = 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -255,11 +255,11 @@ def set_gap_errors(d, row):
 
 
 def penetration_scale(d, c):
-    """The scale [m] of errors in the penetration of an active candidate, at the located points.
+    """Return the scale [m] of errors in the penetration of an active candidate, at the located points.
 
-    An error Δδ soon causes an error in speed of about ω Δδ, with ω the contact's frequency, so it may be as
-    large as the error of speeds over ω. With ω ≈ v₀ over the expected depth this is the depth itself for a
-    fast impact and more for a slow one, but never so much that the error exceeds 1 % of the depth.
+    An error Δδ soon causes an error of about ω Δδ in speed, with ω the contact's frequency, so Δδ may be as
+    large as the error of speeds over ω. With ω ≈ v₀ over the expected depth the scale is the depth itself for
+    a fast impact, and larger for a slow one, but never so large that the error exceeds 1 % of the depth.
     """
     gap, _ = clearance(d, c)
     depth = max(d.touch.depth_scale[c], -gap)

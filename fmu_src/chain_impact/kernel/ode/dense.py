@@ -1,12 +1,12 @@
 """The last accepted step and its dense output: y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + … + θ F₆))), 0 ≤ θ ≤ 1.
 
 Quadratures are integrals along the motion, such as the impulses of the walls; QUADRATURES lists them. They
-advance with the stages and the dense output of the state, do not act on the motion, and the error
-control ignores them. The momentum of the chain changes in a step by what gravity, inputs and the impulses
+advance with the stages and the dense output of the state, have no effect on the motion, and are ignored by
+the error control. The momentum of the chain changes in a step by what gravity, inputs and the impulses
 give, to the accuracy of the step. ``quadrature.total`` has a place for each, with its value at the time when
 contacts last began or ended. Those that are integrated in a step are packed: ``quadrature.state``,
 ``state_end``, ``tried``, ``stage`` and ``dense`` are for them what the same fields of the step are for y, and
-``quadrature.index`` has their places. A scene that does not request them has no cost for them.
+``quadrature.index`` has their places. A scene that does not request quadratures has no cost for them.
 """
 
 import numpy as np
@@ -15,22 +15,24 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 
 POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))  # p, q of θᵖ (1−θ)^q, with F₀ to F₆
 DENSE_COEFFICIENTS = len(POWERS)
-# Guesses of a fast method for a root between two bounds, three to ten as a rule. Then the bracket is halved.
+# The number of guesses of a fast method for a root between two bounds, usually three to ten. Then the bracket
+# is halved.
 FAST = 20
-# Guesses after which no number is left within a bracket of width 1, or it is narrower than any resolution.
+# The number of guesses after which no number is left within a bracket of width 1, or it is narrower than any
+# resolution.
 TRIES = FAST + 64
-RESOLUTION = 1e-15  # the accuracy of the fraction θ of a step that belongs to a time
+RESOLUTION = 1e-15  # the accuracy of the fraction θ of a step for a time
 
 
 def next_guess(low, high, guess, tries):
-    """The guess of a fast method, or the middle of the bracket if it lies outside or after FAST ``tries``."""
+    """Return a fast method's guess, or the bracket's middle if it lies outside or after FAST ``tries``."""
     if tries < FAST and low < guess < high:
         return guess
     return 0.5 * (low + high)
 
 
 def time_rate(u):
-    """The rate p = dt/ds of time in a regularized step (sundman.py)."""
+    """Return the rate p = dt/ds of time in a regularized step (sundman.py)."""
     return u / (1.0 + u * u)
 
 
@@ -41,7 +43,7 @@ def interpolate(step, theta, y):
 
 
 def interpolate_component(step, theta, j):
-    """Component j of the state at the fraction θ ∈ [0, 1] of the last step."""
+    """Return component j of the state at the fraction θ ∈ [0, 1] of the last step."""
     rest = 1.0 - theta
     high = step.dense[4, j] + rest * (step.dense[5, j] + theta * step.dense[6, j])
     low = step.dense[2, j] + rest * (step.dense[3, j] + theta * high)
@@ -49,7 +51,7 @@ def interpolate_component(step, theta, j):
 
 
 def fraction(d, time):
-    """The fraction θ of the last step that belongs to a time [s]."""
+    """Return the fraction θ of the last step at a time [s]."""
     elapsed = time - d.step.start
     if d.step.regularized < 0:
         return elapsed / d.step.size
@@ -57,7 +59,7 @@ def fraction(d, time):
 
 
 def regularized_fraction(d, elapsed):
-    """The fraction θ of the last step, a regularized one, at which the time ``elapsed`` [s] has passed."""
+    """Return the fraction θ of the last, regularized step at which the time ``elapsed`` [s] has passed."""
     step, root, clock = d.step, sundman_u_at(d.links), time_at(d.links)
     at_end = step.state[root] + step.dense[0, root]
     if elapsed >= step.dense[0, clock] and at_end >= 0.0:
@@ -82,7 +84,7 @@ def regularized_fraction(d, elapsed):
 
 
 def _basis_bounds():
-    """Largest size on [0, 1] of the interpolant's basis functions and of their slopes."""
+    """Return the largest values on [0, 1] of the interpolant's basis functions and of their slopes."""
     theta = np.linspace(0.0, 1.0, 10001)
     rest = 1.0 - theta
     values = [theta**p * rest**q for p, q in POWERS]
@@ -97,7 +99,7 @@ BASIS_BOUND, SLOPE_BOUND = _basis_bounds()
 
 
 def rate_bounds(step, j):
-    """Bounds on |y_j| and |ẏ_j| over the last step, from the interpolant's coefficients."""
+    """Return bounds on |y_j| and |ẏ_j| over the last step, from the interpolant's coefficients."""
     value, slope = abs(step.state[j]), 0.0
     for m in range(DENSE_COEFFICIENTS):
         f = abs(step.dense[m, j])
@@ -107,7 +109,7 @@ def rate_bounds(step, j):
 
 
 def rate_bounds_along(step, j, nx, ny):
-    """As ``rate_bounds``, for the component along (nx, ny) of the vector that begins at y_j."""
+    """Return the bounds of ``rate_bounds`` for the component along (nx, ny) of the vector from y_j on."""
     value, slope = abs(nx * step.state[j] + ny * step.state[j + 1]), 0.0
     for m in range(DENSE_COEFFICIENTS):
         f = abs(nx * step.dense[m, j] + ny * step.dense[m, j + 1])
@@ -116,10 +118,10 @@ def rate_bounds_along(step, j, nx, ny):
     return value, slope / step.size
 
 
-COURSE_SAMPLES = 16  # samples of the dense output of a step
-# For each kind: its name, how many places it has among all, and the rate at its i-th place where the rate of
-# the state was evaluated just now. The record has room for all of them (record/contacts.py), and the impulses
-# of the walls come first.
+COURSE_SAMPLES = 16  # number of samples of the dense output of a step
+# For each kind: its name, the number of its places, and the rate at its i-th place, where the rate of the
+# state has just been evaluated. The record has room for all of them (record/contacts.py), and the impulses of
+# the walls come first.
 QUADRATURES = (
     ("impulse of a wall [N·s]", lambda d: d.candidates, lambda d, c: d.touch.force[c]),
     ("impulse of dry friction [N·s]", lambda d: d.elements, lambda d, e: d.element.force[e]),
@@ -141,7 +143,7 @@ _rate = _rate_of(QUADRATURES)
 
 
 def list_quadratures(d):
-    """Pack the places of what is integrated from now on."""
+    """Pack the places of the quantities that are integrated from now on."""
     own = d.quadrature
     own.count = 0
     if own.wanted:
@@ -157,7 +159,7 @@ def list_quadratures(d):
 
 
 def integrate(d, i):
-    """Append place i to those that are integrated."""
+    """Append place i to the places that are integrated."""
     d.quadrature.index[d.quadrature.count] = i
     d.quadrature.count += 1
 
@@ -171,18 +173,18 @@ def clear_quadratures(d):
 
 
 def quadrature_rates(d, factor, out):
-    """Set out to the rates times a factor, packed, where the rate of the state was evaluated just now."""
+    """Set ``out`` to the packed rates times a factor, where the rate of the state has just been evaluated."""
     for k in range(d.quadrature.count):
         out[k] = _rate(d, d.quadrature.index[k]) * factor
 
 
 def keep_end_rates(d):
-    """Keep the rates at the end of the last step, where the rate of the state was evaluated just now."""
+    """Keep the rates at the end of the last step, where the rate of the state has just been evaluated."""
     quadrature_rates(d, 1.0, d.quadrature.rate_end)
 
 
 def set_quadrature_stage(d, i):
-    """Set stage i, dq/ds = q̇ dt/ds, where the rate of the state was evaluated just now."""
+    """Set stage i, dq/ds = q̇ dt/ds, where the rate of the state has just been evaluated."""
     quadrature_rates(d, d.work.stage[i, time_at(d.links)], d.quadrature.stage[i])
 
 
@@ -194,18 +196,18 @@ def set_quadrature_stage_at_end(d, i):
 
 
 def settle_impulses(d):
-    """Keep the impulses of walls from falling in the last step, which has its final end: no wall pulls.
+    """Keep the impulses of walls from falling in the last step, whose end is final: no wall pulls.
 
-    The quadrature of a step has weights of both signs, so that the error of a force that is close to 0 can
-    exceed it: such an impulse stays as it was. Where points that a rigid wall holds all but coincide, only
-    the sum of their forces is accurate: it stays, too.
+    The quadrature of a step has weights of both signs, so its error can exceed a force that is close to 0:
+    such an impulse stays unchanged. If points that a rigid wall holds nearly coincide, only the sum of their
+    forces is accurate: the sum stays unchanged as well.
     """
     own = d.quadrature
     for k in range(min(own.count, d.touch.active_count)):
         c, fallen = own.index[k], own.state[k] - own.state_end[k]
         if fallen > 0.0:
             own.state_end[k] = own.state[k]
-            # the stops of all joints have one number, and nothing in common
+            # the stops of all joints share one number, but nothing else
             if k >= d.touch.compliant_count and d.candidate.stop[c] == 0:
                 take_impulse(d, d.candidate.wall[c], fallen)
 
@@ -222,10 +224,10 @@ def take_impulse(d, wall, amount):
 
 
 def quadrature_within(d, theta, k):
-    """The k-th quadrature at the fraction θ of the last step.
+    """Return the k-th quadrature at the fraction θ of the last step.
 
-    It is that of the dense output. But an impulse of a wall has no part that is an error: it is not above
-    samples of it later in the step, and not below the last of them before θ.
+    It is the value of the dense output. But an impulse of a wall must not fall because of errors: the value
+    is not above later samples in the step, and not below the last sample before θ.
     """
     own, below, above = d.quadrature, d.quadrature.state_end[k], d.quadrature.state_end[k]
     value = interpolate_component(own, theta, k)
@@ -241,26 +243,26 @@ def quadrature_within(d, theta, k):
 
 
 def take_quadratures(d, z, first):
-    """Set them at the end of the step that was tried to the entries of z from the first on."""
+    """Set the quadratures at the end of the tried step to the entries of z from ``first`` on."""
     for k in range(d.quadrature.count):
         d.quadrature.tried[k] = z[first + k]
 
 
 def append_quadratures(d):
-    """Take over the quadratures of the step that was tried, as ``accept`` does for the state."""
+    """Take over the quadratures of the tried step, as ``accept`` does for the state."""
     own = d.quadrature
     for k in range(own.count):
         own.state[k], own.state_end[k] = own.state_end[k], own.tried[k]
 
 
 def roll_back_quadratures(d):
-    """Reset them to the start of the last step."""
+    """Reset the quadratures to the start of the last step."""
     for k in range(d.quadrature.count):
         d.quadrature.state_end[k] = d.quadrature.state[k]
 
 
 def truncate_quadratures(d, theta):
-    """Set them at the end of the last step to those at its fraction θ."""
+    """Set the quadratures at the end of the last step to their values at its fraction θ."""
     for k in range(d.quadrature.count):
         d.quadrature.state_end[k] = interpolate_component(d.quadrature, theta, k)
 
@@ -268,7 +270,7 @@ def truncate_quadratures(d, theta):
 def commit_quadratures(d):
     """Store the totals and rates at the end of the last step, before contacts begin or end.
 
-    What is not integrated there has a rate of 0, with which it begins if no force jumps.
+    A quantity that is not integrated has a rate of 0, with which it begins if no force jumps.
     """
     own = d.quadrature
     for i in range(len(own.rate)):
@@ -278,7 +280,7 @@ def commit_quadratures(d):
 
 
 def reset_quadratures(d):
-    """Start from the totals and rates of what is integrated from now on, with a last step of no length."""
+    """Start from the totals and rates of the quantities integrated from now on, after a step of no length."""
     own = d.quadrature
     list_quadratures(d)
     for k in range(own.count):
@@ -289,7 +291,7 @@ def reset_quadratures(d):
 
 
 def give_impulses(d):
-    """Add the impulses of rigid walls in an impact, found just now, to the totals."""
+    """Add the impulses of rigid walls in an impact, just found, to the totals."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.quadrature.total[d.touch.active_index[k]] += max(0.0, d.rigid.impulse[k])
 
@@ -302,16 +304,16 @@ def maximum_of(value_at):
     """
 
     def maximum_near(d, index, middle, reach, end):
-        """The maximum near the fraction ``middle`` of the last step, before its fraction ``end``.
+        """Return the maximum near the fraction ``middle`` of the last step, before its fraction ``end``.
 
-        Three parabolas, each through three points around the last top; returns the final top or a larger
-        sample.
+        Three parabolas are used, each through three points around the last top. The result is the final top
+        or a larger sample.
 
         Args:
             d: the instance.
-            index: of a candidate or a joint.
-            middle: where to begin …
-            reach: … and how far around it.
+            index: the index of a candidate or a joint.
+            middle: fraction of the step at which the search begins.
+            reach: distance from ``middle`` that the search covers.
             end: fraction of the step beyond which nothing counts.
         """
         best, summit = 0.0, 0.0

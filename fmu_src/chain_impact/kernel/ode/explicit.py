@@ -21,7 +21,8 @@ from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_accel
 from chain_impact.kernel.status import count_evaluations
 
 ORDER = 8
-STEP_STAGES = 12  # how many stages a step has; the last is the rate at its end, 13 to 15 are for dense output
+# number of stages of a step; the last is the rate at its end, stages 13 to 15 are for dense output
+STEP_STAGES = 12
 
 # fmt: off
 # row i: the point of stage i is y + h Σ_j A[i][j] k_j
@@ -95,14 +96,14 @@ LAST = STEP_STAGES  # the stage at the end of the step
 # this length, so that no tiny step remains.
 BEYOND, STRETCH = 1.04, 1.2
 # The part of a step within which a contact that ends has practically no force left: its penetration may be
-# round-off. The search for events finds its end, and a step up to there could be lost in the time.
+# round-off. The search for events finds its end, and a step up to this end could be lost in the time.
 LEFT = 1e-6
 HALVE = 50.0  # an error that makes the next try of a method of order 8 half as long
-# An error whose square could underflow: at rest, where what is held has practically no speed. And one whose
-# square could overflow.
+# An error whose square could underflow: at rest, where held points have practically no speed; and an error
+# whose square could overflow.
 NO_ERROR, HUGE = 1e-100, 1e100
 STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step, without the one at its end
-DENSE_EVALUATIONS = STAGES - LAST  # those of the dense output
+DENSE_EVALUATIONS = STAGES - LAST  # right-hand sides for the dense output
 
 
 def combination(row):
@@ -148,7 +149,7 @@ def combinations(one, two):
 def _stage(i, accepted):
     """Return the function for stage i of a step: its state, and the rate there.
 
-    A step is tried from ``state_end`` of the last one. Once it is ``accepted``, it starts at ``state``.
+    A step is tried from ``state_end`` of the last step. Once it is ``accepted``, it starts at ``state``.
     """
     combine = combination(A[i])
 
@@ -168,7 +169,7 @@ _high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
 
 
 def toward_end(d, h):
-    """The size of the next step if the error control allows h: it passes an end of contact that is near."""
+    """Return the next step's size if the error control allows h: it passes the near end of a contact."""
     if d.touch.compliant_count == 0:
         return h
     if d.step.regularized == NO_CONTACT:
@@ -185,7 +186,7 @@ def toward_end(d, h):
 
 
 def toward_ends(d, h):
-    """As ``toward_end``, where the variable is time: for the first end of a contact with a force."""
+    """Return the size for steps in time: it passes the near first end of a contact with a force."""
     accelerate_points(d, d.step.state_end, d.work.rate_start)
     left = math.inf
     for k in range(d.touch.compliant_count):
@@ -199,7 +200,7 @@ def toward_ends(d, h):
 
 
 def up_to(h, left):
-    """The size of a step, if the error control allows h and a contact is predicted to end after ``left``."""
+    """Return a step's size if the error control allows h and a contact probably ends after ``left``."""
     if left < LEFT * h:
         return h
     if BEYOND * left < STRETCH * h:
@@ -215,7 +216,7 @@ def attempt(d, h):
 
 
 def estimate(d, h):
-    """The error of the tried step, relative to the tolerance; not finite if f was not."""
+    """Return the error of the tried step, relative to the tolerance; it is not finite if f was not."""
     controlled = controlled_count(d)
     _errors(d.work.stage, h, d.work.error[0, :controlled], d.work.error[1, :controlled])
     if d.touch.active_count > 0 or any_sticking(d):
@@ -233,7 +234,7 @@ def estimate(d, h):
 
 
 def is_smooth(d):
-    """Whether the error of the step is of order 9, as in a regularized contact.
+    """Return whether the error of the step is of order 9, as in a regularized contact.
 
     The estimate of order 8 is kept as a margin in flight, and where a force rises so steeply, as a root of u,
     that the step loses its order.
@@ -243,7 +244,7 @@ def is_smooth(d):
 
 
 def make(d, h):
-    """Make a step of size h from ``step.state_end``, without an estimate of its error."""
+    """Make a step of size h from ``step.state_end``, without an estimate of the error."""
     _stages(d, h)
     _step_end(d.work.stage, d.step.state_end, h, d.trial.state)
     own, count = d.quadrature, d.quadrature.count

@@ -1,6 +1,6 @@
 """The equations of an implicit step: those of motion, together with the clearances of the active contacts.
 
-As the links turn, the coordinates of a stage leave the wall's tangent by ½ h² J̇ẏ. That is little, but often
+As the links turn, the coordinates of a stage leave the wall's tangent by ½ h² J̇ẏ. This is little, but often
 more than the penetration of a stiff wall. So the clearances g of the active contacts and their rates are
 integrated together with y, z = (y, g, ġ, q), with g̈ the acceleration of the point along the normal and q the
 quadratures. The forces are evaluated at g and ġ, in which the fast motions are linear
@@ -29,7 +29,7 @@ i, on which K r_v + s S r_q is an impulse (chain/response.py). A point that a ri
 J Δ = 0, has an impedance far larger than the mass of the chain.
 
 The functions take s, x and work ``space`` that are all real or all complex. The space has impedances, loads,
-factors, of which a ``row`` is used, and the resulting motion.
+factors, one ``row`` of which is used, and the resulting motion.
 
 The coordinates are projected onto the clearances that are integrated with them. The two differ by little, but
 on a stiff wall this would act as an impact. The difference before the projection counts as an error of the
@@ -72,27 +72,33 @@ from chain_impact.kernel.rows.geometry import (
 
 
 def gap_at(d, k):
-    """The index in z of the clearance of the k-th active contact: from that of u on, which is 1 here."""
+    """Return the index in z of the k-th active contact's clearance; clearances begin at the index of u.
+
+    The value of u is 1 in an implicit step.
+    """
     return sundman_u_at(d.links) + k
 
 
 def compliant(d):
-    """The number of contacts with clearances in z: the active ones whose law has a force."""
+    """Return the number of contacts with clearances in z: the active ones whose law has a force."""
     return d.touch.compliant_count
 
 
 def rate_at(d, k):
-    """The index in z of the rate of that clearance."""
+    """Return the index in z of the rate of the k-th active contact's clearance."""
     return gap_at(d, compliant(d) + k)
 
 
 def quadrature_at(d, k):
-    """The index in z of the k-th quadrature: first the impulses of these contacts, if they are requested."""
+    """Return the index in z of the k-th quadrature.
+
+    The impulses of these contacts come first, if requested.
+    """
     return gap_at(d, 2 * compliant(d) + k)
 
 
 def extended_size(d):
-    """The length of z."""
+    """Return the length of z."""
     return quadrature_at(d, d.quadrature.count)
 
 
@@ -130,7 +136,7 @@ def extended_rate(d, z, elapsed, rate):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
     if d.friction.count > 0:
         dissipated += apply_friction(d)
-    loaded_rate(d, z, dissipated, rate)  # also sets those of u and time, where z has other entries
+    loaded_rate(d, z, dissipated, rate)  # also sets the rates of u and time, where z has other entries
     if any_constraint(d):
         add_constraint_forces(d, z, rate)
     if d.channels > 0:
@@ -141,7 +147,7 @@ def extended_rate(d, z, elapsed, rate):
 
 
 def extended_slopes(d, z):
-    """Set ∂F/∂δ and ∂F/∂δ̇ of the active contacts for z, and store its link vectors, which are located."""
+    """Set ∂F/∂δ and ∂F/∂δ̇ of the active contacts for z, and store the located link vectors of z."""
     own, link = d.implicit, d.work.link
     for i in range(d.links):
         own.link.x[i], own.link.y[i] = link.x[i], link.y[i]
@@ -152,7 +158,7 @@ def extended_slopes(d, z):
 
 
 def contact_impedance(d, k, s):
-    """D = s c + s² k [kg] of the k-th contact with a clearance in z."""
+    """Return D = s c + s² k [kg] of the k-th contact with a clearance in z."""
     return s * (d.implicit.damping[k] + s * d.implicit.stiffness[k])
 
 
@@ -168,7 +174,7 @@ def factorize_shift(d, s, space, row):
 
 
 def solve_shift(d, s, space, row, x):
-    """Solve (1 − s A) x = r for the shift s [s] that was factorized; x holds r."""
+    """Solve (1 − s A) x = r for the shift s [s] that was factorized; x holds r at the start."""
     n, own, change = d.links, d.implicit, space.change
     clear_loads_of(d, space.load)
     if d.model.resisting:
@@ -188,7 +194,7 @@ def solve_shift(d, s, space, row, x):
         add_along(constraint(d, k), space.load, impulse)
     solve_space(d, own.link, space, row, change)
     if d.slides:
-        # in flight nobody else clears the loads on the points
+        # in flight no other function clears the loads on the points
         space.load.x[0], space.load.y[0] = 0.0, 0.0
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]
@@ -201,7 +207,7 @@ def solve_shift(d, s, space, row, x):
 
 
 def relative(r, first, i):
-    """Entry i of those that begin at ``first``, relative to the previous one; the base has 0."""
+    """Return entry i of those that begin at ``first``, relative to the previous one; the base has 0."""
     return r[first + i] - (r[first + i - 1] if i > 0 else 0.0)
 
 
@@ -212,17 +218,20 @@ def factorize_real(d, s):
 
 
 def solve_real(d, s, x):
-    """Solve (1 − s A) x = r for a real shift s [s]; x holds r."""
+    """Solve (1 − s A) x = r for a real shift s [s]; x holds r at the start."""
     solve_shift(d, s, d.work, SHIFTED, x)
 
 
 def factorize_complex(d, s, pair):
-    """Eliminate for a complex shift s [s], one of a ``pair`` of conjugate ones."""
+    """Eliminate for a complex shift s [s], which belongs to a ``pair`` of conjugate ones."""
     factorize_shift(d, s, d.implicit.pairs, pair)
 
 
 def solve_complex(d, s, pair, x, y, size):
-    """Solve (1 − s A) (x + iy) = r for a complex shift s [s]; x and y hold r, of so many entries."""
+    """Solve (1 − s A) (x + iy) = r for a complex shift s [s].
+
+    X and y, ``size`` entries each, hold r at the start.
+    """
     own = d.implicit.pairs
     for j in range(size):
         own.x[j] = complex(x[j], y[j])
@@ -231,16 +240,16 @@ def solve_complex(d, s, pair, x, y, size):
         x[j], y[j] = own.x[j].real, own.x[j].imag
 
 
-# The largest difference in a step between the clearance of the coordinates and the one that is integrated
-# with them, over the penetration. A larger value gives the interpolant of the state an error of this size; a
-# smaller one limits the step where links turn on a stiff wall.
+# The largest difference in a step between the clearance of the coordinates and the integrated one, over the
+# penetration. A larger value gives the interpolant of the state an error of this size; a smaller value limits
+# the step where links turn on a stiff wall.
 APART = 0.03
 
 
 def project_coordinates(d, y, derivative, change):
     """Move the coordinates in y (for derivative 1: velocities) to the clearances (rates) in ``normal``.
 
-    The points must be located for y. The ``change``, shape (N+2,), is a result.
+    The points must be located for y. ``change``, shape (N+2,), is a result.
     """
     own, first = d.implicit, derivative * velocity_at(d.links)
     clear_loads_of(d, d.work.load)
@@ -273,7 +282,7 @@ def project_clearances(d, z, y):
 
 
 def largest_mismatch(d, z):
-    """The largest difference between located and integrated clearances, relative to the penetration."""
+    """Return the largest difference of located and integrated clearances, relative to the penetration."""
     worst = 0.0
     for k in range(compliant(d)):
         c = d.touch.active_index[k]

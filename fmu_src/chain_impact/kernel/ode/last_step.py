@@ -1,9 +1,10 @@
-"""The last accepted step, and all that is known of it. Only this module sets what is known.
+"""The last accepted step, and the data that are known of it, which only this module sets.
 
-That is the state at both ends, the dense output in between, the rate at the end, and the points there. What
-other modules derive from a step, such as clearances, is valid until a break in the sequence of steps, where
-the next step does not start at the end of this one, in the same variable. `step.breaks` counts the breaks. An
-impact's change of the state at the end of a step belongs to the step that follows (advance.py).
+These are the state at both ends, the dense output in between, the rate at the end, and the points there. Data
+that other modules derive from a step, such as clearances, are valid until a break in the sequence of steps,
+where the next step does not start at the end of this one, in the same variable. `step.breaks` counts the
+breaks. When an impact changes the state at the end of a step, the new state belongs to the step that follows
+(advance.py).
 """
 
 from chain_impact.kernel.chain.kinematics import (
@@ -34,9 +35,9 @@ from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_
 from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.status import count_evaluations, counted_work, uncount_work
 
-NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: what has requested the dense output
-# m, rad, m/s, or rad/s. A coordinate or rate below it is that of a chain at rest. It would go on to decay
-# until its square underflows, and then, where numbers are denormal, slow the processor.
+NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # values of step.dense_for: the user of the dense output
+# [m, rad, m/s, rad/s] The size below which a coordinate or rate belongs to a chain at rest. It would decay on
+# until its square underflows, and then slow a processor on which denormal numbers are slow.
 FADED = 1e-100
 
 
@@ -55,7 +56,7 @@ def reset_step(d, time, y):
     reset_quadratures(d)
     step.regularized = NO_CONTACT
     step.dense_for = SOLVER
-    step.last_method = EXPLICIT  # no implicit step extrapolates from it
+    step.last_method = EXPLICIT  # no implicit step extrapolates from this step
     mark_jump(d)
 
 
@@ -104,7 +105,7 @@ def dissipate(d, energy):
 
 
 def evaluate_start(d):
-    """Evaluate the rate at the start of a step anew."""
+    """Evaluate the rate at the start of a step again."""
     state_rate(d, d.step.state_end, d.work.rate_start)
     keep_end_rates(d)
     count_evaluations(d, 1)
@@ -177,7 +178,8 @@ def choose_variable(d, size_chosen):
 
     Args:
         d: the instance.
-        size_chosen: whether its size has already been chosen for this variable, as contacts began or ended.
+        size_chosen: whether the step's size has already been chosen for this variable, because contacts began
+            or ended.
     """
     step, root = d.step, sundman_u_at(d.links)
     before, (contact, u) = time_rate_now(d, step.state_end), lone_contact(d)
@@ -198,7 +200,10 @@ def ensure_rate(d):
 
 
 def find_rate(d, located):
-    """Evaluate the rate at the end of the last step, where the points may be ``located``; place them."""
+    """Evaluate the rate at the end of the last step, where the points may be ``located``.
+
+    Place the points.
+    """
     y, rate = d.step.state_end, d.work.rate_end
     touching = d.touch.active_count > 0 or d.friction.count > 0
     if touching:
@@ -220,7 +225,7 @@ def find_rate(d, located):
 
 
 def ensure_points(d):
-    """Ensure that the points are those at the end of the last step, where the rate is known."""
+    """Ensure that the points are at the end of the last step, where the rate is known."""
     if not d.work.at_end:
         locate_points(d, d.step.state_end)
         accelerate_points(d, d.step.state_end, d.work.rate_end)
@@ -228,7 +233,7 @@ def ensure_points(d):
 
 
 def largest_turn(d):
-    """How far a link can have turned in the last step [rad], with the rates at both ends known."""
+    """Return how far a link can have turned in the last step [rad], with the rates at both ends known."""
     first, lasted, work = omega_at(d.links), d.step.end - d.step.start, d.work
     turn = 0.0
     for i in range(d.links):
@@ -239,13 +244,13 @@ def largest_turn(d):
 
 
 def ensure_dense(d, reader):
-    """Ensure that the last step has its dense output, before anything changes that it depends on.
+    """Ensure that the last step has its dense output, before a change of data on which the output depends.
 
     Evaluations that only outputs need are not counted: the solver's count does not depend on the outputs.
 
     Args:
         d: the instance.
-        reader: what needs it, OUTPUTS or the SOLVER.
+        reader: the user of the dense output, OUTPUTS or SOLVER.
     """
     step = d.step
     known, step.dense_for = step.dense_for, max(step.dense_for, reader)

@@ -4,13 +4,14 @@ The explicit method is better as long as accuracy limits its step: in flight and
 contact its stability limits the step, or its loss of order. The fastest motion of a contact has the rate
 ρ = max(c/m, √(k/m)), with m the effective mass at its onset; the explicit method is stable for about hρ < 6.
 Impacts are resolved with hρ below 1, so explicit steps beyond STIFF show, at no cost, that the contact is
-sustained. A sustained contact may still oscillate, with shorter steps: there, too, implicit steps may be
-cheaper. As an implicit step costs two or three explicit ones, it must be longer than the last of these by the
-same factor. Its size is that of the next step, because the first implicit steps after an event grow fast.
+sustained. A sustained contact may still oscillate, with shorter steps; implicit steps may be cheaper for it
+as well. An implicit step costs two or three explicit ones, so it must be longer than the last explicit step
+by the same factor. Its size is taken as the size of the next step, because the first implicit steps after an
+event grow fast.
 
 A joint with a damper or a spring has a rate of its own, in flight and in contact (chain/joints.py). A
 spring oscillates rather than decays. If the oscillation matters at the tolerance, the explicit steps have hρ
-below STIFF; if they are longer, it is so small that implicit steps, which damp it, may lose it.
+below STIFF; if they are longer, the oscillation is so small that implicit steps may damp it.
 Rigid walls cause no stiffness: with them only joints do.
 
 The functions of a try take the size h of a step, in its integration variable.
@@ -32,19 +33,20 @@ from chain_impact.kernel.ode.control import (
     propose,
 )
 
-# hρ of explicit steps beyond which implicit ones could replace them. Impacts are resolved with less than 1,
-# and DOP853 is stable to about 6.
+# The hρ of explicit steps beyond which implicit ones could replace them. Impacts are resolved with less than
+# 1, and DOP853 is stable up to about 6.
 STIFF = 2.0
-# The same for steps in sustained contacts, and the duration, in time scales of the contact, after which a
-# contact counts as sustained: an impact takes three to ten.
+# The hρ of explicit steps in sustained contacts beyond which implicit ones could replace them; and the
+# duration, in time scales of the contact, after which a contact counts as sustained: an impact takes three to
+# ten.
 RINGS, LASTS = 0.1, 20.0
-# The size of implicit steps over that of explicit ones below which explicit ones advance further for the same
-# work; and the hρ of implicit steps below which this holds, if the size of explicit ones is not known.
+# The size of implicit steps over that of explicit ones, below which explicit ones advance farther for the
+# same work; and the hρ of implicit steps below which this holds, if the size of explicit ones is not known.
 LONGER, NOT_STIFF = 2.5, 5.0
-STABLE = 4.0  # hρ of the explicit step to begin a flight with: two thirds of what is stable
+STABLE = 4.0  # hρ of the explicit step at the begin of a flight: two thirds of the stability limit
 # The part of the explicit method's first step in an impact with which joints are compared. Explicit steps of
 # an impact cost so much less than implicit ones that only joints far stiffer than the contact favour implicit
-# ones.
+# steps.
 IMPACT = 0.1
 # The number of steps in a row that must favour the other method: with fewer the method would change in the
 # compression of an impact.
@@ -76,7 +78,7 @@ def choose_method(d):
 
 
 def suggests_switch(d):
-    """Whether the size of the next implicit step, or of the last explicit one, favours the other method."""
+    """Return whether the next implicit step's size, or the last explicit one's, favours the other method."""
     step = d.step
     if step.method == IMPLICIT:
         if step.explicit_size > 0.0:
@@ -87,7 +89,7 @@ def suggests_switch(d):
 
 
 def contacts_last(d):
-    """Whether there are active contacts with a force law, and all of them are sustained."""
+    """Return whether there are active contacts with a force law, and all of them are sustained."""
     if d.touch.compliant_count == 0:
         return False
     for k in range(d.touch.compliant_count):
@@ -99,10 +101,10 @@ def contacts_last(d):
 
 
 def begin_impact(d, c):
-    """Begin a new phase at the onset of candidate c, with the explicit method and its proposed step size.
+    """Begin a new phase at the onset of candidate c, with the explicit method and the proposed step size.
 
-    That size is the one of ``at_onset`` for the explicit method. If steps were implicit and joints make those
-    of the impact stiff, too, the method is kept.
+    The size comes from ``at_onset`` for the explicit method. If steps were implicit, and joints make the
+    steps of the impact stiff as well, the method is kept.
     """
     if joints_over(d, IMPACT * d.step.next_size) <= STIFF:
         d.step.method = EXPLICIT
@@ -122,9 +124,10 @@ def begin_flight(d):
 
 
 def stable(d, h):
-    """A size [s] for the first explicit step: h, or less if stiff joints require it for stability.
+    """Return a size [s] for the first explicit step: h, or less if stiff joints require it for stability.
 
-    At rest the errors do not show this: a step far too long keeps the end state, but not the dense output.
+    At rest the errors do not show this: a step that is far too long keeps the end state, but not the dense
+    output.
     """
     return h * min(1.0, STABLE / max(STABLE, joints_over(d, h)))
 
@@ -143,13 +146,13 @@ def reset_stiff_count(d):
 
 
 def stiffness_number(d, h):
-    """hρ of a step [s], with the fastest rate of joints with dampers or springs and active contacts."""
+    """Return hρ of a step [s], with the fastest rate of active contacts and of joints that resist."""
     z = h * fastest_contact(d)
     return max(z, joints_over(d, h)) if d.model.resisting else z
 
 
 def joints_over(d, h):
-    """hρ of a step [s] for joints with dampers or springs; an upper bound of it if they are not stiff."""
+    """Return hρ of a step [s] for joints with dampers or springs; an upper bound if they are not stiff."""
     z = h * d.model.joint_bound
     if z > STIFF:
         z = h * joint_rate(d, d.step.state_end)
@@ -158,7 +161,7 @@ def joints_over(d, h):
 
 
 def fastest_contact(d):
-    """The largest max(c/m, √(k/m)) [1/s] of the active contacts with a force law, for the located points."""
+    """Return the largest max(c/m, √(k/m)) [1/s] of active contacts with a force law, for located points."""
     fastest = 0.0
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
@@ -169,7 +172,7 @@ def fastest_contact(d):
 
 
 def prepare(d, h):
-    """Prepare a step at its start by the current method; returns the size h to try first."""
+    """Prepare a step at its start by the current method; return the size h to try first."""
     if d.step.method == IMPLICIT:
         return collocation.prepare(d, h)
     return explicit.toward_end(d, h)
@@ -178,8 +181,8 @@ def prepare(d, h):
 def attempt(d, h):
     """Try a step of size h from ``step.state_end`` by the current method.
 
-    Its outcome is in ``trial``: the state at its end, and the error relative to the tolerance, which is not
-    finite if f was not.
+    The outcome is in ``trial``: the state at the step's end, and the error relative to the tolerance, which
+        is not finite if f was not.
     """
     begin_trial(d, h)
     if d.step.method == IMPLICIT:

@@ -25,7 +25,7 @@ from chain_impact.kernel.functions import sequence
 
 ORDER = 9
 RADAU_STAGES = 5
-PAIRS = 2  # how many pairs of complex eigenvalues
+PAIRS = 2  # number of pairs of complex eigenvalues
 
 # fmt: off
 NODES = (0.05710419611451768, 0.2768430136381238, 0.5835904323689168, 0.8602401356562195,
@@ -44,7 +44,7 @@ Q: tuple[tuple[float, ...], ...] = (
      0.22310390108357075, 0.04),
 )
 REAL_EIGENVALUE = 0.15906584442746913
-# real and imaginary part of one of each pair
+# real and imaginary part of one eigenvalue of each pair
 COMPLEX_EIGENVALUES = ((0.06506577854574362, 0.11646852774031707), (0.1331790770182996, 0.07499451183581853))
 LEFT: tuple[tuple[float, ...], ...] = (
     (27.697693775684087, 12.783337911304406, 3.20848938671343,
@@ -70,7 +70,8 @@ RIGHT: tuple[tuple[float, ...], ...] = (
     (1.0, 2.0, 0.0,
      2.0, 0.0),
 )
-# The value at 0 of the polynomial through values at the nodes, and that at 1 through all but the last.
+# The value at 0 of the polynomial through values at the nodes, and the value at 1 of the one through all but
+# the last.
 AT_START = (1.5864079001863283, -1.008117881498373, 0.7309748661597875, -0.5092648848477427,
     0.2)
 AT_END = (-0.4529527392493014, 1.3954519620824528, -2.1329496909650074, 2.1904504681318557)
@@ -81,17 +82,17 @@ LEFT_Q = tuple(
     tuple(math.fsum(left * row[j] for left, row in zip(one, Q, strict=True)) for j in range(RADAU_STAGES))
     for one in LEFT
 )
-ITERATIONS = 10  # at most: a slower iteration costs more than shorter steps
+ITERATIONS = 10  # largest number of iterations: a slower iteration costs more than shorter steps
 ENOUGH = 0.1  # the error that the iteration may leave, over the tolerance
 DIVERGES = 0.95  # θ above which the iteration is given up
-FARTHEST = 1e20  # times the tolerance: the iteration fails if a correction is larger
-# θ/(1 − θ) of the last step predicts that of the next, as max(θ/(1 − θ), TRUST)^POWER to be cautious
+FARTHEST = 1e20  # largest correction over the tolerance; beyond it the iteration has failed
+# the last step's θ/(1 − θ) predicts the next one's; max(θ/(1 − θ), TRUST)^POWER is used to be cautious
 TRUST, POWER = 0.02, 0.8
-UNKNOWN = 1e10  # θ/(1 − θ), if it is not known
+UNKNOWN = 1e10  # stands for an unknown θ/(1 − θ)
 
 
 def _transformed(i):
-    """Row i of LEFT · R."""
+    """Return a function for row i of LEFT · R."""
     of_rates, of_stages = LEFT_Q[i], LEFT[i]
 
     def transformed(d, h, size):
@@ -107,7 +108,7 @@ def _transformed(i):
 
 
 def _corrected(i):
-    """Correct stage i by row i of RIGHT · W; note its largest weighted component."""
+    """Return a function that corrects stage i by row i of RIGHT · W, and notes its largest component."""
     row = RIGHT[i]
 
     def corrected(d, _h, size):
@@ -136,9 +137,10 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
     Args:
         begin: function (d) that is called before the stages are evaluated.
         rate: function (d, z, elapsed, out) for out = f(z), ``elapsed`` [s] after the start of the step.
-        linearize: function (d, z) that evaluates the slopes in A where f was evaluated just now.
+        linearize: function (d, z) that evaluates the slopes in A where f has just been evaluated.
         factorize: function (d, h) that factorizes the systems.
-        solve: function (d, h, size) that solves them in place, r and x being the rows of ``implicit.parts``.
+        solve: function (d, h, size) that solves the systems in place; r and x are the rows of
+            ``implicit.parts``.
 
     Returns:
         Functions (d, h, size): one for the right-hand sides of an iteration, one that corrects the stages in
@@ -150,7 +152,7 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
         own = d.implicit
         begin(d)
         for i in range(RADAU_STAGES):
-            # the middle one comes last
+            # the middle stage comes last
             stage = (i + RADAU_STAGES // 2 + 1) % RADAU_STAGES
             for j in range(size):
                 own.z[j] = own.start[j] + own.stages[stage, j]
@@ -183,7 +185,7 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
                 own.slowness = ratio if k > 1 else own.slowness
                 return True
             left = theta ** (ITERATIONS - k) / (1.0 - theta) * own.correction if theta < 1.0 else math.inf
-            # it diverges, or will not converge in time
+            # the iteration diverges, or will not converge in time
             if k > 2 and (theta > DIVERGES or left > ENOUGH):
                 return False
         return False

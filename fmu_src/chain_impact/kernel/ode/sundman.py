@@ -24,15 +24,15 @@ from chain_impact.kernel.ode.control import EXPLICIT
 from chain_impact.kernel.ode.dense import time_rate
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
-NO_CONTACT = -1  # in step.regularized: the variable of the step is time
-# The lower limit of u in a step. Where u < 0 time runs backwards: the end of the contact has been passed.
+NO_CONTACT = -1  # value of step.regularized if the variable of the step is time
+# The lower limit of u in a step. If u < 0 time runs backwards: the end of the contact has been passed.
 BACK = -0.5
-# u and δ̇/v₀ below which a point rests on a wall rather than hits it: in s time would stop there, as p → 0.
+# The u and δ̇/v₀ below which a point rests on a wall rather than hits it: in s time would stop, as p → 0.
 SLOW = 0.1
 
 
 def regularized_rate(d, y, rate):
-    """Set rate = dy/ds, for the variable of the step."""
+    """Set rate = dy/ds, for the integration variable s of the step."""
     state_rate(d, y, rate)
     if d.step.regularized != NO_CONTACT:
         to_fictitious_time(d, y, rate)
@@ -56,13 +56,13 @@ def to_fictitious_time(d, y, rate):
 
 
 def root_rate(d, u):
-    """u′ = du/ds = δ̇/(2 δ* (1 + u²)) of the contact, for the located points."""
+    """Return u′ = du/ds = δ̇/(2 δ* (1 + u²)) of the contact, for the located points."""
     _, gap_rate = clearance(d, d.step.regularized)
     return -0.5 * gap_rate / (d.touch.depth_scale[d.step.regularized] * (1.0 + u * u))
 
 
 def root_curve(d, u, slope):
-    """u″ of the contact, for the located and accelerated points and u′."""
+    """Return u″ of the contact, for the located and accelerated points and u′."""
     quotient, c = 1.0 / (1.0 + u * u), d.step.regularized
     # u″ = p δ̈/(2 δ* (1 + u²)) − 2 u u′²/(1 + u²)
     curve = 0.5 * time_rate(u) * -gap_acceleration(d, c) / d.touch.depth_scale[c]
@@ -70,30 +70,30 @@ def root_curve(d, u, slope):
 
 
 def time_rate_change(u, slope):
-    """The derivative p′ = dp/ds = u′ (1 − u²)/(1 + u²)²."""
+    """Return the derivative p′ = dp/ds = u′ (1 − u²)/(1 + u²)²."""
     quotient = 1.0 / (1.0 + u * u)
     return slope * (1.0 - u * u) * quotient * quotient
 
 
 def time_rate_of(d, u):
-    """dt/ds; 1 without a regularized contact."""
+    """Return dt/ds; 1 without a regularized contact."""
     return 1.0 if d.step.regularized == NO_CONTACT else time_rate(u)
 
 
 def time_rate_now(d, y):
-    """dt/ds in state y, at least SLOW, as it is used to convert the size of a step to seconds."""
+    """Return dt/ds in state y, at least SLOW, for the conversion of a step's size to seconds."""
     return max(SLOW, time_rate_of(d, y[sundman_u_at(d.links)]))
 
 
 def runs_back(d, y):
-    """Whether a step to state y goes far beyond the end of the contact: where u < 0, time runs backwards."""
+    """Return whether a step to state y goes far beyond the contact's end: if u < 0, time runs backwards."""
     return d.step.regularized != NO_CONTACT and (
         y[sundman_u_at(d.links)] < BACK or y[time_at(d.links)] <= 0.0
     )
 
 
 def lone_contact(d):
-    """The active contact and its u, if it is the only one and not at rest; otherwise NO_CONTACT and 1.
+    """Return the active contact and its u, if it is the only one and not at rest; otherwise NO_CONTACT and 1.
 
     Several contacts end at different times, and the fictitious time of one does not suit the others.
     """

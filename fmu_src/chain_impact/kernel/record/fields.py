@@ -10,10 +10,10 @@ OWNERS: dict[str, dict[str, tuple[str, ...]]] = {}
 
 
 def written_by(*owners, **fields):
-    """Declare which modules of the kernel write a part of the record, and which write some fields of it.
+    """Declare which modules of the kernel write a part of the record, and which write some of its fields.
 
-    A field that outlives a step has one owner; others call the owner's functions. tests/test_owners.py
-    compares this with what the modules do. Those in kernel/tangent/ also set fields of tangent instances.
+    A field that outlives a step has one owner; other modules call the owner's functions. tests/test_owners.py
+    compares this with the code. Modules in kernel/tangent/ also set fields of tangent instances.
     """
 
     def declare(layout):
@@ -43,38 +43,38 @@ def given(when: int):
 
 
 def record(*fields: tuple[object, ...]) -> np.dtype:
-    """A record of fields (name, type[, shape])."""
+    """Return the layout of a record of fields (name, type[, shape])."""
     return np.dtype(list(fields), align=True)
 
 
 def table(count: int, *columns: tuple[object, ...]) -> np.dtype:
-    """A table of columns (name, type) with ``count`` rows, each of which is contiguous in memory."""
+    """Return the layout of a table of columns (name, type) with ``count`` rows, each contiguous in memory."""
     return np.dtype((record(*columns), (count,)))
 
 
 def is_table(dtype: np.dtype) -> bool:
-    """Whether this is a table, and not an array of numbers or of dual numbers."""
+    """Return whether the layout is a table, not an array of numbers or of dual numbers."""
     return dtype.base.names is not None and dtype.base.names != ("value", "slope")
 
 
 def vectors_dtype(points: int, scalar: type = REAL) -> np.dtype:
-    """A vector for each of some points."""
+    """Return the layout of a vector for each of some points."""
     return record(("x", scalar, (points,)), ("y", scalar, (points,)))
 
 
 def place_count(links: int, sites: int) -> int:
-    """The number of places: the points 0…N, the joints 1…N and the sites."""
+    """Return the number of places: the points 0…N, the joints 1…N and the sites."""
     return 2 * links + 1 + sites
 
 
 def loads_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
-    """A vector for each place, a number for each joint, and a moment for each link."""
+    """Return the layout of a vector for each place, a number for each joint, and a moment for each link."""
     places = place_count(links, sites)
     numbers = ((name, scalar, (links,)) for name in ("joint", "link"))
     return record(("x", scalar, (places,)), ("y", scalar, (places,)), *numbers)
 
 
 def impedance_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
-    """A symmetric 2×2 matrix for each place, and a number for each joint."""
+    """Return the layout of a symmetric 2×2 matrix for each place, and a number for each joint."""
     matrices = ((name, scalar, (place_count(links, sites),)) for name in ("xx", "xy", "yy"))
     return record(*matrices, ("joint", scalar, (links,)))

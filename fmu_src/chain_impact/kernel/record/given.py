@@ -19,7 +19,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 @given(AT_START)
 @written_by("initialize.py")
 def model_dtype(links: int) -> np.dtype:
-    """The chain and its box. variables/model.py sets what is not derived."""
+    """Return the layout of the chain and its box; variables/model.py sets the values that are not derived."""
     return record(
         ("gravity", REAL, (2,)),  # m/s²
         ("length", REAL, (links,)),  # m
@@ -27,7 +27,7 @@ def model_dtype(links: int) -> np.dtype:
         # m from the proximal joint, and kg·m² about the centre of mass, as they are given; or DERIVED
         ("given_center_of_mass", REAL, (links,)),
         ("given_inertia", REAL, (links,)),
-        ("height", REAL, (links,)),  # m, of a link that is a box; 0 of all others
+        ("height", REAL, (links,)),  # m, of a link that is a box; 0 for other links
         ("center_of_mass_offset", REAL, (links,)),  # m, to the left of the link's line
         ("joint_friction", REAL, (links,)),  # N·m, dry friction at the proximal joint
         ("joint_armature", REAL, (links,)),  # kg·m², acts on the relative rotation in the joint
@@ -50,7 +50,7 @@ def model_dtype(links: int) -> np.dtype:
         ("geared", INTEGER),  # 1: some joint has an armature
         ("limited", INTEGER),  # 1: some joint has a limit of its torque
         ("resisting", INTEGER),  # 1: some joint has damping or a spring …
-        ("joint_bound", REAL),  # 1/s, … and an upper bound on the rates of the motions that this causes
+        ("joint_bound", REAL),  # 1/s, … and an upper bound on the rates of the motions that these cause
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
         ("offset_ratio", REAL, (links,)),  # offset of the centre of mass / length
         ("proximal_inertia", REAL, (links,)),  # kg·m² about the proximal …
@@ -67,9 +67,9 @@ def model_dtype(links: int) -> np.dtype:
 @given(AT_START)
 @written_by("forces/contact_law.py")
 def contact_dtype() -> np.dtype:
-    """What all contacts with walls have in common; the rest of their law is in `given`.
+    """Return the layout of the data that all contacts with walls share; the rest of their law is in `given`.
 
-    variables/model.py sets what is not derived.
+    variables/model.py sets the values that are not derived.
     """
     return record(
         ("exponent", REAL),
@@ -85,30 +85,32 @@ def contact_dtype() -> np.dtype:
 @given(AT_START)
 @written_by("initialize.py", restitution="forces/contact_law.py")
 def stops_dtype() -> np.dtype:
-    """The contact law of the stops in joints; the given stiffness and restitution are in `given`.
+    """Return the layout of the contact law of stops in joints.
 
-    variables/model.py sets what is not derived.
+    Given stiffness and restitution are in `given`.
+
+    variables/model.py sets the values that are not derived.
     """
     return record(
-        ("law", INTEGER),  # number of the contact law, from 1; 0: that of the walls
-        ("given_exponent", REAL),  # or DERIVED: that of `contact`
+        ("law", INTEGER),  # number of the contact law, from 1; 0: the law of the walls
+        ("given_exponent", REAL),  # or DERIVED: the exponent of `contact`
         ("minimum_impact_speed", REAL),  # rad/s
         # derived
         ("exponent", REAL),
-        ("restitution", REAL),  # for who reads it: the laws have it for each candidate
+        ("restitution", REAL),  # for readers of the record; the laws have it for each candidate
     )
 
 
 @given(AT_START)
 @written_by("initialize.py", mode="events/saturation.py")
 def slider_dtype() -> np.dtype:
-    """The line along which the base slides, and the carriage, see kernel/chain/slider.py.
+    """Return the layout of the line on which the base slides, and of the carriage: kernel/chain/slider.py.
 
-    variables/model.py sets what is not derived.
+    variables/model.py sets the values that are not derived.
     """
     return record(
         ("angle", REAL),  # rad, direction of the line from +x
-        ("mass", REAL),  # kg, of the carriage
+        ("mass", REAL),  # kg, mass of the carriage
         ("damping", REAL),  # N·s/m
         ("stiffness", REAL),  # N/m
         ("friction", REAL),  # N, dry friction
@@ -126,7 +128,7 @@ def slider_dtype() -> np.dtype:
 @given(AT_START)
 @written_by()
 def initial_dtype(links: int) -> np.dtype:
-    """The initial values. variables/model.py sets them."""
+    """Return the layout of the initial values, which variables/model.py sets."""
     return record(
         ("position", REAL, (2,)),  # m
         ("velocity", REAL, (2,)),  # m/s
@@ -139,7 +141,7 @@ def initial_dtype(links: int) -> np.dtype:
 @given(AT_START)
 @written_by()
 def solver_dtype() -> np.dtype:
-    """The settings of the solver. variables/model.py sets them."""
+    """Return the layout of the settings of the solver, which variables/model.py sets."""
     return record(
         ("method", INTEGER),  # index into SOLVER_METHODS of kernel/ode/control.py, from 1
         ("tolerance", REAL),
@@ -148,7 +150,7 @@ def solver_dtype() -> np.dtype:
 
 
 def course_dtype(links: int) -> np.dtype:
-    """The inputs as polynomials of time, piece by piece, see kernel/forces/inputs.py."""
+    """Return the layout of the inputs as polynomials of time, piece by piece, see kernel/forces/inputs.py."""
     return record(
         ("order", INTEGER),  # 0: the inputs are constant
         ("middle", REAL),  # s, the time at which the argument x is 0 …
@@ -168,9 +170,9 @@ def course_dtype(links: int) -> np.dtype:
 @given(AT_ANY_TIME)
 @written_by(changed="forces/inputs.py", course="forces/inputs.py")
 def given_dtype(links: int) -> np.dtype:
-    """The values that an importer can set at any time.
+    """Return the layout of the values that an importer can set at any time.
 
-    They are applied at the next step, or when the output time is set.
+    The values are applied at the next step, or when the output time is set.
     """
     return record(
         ("changed", INTEGER),  # AT_ONCE: a value was set since the last step; CONTINUES: only the course was
@@ -178,9 +180,9 @@ def given_dtype(links: int) -> np.dtype:
         ("stiffness", REAL),  # N/m^exponent
         ("restitution", REAL),
         ("friction", REAL),  # coefficient of sliding …
-        ("static_friction", REAL),  # … and of static friction; 0 for that of sliding
+        ("static_friction", REAL),  # … and of static friction; 0 means the coefficient of sliding
         ("stop_stiffness", REAL),  # N·m/rad^exponent
-        ("stop_restitution", REAL),  # or DERIVED: that of the walls
+        ("stop_restitution", REAL),  # or DERIVED: the restitution of the walls
         ("joint_damping", REAL, (links,)),  # as in `inputs`
         ("joint_stiffness", REAL, (links,)),
         ("joint_torque", REAL, (links,)),
@@ -196,10 +198,10 @@ def given_dtype(links: int) -> np.dtype:
 
 @written_by("forces/inputs.py")
 def inputs_dtype(links: int) -> np.dtype:
-    """The inputs in use, and what else of joints can be set at any time."""
+    """Return the layout of the inputs in use, and of the joint values that can be set at any time."""
     return record(
         ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
-        ("joint_stiffness", REAL, (links,)),  # N·m/rad, likewise
+        ("joint_stiffness", REAL, (links,)),  # N·m/rad at the proximal joint
         ("joint_torque", REAL, (links,)),  # N·m
         ("joint_target_angle", REAL, (links,)),  # rad, at which the spring is slack: given, or an input
         ("joint_target_velocity", REAL, (links,)),  # rad/s, at which the damper is without moment
@@ -214,46 +216,46 @@ def inputs_dtype(links: int) -> np.dtype:
 @given(AT_ANY_TIME)
 @written_by("forces/inputs.py")
 def motion_dtype(channels: int) -> np.dtype:
-    """What is given of the motions of base and walls, see kernel/chain/motion.py.
+    """Return the layout of the given motions of base and walls, see kernel/chain/motion.py.
 
-    variables/model.py sets what is not written by the kernel.
+    variables/model.py sets the values that the kernel does not write.
     """
     return record(
-        ("follows", INTEGER),  # 1: what is given at communication points is followed; 0: the course is set
+        ("follows", INTEGER),  # 1: the values at communication points are followed; 0: the course is set
         ("jumps", INTEGER),  # 1: the speed of a belt jumps where the piece of the course begins
         ("belt", INTEGER, (channels,)),  # 1: the channel is the travel of a belt
-        ("position", REAL, (channels,)),  # m; of a belt 0
+        ("position", REAL, (channels,)),  # m; 0 for a belt
         ("velocity", REAL, (channels,)),  # m/s
-        ("acceleration", REAL, (channels,)),  # m/s²; of a belt 0
+        ("acceleration", REAL, (channels,)),  # m/s²; 0 for a belt
         ("course", REAL, (DEGREE + 1, channels)),  # m, coefficients of the powers of x
     )
 
 
 @written_by("forces/inputs.py", **dict.fromkeys(("position", "velocity", "acceleration"), "chain/motion.py"))
 def moved_dtype(channels: int) -> np.dtype:
-    """The motions in use, and what they follow."""
+    """Return the layout of the motions in use, and of the values that they follow."""
     return record(
         ("began", REAL),  # s, the start of the run
-        ("until", REAL),  # s, the communication point up to which they follow what is given
+        ("until", REAL),  # s, the communication point up to which the given values are followed
         # number of the first channel, from 1, whose positions and velocities contradict each other, or 0; …
         ("contradiction", INTEGER),
-        ("distance", REAL),  # m, … how far it has been moved, …
-        ("lasted", REAL),  # s, … in which time, …
-        ("speed", REAL),  # m/s, … and the velocity given
-        ("position", REAL, (channels,)),  # m, where it is at the time of the located points …
+        ("distance", REAL),  # m, … the distance it has been moved, …
+        ("lasted", REAL),  # s, … the time for it, …
+        ("speed", REAL),  # m/s, … and the given velocity
+        ("position", REAL, (channels,)),  # m, position at the time of the located points …
         ("velocity", REAL, (channels,)),  # m/s
         ("acceleration", REAL, (channels,)),  # m/s²
         ("course", REAL, (DEGREE + 1, channels)),  # m, coefficients of the powers of x
-        # what is given, as it was when that changed last, …
+        # the given values when they changed last, …
         ("given_position", REAL, (channels,)),  # m
         ("given_velocity", REAL, (channels,)),  # m/s
         ("given_acceleration", REAL, (channels,)),  # m/s²
-        ("given_at", REAL, (channels,)),  # s, … and when that was
-        ("from_position", REAL, (channels,)),  # m, from where it goes on since then …
-        ("from_velocity", REAL, (channels,)),  # m/s, … and with which velocity
+        ("given_at", REAL, (channels,)),  # s, … and the time of this change
+        ("from_position", REAL, (channels,)),  # m, position from which the motion continues since then …
+        ("from_velocity", REAL, (channels,)),  # m/s, … and its velocity
         ("anchored", INTEGER, (channels,)),  # 1: the position was given then; 0: it follows from the velocity
-        ("mean", REAL, (channels,)),  # m/s, the mean velocity of a base of which none is given
-        # derivatives with respect to what is given (tangent/replay.py); their values are 0
+        ("mean", REAL, (channels,)),  # m/s, the mean velocity of a base without a given velocity
+        # derivatives with respect to given values (tangent/replay.py); their values are 0
         ("added", REAL, (channels,)),  # m, added to the position, …
         ("added_rate", REAL, (channels,)),  # m/s, … to the velocity …
         ("added_push", REAL, (channels,)),  # m/s², … and to the acceleration
@@ -262,17 +264,19 @@ def moved_dtype(channels: int) -> np.dtype:
 
 @written_by("rows/geometry.py", offset=("rows/geometry.py", "chain/motion.py"))
 def candidate_dtype(candidates: int) -> np.dtype:
-    """What may touch: the pairs of a point and a wall first, and then the stops in joints.
+    """Return the layout of the candidates: first the pairs of a point and a wall, then the stops in joints.
 
-    variables/model.py sets what is not derived.
+    variables/model.py sets the values that are not derived.
     """
     return table(
         candidates,
-        ("point", INTEGER),  # 0…N, sites N+1…N+P; of a stop 1…N, the number of its joint
-        ("wall", INTEGER),  # index into WALLS, or 4 and that into `walls`; of a stop the numbers after those
+        ("point", INTEGER),  # 0…N, sites N+1…N+P; for a stop 1…N, the number of its joint
+        # index into WALLS, or 4 plus the index into `walls`; stops have the numbers after these
+        ("wall", INTEGER),
         ("stop", INTEGER),  # ±1: at joint_min, joint_max; ±2: at slider_min, slider_max; 0: at a wall
         # derived at initialization
-        ("place", INTEGER),  # the point; of a stop N and the number of the joint; of a site N and its number
+        # the point; for a stop N plus the number of the joint; for a site N plus its number
+        ("place", INTEGER),
         ("radius", REAL),  # m, of the point
         ("normal_x", REAL),  # n of the wall …
         ("normal_y", REAL),
@@ -283,20 +287,20 @@ def candidate_dtype(candidates: int) -> np.dtype:
 @given(AT_START)
 @written_by("initialize.py")
 def site_dtype(sites: int) -> np.dtype:
-    """The sites: points that are fixed to links, in the order of the links, beside the joints.
+    """Return the layout of the sites, points fixed to links beside the joints, in the order of the links.
 
-    variables/model.py sets what is not derived.
+    variables/model.py sets the values that are not derived.
     """
     return record(
-        ("link", INTEGER, (sites,)),  # its index, from 0
+        ("link", INTEGER, (sites,)),  # index of the link, from 0
         (
             "corner",
             INTEGER,
             (sites,),
-        ),  # 1 to 4: of a box, which derives its place; 0: none
+        ),  # 1 to 4: corner of a box, which derives its place; 0: none
         ("x", REAL, (sites,)),  # m, along the link from its proximal joint, …
         ("y", REAL, (sites,)),  # m, … and to the left of its line
-        ("given_radius", REAL, (sites,)),  # m, or DERIVED: that of `contact`
+        ("given_radius", REAL, (sites,)),  # m, or DERIVED: the radius of `contact`
         # derived at initialization
         ("radius", REAL, (sites,)),  # m
         ("along", REAL, (sites,)),  # x / length …
@@ -306,29 +310,29 @@ def site_dtype(sites: int) -> np.dtype:
 
 @written_by("chain/motion.py", rest="rows/geometry.py")
 def shift_dtype(candidates: int) -> np.dtype:
-    """How the wall of each candidate moves, in a scene in which any does.
+    """Return the layout of the motion of each candidate's wall, in a scene in which some wall moves.
 
-    variables/model.py sets what is not derived.
+    variables/model.py sets the values that are not derived.
     """
     return table(
         candidates,
-        ("channel", INTEGER),  # with which it moves, and with the next one its belt; −1: it is at rest
-        ("rest", REAL),  # m, its offset if it had not moved
-        ("rate", REAL),  # m/s, its speed along n …
+        ("channel", INTEGER),  # the wall's channel; the next one moves its belt; −1: the wall is at rest
+        ("rest", REAL),  # m, offset of the wall if it had not moved
+        ("rate", REAL),  # m/s, speed of the wall along n …
         ("push", REAL),  # m/s², … and its acceleration
-        ("travel", REAL),  # m, how far its belt has moved along t, …
-        ("belt_rate", REAL),  # m/s, … the speed of that …
+        ("travel", REAL),  # m, travel of the belt along t, …
+        ("belt_rate", REAL),  # m/s, … its speed …
         ("belt_push", REAL),  # m/s², … and its acceleration
     )
 
 
 @written_by("forces/contact_law.py")
 def law_dtype(candidates: int) -> np.dtype:
-    """The contact law of each candidate."""
+    """Return the layout of the contact law of each candidate."""
     return table(
         candidates,
         ("same_as", INTEGER),  # the first candidate with the same law
-        ("number", INTEGER),  # of the law, from 1; 0: not yet set
+        ("number", INTEGER),  # number of the law, from 1; 0: not yet set
         ("stiffness", REAL),  # N/m^exponent
         ("exponent", REAL),
         ("restitution", REAL),
@@ -340,24 +344,24 @@ def law_dtype(candidates: int) -> np.dtype:
         ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
         ("approach_only", INTEGER),  # 1: damped during compression only
         ("impulsive", INTEGER),  # 1: rigid, with impulses instead of a force law
-        ("harmless_depth", REAL),  # m, how deep a point may be in the wall without being in contact
+        ("harmless_depth", REAL),  # m, depth in the wall up to which a point is not in contact
     )
 
 
 @given(AT_ANY_TIME)
 @written_by()
 def walls_dtype(candidates: int) -> np.dtype:
-    """The walls at any angle, of which there are at most C, and the materials of all walls.
+    """Return the layout of the walls at any angle, at most C, and of the materials of all walls.
 
     variables/model.py sets them; an importer may set stiffness and restitution, as those in `given`.
     """
     return record(
-        ("x", REAL, (candidates,)),  # m, a point on each …
+        ("x", REAL, (candidates,)),  # m, a point on each wall …
         ("y", REAL, (candidates,)),
         ("angle", REAL, (candidates,)),  # rad, … and its direction from +x: the free side is to its left
-        # of the box's walls first: N/m^exponent, 0 for that of `contact`, …
+        # the walls of the box come first: N/m^exponent, 0 for the stiffness of `contact`, …
         ("stiffness", REAL, (len(WALLS) + candidates,)),
-        # … and −1 for that of `contact`; likewise:
+        # … and −1 for the restitution of `contact`; the other materials in the same way:
         ("restitution", REAL, (len(WALLS) + candidates,)),
         ("friction", REAL, (len(WALLS) + candidates,)),
         ("static_friction", REAL, (len(WALLS) + candidates,)),

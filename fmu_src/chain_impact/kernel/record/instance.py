@@ -2,10 +2,10 @@
 
 Parameters, inputs, the integrator's memory, statistics, outputs and work space are the fields of one NumPy
 record without pointers, so the state of an FMU is a copy of its bytes. Every scalar takes eight bytes (a
-double or an integer), so each has an index counted in doubles from the start of the record: the FMU's code
+double or an integer), so it has an index counted in doubles from the start of the record. The FMU's code
 needs no other knowledge of the layout.
 
-N links, points 0…N (0 the base, N the tip), P sites (points of links beside these), C candidates (pairs of a
+N links, points 0…N (0 the base, N the tip), P sites (further points of links), C candidates (pairs of a
 point or site and a wall), state vector y (kernel/chain/state.py).
 
 Every size and offset is a + bN + cC + dF + eL + fK + gP + hD + iR. The compiled kernel relies on it
@@ -72,7 +72,7 @@ def output_dtype(
     sites: int = 0,
     signals: int = 0,
 ) -> np.dtype:
-    """The outputs at the communication point; one row of a time series."""
+    """Return the layout of the outputs at the communication point; one row of a time series."""
     points = links + 1 + sites
     return record(
         ("point_position", REAL, (points, 2)),  # m, of the points 0…N and the sites
@@ -81,17 +81,17 @@ def output_dtype(
         ("angle", REAL, (links,)),  # rad, absolute, from +x
         ("angular_velocity", REAL, (links,)),  # rad/s
         ("angular_acceleration", REAL, (links,)),  # rad/s²
-        ("joint_angle", REAL, (links,)),  # rad, from the link before, of the first one from +x
-        ("joint_angular_velocity", REAL, (links,)),  # rad/s, likewise
+        ("joint_angle", REAL, (links,)),  # rad, from the link before; the first one from +x
+        ("joint_angular_velocity", REAL, (links,)),  # rad/s, from the link before; the first one from +x
         ("slider_position", REAL),  # m, along the line, 0 at the start
         ("slider_velocity", REAL),  # m/s
         ("slider_acceleration", REAL),  # m/s²
-        ("slider_reaction", REAL),  # N, of the line on the carriage, along its left normal, with loads …
+        ("slider_reaction", REAL),  # N, force of the line on the carriage along the left normal, with loads …
         ("slider_moment", REAL),  # N·m, … and its moment
         ("force", REAL, (candidates,)),  # N, wall on point, along the inward normal
         ("penetration", REAL, (candidates,)),  # m, 0 when apart
         ("penetration_rate", REAL, (candidates,)),  # m/s, > 0 compressing, 0 when apart
-        ("impulse", REAL, (candidates,)),  # N·s, of the wall on the point since the start
+        ("impulse", REAL, (candidates,)),  # N·s, impulse of the wall on the point since the start
         ("kinetic", REAL),  # J
         ("potential", REAL),  # J, gravity, zero at the origin
         ("elastic", REAL),  # J, stored in the contacts and in the springs of joints
@@ -100,16 +100,17 @@ def output_dtype(
         ("total", REAL),  # J, kinetic + potential + elastic
         ("friction", friction_output_dtype(elements)),
         ("load", load_output_dtype(loads)),
-        ("channel", REAL, (channels,)),  # m, the positions of what moves by itself
-        ("signal", REAL, (signals, 3)),  # value, rate and second derivative of what signals drive
+        ("channel", REAL, (channels,)),  # m, the positions of prescribed motions
+        # value, rate and second derivative of the quantities that signals drive
+        ("signal", REAL, (signals, 3)),
     )
 
 
 def friction_output_dtype(elements: int) -> np.dtype:
-    """The outputs of dry friction, by element."""
+    """Return the layout of the outputs of dry friction, by element."""
     return record(
-        ("force", REAL, (elements,)),  # N, of a candidate: wall on point, along t = (n_y, −n_x)
-        ("impulse", REAL, (elements,)),  # N·s, likewise, since the start
+        ("force", REAL, (elements,)),  # N, on a candidate: wall on point, along t = (n_y, −n_x)
+        ("impulse", REAL, (elements,)),  # N·s, the impulse of this force since the start
         ("sticking", REAL, (elements,)),  # 1: the contact sticks
         # N·m, on the link of each joint, or N, on a slider; there are fewer than elements
         ("joint_moment", REAL, (elements,)),
@@ -119,9 +120,12 @@ def friction_output_dtype(elements: int) -> np.dtype:
 
 
 def load_output_dtype(loads: int) -> np.dtype:
-    """The outputs of loads: a row for each joint, then one for each wall, without impulses and peaks."""
+    """Return the layout of the outputs of loads: a row for each joint, then one for each wall.
+
+    Rows of walls have no impulses and peaks.
+    """
     return record(
-        # N, on the link of each joint, of the link before or the ground; or on the wall
+        # N, force on each joint's link by the link before or the ground; or force on the wall
         ("x", REAL, (loads,)),
         ("y", REAL, (loads,)),
         ("moment", REAL, (loads,)),  # N·m, on the link of each joint, or on the wall about its point
@@ -133,15 +137,15 @@ def load_output_dtype(loads: int) -> np.dtype:
 
 @written_by("loads.py")
 def transmitted_dtype(loads: int) -> np.dtype:
-    """What is known of the forces that the joints transmit, with the rows of their outputs."""
+    """Return the layout of the data on forces that the joints transmit, in the rows of their outputs."""
     return record(
         ("start_time", REAL),  # s
-        ("tip_impulse", REAL, (2,)),  # N·s, of the force at the tip since the start
-        ("start_x", REAL, (loads,)),  # N·s, momentum of the link, at the start
+        ("tip_impulse", REAL, (2,)),  # N·s, impulse of the force at the tip since the start
+        ("start_x", REAL, (loads,)),  # N·s, momentum of the link at the start
         ("start_y", REAL, (loads,)),
         ("peak", REAL, (loads,)),  # N², the largest square of a force until the start of the last step
-        ("top", REAL, (loads,)),  # N², likewise, while it is searched for
-        ("seen", REAL, (loads,)),  # N², the largest square in the last step of which a row was filled, …
+        ("top", REAL, (loads,)),  # N², the largest square in the last step, while it is searched for
+        ("seen", REAL, (loads,)),  # N², the largest square in the last step for which a row was filled, …
         ("seen_breaks", INTEGER),  # … with this `step.breaks` …
         ("seen_end", REAL),  # s, … and this end
         ("x", REAL, (loads,)),  # N, forces at a sample, …
@@ -162,14 +166,14 @@ def instance_dtype(
     signals: int = 0,
     knots: int = 0,
 ) -> np.dtype:
-    """The record of an instance with N = ``links`` links, C = ``candidates`` candidates and F elements.
+    """Return the layout of an instance with N = ``links`` links, C = ``candidates`` candidates, F elements.
 
-    The ``elements`` are what may have dry friction: candidates, joints and a slider, or none, F = 0, in a
-    scene without dry friction, whose record has no room for it. Nor has it room for loads unless they are
-    requested: then ``loads`` L is the number of joints N and walls together. The ``channels`` K are the
-    motions of the base and of walls that are given (chain/motion.py). The ``sites`` P are points of links
-    beside the joints (chain/sites.py). The ``signals`` D are the inputs that the scene drives, and the
-    ``knots`` R are where their polynomials begin (chain/signals.py).
+    The ``elements`` are the parts that may have dry friction: candidates, joints and a slider. F is 0 in a
+    scene without dry friction, whose record has no room for it. The record has room for loads only if they
+    are requested: then ``loads`` L is the number of joints N and walls together. The ``channels`` K are the
+    given motions of the base and of walls (chain/motion.py). The ``sites`` P are points of links beside the
+    joints (chain/sites.py). The ``signals`` D are the inputs that the scene drives, and the ``knots`` R are
+    the starts of their polynomials (chain/signals.py).
     """
     return record(
         ("links", INTEGER),  # N

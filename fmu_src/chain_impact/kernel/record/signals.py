@@ -9,23 +9,23 @@ from chain_impact.kernel.record.fields import AT_START, INTEGER, REAL, given, re
 @given(AT_START)
 @written_by("chain/signals.py")
 def signal_dtype(signals: int) -> np.dtype:
-    """The signals, a row for each input that one drives, see kernel/chain/signals.py.
+    """Return the layout of the signals, a row for each driven input, see kernel/chain/signals.py.
 
-    What is given of a signal that drives several inputs is in the row of the first of them, its `source`.
-    variables/model.py sets what is not derived.
+    The given numbers of a signal that drives several inputs are in the row of the first one, its `source`.
+    variables/model.py sets the values that are not derived.
     """
     return record(
-        ("form", INTEGER, (signals,)),  # of FORMS: constant, sine, ramp, steps, table
-        ("shape", INTEGER, (signals,)),  # of a ramp
+        ("form", INTEGER, (signals,)),  # one of FORMS: constant, sine, ramp, steps, table
+        ("shape", INTEGER, (signals,)),  # shape of a ramp
         ("source", INTEGER, (signals,)),
-        ("input", INTEGER, (signals,)),  # what it drives …
-        ("index", INTEGER, (signals,)),  # … and of which joint, component or channel
-        ("order", INTEGER, (signals,)),  # of a channel: 0 drives its position, 1 its velocity, …
-        ("first", INTEGER, (signals,)),  # its first knot …
-        ("last", INTEGER, (signals,)),  # … and its last one
-        ("period", REAL, (signals,)),  # s, after which a table repeats; 0: never
-        ("gain", REAL, (signals,)),  # by which an integral grows in a period
-        ("value", REAL, (signals,)),  # given: in the unit of the input
+        ("input", INTEGER, (signals,)),  # the driven input …
+        ("index", INTEGER, (signals,)),  # … and its joint, component or channel
+        ("order", INTEGER, (signals,)),  # for a channel: 0 drives the position, 1 the velocity, …
+        ("first", INTEGER, (signals,)),  # the first knot …
+        ("last", INTEGER, (signals,)),  # … and the last one
+        ("period", REAL, (signals,)),  # s, time after which a table repeats; 0: never
+        ("gain", REAL, (signals,)),  # growth of an integral in a period
+        ("value", REAL, (signals,)),  # given, in the unit of the input
         ("mean", REAL, (signals,)),
         ("amplitude", REAL, (signals,)),
         ("frequency", REAL, (signals,)),  # Hz
@@ -37,10 +37,10 @@ def signal_dtype(signals: int) -> np.dtype:
         ("final", REAL, (signals,)),
         ("duration", REAL, (signals,)),  # s
         # derived
-        ("degree", INTEGER, (signals,)),  # of its polynomials, at most
+        ("degree", INTEGER, (signals,)),  # largest degree of the polynomials
         ("size", REAL, (signals,)),  # amplitude of the sine, or of its integral …
         ("angle", REAL, (signals,)),  # rad, … and its phase
-        ("begin", REAL, (signals,)),  # m, added to an integral: where a base is at the start
+        ("begin", REAL, (signals,)),  # m, added to an integral: the base's position at the start
         ("segment", INTEGER, (signals,)),  # the knot in use …
         ("lap", INTEGER, (signals,)),  # … and how often the table has been repeated before
     )
@@ -49,10 +49,13 @@ def signal_dtype(signals: int) -> np.dtype:
 @given(AT_START)
 @written_by("chain/signals.py")
 def knot_dtype(knots: int) -> np.dtype:
-    """The knots of all signals: where their polynomials begin. Those of a table are given."""
+    """Return the layout of all signals' knots, the starts of their polynomials.
+
+    The knots of a table are given.
+    """
     return record(
-        ("given_time", REAL, (knots,)),  # s, of steps
-        ("given_value", REAL, (knots,)),  # likewise
+        ("given_time", REAL, (knots,)),  # s, times of steps
+        ("given_value", REAL, (knots,)),  # values of steps, in the unit of the input
         ("time", REAL, (knots,)),  # s
-        ("powers", REAL, (knots, DEGREE + 1)),  # coefficients of the powers of the time since
+        ("powers", REAL, (knots, DEGREE + 1)),  # coefficients of the powers of the time since the knot
     )

@@ -27,27 +27,28 @@ from chain_impact.kernel.record.fields import (
     **dict.fromkeys(("method", "stiff_count", "switch_hysteresis", "explicit_size"), "ode/methods.py"),
 )
 def step_dtype(links: int) -> np.dtype:
-    """The last accepted step and its dense output, valid from `start` to `end`."""
+    """Return the layout of the last accepted step and its dense output, valid from `start` to `end`."""
     state = state_size(links)
     return record(
         ("time", REAL),  # s, the communication point; start ≤ time ≤ end
         ("start", REAL),  # s
-        ("clock", REAL),  # s, at which the time in the state is 0: the start of the last or the tried step
+        # s, time at which the time in the state is 0: the start of the last or the tried step
+        ("clock", REAL),
         ("end", REAL),  # s, the end of the whole step, or the event at which it was truncated
         ("size", REAL),  # s, in the step's integration variable, see kernel/ode/sundman.py
         ("kept", REAL),  # the fraction of `size` at which the step ends
-        ("next_size", REAL),  # s, the proposed size of the next step, likewise
-        ("flight_size", REAL),  # s, proposed at the onset of the first of the present contacts
+        ("next_size", REAL),  # s, the proposed size of the next step, in the step's integration variable
+        ("flight_size", REAL),  # s, size proposed at the onset of the first of the present contacts
         ("state", REAL, (state,)),  # y at `start`
         ("state_end", REAL, (state,)),  # y at `end`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
-        ("dense_for", INTEGER),  # what has requested the dense output, see kernel/ode/last_step.py
+        ("dense_for", INTEGER),  # the user of the dense output, see kernel/ode/last_step.py
         ("last_method", INTEGER),  # the method of the last step, see kernel/ode/control.py
-        ("breaks", INTEGER),  # how often a step did not continue from the end of the last one
+        ("breaks", INTEGER),  # number of steps that did not continue from the end of the last step
         ("regularized", INTEGER),  # the candidate in whose fictitious time the step runs, −1: in time
         ("method", INTEGER),  # the current method, see kernel/ode/control.py
-        ("explicit_size", REAL),  # s, of the last explicit step before implicit ones; 0: not known
+        ("explicit_size", REAL),  # s, size of the last explicit step before implicit ones; 0: not known
         ("stiff_count", INTEGER),  # steps in a row that favoured the other method …
         ("switch_hysteresis", INTEGER),  # … and the number of them that causes a change
     )
@@ -55,24 +56,24 @@ def step_dtype(links: int) -> np.dtype:
 
 @written_by("ode/control.py", state="ode/collocation.py")
 def trial_dtype(links: int) -> np.dtype:
-    """The outcome of the tried step, of which there is one until the next try."""
+    """Return the layout of the outcome of the tried step."""
     return record(
         ("size", REAL),  # s, in the step's integration variable
-        ("state", REAL, (state_size(links),)),  # y at its end
-        ("error", REAL),  # relative to the tolerance; it is accepted if this is at most 1
+        ("state", REAL, (state_size(links),)),  # y at the step's end
+        ("error", REAL),  # relative to the tolerance; the step is accepted if it is at most 1
         ("cost_factor", REAL),  # the factor on the size of the next step by the cost of this one
     )
 
 
 @written_by("status.py")
 def fault_dtype() -> np.dtype:
-    """Where the reason for a refusal is."""
+    """Return the layout of the place of the reason for a refusal."""
     return record(("place", INTEGER))  # from 1: candidates, links, base at the candidates' walls; 0: none
 
 
 @written_by("status.py", status="status.py")
 def statistics_dtype() -> np.dtype:
-    """Counts since the start, and the status."""
+    """Return the layout of the counts since the start, and of the status."""
     return record(
         ("steps", INTEGER),  # accepted
         ("rejected_steps", INTEGER),
@@ -84,40 +85,41 @@ def statistics_dtype() -> np.dtype:
 
 @written_by("status.py")
 def limits_dtype() -> np.dtype:
-    """The counts of events and work, which are limited in windows of time."""
+    """Return the layout of the counts of events and work, which are limited in windows of time."""
     return record(
         ("event_start", REAL),  # s
         ("event_count", INTEGER),
         ("work_start", REAL),  # s
         ("work_count", INTEGER),  # all work before `work_start`, in evaluations
         ("call_count", INTEGER),  # all work before the communication point
-        ("other_work", INTEGER),  # not evaluations: computed points, responses to impulses
+        ("other_work", INTEGER),  # work other than evaluations: computed points, responses to impulses
     )
 
 
 @written_by("ode/balance.py")
 def balance_dtype() -> np.dtype:
-    """The energy balance, and the changes of it that are allowed."""
+    """Return the layout of the energy balance, and of its allowed changes."""
     return record(
         ("at_end", REAL),  # J, the energy balance at the end of the last step …
         ("at_start", REAL),  # … and at its start
         ("breaks", INTEGER),  # the value of `step.breaks` when the balance was last rebased
         ("start", REAL),  # s, of the present window
-        ("reference", REAL),  # J, the energy balance at its start, with later changes by parameters added
+        # J, the energy balance at the window's start, with later changes by parameters added
+        ("reference", REAL),
         ("allowed", REAL),  # J, the largest change allowed to a step in the window so far, …
         ("least_allowed", REAL),  # … and the change allowed to every step
         ("since", REAL),  # s, the start of the run
         ("origin", REAL),  # J, the energy balance at the start of the run, with the same changes added
-        ("available_at_start", REAL),  # J, the same at the start of the last step
+        ("available_at_start", REAL),  # J, the available energy at the start of the last step
         ("available", REAL),  # J, the energy available so far
         ("unit_motion", REAL),  # √J, √E₁
         ("unit_scale", REAL),  # J, the constant part of S
-        ("weight", REAL),  # N, of the chain
+        ("weight", REAL),  # N, weight of the chain
     )
 
 
 def factors_dtype(links: int, scalar: type, rows: int) -> np.dtype:
-    """M + Jᵀ D J + K, eliminated, in each row."""
+    """Return the layout of M + Jᵀ D J + K, eliminated, in each row."""
     return record(
         # h/(H + κ), 1/(H + κ), κ/(H + κ) and H/(H + κ) of each link
         *((name, scalar, (rows, links)) for name in ("gain_x", "gain_y", "inverse", "share", "rest")),
@@ -127,7 +129,7 @@ def factors_dtype(links: int, scalar: type, rows: int) -> np.dtype:
 
 
 def elimination_dtype(links: int) -> np.dtype:
-    """The results of the recursion for each link: h/H, 1/H and h₀/H."""
+    """Return the layout of the recursion's results for each link: h/H, 1/H and h₀/H."""
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
         # kg, A of the joint at which the arms of a free chain meet
@@ -150,7 +152,7 @@ def elimination_dtype(links: int) -> np.dtype:
     **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),
 )
 def work_dtype(links: int, sites: int) -> np.dtype:
-    """Work space: valid within a step, except `rate_end` (`rate_known`) and, if `at_end` is 1, the points."""
+    """Return the layout of work space, valid within a step, except `rate_end` and points with `at_end` 1."""
     points, state = links + 1, state_size(links)
     places, loads = vectors_dtype(place_count(links, sites)), loads_dtype(links, sites)
     impedance = impedance_dtype(links, sites)
@@ -167,28 +169,31 @@ def work_dtype(links: int, sites: int) -> np.dtype:
         ("thrust", REAL),  # N, of motor, spring and damper on the carriage
         ("impedance", impedance),  # kg, D of each place; kg·m², of each joint
         ("factors", factors_dtype(links, REAL, ROWS)),  # see kernel/chain/response.py
-        ("elimination", elimination_dtype(links)),  # of the accelerations
-        ("position", places),  # m, of the places: points, with stops joints, and sites
+        ("elimination", elimination_dtype(links)),  # results of the recursion for the accelerations
+        ("position", places),  # m, of the places: points, joints in a scene with stops, and sites
         ("velocity", places),  # m/s
         ("acceleration", places),  # m/s²
-        ("at_end", INTEGER),  # 1: these are the points at the end of the step
-        ("change", REAL, (coordinate_count(links),)),  # 1/kg, of the coordinates' rates by a unit impulse
-        ("motion", places),  # of the places, for a given motion of the coordinates
+        ("at_end", INTEGER),  # 1: the points are those at the end of the step
+        # 1/kg, change of the coordinates' rates by a unit impulse
+        ("change", REAL, (coordinate_count(links),)),
+        ("motion", places),  # motion of the places, for a given motion of the coordinates
         ("reach", REAL, (points,)),  # m/s², bound on the links' part of the acceleration of each point
     )
 
 
 @written_by("events/exclusion.py", curvature=("events/crossing.py", "ode/collocation.py"))
 def search_dtype(candidates: int) -> np.dtype:
-    """The data of the search for events, at the ends of the searched interval."""
+    """Return the layout of the search for events, with data at the ends of the searched interval."""
     return record(
-        ("known", INTEGER),  # what is known at the end of a step, see kernel/events/exclusion.py, …
+        ("known", INTEGER),  # knowledge at the end of a step, see kernel/events/exclusion.py, …
         ("known_for", INTEGER),  # … and the value of `step.breaks` for which it is valid
-        ("safe_distance", REAL),  # m, lower bound on the clearances there, if they were not evaluated again …
-        ("speed", REAL),  # m/s, of the fastest point there …
+        # m, lower bound on the clearances at this point, if they were not evaluated again …
+        ("safe_distance", REAL),
+        ("speed", REAL),  # m/s, speed of the fastest point …
         ("acceleration", REAL),  # m/s², … and the largest acceleration of a point
-        ("suspect_count", INTEGER),  # candidates that the search follows: others have no event in the step
-        ("suspect", INTEGER, (candidates,)),  # these, packed
+        # number of candidates that the search follows: others have no event in the step
+        ("suspect_count", INTEGER),
+        ("suspect", INTEGER, (candidates,)),  # the followed candidates, packed
         ("curvature", REAL, (candidates,)),  # m/s², bound on |g̈| of each candidate over the step
         ("clear_start", REAL, (candidates,)),  # m, clearance of each candidate …
         ("clear_end", REAL, (candidates,)),
@@ -209,13 +214,13 @@ def search_dtype(candidates: int) -> np.dtype:
     weight="ode/collocation.py",
 )
 def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np.dtype:
-    """The work space of an implicit step, and the data that it uses of the last one.
+    """Return the layout of work space for an implicit step, and of its data of the last one.
 
     z = (y, then the clearances of active contacts, their rates, impulses): kernel/ode/extended.py.
     """
     state = state_size(links)
     extended = state + 3 * candidates + elements
-    # for each pair of complex shifts, and what ``work`` holds for a real one
+    # for each pair of complex shifts, the data that ``work`` holds for a real one
     pairs = record(
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),
@@ -228,20 +233,20 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("start", REAL, (extended,)),  # z at the start of a step …
         ("start_rate", REAL, (extended,)),  # … and ż
         ("z", REAL, (extended,)),
-        ("weight", REAL, (extended,)),  # of errors, over the tolerance
+        ("weight", REAL, (extended,)),  # weights of errors, over the tolerance
         ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z to the nodes …
-        ("rates", REAL, (RADAU_STAGES, extended)),  # … and ż there
+        ("rates", REAL, (RADAU_STAGES, extended)),  # … and ż at the nodes
         ("parts", REAL, (RADAU_STAGES, extended)),  # residuals in the eigenvectors of Q, then corrections
         ("last", REAL, (RADAU_STAGES, extended)),  # the increments of the last step, …
         ("listing", INTEGER),  # … and the value of `touch.listings` for which they can be extrapolated
-        ("iterations", INTEGER),  # in the tried step, …
+        ("iterations", INTEGER),  # number of iterations in the tried step, …
         ("correction", REAL),  # … the largest component of the last correction, over the tolerance, …
         ("contraction", REAL),  # … and the last convergence rate θ
         ("slowness", REAL),  # θ/(1 − θ) of the last step
         ("thirds", REAL, (2, state)),  # corrections of the dense output at thirds of the step
         ("link", vectors_dtype(links + 1)),  # m, L_i where A was evaluated
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …
-        ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇, likewise
+        ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇
         ("normal", REAL, (candidates,)),  # m or m/s, clearances or rates to which coordinates are moved
         ("shift", REAL),  # s, the real shift of the factors in `work`
         ("pairs", pairs),

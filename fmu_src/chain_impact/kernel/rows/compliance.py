@@ -27,32 +27,33 @@ from chain_impact.kernel.rows.geometry import (
     to_joints,
 )
 
-# In a toggle position of a pinned chain the mobility of a point is 0, and its effective mass infinite; a
-# million times the chain's mass behaves like that. This is relative to the mobility of all links as one mass.
+# The least mobility of a point, relative to the mobility of all links as one mass. In a toggle position of a
+# pinned chain the mobility of a point is 0, and its effective mass infinite; a million times the chain's mass
+# has the same effect.
 LEAST_MOBILITY = 1e-6
-# Iterations of constraints.py for what sticks, where no rigid wall holds a point.
+# Number of iterations of constraints.py for sticking elements, where no rigid wall holds a point.
 SWEEPS = 5
 # D of a held point over the mean mass of a link. An iteration in constraints.py leaves 1/(D W) of the
-# residual: two or three suffice. A larger D would lose digits of the chain's inertia, a smaller one takes
-# more of them.
+# residual: two or three suffice. A larger D would lose digits of the chain's inertia, a smaller one needs
+# more iterations.
 STIFF = 1e6
 
 
 def mean_mass(d):
-    """The mean mass of a link [kg]."""
+    """Return the mean mass of a link [kg]."""
     return d.model.energy / (d.model.size * d.model.size * d.links)
 
 
 def holding_impedance(d):
-    """An impedance [kg] so large that it holds a point, up to a millionth of its free motion."""
+    """Return an impedance [kg] so large that it holds a point, up to a millionth of its free motion."""
     return STIFF * mean_mass(d)
 
 
 def held_mobility(d, mobility):
-    """The W′ [1/kg] for which m/W′ is the impulse that n = SWEEPS iterations find for a single constraint.
+    """Return W′ [1/kg] such that n = SWEEPS iterations find the impulse m/W′ for a single constraint.
 
-    They leave m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). That is W, but for a motion that can hardly be
-    held: in a toggle position, where W = 0, it is 1/(n D).
+    The iterations leave m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). This is W, except for a motion that
+    can hardly be constrained: in a toggle position, where W = 0, it is 1/(n D).
     """
     rest = 1.0 / holding_impedance(d)
     left = rest / (rest + max(0.0, mobility))
@@ -72,7 +73,7 @@ def factorize_contacts(d, row, impedance):
 
 
 def joints_loaded(d):
-    """Whether joints transmit moments: by armatures, or constraints at stops or by what sticks."""
+    """Return whether joints transmit moments: by armatures, or by constraints at stops or sticking joints."""
     return d.model.geared != 0 or d.touch.stop_count + d.friction.stuck_joints > 0
 
 
@@ -83,7 +84,7 @@ def solve_space(d, links, space, row, change):
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
         space: record of the factors and loads. The motion of the places is stored in its ``motion``.
-        row: of the factors.
+        row: the row of the factors.
         change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s].
     """
     to_joints(d, space.load)
@@ -93,7 +94,7 @@ def solve_space(d, links, space, row, change):
 
 
 def solve_contacts(d, row, impulse, change):
-    """As ``solve_space``, for ``impulse`` p_k [N·s] of the constraints, packed."""
+    """Find the response Δ to ``impulse`` p_k [N·s] of the constraints, packed."""
     clear_loads_of(d, d.work.load)
     for k in range(constraint_rows(d)):
         add_along(constraint(d, k), d.work.load, impulse[k])
@@ -101,10 +102,11 @@ def solve_contacts(d, row, impulse, change):
 
 
 def geared_accelerations(d, y, rate):
-    """As ``accelerations`` in chain/tree.py, for a chain with armatures, whose M is not that of links.
+    """Solve for the accelerations of a chain with armatures, whose M is not that of links.
 
-    The ends of each link share the force m (g − a_C), with the a_C of constant velocities, as its centre of
-    mass divides it. The loads at the points are afterwards as before; the factors of M stay in their row.
+    The ends of each link share the force m (g − a_C), with the a_C of constant velocities, as the link's
+    centre of mass divides it. The loads at the points are unchanged afterwards; the factors of M stay in
+    their row.
     """
     work, n = d.work, d.links
     load, link, before = work.load, work.link, work.motion
@@ -148,7 +150,7 @@ def geared_accelerations(d, y, rate):
 
 
 def effective_mass(d, c):
-    """Effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, at the located points."""
+    """Return the effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, at the located points."""
     work, row = d.work, normal(d, c)
     no_impedance(d, work.impedance)
     join(d, work.impedance, 0.0)

@@ -7,8 +7,8 @@ problems come up:
     equality          u_k = target_k in the active set, else p_k = 0    (``solve_equality``)
     complementarity   p ≥ 0,  u ≥ target,  p·(u − target) = 0           (``solve_lcp``)
 
-If only one constraint is active, p = m/W with this one number W (``solve_single``). Else W is never formed:
-with an impedance D at the points of the active set the recursion solves, in O(N),
+If only one constraint is active, p = m/W with this one number W (``solve_single``). Otherwise W is never
+formed. With an impedance D at the points of the active set the recursion solves, in O(N),
 
     (M + Jᵀ D J) z = Jᵀ D m,   p ← p + D (m − J z),   m = target − u,
 
@@ -16,14 +16,16 @@ the iteration of an augmented Lagrangian: each one reduces the residual m to 1/(
 round-off, and the constraints may be dependent. D is a million times a link's mass: a few iterations suffice.
 At rigid walls the iteration goes on until the residual is round-off, and D grows where that would be slow.
 
-What sticks by dry friction (friction.py) is a constraint too, of its tangential motion, and is always in the
-active set: an equality. Of the possible solutions for dependent constraints the iteration finds the one with
+A sticking element of dry friction (friction.py) is also a constraint, of its tangential motion. It is always
+in the active set: an equality. Of the possible solutions for dependent constraints the iteration finds the
+one with
 the least Σ p²/D. So with D in proportion to the limits of friction the sticking elements share their load in
-that proportion. Motions that can hardly be held, as one that changes the length of a straight chain on a
-floor, are left free: the forces that hold them could have any size. A negligible motion of such a kind gets
-no force from the iteration either, as its force could exceed the limits. In between, where D W is about 1,
-the forces are those after a given number of iterations: a smooth function of the state. If the progress of
-the residual decided on the number, forces would jump by a part of it within a step.
+that proportion. Motions that can hardly be constrained, such as a change in the length of a straight chain on
+    a floor, are left free, because their constraint forces could have any size. A negligible motion of this
+    kind gets no force from the iteration either, because the force could exceed the limits. In between, where
+    D W is about 1, the forces are the result of a given number of iterations: a smooth function of the state.
+    If the progress of the residual decided on the number, forces would jump within a step by a part of the
+    residual.
 """
 
 import math
@@ -48,31 +50,34 @@ from chain_impact.kernel.rows.geometry import (
 )
 from chain_impact.kernel.status import count_other_work, work_exceeded
 
-# Near a toggle position 1/W is far more than the mass of a link. If an iteration leaves more than SLOW of the
-# residual, D grows by the factor STIFFER, up to STIFFEST times that mass; beyond it the residual is only
+# Near a toggle position 1/W is far larger than the mass of a link. If an iteration leaves more than SLOW of
+# the residual, D grows by the factor STIFFER, up to STIFFEST times that mass; beyond it the residual is only
 # round-off.
 STIFFEST, STIFFER, SLOW = 1e12, 1e3, 0.1
-# D of the first iteration for what sticks beside no rigid wall, over the mean mass of a link. It finds the
-# forces up to a thousandth. Without it, the round-off of the whole motion, times the large D of the others,
-# would remain in the forces against motions that can hardly be held, and steps at tight tolerances be short.
+# D of the first iteration for sticking elements without a rigid wall, over the mean mass of a link. This
+# iteration finds the forces to a thousandth. Without it, the round-off of the whole motion, times the large D
+# of the other iterations, would remain in the forces against motions that can hardly be constrained, and
+# steps at tight tolerances would be short.
 GENTLE = 1e3
-# The least W that one constraint alone is solved with, over 1/(mean mass of a link). A smaller one, as near a
-# toggle position, has lost digits, and the iteration is used instead.
+# The least W for which a single constraint is solved directly, over 1/(mean mass of a link). A smaller one,
+# as near a toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
 ROUND_OFF = 1e-15  # the largest residual that is accepted, over the largest motion
-FADED = 1e-100  # m, m/s or m/s²: a residual whose square may underflow, as of a chain that has come to rest
-# The largest motion that what sticks may keep, over the squared tolerance times the largest motion. Impulses
-# against a smaller one, which can hardly be held, would end the sticking again and again.
+FADED = 1e-100  # [m, m/s or m/s²] a residual whose square may underflow, as in a chain that has come to rest
+# The largest motion that sticking elements may keep, over the squared tolerance times the largest motion.
+# Impulses against a smaller one, which can hardly be constrained, would end the sticking again and again.
 NEGLIGIBLE = 0.1
-SIGN_TOLERANCE = 1e-12  # a value of wrong sign that does not change the active set, over the largest value
-# Pivots of all violated candidates at once that may fail to reduce their number, before only one at a time is
-# changed, which terminates in every case but takes more pivots.
+# the largest value of wrong sign that does not change the active set, over the largest value
+SIGN_TOLERANCE = 1e-12
+# Number of pivots of all violated candidates at once that may fail to reduce their number; then only one at a
+# time is changed, which terminates in every case but takes more pivots.
 MAX_STALLED_PIVOTS = 3
-# The least impedance of what sticks, over that with the largest limit. With a smaller one, the residual falls
-# too slowly.
+# The least impedance of a sticking element, over the one with the largest limit. With a smaller one, the
+# residual falls too slowly.
 LEAST_SHARE = 1e-2
-SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3  # d.rigid.unsolved
-ROUNDS = 30  # plus 4 for each candidate: a bound on the pivots, far above any number that was observed
+SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3  # values of d.rigid.unsolved
+# bound on the number of pivots, plus 4 for each candidate; far above any number that was observed
+ROUNDS = 30
 
 
 def set_impedance(d, amount):
@@ -85,7 +90,7 @@ def set_impedance(d, amount):
 
 
 def share_impedance(d):
-    """Scale the impedances of what sticks by its limit of friction, relative to the largest limit."""
+    """Scale the impedances of sticking elements by their limits of friction, over the largest limit."""
     own, first, most = d.friction, d.touch.active_count, 0.0
     for i in range(own.stuck_count):
         most = max(most, d.element.limit[d.element.stuck[i]])
@@ -95,7 +100,7 @@ def share_impedance(d):
 
 
 def factorize_free(d):
-    """Eliminate M for the motion by impulses, which contacts that are not in the active set may resist."""
+    """Eliminate M for the motion by impulses; contacts that are not in the active set may resist it."""
     set_impedance(d, 0.0)
     factorize_contacts(d, FREE, d.rigid.impedance)
 
@@ -135,8 +140,8 @@ def solve_equality(d, scale):
 def iterate(d, scale, impedance):
     """Iterate until the residual is round-off, or no impedance [kg] reduces it, as constraints contradict.
 
-    This ends: each iteration but the last leaves less than SLOW of the residual, or D grows, which it does
-    twice. What sticks beside no rigid wall is held by SWEEPS iterations at most.
+    The iteration ends: each pass but the last leaves less than SLOW of the residual, or D grows, which
+    happens twice. Sticking elements without a rigid wall get at most SWEEPS iterations.
 
     Returns:
         The largest residual.
@@ -165,7 +170,7 @@ def leave_free(d, share):
 
 
 def only_active(d):
-    """The constraint that is the only one of the active set, or −1."""
+    """Return the constraint that is the only one of the active set, or −1."""
     only = -1
     for k in range(constraint_rows(d)):
         if d.rigid.in_active_set[k]:
@@ -176,9 +181,9 @@ def only_active(d):
 
 
 def solve_single(d, row):
-    """As ``solve_equality``, for the active set of one constraint: p = m/W; returns whether W allows it.
+    """Solve ``solve_equality`` for an active set of one constraint: p = m/W; return whether W allows it.
 
-    That takes one solution of the chain, and the iteration six in most cases.
+    This takes one solution of the chain, and the iteration six in most cases.
     """
     own = d.rigid
     clear_loads_of(d, d.work.load)
@@ -200,7 +205,7 @@ def solve_single(d, row):
 
 
 def iterated_enough(_d, _iterations):
-    """Whether so many iterations are enough if the residual is round-off."""
+    """Return whether so many iterations are enough if the residual is round-off."""
     return True
 
 
@@ -238,7 +243,7 @@ def correct_impulses(d):
 
 
 def move_by_impulses(d):
-    """Find the motion with the impulses."""
+    """Find the motion by the impulses."""
     own = d.rigid
     solve_contacts(d, FREE, own.impulse, own.change)
     for k in range(constraint_rows(d)):
@@ -250,9 +255,9 @@ def solve_lcp(d, scale):
     """Find p ≥ 0, u ≥ target, p·(u − target) = 0, from the guess ``in_active_set``; see ``solve_equality``.
 
     Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587): candidates with p < 0 leave
-    the active set and those with u < target enter it, all at once as long as fewer and fewer are violated,
-    else only the last, which terminates if W is positive definite (Murty 1974, Linear Algebra Appl 9:65).
-    Otherwise it is noted that the problem is unsolved.
+    the active set and those with u < target enter it. All change at once as long as their number falls,
+    otherwise only the last one, which terminates if W is positive definite (Murty 1974, Linear Algebra Appl
+    9:65). If it does not terminate, the problem is noted as unsolved.
     """
     own, first = d.rigid, d.touch.compliant_count
     count = d.touch.active_count - first
@@ -273,7 +278,7 @@ def solve_lcp(d, scale):
 
 
 def clear_unsolved(d):
-    """Begin to note what has not been found: a tried step is refused then."""
+    """Begin to note unsolved problems; a tried step with one is refused."""
     d.rigid.unsolved = SOLVED
 
 
@@ -290,21 +295,21 @@ def note_moving(d, tolerated):
 
 
 def note_squeezed(d, tolerated):
-    """Note if a point that a rigid wall holds stays deeper in it than is ``tolerated`` [m]."""
+    """Note if a point that a rigid wall holds stays deeper in the wall than is ``tolerated`` [m]."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if d.rigid.target[k] - d.rigid.reached[k] > tolerated:
             d.rigid.unsolved = SQUEEZED
 
 
 def count_stalls(wrong, fewest, stalls_left):
-    """The fewest that were wrong so far, and how many pivots may still fail to reduce that number."""
+    """Return the smallest number of wrong ones so far, and how many pivots may still fail to reduce it."""
     if wrong < fewest:
         return wrong, MAX_STALLED_PIVOTS
     return fewest, stalls_left - 1
 
 
 def count_violations(d, scale):
-    """Mark the candidates with p < 0 or u < target by more than round-off; return how many."""
+    """Mark the candidates with p < 0 or u < target by more than round-off; return their number."""
     own, largest, wrong = d.rigid, 0.0, 0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         largest = max(largest, abs(own.impulse[k]))
@@ -318,17 +323,17 @@ def count_violations(d, scale):
 
 
 def any_point_held(d):
-    """Whether rigid walls hold a point."""
+    """Return whether rigid walls hold a point."""
     return d.touch.active_count > d.touch.compliant_count
 
 
 def any_constraint(d):
-    """Whether rigid walls hold a point, or anything sticks by dry friction."""
+    """Return whether rigid walls hold a point, or an element sticks by dry friction."""
     return any_point_held(d) or any_sticking(d)
 
 
 def activate_all(d):
-    """Put every contact without a force law, and what sticks, into the active set, with the target 0."""
+    """Put every contact without a force law and every sticking element into the active set, with target 0."""
     for k in range(d.touch.compliant_count):
         release(d, k)
     for k in range(d.touch.compliant_count, constraint_rows(d)):

@@ -5,18 +5,19 @@ normal n of length 1 and n·p = offset for the points p on it. The clearance of 
 
     g = n·p − offset − radius,   ġ = n·ṗ − w,   g̈ = n·p̈ − ẇ,
 
-with w the speed of a wall that moves along n, ẇ its acceleration, and the offset that at present
-(chain/motion.py). Of a wall at rest both are 0. The tangential motion is that relative to the wall's belt.
+with w the speed of a wall that moves along n, ẇ its acceleration, and the wall's present offset
+(chain/motion.py). A wall at rest has w = ẇ = 0. The tangential motion is relative to the wall's belt.
 
 The normals are computed once, at initialization, so that the code in loops has no branch on the kind of wall.
 
 A row is a place and a direction (n_x, n_y) there: the normal of a contact or stop, the tangent along which
-dry friction acts, or a joint's own angle. Its J takes the vectors of all places to their part along it. How a
-wall moves is for this module only: g, ġ, g̈ and the tangential motion are those relative to the wall.
+dry friction acts, or a joint's own angle. Its J takes the vectors of all places to their component along this
+direction. Only this module knows the motion of walls: g, ġ, g̈ and the tangential motion are relative to the
+wall.
 
 A stop limits a joint's own angle ψ_i = θ_i − θ_{i−1}. The joint has a place of its own, at x = s ψ_i with the
 longest link s as a lever arm (chain/kinematics.py), and the stop is a wall there. So lengths, speeds, forces
-and masses of stops have the units and the scales of those at walls, and a force F has the moment ±s F.
+and masses of stops have the same units and scales as at walls, and a force F has the moment ±s F.
 """
 
 from chain_impact.kernel.chain.joints import joint_armature, joint_resistance
@@ -26,12 +27,12 @@ from chain_impact.kernel.chain.slider import slide_along, slider_resistance
 from chain_impact.kernel.chain.state import ANGLES
 
 WALLS = ("x_min", "x_max", "y_min", "y_max")
-"""The walls of the box in the order of their numbers, from 0. After them come those at any angle."""
+"""The walls of the box in the order of their numbers, from 0. The walls at any angle follow."""
 
 
-BEYOND = 1e-12  # m. A base no deeper in a wall is at it, up to round-off
+BEYOND = 1e-12  # [m] depth of a base in a wall that is round-off: the base is at the wall
 NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
-"""Their inward normals."""
+"""The inward normals of the box's walls."""
 
 
 def place_walls(d):
@@ -88,21 +89,21 @@ def place_end(d, c):
 
 
 def at_joint(d, c):
-    """Whether candidate c is a stop in a joint."""
+    """Return whether candidate c is a stop in a joint."""
     return abs(d.candidate.stop[c]) == 1
 
 
 def normal(d, c):
-    """The row of candidate c along its normal n."""
+    """Return the row of candidate c along its normal n."""
     return d.candidate.place[c], d.candidate.normal_x[c], d.candidate.normal_y[c]
 
 
 def tangent(d, e):
-    """The row of element e along t, the direction in which dry friction acts.
+    """Return the row of element e along t, the direction in which dry friction acts.
 
-    At a wall that is t = (n_y, −n_x). An element after the candidates is a joint: friction acts on its angle,
-    the x of its place, so that a force F is a moment of s F, with the lever arm s of a stop. The last element
-    of a chain with a slider is that, along its line.
+    At a wall t = (n_y, −n_x). An element after the candidates is a joint: friction acts on its angle, the x
+    of its place, so that a force F is a moment of s F, with the lever arm s of a stop. The last element of a
+    chain with a slider is the slider, along its line.
     """
     if e < d.candidates:
         return d.candidate.place[e], d.candidate.normal_y[e], -d.candidate.normal_x[e]
@@ -112,24 +113,24 @@ def tangent(d, e):
 
 
 def constraint_rows(d):
-    """The number of the active contacts and of what sticks."""
+    """Return the number of active contacts and sticking elements."""
     return d.touch.active_count + d.friction.stuck_count
 
 
 def any_sticking(d):
-    """Whether any element sticks."""
+    """Return whether any element sticks."""
     return d.friction.stuck_count > 0
 
 
 def constraint(d, k):
-    """The row of constraint k: the active contacts, packed, and after them what sticks."""
+    """Return the row of constraint k: first the active contacts, packed, then the sticking elements."""
     if k < d.touch.active_count:
         return normal(d, d.touch.active_index[k])
     return tangent(d, d.element.stuck[k - d.touch.active_count])
 
 
 def along(row, vectors):
-    """J v of a row for the vectors v of all places."""
+    """Return J v of a row for the vectors v of all places."""
     place, nx, ny = row
     return nx * vectors.x[place] + ny * vectors.y[place]
 
@@ -150,7 +151,7 @@ def add_impedance(row, impedance, amount):
 
 
 def clearance(d, c):
-    """Clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
+    """Return the clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
     row = normal(d, c)
     gap = along(row, d.work.position) - d.candidate.offset[c] - d.candidate.radius[c]
     gap_rate = along(row, d.work.velocity)
@@ -160,7 +161,7 @@ def clearance(d, c):
 
 
 def gap_acceleration(d, c):
-    """g̈ [m/s²] of candidate c, from the accelerated points."""
+    """Return g̈ [m/s²] of candidate c, from the accelerated points."""
     acceleration = along(normal(d, c), d.work.acceleration)
     if d.channels > 0:
         acceleration -= d.shift.push[c]
@@ -168,32 +169,32 @@ def gap_acceleration(d, c):
 
 
 def tangential_position(d, e):
-    """The coordinate [m] of element e along t, from the located points, relative to the belt of its wall."""
+    """Return the coordinate [m] of element e along t, from located points, relative to the wall's belt."""
     coordinate = along(tangent(d, e), d.work.position)
     return coordinate - d.shift.travel[e] if d.channels > 0 and e < d.candidates else coordinate
 
 
 def tangential_rate(d, e):
-    """The speed [m/s] of element e along t, from the located points, relative to the belt of its wall."""
+    """Return the speed [m/s] of element e along t, from the located points, relative to the wall's belt."""
     speed = along(tangent(d, e), d.work.velocity)
     return speed - d.shift.belt_rate[e] if d.channels > 0 and e < d.candidates else speed
 
 
 def tangential_acceleration(d, e):
-    """The acceleration [m/s²] of element e along t, from the accelerated points, relative to the belt."""
+    """Return the acceleration [m/s²] of element e along t, from accelerated points, relative to the belt."""
     acceleration = along(tangent(d, e), d.work.acceleration)
     return acceleration - d.shift.belt_push[e] if d.channels > 0 and e < d.candidates else acceleration
 
 
 def constraint_acceleration(d, k):
-    """The acceleration [m/s²] of constraint k along its row, from the accelerated points, as of its wall."""
+    """Return the acceleration [m/s²] of constraint k along its row, from accelerated points."""
     if k < d.touch.active_count:
         return gap_acceleration(d, d.touch.active_index[k])
     return tangential_acceleration(d, d.element.stuck[k - d.touch.active_count])
 
 
 def to_joints(d, load):
-    """Add the moments of the forces at the places of joints to those in the joints."""
+    """Add the moments of the forces at the joints' places to the moments in the joints."""
     if d.model.jointed:
         for i in range(d.links):
             load.joint[i] += d.model.size * load.x[d.links + 1 + i]
@@ -219,7 +220,7 @@ def clear_loads_of(d, load):
 
 
 def fastest_of_all(d):
-    """The largest component [m/s] of the velocities of all places, and of walls that move."""
+    """Return the largest component [m/s] of the velocities of all places and moving walls."""
     fastest = largest(d, d.work.velocity)
     if d.channels > 0:
         speed, _ = fastest_wall(d)
@@ -228,7 +229,7 @@ def fastest_of_all(d):
 
 
 def largest_acceleration(d):
-    """The same of the accelerations [m/s²]."""
+    """Return the largest component [m/s²] of the accelerations of all places and moving walls."""
     most = largest(d, d.work.acceleration)
     if d.channels > 0:
         _, push = fastest_wall(d)
@@ -237,7 +238,7 @@ def largest_acceleration(d):
 
 
 def speed_bound(d, vectors):
-    """A bound on the length of the vectors of all places."""
+    """Return a bound on the length of the vectors of all places."""
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
@@ -250,7 +251,7 @@ def speed_bound(d, vectors):
 
 
 def coordinates_size(d, c, y):
-    """The sum of the sizes [m] of the coordinates whose round-off g of candidate c has, at located points."""
+    """Return the sum of the sizes [m] of the coordinates whose round-off enters g of candidate c."""
     point = d.candidate.point[c]
     if at_joint(d, c):
         before = abs(y[ANGLES + point - 2]) if point > 1 else 0.0
@@ -260,24 +261,24 @@ def coordinates_size(d, c, y):
 
 
 def link_of(d, c):
-    """The link on which the wall of candidate c acts: the one that ends at its point, or that of its site."""
+    """Return the link on which the wall of candidate c acts: it ends at the point, or has the site."""
     point = d.candidate.point[c]
     return max(point, 1) - 1 if point <= d.links else d.site.link[point - d.links - 1]
 
 
 def lever(d, c):
-    """The lever arm [m] that turns the clearance of a stop into an angle; 1 at a wall."""
+    """Return the lever arm [m] that turns the clearance of a stop into an angle; 1 at a wall."""
     return d.model.size if at_joint(d, c) else 1.0
 
 
 def faces_base(d, c):
-    """Whether candidate c is the first one of a wall that can reach a pinned base, as either moves."""
+    """Return whether candidate c is the first of a wall that can reach a pinned base, as either moves."""
     first = d.candidate.stop[c] == 0 and d.candidate.point[c] == d.candidate.point[0]
     return first and (d.model.base_moves or d.shift.channel[c] >= 0)
 
 
 def base_clearance(d, c):
-    """The distance [m] of a pinned base from the wall of candidate c, where both have been moved to."""
+    """Return the distance [m] of a pinned base from the wall of candidate c, at their present places."""
     x, y = d.step.state_end[0], d.step.state_end[1]
     if d.model.base_moves:
         x, y = d.moved.position[0], d.moved.position[1]

@@ -1,22 +1,24 @@
 """Constraint forces within the limits of friction: a convex problem, which always has a solution.
 
-Where constraints depend on each other, their forces are not unique. Those of constraints.py, with the least
-Σ p²/D, may exceed a limit of friction although other forces hold the same within all limits. Forces that hold
-as much as they can are the solution of
+Where constraints depend on each other, their forces are not unique. The forces of constraints.py, with the
+least Σ p²/D, may exceed a limit of friction although other forces satisfy the same constraints within all
+limits. Forces that satisfy the constraints as far as possible are the solution of
 
     ½ pᵀ W p − pᵀ (target − start) = min,    least ≤ p ≤ most,
 
-with ∓ µ F_n for what sticks, and 0 and ∞ for a point at a rigid wall. That is the dual form of Gauss'
+with ∓ µ F_n for a sticking element, and 0 and ∞ for a point at a rigid wall. This is the dual form of Gauss'
 principle of least constraint with Coulomb's law for given normal forces (Moreau 1966, SIAM J Control 4:153):
-what does not reach a limit is held, and what moves on has a force at its limit, against the motion.
+an element whose force does not reach its limit is held, and one that moves on has a force at its limit,
+against the motion.
 
 The method of multipliers finds it also where W is singular (Rockafellar 1976, SIAM J Control Optim 14:877).
 From p = 0, each of a few iterations solves
 
     p⁺ = clip(p + D m⁺),    m⁺ = target − u(p⁺),
 
-which is unique, as W + D⁻¹ is positive definite. If no limit is reached, this is the iteration in
-constraints.py. The rows I inside their limits follow from the recursion, the others have their limits:
+which has a unique solution, because W + D⁻¹ is positive definite. If no limit is reached, this is the
+iteration in
+constraints.py. The rows I inside their limits follow from the recursion, the other rows are at their limits:
 
     (M + J_Iᵀ D J_I) z = J_Iᵀ D m + Σ over the others of Jᵀ (limit − p),    p⁺ = p + D (m − J z).
 
@@ -33,10 +35,10 @@ from chain_impact.kernel.status import count_other_work, work_exceeded
 
 
 def share_within_limits(d):
-    """Find forces within the limits of friction that hold as much as they can.
+    """Find forces within the limits of friction that satisfy the constraints as far as possible.
 
-    For the constraints of ``add_constraint_forces`` in forces/holding.py, which has been called just now.
-    Afterwards ``at_limit`` has the signs of the forces that are at their limits.
+    The constraints are those of ``add_constraint_forces`` in forces/holding.py, which must just have been
+    called. Afterwards ``at_limit`` has the signs of the forces that are at their limits.
     """
     own, scale = d.share, largest_start(d)
     set_impedance(d, holding_impedance(d))
@@ -53,7 +55,7 @@ def share_within_limits(d):
 
 
 def largest_start(d):
-    """The largest acceleration of a row without the forces [m/s²], to which round-off is relative."""
+    """Return the largest acceleration of a row without the forces [m/s²], to which round-off is relative."""
     scale = 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         scale = max(scale, abs(d.rigid.start[k]))
@@ -61,7 +63,10 @@ def largest_start(d):
 
 
 def sign_at_limit(d, k):
-    """The sign of the force of row k if it is at its limit, if that is 0 by the motion, or else 0."""
+    """Return the sign of row k's force if it is at its limit; the motion gives it if the limit is 0.
+
+    Else 0.
+    """
     own, limit = d.share, most(d, k)
     if limit == 0.0:
         return 1 if own.residual[k] > 0.0 else -1
@@ -69,12 +74,12 @@ def sign_at_limit(d, k):
 
 
 def least(d, k):
-    """The least force [N] of row k, a point at a rigid wall or what sticks."""
+    """Return the least force [N] of row k, a point at a rigid wall or a sticking element."""
     return 0.0 if k < d.touch.active_count else -most(d, k)
 
 
 def most(d, k):
-    """The largest force [N] of row k. What is at its limit slides: that limit is µ F_n."""
+    """Return the largest force [N] of row k. An element at its limit slides, so the limit is µ F_n."""
     first = d.touch.active_count
     if k < first:
         return math.inf
@@ -84,7 +89,7 @@ def most(d, k):
 
 
 def clipped(d, k, force):
-    """The force [N] of row k within its limits that is the nearest to a ``force``."""
+    """Return the force [N] of row k within its limits that is nearest to ``force``."""
     return min(most(d, k), max(least(d, k), force))
 
 
@@ -92,8 +97,8 @@ def minimize(d, scale):
     """Solve one iteration, with forces that stay within their limits.
 
     All forces go toward the solution for the rows inside until the first of them reaches a limit, where it
-    stays. At that solution, the row that wants inside most is let in. As the function falls, no set of rows
-    comes twice, so that this ends.
+    stays. At this solution, the row with the largest tendency inward is released from its limit. As the
+    function falls, no set of rows comes twice, so the search ends.
     """
     own, end = d.share, constraint_rows(d)
     for _ in range(ROUNDS + 4 * end):
@@ -112,7 +117,7 @@ def minimize(d, scale):
 
 
 def first_at_limit(d):
-    """The first row to reach a limit on the way to the forces wanted, or −1, and the part of the way."""
+    """Return the first row to reach a limit on the way to the wanted forces, or −1, and the part so far."""
     own, first, part = d.share, -1, 1.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         limit = clipped(d, k, own.wanted[k])
@@ -124,7 +129,7 @@ def first_at_limit(d):
 
 
 def most_inside(d, scale):
-    """The row at a limit that wants inside most, or −1: by more than round-off."""
+    """Return the row at a limit with the largest tendency inward, by more than round-off; or −1."""
     own, row, largest, most_of_all = d.share, -1, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         largest = max(largest, abs(own.impulse[k]))
@@ -137,7 +142,7 @@ def most_inside(d, scale):
 
 
 def solve_inside(d):
-    """Find p + D m⁺ of all rows, in ``wanted``, if those that are not inside have their limits."""
+    """Find p + D m⁺ of all rows, in ``wanted``, with the rows that are not inside at their limits."""
     own, motion = d.share, d.work.motion
     for k in range(constraint_rows(d)):
         moves = k < d.touch.compliant_count
@@ -154,7 +159,7 @@ def solve_inside(d):
 
 
 def find_left(d):
-    """Find the motion that the forces leave to hold, where the next iteration begins."""
+    """Find the motion that the forces leave, with which the next iteration begins."""
     own = d.share
     solve_contacts(d, FREE, own.impulse, own.change)
     for k in range(d.touch.compliant_count, constraint_rows(d)):

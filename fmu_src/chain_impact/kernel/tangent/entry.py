@@ -18,9 +18,9 @@ from chain_impact.kernel.tangent.trust import share_reason, trusted
 
 
 def for_all(act):
-    """The function that does something with an instance and each of its tangent instances.
+    """Return the function that does something with an instance and each of its tangent instances.
 
-    Derivatives that end in one of these end in all, where they end first in any.
+    Derivatives that end in one tangent instance end in all of them, at the earliest end.
     """
 
     def act_on_all(d):
@@ -35,7 +35,7 @@ def for_all(act):
 
 
 def observe_tangent(d, t):
-    """Set the derivatives of the outputs: NaN where they cannot be trusted, and after a fault."""
+    """Set the derivatives of the outputs: NaN if they cannot be trusted, and after a fault."""
     set_own_output_time(t, d.step.time)
     fill_outputs(t)
     if not trusted(t) or d.statistics.status != OK:
@@ -46,7 +46,7 @@ def observe_tangent(d, t):
 
 
 def observe_trial_of_tangent(_d, t):
-    """Set the derivatives of the outputs that a trial moves at once."""
+    """Set the derivatives of the outputs that a trial changes at once."""
     return_to_kept_state(t)
     refill_motion(t)
     if not trusted(t):
@@ -69,7 +69,7 @@ def truncate_tangent(d, t):
 
 
 def all_valid(d):
-    """1 if all sizes and indices of the tangent instances are valid, or 0."""
+    """Return 1 if all sizes and indices of the tangent instances are valid, else 0."""
     fits = True
     for b in range(d.tangents):
         t = block(d, b)
@@ -81,7 +81,7 @@ def all_valid(d):
 
 
 def words_of_all(d):
-    """How many numbers of 8 bytes all tangent instances have."""
+    """Return the number of words of 8 bytes of all tangent instances."""
     return d.tangents * len(words(block(d, 0)))
 
 
@@ -95,4 +95,4 @@ HOOKS = {
     hooks.indices_valid: all_valid,
     hooks.words_behind: words_of_all,
 }
-"""Function of kernel/hooks.py → what it does in a kernel that carries derivatives."""
+"""Function of kernel/hooks.py → its replacement in a kernel that carries derivatives."""

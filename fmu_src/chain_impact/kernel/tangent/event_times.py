@@ -1,7 +1,7 @@
-"""The times of events: how the time at which a function φ of the motion is zero depends on the parameters.
+"""The derivatives of event times: the time at which a function φ of the motion is zero depends on parameters.
 
-With φ′ the derivatives of φ at a fixed time, that time changes by the delay −φ′/φ̇. Clearances and their rates
-are known with their own rates; of other functions φ̇ is found by differences along the motion.
+With the derivatives φ′ at a fixed time, the event time changes by the delay −φ′/φ̇. Clearances and their
+rates are known with their own rates; for other functions φ̇ is found by differences along the motion.
 """
 
 import math
@@ -16,12 +16,12 @@ from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 from chain_impact.kernel.tangent.duals import carried, reciprocal, value
 
-DIFFERENCE = 1e-3  # the time over which a rate is found by differences, over the last step
-NEWTON_ITERATIONS = 2  # iterations for a delay: each squares the error of differences
+DIFFERENCE = 1e-3  # the time over which a rate is found by differences, over the length of the last step
+NEWTON_ITERATIONS = 2  # number of iterations for a delay: each squares the error of the differences
 
 
 def lasted(t):
-    """How long the last step was [s]."""
+    """Return the length of the last step [s]."""
     return value(t.step.end - t.step.start)
 
 
@@ -29,8 +29,8 @@ def along_motion(function):
     """Make two functions for φ of (t, c) along the motion, where the points are located and forces known.
 
     Returns:
-        A function of (t, c, time) for φ a ``time`` [s], a dual number, after the end of the last step; and a
-        function of (t, c) for φ̇ there. Both locate the points elsewhere.
+        A function of (t, c, time) that returns φ a ``time`` [s], a dual number, after the end of the last
+        step; and a function of (t, c) that returns φ̇ at the end. Both leave the points located elsewhere.
     """
 
     def after(t, c, time):
@@ -50,9 +50,9 @@ def along_motion(function):
 
 
 def delay_along_motion(after):
-    """Make the function of (t, c, rate) for the delay of a zero of φ with that rate.
+    """Return the function of (t, c, rate) that returns the delay of a zero of φ with this rate.
 
-    Points and forces are those at the end of the last step again afterwards.
+    Afterwards points and forces are again those at the end of the last step.
     """
 
     def delay(t, c, rate):
@@ -66,7 +66,7 @@ def delay_along_motion(after):
 
 
 def set_end(t):
-    """Set points and forces to those at the end of the last step again."""
+    """Set points and forces again to the end of the last step."""
     locate_points(t, t.step.state_end)
     located_rate(t, t.step.state_end, t.work.rate)
     ensure_points(t)
@@ -81,7 +81,7 @@ _delay_of_margin = delay_along_motion(_margin_after)
 
 
 def delay_of_crossing(t, c, kind):
-    """The delay [s] of an onset, an end or a new latch of candidate c, a dual number of value 0."""
+    """Return the delay [s] of an onset, an end or a new latch of candidate c, a dual number of value 0."""
     gap, gap_rate = clearance(t, c)
     if kind == RELATCH:
         # φ = −ġ − 2 v₀
@@ -92,7 +92,7 @@ def delay_of_crossing(t, c, kind):
 
 
 def delay_of_bend(t, c, kind):
-    """The delay [s] of a kink or a release of candidate c, where a force has no jump."""
+    """Return the delay [s] of a kink or a release of candidate c, where a force has no jump."""
     if kind == KINK:
         rate = _kink_rate(t, c)
         return _delay_of_kink(t, c, rate if rate != 0.0 else math.inf)
@@ -101,6 +101,6 @@ def delay_of_bend(t, c, kind):
 
 
 def delay_of_saturation(t):
-    """The delay [s] at which a drive reaches its limit of torque, or falls below it."""
+    """Return the delay [s] of the time at which a drive reaches its limit of torque, or falls below it."""
     rate = _margin_rate(t, 0)
     return _delay_of_margin(t, 0, rate if rate != 0.0 else math.inf)

@@ -1,13 +1,13 @@
-"""Derivatives of dry friction: the times at which modes change, and where a mode is open.
+"""Derivatives of dry friction: the times of mode changes, and modes that are open.
 
 The modes are those of the primal run. Sliding ends where t·v = 0, sticking where µ_s F_n − |F_t| = 0, at
-times that depend on the parameters. Where friction does not jump as sticking ends, its time has no effect but
-for the small excess of the force at which the end is found (events/sampled.py).
+times that depend on the parameters. If friction does not jump at the end of sticking, its time has no effect
+except for the small excess of the force at which the end is found (events/sampled.py).
 
-There are no derivatives where a small change of the parameters changes the order of such events, or whether
-they occur, unless that hardly matters. What makes the difference is a tangential speed: it is stopped, or it
-lasts a little longer. As a chain comes to rest, the derivatives of such speeds, over the time in which it
-settles, are a negligible part of the largest derivative of a place. Then what sticks stops them at once, and
+Derivatives do not exist where a small change of the parameters changes the order of such events, or whether
+they occur, unless this hardly matters. The difference is a tangential speed, which is stopped or lasts a
+little longer. When a chain comes to rest, the derivatives of such speeds, over the time in which it settles,
+are a negligible part of the largest derivative of a place. Then sticking stops them at once, and
 ``trust.share`` has the sum of these parts.
 """
 
@@ -39,24 +39,26 @@ from chain_impact.kernel.tangent.trust import (
     mark_untrusted,
 )
 
-# The largest difference of a force from the limit of friction by errors of a run, over the limit times the
-# tolerance.
+# The largest difference of a force from the limit of friction that errors of a run explain, over the limit
+# times the tolerance.
 OPEN = 100.0
-# The largest difference between the derivatives of two times that are one, over the largest derivative.
+# The largest difference between the derivatives of two times that count as one, over the largest derivative.
 APART = 1e-5
-# The largest limit of friction that a contact has at its beginning, over the excess of the force at which the
-# end of sticking is found.
+# The largest limit of friction that a contact has at its begin, over the excess of the force at which the end
+# of sticking is found.
 FIRST = 1000.0
-# The most that a run may leave open, over the largest derivative: a fit to a place at rest needs some
-# percent.
+# The largest change that a run may leave open, over the largest derivative: a fit to a place at rest needs
+# some percent.
 LEFT_OPEN = 1e-2
-STOPPED = 2  # as ``element.undecided``: it sticks from its onset on, where its speed has derivatives
+# value of ``element.undecided``: the element sticks from its onset on, where its speed has derivatives
+STOPPED = 2
 
 
 def delay_of_change(t):
-    """The change of the time [s] of the changes of modes that end the last step, a dual number of value 0.
+    """Return the delay [s] of the mode changes that end the last step, a dual number of value 0.
 
-    The points must be located at its end. If several modes end there, any of them will do (check_changes).
+    The points must be located at the end of the step. If several modes end there, any of them will do
+    (check_changes).
     """
     for i in range(t.friction.count):
         e = t.element.index[i]
@@ -70,18 +72,21 @@ def delay_of_change(t):
 
 
 def delay_of_rest(t, e):
-    """−φ′/φ̇ for φ = t·v, which is zero where the sliding of element e ends; none if it ends slowly."""
+    """Return −φ′/φ̇ for φ = t·v, which is zero where the sliding of element e ends.
+
+    No delay if it ends slowly.
+    """
     rate = value(tangential_acceleration(t, e))
     return carried(0.0, 0.0 if stops_slowly(t, e) else -reciprocal(rate), tangential_rate(t, e))
 
 
 def stops_slowly(t, e):
-    """Whether the tolerance leaves open if element e, which has no speed, stops or slides on."""
+    """Return whether the tolerance leaves open if element e, which has no speed, stops or slides on."""
     return abs(value(tangential_acceleration(t, e))) <= value(slow_acceleration(t, e))
 
 
 def slow_acceleration(t, e):
-    """The acceleration [m/s²] of element e that may be an error, beside that by its friction."""
+    """Return the acceleration [m/s²] of element e that may be an error, besides that by its friction."""
     return math.sqrt(value(t.solver.tolerance)) * t.element.limit[e] / mean_mass(t)
 
 
@@ -91,7 +96,7 @@ delay_of_margin = delay_along_motion(margin_after)
 
 
 def delay_of_sliding(t, e):
-    """−φ′/φ̇ for φ = µ_s F_n − |F_t|, which is zero where element e begins to slide."""
+    """Return −φ′/φ̇ for φ = µ_s F_n − |F_t|, which is zero where element e begins to slide."""
     limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.model.size)
     if t.element.undecided[e] == STOPPED and limit <= FIRST * value(excess(t, e)):
         end_at(t, FROM_REST, e)
@@ -99,7 +104,7 @@ def delay_of_sliding(t, e):
     if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turning:
         if force_drops(t, e) and lasted(t) > 0.0:
             drop = limit * (1.0 - value(t.law.friction[e]) / value(t.law.static_friction[e]))
-            # the speed that friction gives which drops too late or too early
+            # the speed that friction gives because it drops too late or too early
             if not (rate < 0.0 and negligible(t, delay_of_margin(t, e, rate) * (drop / value(mean_mass(t))))):
                 end_at(t, SLOW_CHANGE, e)
         rate = -math.inf
@@ -107,9 +112,9 @@ def delay_of_sliding(t, e):
 
 
 def negligible(t, speed):
-    """Whether it hardly matters if a ``speed`` [m/s] is stopped or lasts; if so, its share is added.
+    """Return whether it hardly matters if a ``speed`` [m/s] is stopped or lasts; if so, add its share.
 
-    It would last for the time in which a chain settles.
+    The speed would last for the time in which a chain settles.
     """
     time, most = settling_time(t), 0.0
     for k in range(DIRECTIONS):
@@ -128,13 +133,13 @@ def negligible(t, speed):
 
 
 def settling_time(t):
-    """The time [s] in which a chain falls by its size, or turns without gravity: a bound on what is slow."""
+    """Return the time [s] in which a chain falls by its size, or turns without gravity: a slow time."""
     size = value(t.model.size)
     return math.sqrt(size / (value(t.model.gravity_size) + size))
 
 
 def force_drops(t, e):
-    """Whether friction is less when element e slides."""
+    """Return whether friction is smaller when element e slides."""
     if e >= t.candidates:
         return False
     return value(t.law.static_friction[e]) > value(t.law.friction[e])
@@ -158,7 +163,8 @@ def check_changes(t, time):
             after = speed + value(tangential_acceleration(t, e)) * time
             if stops and not rests(t, after, time) and not negligible(t, after):
                 end_at(t, SLOW_CHANGE if stops_slowly(t, e) else TOGETHER, e)
-    # a rod that lies on a floor: when each of its ends stops decides how they share friction
+    # an example is a rod that lies on a floor: the times at which its ends stop decide how they share
+    # friction
     if stopped > 1 or slowly:
         mark_split(t)
     if pending_changes(t) > 1:
@@ -171,7 +177,7 @@ def check_changes(t, time):
 
 
 def gives_way(t, e, time):
-    """Whether the margin of element e, which is zero, is zero after a ``time`` [s], too."""
+    """Return whether the margin of element e, which is zero, is also zero after a ``time`` [s]."""
     margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.limit[e]
     for k in range(DIRECTIONS):
         known = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_turn(t, k)
@@ -181,7 +187,7 @@ def gives_way(t, e, time):
 
 
 def any_halts(t):
-    """Whether the sliding of any element ends at the end of the last step."""
+    """Return whether the sliding of any element ends at the end of the last step."""
     for i in range(t.friction.count):
         if t.element.event[t.element.index[i]] == SLIDING_ENDS:
             return True
@@ -189,7 +195,7 @@ def any_halts(t):
 
 
 def rests(t, after, time):
-    """Whether an element without speed has none ``after`` [m/s] a ``time`` [s] either."""
+    """Return whether an element without speed still has none, ``after`` [m/s], a ``time`` [s] later."""
     most = value(largest(t, t.work.acceleration))
     for k in range(DIRECTIONS):
         known = largest_slope(t.work.velocity, k) + fastest_speed(t) * largest_turn(t, k)
@@ -199,7 +205,7 @@ def rests(t, after, time):
 
 
 def largest_slope(vectors, direction):
-    """The largest derivative of the vectors of all places in a direction."""
+    """Return the largest derivative of the vectors of all places in a direction."""
     most = 0.0
     for k in range(len(vectors.x)):
         most = max(most, abs(slope(vectors.x[k], direction)), abs(slope(vectors.y[k], direction)))
@@ -207,14 +213,14 @@ def largest_slope(vectors, direction):
 
 
 def largest_turn(t, direction):
-    """The largest derivative of a place in a direction, over a link length: a scale of round-off."""
+    """Return the largest derivative of a place in a direction, over a link length: a scale of round-off."""
     return largest_slope(t.work.position, direction) / value(t.model.size)
 
 
 def choose_modes(t):
-    """The modes of dry friction are those of the primal run; ``element.mode`` has the first guess of them."""
+    """Take the modes of dry friction from the primal run, with the first guess in ``element.mode``."""
     for e in range(t.elements):
-        # it slides as its sticking has come to its end: not undecided
+        # it slides because its sticking has ended: not undecided
         if t.element.before[e] == STICKS and t.element.mode[e] != STICKS:
             t.element.undecided[e] = 0
         t.element.mode[e] = t.element.chosen[e]
@@ -231,7 +237,7 @@ def choose_modes(t):
 
 
 def any_stops(t):
-    """Whether any element sticks that was sliding until now."""
+    """Return whether any element sticks that was sliding until now."""
     for i in range(t.friction.stuck_count):
         before = t.element.before[t.element.stuck[i]]
         if before not in (STICKS, NO_FRICTION):
@@ -240,10 +246,10 @@ def any_stops(t):
 
 
 def stop_speeds(t):
-    """Stop the derivatives of the speeds of what sticks, against no resistance of contacts.
+    """Stop the derivatives of the speeds of sticking elements, against no resistance of contacts.
 
-    They are those that have been left open. The projection of the state, which contacts resist, would leave a
-    part of them, such as that of a rod that lies almost flat, and it would last as long as the rod sticks.
+    These speeds were left open. The projection of the state, which contacts resist, would leave a part of
+    them, such as that of a rod that lies almost flat, and it would last as long as the rod sticks.
     """
     activate_all(t)
     start_from_state(t, 1)
@@ -257,7 +263,7 @@ def stop_speeds(t):
 def check_onsets_at_rest(t):
     """Check the elements whose friction begins without a speed that a change of the parameters would give.
 
-    What sticks stops such a speed. What slides keeps it in one direction and stops it in the other.
+    Sticking stops such a speed. Sliding keeps it in one direction and stops it in the other.
     """
     for i in range(t.friction.count):
         e = t.element.index[i]
@@ -271,9 +277,9 @@ def check_onsets_at_rest(t):
 
 
 def contact_resistance(t):
-    """The resistance [kg] of contacts to a projection: none where a speed with derivatives is stopped.
+    """Return the resistance [kg] of contacts to a projection: none where a speed with derivatives is stopped.
 
-    Friction stops it while the forces of the contacts are still small.
+    Friction stops the speed while the forces of the contacts are still small.
     """
     for i in range(t.friction.stuck_count):
         e = t.element.stuck[i]
@@ -283,7 +289,7 @@ def contact_resistance(t):
 
 
 def check_coefficients(t):
-    """End the derivatives where a friction that may act is zero and its derivative is asked for."""
+    """End the derivatives if a friction that may act is zero and its derivative is asked for."""
     if t.elements == 0:
         return
     for c in range(t.candidates):
@@ -297,7 +303,7 @@ def check_coefficients(t):
 
 
 def is_open(t, e):
-    """Whether the force that would hold element e at rest is almost the limit of static friction."""
+    """Return whether the force that would hold element e at rest is almost the limit of static friction."""
     limit, errors = value(t.element.limit[e]), OPEN * value(t.solver.tolerance)
     if limit <= value(excess(t, e)):
         return False
@@ -312,6 +318,6 @@ def is_open(t, e):
 
 
 def end_at(t, reason, e):
-    """End the derivatives at the end of the last step because of element e, if they have not ended."""
+    """End the derivatives at the end of the last step because of element e, if they have not ended before."""
     if t.trust.reason == TRUSTED:
         mark_untrusted(t, reason, e, value(t.step.end))

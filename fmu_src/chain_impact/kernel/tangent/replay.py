@@ -116,9 +116,9 @@ def start_tangent(d, t):
 
 
 def reinit_tangent(d, t):
-    """Re-initialize t at the communication point, as d has been; the contacts of t are updated to it."""
+    """Re-initialize t at the communication point, as d has been; update the contacts of t to this point."""
     reset_step(t, t.step.end, t.step.state_end)
-    # derivatives that ended in the part of the run that is dropped may go on: the new part decides
+    # derivatives that ended in the dropped part of the run may continue: the new part decides
     if t.trust.time > value(t.step.end):
         trust(t)
     take_given(d, t)
@@ -128,9 +128,9 @@ def reinit_tangent(d, t):
 
 
 def take_given(d, t):
-    """Take the values that were given to d, and what d has chosen; t keeps the derivatives it has of them.
+    """Take the values given to d, and the choices of d; t keeps its derivatives with respect to given values.
 
-    Those of all motions are set by what is given of them: as for constants that are added.
+    The derivatives of all motions follow from their given values, as for constants that are added.
     """
     copy_given(d, t, AT_ANY_TIME)
     if d.channels > 0:
@@ -152,12 +152,13 @@ def copy_modes(d, t):
 
 
 ENOUGH = 0.01  # the largest last correction of the derivatives, relative to them and over the tolerance
-# The least correction has to fall by this factor within so many iterations. It may rise in between, as its
-# direction changes. A correction that does not fall is round-off up to this relative value, else a failure.
+# The factor by which the least correction has to fall within STALLED iterations. It may rise in between, as
+# its direction changes. A correction that does not fall is round-off up to the relative value ROUND_OFF, else
+# a failure.
 FALLS, STALLED, ROUND_OFF = 0.7, 10, 1e-6
-MOST = 100  # iterations: a θ of .8 reduces the error to some 1e-10
-# The largest derivatives of the state by what changes limits of static friction only that are round-off, over
-# the derivative of the speed that these limits could give in the step.
+MOST = 100  # largest number of iterations: a θ of .8 reduces the error to some 1e-10
+# The largest derivatives of the state, with respect to parameters that only change limits of static friction,
+# that are round-off; over the derivative of the speed that these limits could give in the step.
 LEAST = 1e-3
 FAR_OFF = 1e300  # the relative correction if the derivatives are zero
 
@@ -195,7 +196,7 @@ def take_slopes(d, t):
 
 
 def iterate_slopes(d, t, h, size):
-    """Iterate the derivatives of the stages; returns whether they have converged."""
+    """Iterate the derivatives of the stages; return whether they have converged."""
     least, stalled = math.inf, 0
     for _ in range(MOST):
         find_residuals(t, h, size)
@@ -226,7 +227,7 @@ def solve_slopes(d, t, h, size):
 
 
 def last_correction(d, t, size):
-    """The last correction of the derivatives over those at the end of the step, in the worst direction."""
+    """Return the derivatives' last correction over their values at the step's end, in the worst direction."""
     own, weight, worst = t.implicit, d.implicit.weight, 0.0
     for k in range(DIRECTIONS):
         largest, whole, total = 0.0, LEAST * speed_by_friction(d, t, k), 0.0
@@ -235,7 +236,7 @@ def last_correction(d, t, size):
             for i in range(RADAU_STAGES):
                 part = weight[j] * abs(slope(own.parts[i, j], k))
                 largest = max(largest, part)
-                total += part  # a NaN would be lost in the maximum
+                total += part  # a maximum would lose a NaN
         if not math.isfinite(total + whole):
             return FAR_OFF
         if largest > worst * whole:
@@ -244,7 +245,7 @@ def last_correction(d, t, size):
 
 
 def speed_by_friction(d, t, direction):
-    """The weighted derivative of a speed in a direction if the limits of what sticks acted in the step."""
+    """Return the weighted derivative of a speed in a direction if sticking's limits acted in the step."""
     force, weight = 0.0, 0.0
     if d.friction.stuck_count == 0:
         return 0.0
@@ -259,7 +260,7 @@ def replay(d, t):
     """Repeat the last step of d in dual numbers."""
     copy_modes(d, t)
     apply_pending_events(t)
-    # a derivative is that for a constant added to an input
+    # a derivative is for a constant that is added to an input
     copy_values(d.inputs, t.inputs)
     if d.channels > 0:
         copy_values(d.moved, t.moved)
@@ -284,7 +285,7 @@ def replay(d, t):
 
 
 def make(d, t, h):
-    """Make a step of size h as d did, without its error control."""
+    """Make a step of size h as d did, without the error control of d."""
     begin_trial(t, h)
     if t.step.method == IMPLICIT:
         make_implicit(d, t, h)
@@ -296,9 +297,9 @@ def make(d, t, h):
 
 
 def ends_regularized(d):
-    """Whether the last step ends where the regularized contact does.
+    """Return whether the last step ends where the regularized contact ends.
 
-    d has taken that step beyond the end, where the slope of the force has a kink, and has truncated it.
+    d has taken this step beyond the end, where the slope of the force has a kink, and has truncated it.
     """
     return d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END
 
@@ -313,8 +314,8 @@ def take_values(d, t):
 def move_end(t):
     """Give the end of the last step the derivatives of the time of the event that ends it.
 
-    The dense output is that of the step with its end where it was. An event that only bends a force has no
-    effect on the motion by its time, but on what is largest there, and on the end of a contact.
+    The dense output belongs to the step with its old end. The time of an event that only bends a force has no
+    effect on the motion, but on a peak there, and on the end of a contact.
     """
     for c in range(t.candidates):
         if is_crossing(t, c):
@@ -328,7 +329,7 @@ def move_end(t):
         check_changes(t, time)
         move_along(t, time)
         return
-    # what a jump at the start of the step has brought about has no time of its own
+    # the result of a jump at the start of the step has no time of its own
     if not lasted(t) > 0.0:
         return
     for c in range(t.candidates):
@@ -342,7 +343,7 @@ def move_end(t):
 
 
 def is_crossing(t, c):
-    """Whether candidate c has an event at the end of the last step whose time changes the motion."""
+    """Return whether candidate c has an event at the end of the last step whose time changes the motion."""
     kind = t.touch.event[c]
     # at the end of a regularized contact dt/ds = 0: a change of s there does not change the state
     if kind == END:
@@ -351,7 +352,7 @@ def is_crossing(t, c):
 
 
 def prepare_end(t):
-    """Find the rate and the points at the end of the last step, and what depends on them before it moves."""
+    """Find the rate and the points at the end of the last step, and their dependants, before it moves."""
     ensure_rate(t)
     ensure_dense(t, SOLVER)
     ensure_points(t)

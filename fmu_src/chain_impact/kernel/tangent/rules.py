@@ -1,6 +1,6 @@
-"""Functions with their own differentiation rules: dual numbers in their operations would not suffice.
+"""Functions with their own differentiation rules, where dual numbers in the operations would not suffice.
 
-Each has the name of the function that it replaces, and is called in its place wherever an argument carries
+Each has the name of the function that it replaces, and is called in its place if an argument carries
 derivatives. It returns the same value, or one that changes the values of the run by round-off only.
 """
 
@@ -17,11 +17,14 @@ from chain_impact.kernel.tangent.duals import carried, reciprocal, value, varies
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 
 DIFFERENCE = 1e-3  # relative step in an argument of a user's law, for its slopes by differences
-ITERATIONS = 3  # how often the forces of constraints are iterated
+ITERATIONS = 3  # number of iterations for the forces of constraints
 
 
 def power(depth, exponent):
-    """δ^n: the special cases of n ignore that n may vary, and for n < 1 the slope at δ = 0 is infinite."""
+    """Return δ^n.
+
+    The special cases of n ignore that n may vary, and for n < 1 the slope at δ = 0 is infinite.
+    """
     base, n = value(depth), value(exponent)
     result = contact_force.power(base, n)
     # (δⁿ)′ = n δⁿ⁻¹ δ′ + δⁿ ln δ n′
@@ -33,7 +36,10 @@ def power(depth, exponent):
 
 
 def polar(radius, y, first, horizontal, vertical):
-    """Horizontal r cos φ, vertical r sin φ: the reduction of the angle has no correct derivatives."""
+    """Set ``horizontal`` to r cos φ and ``vertical`` to r sin φ.
+
+    The angle's reduction has wrong derivatives.
+    """
     near = kinematics.in_reach(y, first, len(radius))
     for i in range(len(radius)):
         phi = y[first + i]
@@ -46,13 +52,13 @@ def polar(radius, y, first, horizontal, vertical):
 
 
 def direction(angle):
-    """The cosine and sine of an angle: likewise."""
+    """Return the cosine and sine of an angle; the angle's reduction has wrong derivatives."""
     cosine, sine = angles.direction(value(angle))
     return carried(cosine, -sine, angle), carried(sine, cosine, angle)
 
 
 def resists(constant):
-    """Whether a constant has an effect: one with derivatives has even if its value is 0."""
+    """Return whether a constant has an effect: one with derivatives has an effect even if its value is 0."""
     return value(constant) != 0.0 or varies(constant)
 
 
@@ -75,9 +81,9 @@ def shift_start(t, delay):
 
 
 def fraction(t, time):
-    """The fraction of the last step at a time: one Newton step from its value gives all derivatives.
+    """Return the fraction of the last step at a time; one Newton step from its value gives all derivatives.
 
-    The iteration for the value stops when the value is exact, which says nothing about its derivatives.
+    The iteration for the value stops when the value is exact, which says nothing about the derivatives.
     """
     step, clock = t.step, time_at(t.links)
     elapsed = time - step.start
@@ -93,15 +99,15 @@ def fraction(t, time):
 
 
 def iterated_enough(_t, iterations):
-    """Whether so many iterations reduce the derivatives of any residual to round-off, each to a millionth.
+    """Return whether so many iterations reduce the derivatives of any residual to round-off.
 
-    A residual that is zero says nothing about its derivatives.
+    Each iteration reduces them to a millionth. A residual that is zero says nothing about its derivatives.
     """
     return iterations >= ITERATIONS
 
 
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
-    """A user's law, which only gives values: its slopes are found by differences."""
+    """Return the force of a user's law, which only gives values; its slopes are found by differences."""
     at = (
         value(depth),
         value(rate),
@@ -121,7 +127,7 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
 
 
 def slope_along(argument, h, at):
-    """The slope of the user's law along one of its arguments, by central differences of order 4."""
+    """Return the slope of the user's law along one of its arguments, by central differences of order 4."""
     if h == 0.0:
         return 0.0
     # (8 (F₁ − F₋₁) − (F₂ − F₋₂))/(12 h)
@@ -131,7 +137,7 @@ def slope_along(argument, h, at):
 
 
 def moved(argument, by, at):
-    """The user's law with one of its arguments changed."""
+    """Return the user's law with one of its arguments changed."""
     return user_law.force(
         at[0] + by * (argument == 0),
         at[1] + by * (argument == 1),
@@ -156,4 +162,4 @@ RULES = {
     kinematics.polar: polar,
     joints.resists: resists,
 }
-"""Function of the kernel → what gives its value and derivatives."""
+"""Function of the kernel → its replacement, which gives value and derivatives."""

@@ -1,7 +1,7 @@
-"""Up to which time derivatives can be trusted: until they do not exist, or are too inaccurate.
+"""The time up to which derivatives can be trusted: after it they do not exist, or are too inaccurate.
 
 The cause is an impact, dry friction whose mode is open (tangent/friction.py), or an implicit step whose
-equations for the derivatives could not be solved. simulation/reasons.py has a sentence for each.
+equations for the derivatives could not be solved. simulation/reasons.py has a sentence for each cause.
 """
 
 import math
@@ -17,8 +17,8 @@ from chain_impact.kernel.tangent.duals import value, varies
 
 TRUSTED, GRAZING, AT_FLOOR, SIMULTANEOUS, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 SLOW_CHANGE, AT_LIMIT, TOGETHER, NO_LESS, FROM_REST = 6, 7, 8, 9, 10
-NO_IMPACT = -1  # in place of a candidate
-JOINT = -1  # in place of a wall
+NO_IMPACT = -1  # stands in the place of a candidate
+JOINT = -1  # stands in the place of a wall
 # the rates ±NEAR_REST v₀ at which the force is compared, and the relative difference that counts as a jump
 NEAR_REST, JUMPS = 1e-9, 1e-6
 
@@ -38,7 +38,7 @@ def check_onsets(t):
             and cannot_be_less(t.law.static_friction[c])
         ):
             mark_untrusted(t, NO_LESS, c, value(t.step.end))
-    # there is no first one without an onset, nor among rates that are no numbers
+    # there is no first onset if none has begun, or if the rates are not finite
     if first < 0 or t.trust.reason != TRUSTED:
         return
     if least <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t):
@@ -50,15 +50,15 @@ def check_onsets(t):
 
 
 def cannot_be_less(friction):
-    """Whether a limit of dry friction is zero, and derivatives with respect to it are asked for."""
+    """Return whether a limit of dry friction is zero, and derivatives with respect to it are asked for."""
     return value(friction) == 0.0 and varies(friction)
 
 
 def fastest_speed(t):
-    """The speed of the fastest point [m/s]."""
+    """Return the speed of the fastest point [m/s]."""
     most, velocity = 0.0, t.work.velocity
     for k in range(len(velocity.x)):
-        if not t.links < k <= 2 * t.links:  # the places of joints
+        if not t.links < k <= 2 * t.links:  # without the places of joints
             x, y = value(velocity.x[k]), value(velocity.y[k])
             most = max(most, math.sqrt(x * x + y * y))
     return most
@@ -79,7 +79,7 @@ def check_turns(t):
 
 
 def jumps_at_rest(t, c, depth):
-    """Whether the force of contact c jumps where its rate is zero."""
+    """Return whether the force of contact c jumps where its rate is zero."""
     rate = NEAR_REST * t.touch.impact_speed[c]
     rising, _ = uncut_force(t, c, depth, rate, False)
     falling, _ = uncut_force(t, c, depth, -rate, False)
@@ -92,7 +92,8 @@ def mark_untrusted(t, reason, c, time):
     trust.reason, trust.time = reason, time
     trust.point, trust.wall = NO_IMPACT, 0
     if c >= t.candidates:
-        trust.point, trust.wall = (joint_of(t, c) + 1) % (t.links + 1), JOINT  # a slider is point 0
+        # the slider has the number 0 of the base's point
+        trust.point, trust.wall = (joint_of(t, c) + 1) % (t.links + 1), JOINT
     elif c != NO_IMPACT:
         trust.point, trust.wall = t.candidate.point[c], t.candidate.wall[c]
 
@@ -111,7 +112,7 @@ def begin_trust(t):
 def mark_split(t):
     """Mark that derivatives of the impulses of friction are not known from now on.
 
-    A speed that is stopped changes them, and how elements that stick share friction.
+    A speed that is stopped changes these impulses, and how sticking elements share friction.
     """
     t.trust.split = 1
 
@@ -124,5 +125,5 @@ def share_reason(t, other):
 
 
 def trusted(t):
-    """Whether the derivatives can be trusted at the communication point."""
+    """Return whether the derivatives can be trusted at the communication point."""
     return t.trust.reason == TRUSTED or value(t.step.time) < t.trust.time
