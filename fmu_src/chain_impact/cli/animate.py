@@ -84,7 +84,7 @@ def size(text: str) -> tuple[int, int]:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Get the recording, and write its animation; also of what came before a fault."""
+    """Get the recording, and write its animation, also of the time before a fault."""
     check_outputs(options.output, inputs=filter(None, (options.source, options.scene)))
     fault = None
     try:

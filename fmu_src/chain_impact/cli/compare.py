@@ -41,7 +41,10 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate a scene with every law; print the table and the advice, and write what was asked for."""
+    """Simulate a scene with every law.
+
+    Print the table and the advice, and write the files that are asked for.
+    """
     from chain_impact.studies.compare import compare
 
     check_outputs(options.csv, options.plot, inputs=[options.source])

@@ -186,7 +186,8 @@ def names_in(*texts: str) -> list[str]:
 
 def check_outputs(*outputs: Path | None, inputs: Iterable[str | Path]) -> None:
     """Refuse an output in a folder that does not exist, or in a file that is read; do so before any work."""
-    read = [path for path in map(scene_path, inputs) if path.is_file()]  # of what is no scene the file itself
+    # an input that is no scene stands for the file itself
+    read = [path for path in map(scene_path, inputs) if path.is_file()]
     for path in filter(None, outputs):
         if not path.parent.is_dir():
             raise FileNotFoundError(ENOENT, "No such folder", str(path))

@@ -22,7 +22,7 @@ def say(text: str) -> None:
 
 
 def complain(text: object) -> None:
-    """Say on standard error what is wrong."""
+    """Print an error on standard error."""
     err.print(f"chain-impact: {text}", markup=False, soft_wrap=True)
 
 
@@ -46,7 +46,7 @@ def progress(work: str = "simulating") -> Iterator[Progress]:
 
 @contextmanager
 def _listening(level: int, tell: Callable[[logging.LogRecord], None]) -> Iterator[None]:
-    """Take what the package logs, from a level on."""
+    """Pass the messages that the package logs to a function, from a level on."""
 
     def heard(record: logging.LogRecord) -> bool:
         if record.levelno >= level:
@@ -82,7 +82,7 @@ def _described(work: str, fraction: float) -> str:
 
 @contextmanager
 def _bar(work: str) -> Iterator[Progress]:
-    """A bar for some work, or for what is done before it."""
+    """Show a bar for some work, or for the work done before it."""
     from rich import progress as rich_progress  # takes a while to import
 
     columns = rich_progress.TextColumn("{task.description}"), rich_progress.BarColumn(pulse_style="cyan")

@@ -27,7 +27,7 @@ from chain_impact.studies.compare_text import (
     told,
 )
 
-PHASES = 20  # of dry friction that are listed
+PHASES = 20  # the largest number of phases of dry friction in the table
 RELATIVE = {
     "impact_speed": "speed",
     "separation_speed": "rebound",

@@ -49,7 +49,7 @@ from chain_impact.studies.accuracy import TIGHTER, Differences, differences
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ROWS = 1000  # of a picture, at least
+ROWS = 1000  # the least number of rows for a picture
 
 
 def add(verbs: Verbs) -> None:
@@ -118,7 +118,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate a scene or an FMU; print a summary, and write what was asked for."""
+    """Simulate a scene or an FMU; print a summary, and write the files that are asked for."""
     window = open_window() if options.show else None
     report(
         options.source,

@@ -99,9 +99,9 @@ def framed(
 
 
 def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
-    """Return how much of what is added to a view lies left and below, 0…1, and whether a side is open.
+    """Return the part, 0…1, of an extension of a view that lies left and below, and whether a side is open.
 
-    Both are along x and y. What is added goes to the side without a wall.
+    Both are along x and y. A view is extended to the sides without a wall.
     """
     open_sides = np.ones((2, 2))  # left and below, right and above
     for wall in walls:

@@ -66,7 +66,7 @@ def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str |
 
 
 def seen(recording: Recording, curves: Curves) -> list[str]:
-    """Return which impact is seen, if it is one."""
+    """Return the impact in view in words, in a list; empty for a view of the whole run."""
     if not curves.number:
         return []
     impact = recording.impacts[curves.number - 1]

@@ -17,9 +17,9 @@ ROUND_OFF = 1e-12  # dissipated energy below this part of the largest energy is 
 
 
 def message(recording: Recording, *, short: bool = False) -> str:
-    """Tell how many impacts there were, and, if it is not short, what was dissipated.
+    """Return the headline: the impacts and, if not ``short``, the energy lost.
 
-    "Box: 14 impacts in 2 s, 50.3 J dissipated".
+    For example "Box: 14 impacts in 2 s, 50.3 J dissipated".
     """
     count, span = recording.impact_count, recording.time[-1] - recording.time[0]
     told = f"{recording.name}: {plural(count, 'impact') if count else 'no impacts'} in {span:g} s"
@@ -27,16 +27,16 @@ def message(recording: Recording, *, short: bool = False) -> str:
 
 
 def dissipated(recording: Recording) -> str:
-    """Tell what was dissipated, if anything: "50.3 J dissipated"."""
+    """Return the energy lost in words, "50.3 J dissipated"; "" if none is lost."""
     lost = recording.energies.get("dissipated", np.zeros(1))[-1]
     least = ROUND_OFF * np.abs(recording.energies.get("total", np.zeros(1))).max()
     return f"{lost:.3g} J dissipated" if lost > least else ""
 
 
 def write_head(page: Figure, recording: Recording, title: str, *first: str) -> None:
-    """Write a title, or the message if it is "", and some parts before the conditions.
+    """Write a title, or the message if the title is "", and the conditions after some other parts.
 
-    The conditions have what a short message leaves out.
+    The conditions tell the energy lost if the message is short.
     """
     short = is_narrow(page)
     told = [dissipated(recording)] if short and not title else []
@@ -44,7 +44,7 @@ def write_head(page: Figure, recording: Recording, title: str, *first: str) -> N
 
 
 def conditions(recording: Recording, *first: str) -> str:
-    """Tell what an engineer needs to know to read the picture, as far as it is known, after other parts."""
+    """Return the known conditions that an engineer needs to read the picture, after some other parts."""
     known = recording.parameters
     parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
     for key, unit in (("damping", "N·m·s/rad"), ("friction", "N·m")):

@@ -36,16 +36,16 @@ FAINT = 80  # the number of faint poses, at even distances in time
 MARKED = 12  # the largest number of points that have marks
 FEW = 6  # the number of points beyond which their paths are fainter
 RING = 6.5  # points, the size of the mark of an impact
-SQUARE = 4.0  # points, the size of the mark of what sticks
-NEAR_PLACE = 0.03  # of the view's width, within which impacts at a wall share a ring
-LONGEST_LOAD = 0.3  # of the smaller side of the view, the arrow of the largest force in a joint
-LISTED = 2  # numbers at a ring with more than three impacts
+SQUARE = 4.0  # points, the size of the mark where a contact or a joint sticks
+NEAR_PLACE = 0.03  # impacts at a wall share a ring within this part of the view's width
+LONGEST_LOAD = 0.3  # the arrow of the largest force in a joint, as a fraction of the smaller side of the view
+LISTED = 2  # the numbers at a ring with more than three impacts
 
 
 def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) -> None:
-    """Walls, faint poses, paths of the points, and strong poses at the start, the end and the impacts.
+    """Draw walls, faint poses, paths of points, and strong poses at the start, at the end and at impacts.
 
-    The shape is the height of the axes over their width, which the view then fills.
+    ``shape`` is the height of the axes over their width; the view fills axes of this shape.
     """
     view = view_of(recording, shape)
     draw_walls(axes, recording, view)
@@ -185,7 +185,9 @@ def draw_loads(axes: Axes, recording: Recording) -> None:
 
 
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
-    """Write the numbers of the impacts outside of the walls, those at the highest speeds first.
+    """Write the numbers of the impacts outside of the walls, in the order of speed.
+
+    Return the numbers without room.
 
     Returns the numbers that have no room.
     """

@@ -20,7 +20,7 @@ BESIDE = 0.04  # the distance of the trace from the end of a wall, as a fraction
 
 
 def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times: Sequence[float]) -> None:
-    """Draw what moves by itself, in the colours of time: strong at the start, the end and some times."""
+    """Draw walls and a base that move, in the colours of time: strong at start, end and some times."""
     (corners, near), ends = view, [float(recording.time[row]) for row in (0, -1)]
 
     def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:

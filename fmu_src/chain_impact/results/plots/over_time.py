@@ -37,11 +37,11 @@ from chain_impact.results.text import speed_unit
 ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VERMILLION}
 ENERGY_COLOURS |= {"supplied": PURPLE}
 PARTS = {"friction": BROWN}
-"""The colours of energies that are parts of others."""
-ROWS = 8  # contacts and joints, at most, whose phases of dry friction are drawn
-TOLD = 5  # points, at most, that have a colour of their own, so that the legend has room
-NUMBERED = 60  # impacts, at most, for whose numbers room is sought
-SEEN = 0.01  # of the time that is shown: a shorter contact has no band
+"""The colours of energies that are parts of other energies."""
+ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
+TOLD = 5  # the largest number of points with colours of their own, so that the legend has room
+NUMBERED = 60  # the largest number of impacts that get numbers
+SEEN = 0.01  # a contact shorter than this part of the time shown has no band
 DOT = 4.0  # points, the size of the mark of an impact
 
 
@@ -79,7 +79,7 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
 
 
 def over_all_time(axes: Axes, recording: Recording) -> None:
-    """Show the rests, and give both axes numbers."""
+    """Shade the rests, and give both axes numbers."""
     shade_rests(axes, shown_time(recording))
     give_ticks(axes)
 
@@ -207,7 +207,10 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
 
 
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
-    """Write the numbers of the impacts at their speeds, the highest first; return those without room."""
+    """Write the numbers of the impacts at their speeds, the highest first.
+
+    Return the numbers without room.
+    """
     tops = list(zip(recording.impacts["onset"].tolist(), heights(recording).tolist(), strict=True))
     order = by_speed(recording)
     labels = [Label(str(row + 1), tops[row]) for row in order[:NUMBERED]]

@@ -28,10 +28,12 @@ from chain_impact.results.plots.room import view_of
 from chain_impact.results.plots.style import SEPARATOR, broken, is_narrow, styled, write_foot
 from chain_impact.results.recording import Recording
 
-SLIM, BROAD = 0.6, 1.2  # width of the motion's panel in heights, at least and at most
-RUBBING, RUBBING_ROW = 0.3, 0.15  # of the height of the energies, dry friction, and each row of it
-HEIGHT = 0.46  # of the page's width, the motion's panel
-ABOVE_TIME, CLOCK = 1.1, 0.06  # of the height of the energies: the motion above them, and the clock
+SLIM, BROAD = 0.6, 1.2  # the width of the panel of motion, in heights: the least and the largest
+# the height for dry friction, and for each line in it, as fractions of the panel of energies
+RUBBING, RUBBING_ROW = 0.3, 0.15
+HEIGHT = 0.46  # the height of the panel of motion, as a fraction of the page's width
+# the heights of the panel of motion, when above the others, and of the clock, in heights of the energies
+ABOVE_TIME, CLOCK = 1.1, 0.06
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "motion": draw_motion,
     "energy": draw_energy,
@@ -40,9 +42,12 @@ PANELS: dict[str, Callable[[Axes, Recording], None]] = {
 }
 """The panels of a picture: name → function that draws it."""
 NUMBERS = {"motion": number_rings, "impacts": number_impacts}
-"""What writes the numbers of impacts into a panel that has its place, and returns those without room."""
+"""The functions that write the numbers of impacts into a panel, after its place is fixed.
+
+They return the numbers without room.
+"""
 TOLD_AS = {"motion": "motion", "impacts": "speeds"}
-"""What panels are called where numbers have no room."""
+"""The names of panels in the sentence on numbers without room."""
 
 
 @styled()
@@ -73,7 +78,7 @@ def fill(page: Figure, recording: Recording, panels: Sequence[str] = (), title: 
         draw_motion(motion, recording, room.height / room.width)
         settle(page, motion)
     engine = page.get_layout_engine()
-    page.set_layout_engine("none")  # what is drawn to see where labels have room stays where it is
+    page.set_layout_engine("none")  # artists drawn to find room for labels stay in place
     if missing := number_all(page, found, recording):
         page.set_layout_engine(engine)
         for axes in (found[name] for name in NUMBERS if name in found):
@@ -88,7 +93,10 @@ def fill(page: Figure, recording: Recording, panels: Sequence[str] = (), title: 
 
 
 def number_all(page: Figure, found: dict[str, Axes], recording: Recording) -> str:
-    """Write the numbers of impacts into all panels that have them; return what says which have no room."""
+    """Write the numbers of impacts into all panels that have them.
+
+    Return a sentence on numbers without room.
+    """
     ink, parts = Ink(page), []
     for name, write in NUMBERS.items():
         if name in found and (left := write(found[name], recording, ink)):

@@ -21,12 +21,13 @@ from matplotlib.transforms import Bbox
 from chain_impact.results.plots.legends import fit_legends
 from chain_impact.results.plots.style import FULL, Page, save, styled
 
-SIZE, LEAST = (FULL, 5.4), 2.0  # inches
-LEAST_SIDE = 0.3  # inches, the height of axes with a label
-NEARLY = 1.0  # pixels, by which texts may seem to be beyond the page, or on one another
-ROUND_OFF = 1e-9  # of an axis
-HIGHER = 40  # quarters of an inch, at most, by which a page is too low
-LONGER = 1.1  # of the height of axes, a label in one line
+SIZE, LEAST = (FULL, 5.4), 2.0  # inches: the usual width and height of a page, and the least ones
+LEAST_SIDE = 0.3  # inches, the least height of axes with a label
+NEARLY = 1.0  # pixels by which texts may reach beyond the page, or onto one another
+ROUND_OFF = 1e-9  # a difference below this part of an axis is round-off
+# the largest number of quarters of an inch by which a page is made higher, to find a height that suffices
+HIGHER = 40
+LONGER = 1.1  # a label longer than so many lengths of its axis is broken into two lines
 Fill = Callable[[Figure], None]
 """A function that draws on an empty page."""
 
@@ -96,7 +97,7 @@ def fill_or_refuse(fill: Fill, page: Figure) -> None:
     heights = math.ceil(4.0 * height) / 4.0 + 0.25 * np.arange(1, HIGHER)
 
     def fits(higher: float) -> bool:
-        """Whether all has room on a page that is so high."""
+        """Return whether a page of this height has room for all panels."""
         return has_room(fill, Page(figsize=(width, higher), dpi=page.dpi))
 
     least = bisect_left(heights, True, key=fits)
@@ -125,7 +126,7 @@ def has_room(fill: Fill, page: Figure) -> bool:
 
 
 def text_boxes(page: Figure) -> Iterator[Bbox]:
-    """What the texts and legends around the axes of a page cover, in pixels."""
+    """Yield the rectangles of the texts and legends around the axes of a page, in pixels."""
     texts, legends = list(page.texts), [legend for axes in page.axes if (legend := axes.get_legend())]
     yield from (legend.get_window_extent() for legend in legends)
     for axes in page.axes:
@@ -139,9 +140,9 @@ def text_boxes(page: Figure) -> Iterator[Bbox]:
 
 
 def settle(page: Figure, scaled: Axes | None = None) -> None:
-    """Arrange the page: legends have the width of their axes, and labels are broken where axes are short.
+    """Arrange the page: legends get the width of their axes, and labels longer than their axes are broken.
 
-    Axes with the same scale along both of their axes have room for their labels, however slim they become.
+    Axes with the same scale along x and y have room for their labels, however slim they become.
     """
     engine = page.get_layout_engine()
     for turn in range(2):

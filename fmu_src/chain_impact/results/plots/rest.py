@@ -1,4 +1,4 @@
-"""When a motion rests, and which part of its time a picture shows."""
+"""The rests of a motion, and the part of its time that a picture shows."""
 
 from __future__ import annotations
 
@@ -11,20 +11,21 @@ from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.results.plots.style import REST_COLOUR
 from chain_impact.results.recording import Recording
 
-SLOW = 0.02  # of the longest way of a point, its way in the whole time at a speed that counts as rest
-LEAST = 0.05  # of the time, a rest that is shown
-MUCH = 0.7  # of the time, rest at the start and the end that is left out
-BEFORE, AFTER = 0.1, 0.25  # of the time with motion, what is shown of the rest before it and after it
+# a point counts as at rest at a speed that takes it so far, as a part of its longest way, in the whole time
+SLOW = 0.02
+LEAST = 0.05  # the shortest rest that is shown, as a fraction of the time
+MUCH = 0.7  # rests at the start and the end are left out if they are this part of the time, or more
+BEFORE, AFTER = 0.1, 0.25  # the rest shown before and after the motion, as fractions of the time with motion
 
 
 class Shown(NamedTuple):
-    """What a picture shows of the time.
+    """The part of the time that a picture shows.
 
     Attributes:
-        start: of the axis [s].
-        end: of the axis [s].
+        start: the start of the axis [s].
+        end: the end of the axis [s].
         rests: start and end [s] of each rest.
-        told: what the label of the axis says of rest, if anything.
+        told: the words on rest in the label of the axis; "" without a rest.
     """
 
     start: float
@@ -52,7 +53,7 @@ def shown_time(recording: Recording) -> Shown:
 
 
 def rest_word(recording: Recording) -> str:
-    """Return what the rest at the end is called: "held" by dry friction."""
+    """Return the word for the rest at the end: "held" by dry friction, or "at rest"."""
     last = recording.stick_slip[np.isnan(recording.stick_slip["end"])]
     return "held" if (last["mode"] == STICKS).any() else "at rest"
 
@@ -64,7 +65,7 @@ def ends_at_rest(recording: Recording) -> bool:
 
 
 def rests(recording: Recording) -> list[tuple[float, float]]:
-    """Return start and end [s] of each time in which nothing moves to speak of, and nothing is hit."""
+    """Return start and end [s] of each time in which nothing moves noticeably, and nothing is hit."""
     time, places = recording.time, recording.all_points
     span, size = time[-1] - time[0], np.hypot(*np.ptp(places, axis=0).T).max()
     if len(time) < 3 or not size > 0.0:  # noqa: PLR2004 - no motion between rows
@@ -81,6 +82,6 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
 
 
 def shade_rests(axes: Axes, shown: Shown) -> None:
-    """Shade the rests on an axis of time, which shows the time that is to be seen."""
+    """Shade the rests on an axis of time."""
     for low, high in shown.rests:
         axes.axvspan(low, high, color=REST_COLOUR, linewidth=0.0, zorder=-1)

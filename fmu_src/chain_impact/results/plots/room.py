@@ -17,21 +17,22 @@ from chain_impact.results.recording import Recording
 from chain_impact.results.view import free_room, open_shares, pin_mark, places_of, seen
 from chain_impact.scene.half_planes import HalfPlane
 
-# of the motion's width, at the edges of the view and outside of walls; √2 BAND < NEAR
+# fractions of the motion's width: the margin at the edges of the view, and outside of walls; √2 BAND < NEAR
 MARGIN, BAND = 0.04, 0.14
-FARTHEST = 1.0  # of the motion's width, a place of a wall that comes nearer at other times
-SLIMMEST = 0.3  # of the longer side of the view, the shorter one at least
-BROADEST = 1.6  # of its height, the width to which a view grows to fill its axes
-STRAIGHT = 0.99  # of a wall's normal along an axis, from which it is along the other
-ROUND_OFF = 1e-9  # of the size of the view, between a wall and a corner on it
+FARTHEST = 1.0  # a wall that moves is in view if it is within so many widths of the motion
+SLIMMEST = 0.3  # the least ratio of the shorter side of the view to the longer one
+BROADEST = 1.6  # the largest ratio of width to height to which a view grows to fill its axes
+STRAIGHT = 0.99  # a wall is along one axis if its normal has this component, or more, along the other one
+# the distance of a wall from a corner on it, as a fraction of the size of the view, by round-off
+ROUND_OFF = 1e-9
 
 
 class View(NamedTuple):
-    """The part of the room that is to be seen.
+    """The part of the room in view.
 
     Attributes:
         corners: lower left and upper right, shape (2, 2) [m].
-        walls: the names of those in it.
+        walls: the names of the walls in view.
     """
 
     corners: np.ndarray
@@ -39,11 +40,11 @@ class View(NamedTuple):
 
 
 def view_of(recording: Recording, shape: float | None = None) -> View:
-    """Return what is to be seen: the motion, with a margin, and the walls near it.
+    """Return the view: the motion, with a margin, and the walls near it.
 
-    A wall that is far from the motion all the time is left out. One that comes near is in view wherever it is
-    not very far. The shape is the height over the width that the view has, if there is room beside the
-    motion that is not outside of walls; else it is slimmer.
+    A wall that is far from the motion all the time is left out. A wall that comes near is in view at all
+    times when it is not very far. ``shape`` is the height of the view over its width, if there is room beside
+    the motion inside the walls; else the view is slimmer.
     """
     places = {
         (name, end): wall
@@ -72,7 +73,8 @@ def view_of(recording: Recording, shape: float | None = None) -> View:
     met = dict(near)
     for at, wall in everywhere.items():
         normal = np.array(wall.normal)
-        beyond = -wall.clearance(*np.where(normal > 0.0, *view))  # of the farthest corner
+        # the distance of the farthest corner beyond the wall
+        beyond = -wall.clearance(*np.where(normal > 0.0, *view))
         if at not in near and beyond > 0.0:
             met[at] = wall
             along = int(np.abs(normal).argmax())
@@ -93,12 +95,10 @@ def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
 
 
 def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> None:
-    """The walls near the motion, and a pinned base's mark; sets the limits of the axes.
+    """Draw the walls near the motion and the mark of a pinned base, and set the limits of the axes.
 
-    The view is by default that of ``view_of``.
-
-    What moves is left to ``draw_moving``, but for the room: in white is where the chain may be all the time,
-    in a pale grey where it may be at times.
+    The view is by default that of ``view_of``. ``draw_moving`` draws walls and a base that move. The room is
+    white where the chain may be at all times, and pale grey where it may be at some times.
     """
     corners, near = view or view_of(recording)
     moving = moving_walls(recording, near)

@@ -29,11 +29,11 @@ PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 Okabe and Ito, Color Universal Design (2008), without yellow, which is too pale on white, and without black.
 """
 GREY, PALE, INK = "0.72", "0.9", "0.25"
-"""Curves in the background; lines of a grid; text and outlines."""
+"""The greys: curves in the background; lines of a grid; text and outlines."""
 OUTSIDE_COLOUR, AT_TIMES_COLOUR, REST_COLOUR = "0.93", "0.965", "0.95"
-"""Beyond walls; where the chain may be at times; the time of a rest."""
+"""The colours of the ground: beyond walls; where the chain may be at times; in the time of a rest."""
 FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR, REST_COLOUR)
-"""The grounds on which labels may stand."""
+"""The colours of the ground on which labels may stand."""
 # viridis without its end, which is too pale on white
 TIME_COLOURS = LinearSegmentedColormap.from_list("time", mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
 
@@ -69,15 +69,16 @@ COLOURS: Any = {
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
 """The kinds of settings that matter when a page is drawn."""
 DPI = 160
-FULL, WIDE = 10.0, 6.0  # inches, the width of a page; the least for two columns of axes
-LEFT, TOP = 0.12, 0.08  # inches from the left and the upper edge of the page to the headline
+FULL, WIDE = 10.0, 6.0  # inches: the width of a page, and the least width for two columns of axes
+LEFT, TOP = 0.12, 0.08  # inches from the left and from the upper edge of the page to the headline
 GAP = 0.09  # inches below the headline, and below the conditions
-MOST_HEAD = 0.33  # of the page's height, both together
-MOST_FOOT = 0.15  # likewise, what is written at the foot
-SMALLER = (1.0, 0.92, 0.84, 0.76)  # of its usual size, a headline that is else longer than a line
-LEAST_TICKS = 3  # on an axis
-STEPS = (1, 2, 2.5, 5, 10)  # between ticks, in powers of ten
-SEPARATOR = "\u00a0\u00a0·\u00a0 "  # a line is broken after it only
+MOST_HEAD = 0.33  # the largest height of headline and conditions, as a fraction of the page's height
+MOST_FOOT = 0.15  # the largest height of the texts at the foot, as a fraction of the page's height
+# the sizes tried for a headline longer than a line, as fractions of its usual size
+SMALLER = (1.0, 0.92, 0.84, 0.76)
+LEAST_TICKS = 3  # the least number of ticks on an axis
+STEPS = (1, 2, 2.5, 5, 10)  # the distances between ticks, in powers of ten
+SEPARATOR = "\u00a0\u00a0·\u00a0 "  # a line is broken only after it
 
 
 @contextmanager
@@ -134,7 +135,7 @@ def is_narrow(page: Figure) -> bool:
 
 
 def give_ticks(*axes: Axes) -> None:
-    """Give each axis with numbers that are not chosen by hand at least LEAST_TICKS of them."""
+    """Give each axis at least LEAST_TICKS numbers, unless they are chosen by hand."""
     for one in axes:
         for axis in (one.xaxis, one.yaxis):
             if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), AutoLocator):
@@ -144,8 +145,8 @@ def give_ticks(*axes: Axes) -> None:
 def headline(page: Figure, message: str, conditions: str = "") -> None:
     """Write a message over the picture, and below it, smaller, the conditions.
 
-    Both are broken into lines where the page ends, the message only if it is too long when it is smaller. On
-    a narrow page the conditions are at the foot; on a page that is too low there are none.
+    Lines are broken at the edge of the page; the message is made smaller first. On a narrow page the
+    conditions are at the foot. A page that is too low has no conditions.
     """
     width, height = page.get_size_inches()
     place: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
@@ -171,7 +172,7 @@ def headline(page: Figure, message: str, conditions: str = "") -> None:
 
 
 def broken(page: Figure, text: str) -> str:
-    """Break a small text into lines where the page ends, with a margin on both sides."""
+    """Return a small text, broken into lines at the edge of the page, with a margin on both sides."""
     probe = page.text(0.0, 0.0, "", fontsize="small")
     lines: list[str] = []
     for word in text.split(" "):
@@ -184,7 +185,7 @@ def broken(page: Figure, text: str) -> str:
 
 
 def write_foot(page: Figure, text: str) -> Text | None:
-    """Write a text at the foot of a page, above what is there; on a page that is too low there is none."""
+    """Write a text at the foot of a page, above other texts there; return None if the page is too low."""
     width, height = page.get_size_inches()
     engine = page.get_layout_engine()
     low = engine.get()["rect"][1] if isinstance(engine, ConstrainedLayoutEngine) else 0.0
@@ -199,7 +200,7 @@ def write_foot(page: Figure, text: str) -> Text | None:
 
 
 def legend_at_foot(page: Figure, handles: Sequence[Any], **look: Any) -> None:
-    """Put a legend for all axes below them, above what is written at the foot."""
+    """Put a legend for all axes below them, above other texts at the foot."""
     engine = page.get_layout_engine()
     low = engine.get()["rect"][1] if isinstance(engine, ConstrainedLayoutEngine) else 0.0
     legend = page.legend(handles=list(handles), loc="lower center", bbox_to_anchor=(0.5, low), **look)
@@ -207,7 +208,7 @@ def legend_at_foot(page: Figure, handles: Sequence[Any], **look: Any) -> None:
 
 
 def _reserve(page: Figure, top: float, bottom: float) -> None:
-    """Keep a part of the page's height, at least, free of axes, at the top and at the bottom."""
+    """Keep at least a part of the page's height free of axes, at the top and at the bottom."""
     engine = page.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         left, low, width, height = engine.get()["rect"]
