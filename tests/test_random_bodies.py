@@ -17,6 +17,12 @@ def test_random_bodies_keep_the_laws_of_physics(seeds):
     assert not found
 
 
+@pytest.mark.full("an open fault")
+def test_one_scene_is_known_to_end_early():
+    """Two corners of a box stick: each projection changes the energy by more than the tolerance allows."""
+    assert {told.partition(":")[0] for told in faults(14065)} == {"stopped"}
+
+
 def test_a_peak_after_a_change_of_friction_is_found():
     """A force that falls rises again as a joint and a contact begin to slide: its second peak is higher."""
     run = simulate(bodies(6).with_values({"solver.method": "explicit"}), 0.1, output_step=1e-5)
