@@ -496,6 +496,8 @@ def draw_map(page):
 def test_a_map_is_drawn_read_and_opens_a_run(show):
     page = show("rod_drop", MAP)
     page.get_by_role("button", name="Map…").click()
+    page.locator("#map-text").get_by_text("A preview of 9 × 9 runs. Press Simulate for 41 × 41.").wait_for()
+    assert page.locator("#map-canvas").get_attribute("width") == "9"
     outputs = page.locator("#map-output option").evaluate_all("options => options.map(({ value }) => value)")
     largest = ["peak_force", "max_penetration"]
     assert outputs == [
@@ -516,7 +518,7 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     draw_map(page)
     box = page.locator("#map-canvas").bounding_box()
     titles = page.locator("#map-scales text").all_text_contents()
-    assert {"contact.restitution", "initial.angle[1], °", "impact.count", "0.4", "20"} <= set(titles)
+    assert {"Restitution", "initial.angle[1], °", "Number of impacts", "0.4", "20"} <= set(titles)
     assert page.locator(".map-present").count() == 1
     table = saved(page, "Map as CSV").read_text().splitlines()
     assert table[0] == "contact.restitution,initial.angle[1],impact.count"

@@ -224,3 +224,19 @@ def test_the_controls_cover_no_part_of_the_motion(show, size):
     ends = "[document.getElementById('view').getBoundingClientRect().bottom, "
     view, controls = page.evaluate(ends + "document.querySelector('footer').getBoundingClientRect().top]")
     assert view <= controls
+
+
+SMALL = """(least) => [...document.querySelectorAll("input[type=range], #over, footer button")]
+  .filter((one) => one.offsetParent && one.getBoundingClientRect().height < least)
+  .map((one) => one.id || one.ariaLabel)"""
+
+
+def test_on_a_phone_controls_take_a_tenth_of_the_height_and_fingers_meet_them(show):
+    page = show(viewport=PHONE, has_touch=True)
+    assert (
+        page.evaluate("document.querySelector('footer').getBoundingClientRect().height / innerHeight") <= 0.1
+    )
+    assert page.evaluate(SMALL, 32) == []
+    page.locator("#loop").scroll_into_view_if_needed()  # beside the others, in the same line
+    page.locator("#loop").tap()
+    assert page.locator("#loop").is_checked()

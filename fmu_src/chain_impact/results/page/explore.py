@@ -40,7 +40,7 @@ MODULES = (
         "handles",
         "outside",
     ),
-    *("map", "edit", "explore"),
+    *("map_scales", "map", "edit", "explore"),
 )
 """The modules of the page."""
 TOML = "vendor/smol-toml.cjs"

@@ -5,7 +5,7 @@ import { numberText } from "./changes.js";
 import { unitText } from "./format.js";
 
 /** The parameters with a knob: name, label, and the ends of its slider. */
-const KNOBS = [
+export const KNOBS = [
   { name: "contact.model", label: "Contact law" },
   { name: "contact.stiffness", label: "Stiffness", logarithmic: true, decades: 3 },
   { name: "contact.restitution", label: "Restitution", ends: [0, 1] },

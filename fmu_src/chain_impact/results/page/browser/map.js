@@ -3,46 +3,14 @@
 import { find } from "./dom.js";
 import { numberText } from "./changes.js";
 import { pictureOf, save } from "./outside.js";
+import { colourAt, quantityOf, scaled, shownIn, ticksBetween, titleOf, VIRIDIS } from "./map_scales.js";
 import { unitText } from "./format.js";
 
 const RIM = 2; // pixels around the run that the keyboard is at
 const POINTS = 41; // in each direction
-const RUNS = POINTS * POINTS;
+const COARSE = 9; // the same of the preview
 const WORKERS = 8; // at most
-// viridis of matplotlib (CC0), at equal distances
-const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
-
 const EDGE = { left: 64, right: 16, top: 8, bottom: 86 }; // pixels around the canvas, as the style sheet has them
-const TICKS = 5; // about, of an axis
-const DEGREES = 180 / Math.PI;
-
-/** How a value is shown: in degrees if it is an angle. */
-function shownIn({ unit }) {
-  return unit.startsWith("rad") ? { factor: DEGREES, text: unit.replace("rad", "°") } : { factor: 1, text: unitText(unit) };
-}
-
-/** A name with a unit. */
-function titleOf(name, unit) {
-  return unit ? `${name}, ${unit}` : name;
-}
-
-/** Round numbers between two. */
-function ticksBetween(low, high) {
-  const rough = (high - low) / TICKS;
-  if (!(rough > 0)) return [low];
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * [1, 2, 5, 10].find((factor) => factor * power >= rough);
-  const [first, last] = [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
-  return Array.from({ length: last - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(9)));
-}
-
-/** The colour of a share from 0 to 1. */
-function colourAt(share) {
-  const place = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
-  const at = Math.min(Math.floor(place), VIRIDIS.length - 2);
-  return VIRIDIS[at].map((part, k) => Math.round(part + (place - at) * (VIRIDIS[at + 1][k] - part)));
-}
-
 /** The first and the last value of an axis: around the present one, within what is allowed. */
 function rangeOf({ low, high }, value) {
   if (high <= 1 && low >= 0) return [Math.max(low, 0.05), Math.min(high, 0.95)];
@@ -81,6 +49,7 @@ export class GridMap {
     this.#fill();
     changes.onOpen(() => this.#fill());
     find("map-run").addEventListener("click", () => this.run());
+    [...this.inputs.flat(), this.output].forEach((field) => field.addEventListener("change", () => this.#preview()));
     find("map-csv").addEventListener("click", () => save(new Blob([this.#table()], { type: "text/csv" }), `${changes.scene.name}-map.csv`));
     find("map-png").addEventListener("click", () => this.#picture());
     new ResizeObserver(() => this.shown && this.#drawScales()).observe(find("map-frame"));
@@ -97,6 +66,12 @@ export class GridMap {
     });
     this.dialog.showModal();
     if (this.shown) this.#drawScales();
+    this.#preview();
+  }
+
+  /** Show at once, with few runs, what a press will show; a whole map stays as it is. */
+  #preview() {
+    if (this.shown?.points !== POINTS) this.run(COARSE);
   }
 
   /** What a map can show: the largest forces and depths, and outputs at the end, of the whole and of the tip. */
@@ -112,7 +87,7 @@ export class GridMap {
   #fill() {
     this.#stop();
     this.shown = undefined;
-    this.canvas.getContext("2d").clearRect(0, 0, POINTS, POINTS);
+    this.canvas.getContext("2d").clearRect(0, 0, this.canvas.width, this.canvas.height);
     this.scales.clear();
     find("map-files").hidden = true;
     this.#say("");
@@ -137,26 +112,30 @@ export class GridMap {
     });
   }
 
-  /** Work the map out, drawing what is there; what cannot be asked for changes nothing. */
-  async run() {
+  /** Work the map out, with so many points along each axis, drawing what is there; what cannot be asked for changes nothing. */
+  async run(points = POINTS) {
     let asked;
     try {
-      asked = this.#asked();
+      asked = this.#asked(points);
     } catch (error) {
       this.#say(`${error.message}.`);
       return;
     }
     this.#stop();
     this.#read = this.#chosen = undefined;
-    const shown = { ...asked, found: Array(RUNS), rows: 0 };
+    const shown = { ...asked, points, found: Array(points * points), rows: 0 };
     this.shown = shown;
+    Object.assign(this.canvas, { width: points, height: points });
+    find("map-files").hidden = true;
+    this.#drawScales();
     const began = performance.now();
     const fault = await this.#simulate(shown).then(() => "", (error) => `${error.message}.`);
     if (shown !== this.shown) return;
     this.#stop();
     const seconds = ((performance.now() - began) / 1000).toPrecision(2);
-    const done = `${RUNS} runs in ${seconds} s. Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
-    this.#say(fault || (shown.rows === POINTS ? done : `Stopped after ${shown.rows} of ${POINTS} rows.`));
+    const told = points === POINTS ? `${points * points} runs in ${seconds} s.` : `A preview of ${points} × ${points} runs. Press Simulate for ${POINTS} × ${POINTS}.`;
+    const done = `${told} Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
+    this.#say(fault || (shown.rows === points ? done : `Stopped after ${shown.rows} of ${points} rows.`));
   }
 
   #say(text) {
@@ -164,12 +143,12 @@ export class GridMap {
   }
 
   /** What the fields ask for: names, values along both axes, the other changes and the output. */
-  #asked() {
+  #asked(points) {
     const names = this.inputs.map(([name]) => name.value);
     if (names[0] === names[1]) throw new RangeError("choose two parameters");
     const axes = this.inputs.map(([name, from, to]) => {
       const [first, last] = [from, to].map((field) => this.changes.numberOf(name.value, field.value));
-      return Array.from({ length: POINTS }, (_, k) => Number((first + ((last - first) * k) / (POINTS - 1)).toPrecision(12)));
+      return Array.from({ length: points }, (_, k) => Number((first + ((last - first) * k) / (points - 1)).toPrecision(12)));
     });
     const output = this.#outputs.find(({ name }) => name === this.output.value);
     return { names, axes, values: { ...this.changes.values }, output };
@@ -177,21 +156,21 @@ export class GridMap {
 
   /** Simulate the rows of a map, each in the next worker that is free: there is one for each processor. */
   async #simulate(shown) {
-    const { names, axes, values, output } = shown;
+    const { names, axes, values, output, points } = shown;
     const words = [this.changes.scene.layout.status, ...output.words];
     let next = 0;
     const work = async (engine) => {
-      while (next < POINTS) {
+      while (next < points) {
         const row = next;
         next += 1;
         const each = Float64Array.from(axes[0].flatMap((value) => [value, axes[1][row]]));
         const result = await engine.ask("study", values, { names, each, words });
         if (!result) return; // the worker was ended
-        this.#take(result.rows, row);
+        if (shown === this.shown) this.#take(result.rows, row);
       }
     };
     this.#engines = Array.from({ length: Math.min(navigator.hardwareConcurrency || 1, WORKERS) }, this.begin);
-    this.#say(`0 of ${POINTS} rows`);
+    this.#say(`0 of ${points} rows`);
     await Promise.all(this.#engines.map(work));
   }
 
@@ -203,23 +182,23 @@ export class GridMap {
 
   /** Take the outputs at the ends of the runs of a row; null of one that has failed, or that a scene would refuse. */
   #take(rows, row) {
-    const { output, found } = this.shown;
+    const { output, found, points } = this.shown;
     const integers = new BigInt64Array(rows.buffer);
-    for (let column = 0; column < POINTS; column += 1) {
+    for (let column = 0; column < points; column += 1) {
       const status = (1 + output.words.length) * column;
-      const index = row * POINTS + column;
+      const index = row * points + column;
       const given = Math.max(...output.words.map((_, k) => (output.integer ? Number(integers[status + 1 + k]) : rows[status + 1 + k])));
       found[index] = integers[status] === 0n && this.#isAllowed(index) ? given : null;
     }
     this.shown.rows += 1;
-    this.#say(`${this.shown.rows} of ${POINTS} rows`);
+    this.#say(`${this.shown.rows} of ${points} rows`);
     this.#draw();
   }
 
   /** The values of both parameters in a run. */
   #givenAt(index) {
-    const { names, axes } = this.shown;
-    return { [names[0]]: axes[0][index % POINTS], [names[1]]: axes[1][Math.floor(index / POINTS)] };
+    const { names, axes, points } = this.shown;
+    return { [names[0]]: axes[0][index % points], [names[1]]: axes[1][Math.floor(index / points)] };
   }
 
   #isAllowed(index) {
@@ -234,21 +213,22 @@ export class GridMap {
     const known = this.shown.found.filter((value) => Number.isFinite(value));
     const [least, most] = known.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
     const context = this.canvas.getContext("2d");
-    const image = context.createImageData(POINTS, POINTS);
+    const { points } = this.shown;
+    const image = context.createImageData(points, points);
     Array.from(this.shown.found, (value, index) => {
-      const [column, row] = [index % POINTS, POINTS - 1 - Math.floor(index / POINTS)];
+      const [column, row] = [index % points, points - 1 - Math.floor(index / points)];
       const colour = !Number.isFinite(value) ? [128, 128, 128, 60] : [...colourAt((value - least) / (most - least || 1)), 255];
-      image.data.set(colour, 4 * (row * POINTS + column));
+      image.data.set(colour, 4 * (row * points + column));
     });
     context.putImageData(image, 0, 0);
     this.shown.ends = known.length ? [least, most] : null;
-    find("map-files").hidden = false;
+    find("map-files").hidden = points !== POINTS;
     this.#drawScales();
   }
 
   /** The axes, the present run and the scale of the colours. */
   #drawScales() {
-    const { scales, shown: { names, axes, output, ends } } = this;
+    const { scales, shown: { names, axes, output, ends, points } } = this;
     const { clientWidth, clientHeight } = find("map-frame");
     const [width, height] = [clientWidth - EDGE.left - EDGE.right, clientHeight - EDGE.top - EDGE.bottom];
     if (!(width > 0 && height > 0)) return;
@@ -257,7 +237,7 @@ export class GridMap {
     const bottom = EDGE.top + height;
     const at = (k, value) => {
       const [first, last] = [axes[k][0], axes[k].at(-1)];
-      const share = ((POINTS - 1) * (value - first) / (last - first || 1) + 0.5) / POINTS;
+      const share = ((points - 1) * (value - first) / (last - first || 1) + 0.5) / points;
       return k ? bottom - share * height : EDGE.left + share * width;
     };
     const units = names.map((name) => shownIn(this.changes.parameters.get(name)));
@@ -270,17 +250,18 @@ export class GridMap {
         if (k) write(numberText(tick), EDGE.left - 8, place + 4, "end");
         else write(numberText(tick), place, bottom + 18, "middle");
       });
-      const title = titleOf(name, text);
+      const title = titleOf(quantityOf(name), text);
       if (k) write(title, 0, 0, "middle").attr({ transform: `translate(13 ${EDGE.top + height / 2}) rotate(-90)` });
       else write(title, EDGE.left + width / 2, bottom + 34, "middle");
     });
     scales.rect(width, height).move(EDGE.left, EDGE.top).addClass("map-tick");
-    this.#drawColours(write, EDGE.left, bottom + 52, width, titleOf(output.name, unitText(output.unit)), ends);
+    const { factor, text } = scaled(output.unit, Math.max(...(ends ?? [0]).map(Math.abs)));
+    this.#drawColours(write, EDGE.left, bottom + 52, width, titleOf(quantityOf(output.name), text), ends?.map((end) => factor * end));
     if (this.#chosen !== undefined) {
-      const [column, row] = [this.#chosen % POINTS, Math.floor(this.#chosen / POINTS)];
-      const [left, top] = [EDGE.left + (column * width) / POINTS, bottom - ((row + 1) * height) / POINTS];
+      const [column, row] = [this.#chosen % points, Math.floor(this.#chosen / points)];
+      const [left, top] = [EDGE.left + (column * width) / points, bottom - ((row + 1) * height) / points];
       ["map-present-edge", "map-present map-chosen"].forEach((kind) =>
-        scales.rect(width / POINTS + 2 * RIM, height / POINTS + 2 * RIM).move(left - RIM, top - RIM).addClass(kind));
+        scales.rect(width / points + 2 * RIM, height / points + 2 * RIM).move(left - RIM, top - RIM).addClass(kind));
     }
     const present = names.map((name, k) => at(k, this.changes.valueOf(name)));
     const isSeen = present[0] >= EDGE.left && present[0] <= EDGE.left + width && present[1] >= EDGE.top && present[1] <= bottom;
@@ -322,9 +303,10 @@ export class GridMap {
   /** The run at a place of the canvas; undefined where there is none yet. */
   #at({ clientX, clientY }) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const place = (share) => Math.min(Math.max(Math.floor(share * POINTS), 0), POINTS - 1);
-    const [column, row] = [place((clientX - left) / width), POINTS - 1 - place((clientY - top) / height)];
-    const index = row * POINTS + column;
+    const points = this.canvas.width;
+    const place = (share) => Math.min(Math.max(Math.floor(share * points), 0), points - 1);
+    const [column, row] = [place((clientX - left) / width), points - 1 - place((clientY - top) / height)];
+    const index = row * points + column;
     return this.shown?.found[index] === undefined ? undefined : index;
   }
 
@@ -333,14 +315,15 @@ export class GridMap {
     const [right, up] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] ?? [];
     if (!this.shown || (right === undefined && event.key !== "Enter")) return;
     event.preventDefault();
-    const middle = (RUNS - 1) / 2;
+    const { points } = this.shown;
+    const middle = (points * points - 1) / 2;
     if (event.key === "Enter") {
       if (this.#chosen !== undefined) this.#open(this.#chosen);
       return;
     }
-    const [column, row] = this.#chosen === undefined ? [middle % POINTS, Math.floor(middle / POINTS)]
-      : [this.#chosen % POINTS + right, Math.floor(this.#chosen / POINTS) + up].map((place) => Math.min(Math.max(place, 0), POINTS - 1));
-    this.#chosen = row * POINTS + column;
+    const [column, row] = this.#chosen === undefined ? [middle % points, Math.floor(middle / points)]
+      : [this.#chosen % points + right, Math.floor(this.#chosen / points) + up].map((place) => Math.min(Math.max(place, 0), points - 1));
+    this.#chosen = row * points + column;
     this.#tell(this.#chosen);
     this.#drawScales();
   }
