@@ -24,7 +24,7 @@ CORNERS, ENDS = "four corners, points of the link", "two corners, ends of the li
 
 
 def brick(ends: list[int], points: list[tuple[float, float]], friction: float) -> Scene:
-    """The brick above a floor; ``ends`` and ``points`` of its link may touch."""
+    """Return the brick above a floor; ``ends`` and ``points`` of its link may touch."""
     link: dict[str, Any] = {"length": BREADTH, "mass": MASS, "center_of_mass_offset": 0.5 * HEIGHT}
     link["inertia"] = MASS * (BREADTH**2 + HEIGHT**2) / 12.0
     link["points"] = [{"x": x, "y": y} for x, y in points]

@@ -242,7 +242,7 @@ def off(state: np.ndarray, truth: np.ndarray) -> float:
 # --- the chart ----------------------------------------------------------------------------------------------
 
 SIZE = (12.5, 5.0)  # inches
-LEAST = 1e-6  # µm/s: what drifts less is drawn there
+LEAST = 1e-6  # µm/s, where the chart draws slower drifts
 CREEPS, SHOWN = "MuJoCo Euler, defaults", 1e-3  # the setting and the step [s] of the headline
 LOOKS = {
     "ours": (OURS, "o"),

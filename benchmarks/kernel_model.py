@@ -186,7 +186,7 @@ def switch(d, clock, values, found):
     return d.touch.active_count
 
 
-# --- for stability.py: what a state has come to, and fixed steps ------------------------------------------
+# --- for stability.py: the energy and depth of a state, and fixed steps -----------------------------------
 
 
 @compiled

@@ -28,7 +28,7 @@ from chain_impact.scene.scene import Scene, scene_from_dict
 
 FITTED, UNSEEN = "20230629-143601", "20230629-143524"
 SPAN, STEP = 0.5, 0.02  # s
-AROUND = 5  # samples before and after a start, through which a parabola gives the rates there
+AROUND = 5  # the samples before and after a start, through which a parabola gives the rates there
 KEYS = ("center_of_mass", "inertia", "joint_damping", "joint_friction")
 START, HIGHEST, SCALE = (0.2, 0.005, 0.01, 0.1), (1.0, 0.2, 0.5, 1.0), (0.1, 0.005, 0.02, 0.05)
 DRY = "joint_friction"
@@ -65,7 +65,7 @@ def arm() -> Scene:
 
 
 def read(file: Path, first: float = 0.5) -> list[Span]:
-    """Return the spans of a run; what is before the first time is left out."""
+    """Return the spans of a run; data before the first time are left out."""
     data = np.genfromtxt(file, delimiter=",", names=True)
     time = data["time"]
     angles, torques = (np.array([data[f"{name}_meas{i}"] for i in (1, 2)]) for name in ("pos", "tau"))
@@ -86,7 +86,7 @@ def read(file: Path, first: float = 0.5) -> list[Span]:
 def off(
     x: np.ndarray, span: Span, names: list[str], derivatives: bool = False
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """Errors of both joint angles [rad], one after the other, and their derivatives by the parameters."""
+    """Return the errors of both joint angles [rad], and their derivatives by the parameters."""
     angles, rates = np.cumsum(span.angles[:, 0]) - math.pi / 2, np.cumsum(span.rates)
     start = {f"initial.angle[{i + 1}]": float(math.remainder(a, math.tau)) for i, a in enumerate(angles)}
     start |= {f"initial.angular_velocity[{i + 1}]": float(rate) for i, rate in enumerate(rates)}
@@ -106,7 +106,7 @@ def off(
     if not derivatives:
         return errors, None
     slopes = [[result.sensitivity(f"link[{i}].angle", name) for i in (1, 2)] for name in names]
-    # where there is no derivative, as when a joint just does not stop, a step of the fit does without it
+    # where no derivative exists, as when a joint just fails to stop, a step of the fit leaves the row out
     return errors, np.nan_to_num(np.stack([joints(*pair) for pair in slopes], axis=1))
 
 

@@ -32,7 +32,7 @@ MASS, GYRATION = 0.0364, 0.0192  # kg, m: of the ellipse
 STOP, GAP = 1e-3, 1e-6  # s, m: the impact begins within 1e-5 s and lasts as long
 START = {"contact.restitution": 0.6, "contact.friction": 0.2}
 MINDLIN = 0.82  # tangential over normal stiffness of an elastic contact, 2 (1 − ν)/(2 − ν) for ν = .3
-STEPS = 400  # of half an elastic impact, in the model with a compliance
+STEPS = 400  # the steps of half an elastic impact, in the model with a compliance
 
 
 @dataclass(frozen=True)
@@ -158,7 +158,7 @@ def fitted_compliant(trials: Trials, ratio: float | None) -> list[float]:
 
 
 def errors(trials: Trials, after: np.ndarray) -> np.ndarray:
-    """What predicted velocities are off by (n,): of v_x, v_y and ω times the radius of gyration [m/s]."""
+    """Return errors of predicted velocities (n,) [m/s]: of v_x, v_y and ω times the radius of gyration."""
     return np.linalg.norm((after - trials.after) * [1.0, 1.0, GYRATION], axis=1)
 
 
@@ -177,7 +177,7 @@ def figures(trials: Trials, after: np.ndarray, **parameters: float) -> dict[str,
 
 
 def facts(trials: Trials) -> dict[str, float]:
-    """What was measured: the speeds, Newton's restitution, and how often the point moves back afterwards."""
+    """Return facts on the measurements: speeds, Newton's restitution, and how often the point moves back."""
     before, after = trials.at_contact(trials.before), trials.at_contact(trials.after)
     low, middle, high = np.quantile(-after[:, 1] / before[:, 1], (0.05, 0.5, 0.95))
     numbers = {

@@ -57,9 +57,9 @@ def race(entries: Entries, base: str, rounds: int, patience: float = 5.0) -> lis
 
 
 def seconds_at(error: float, rows: list[dict[str, Any]], key: str = "tip") -> float | None:
-    """How long a contender takes to reach an error [s], on straight lines between its runs in the chart.
+    """Return the time [s] of a contender for an error, on straight lines between its runs in the chart.
 
-    Where even its loosest run errs less, that run; None where none of its runs comes that close.
+    If even the loosest run has a smaller error, return the time of this run; if no run is so accurate, None.
     """
     points = [
         (row[key], row["seconds"]["median"])

@@ -101,7 +101,7 @@ class Bouncing:
         return table[-1], np.abs(table[-1] - last[-1]).max()
 
     def events(self, y: np.ndarray) -> list[tuple[REAL, REAL]]:
-        """What falls through zero at an event: clearance when apart, penetration in contact; and its rate."""
+        """Return the clearances and penetrations that fall through zero at events, and their rates."""
         return [(-g, -v) if c in self.v0 else (g, v) for c, (g, v) in enumerate(self.clearances(y))]
 
     def advance(self, stop: float) -> None:

@@ -40,7 +40,7 @@ class Ours(OnInstance):
         self.rows = np.zeros(STOP, COUNTS)
 
     def run(self) -> None:
-        """Once, stopped at each second to look at the counts; that costs it nothing."""
+        """Run once, and stop at each second to look at the counts; the stops cost nothing."""
         self.block[:] = self.fresh
         record = self.instance.record
         for second in range(STOP):
@@ -51,14 +51,14 @@ class Ours(OnInstance):
 
 
 def energy(run: OnInstance) -> float:
-    """What there is of it now, and what has gone [J]."""
+    """Return the present energy plus the dissipated energy [J]."""
     run.kernel.observe(run.address)
     output = run.instance.record["output"]
     return float(output["total"] + output["dissipated"])
 
 
 def outcome(run: Any) -> dict:
-    """What comes of a run, at its end and at rest."""
+    """Return the results of a run, at the end and at rest."""
     run.block[:] = run.fresh
     start = energy(run)
     run.run()
@@ -110,7 +110,7 @@ SIZE = (10.5, 5.6)  # inches, of the chart
 
 
 def draw(page, record) -> None:
-    """Time above, steps below; one column for each restitution."""
+    """Draw the time above and the steps below; one column for each restitution."""
     looks = {
         "ours": (OURS, "o", "-"),
         CAREFUL: (BLUE, "^", "-"),

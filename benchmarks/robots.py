@@ -38,7 +38,7 @@ SPEED = 0.3  # rad/s or m/s, of the joints at the start, with changing sign
 TOLERANCE = 1e-11
 ALIKE = 1e-6  # rad, up to which two angles are the same
 TOUCHING = ("joint_min", "joint_max", "joint_friction", "slider_min", "slider_max", "slider_friction")
-"""What a link or a slider has that MuJoCo does otherwise, by soft constraints."""
+"""The properties of a link or a slider that MuJoCo treats otherwise, by soft constraints."""
 CONSTRAINTS = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
 
 
@@ -93,7 +93,7 @@ def _moving(robot: Robot, names: Sequence[str]) -> Robot:
 
 
 def turned_in_scene(done: Converted, robot: Robot, names: Sequence[str]) -> np.ndarray:
-    """Return how far each hinge turns in the scene [rad], with the sign of the file, by the note on it."""
+    """Return how far each hinge turns in the scene [rad], with its sign in the file, by the note on signs."""
     data = {key: table for key, table in done.data.items() if key not in ("box", "walls", "contact", "stops")}
     links = [
         {key: value for key, value in link.items() if key not in TOUCHING} for link in data["chain"]["links"]
@@ -118,7 +118,10 @@ def turned_in_scene(done: Converted, robot: Robot, names: Sequence[str]) -> np.n
 
 
 def mujoco_model(path: Path) -> Any:
-    """Return a file as MuJoCo has it, without constraints; of URDF what is seen and touched is left out."""
+    """Return a file as a model of MuJoCo, without constraints.
+
+    Visual and collision parts of URDF are left out.
+    """
     if path.suffix == ".xml":
         model = compiled(mujoco, path).model
     else:

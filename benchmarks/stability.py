@@ -36,7 +36,8 @@ STOP = 3.0  # s
 SAMPLE = 1e-4  # s, between looks at ours
 BUDGET = 2.0  # s of CPU time for a cell
 HEIGHT, TILT, LENGTH = 0.1, 0.3, 1.0  # m, rad, m
-GAIN, DEEPEST = 1e-3, 0.06  # of the energy at the start above rest; of the rod's length
+# part of the energy at the start above rest that a run may gain; largest depth, as a part of the rod's length
+GAIN, DEEPEST = 1e-3, 0.06
 OUTSIDE = 1e-9  # m, a point this deep without a contact: the onset was missed
 
 OUTCOMES = {
@@ -48,7 +49,7 @@ OUTCOMES = {
     "missed an onset": ORANGE,
     "gave up": BLUE,
 }
-"""What a run may come to, and its colour in the chart."""
+"""The outcomes of a run, and their colours in the chart."""
 
 
 class OverBudgetError(Exception):
@@ -73,7 +74,7 @@ def drop(stiffness: float, restitution: float, method: str = "auto") -> Scene:
 
 
 def energies() -> tuple[float, float]:
-    """Energy at the start [J], with the rod at rest on the floor at 0, and the most that counts as kept."""
+    """Return the energy at the start [J], 0 for the rod at rest on the floor, and the most that is kept."""
     available = 9.81 * (HEIGHT + 0.5 * LENGTH * math.sin(TILT))
     return available, available * (1.0 + GAIN)
 
@@ -82,7 +83,7 @@ def judged(finite: bool, energy: float, deepest: float, missed: bool, otherwise:
     """Return the outcome of a run, the gravest first."""
     if not finite or not math.isfinite(energy):
         return "not finite"
-    if missed:  # it falls through
+    if missed:  # the point falls through the floor
         return "missed an onset"
     if deepest > DEEPEST * LENGTH:
         return "tunnelled"
@@ -146,7 +147,7 @@ def run_scipy(scene: Scene, method: str) -> dict:
 
 
 def run_ours(scene: Scene) -> dict:
-    """Return a cell of ours, looked at often enough to see what a user would see."""
+    """Return a cell of ours, checked as often as a user would see it."""
     try:
         instance = Instance(scene)
     except SimulationError as problem:
@@ -217,7 +218,7 @@ def title_of(method: str) -> str:
 
 
 def draw(page: Any, record: Any) -> None:
-    """One map for each method: stiffness to the right, restitution upwards, coloured by the outcome."""
+    """Draw one map for each method: stiffness to the right, restitution upwards, coloured by the outcome."""
     settings, tally = record["settings"], record["results"]["tally"]
     stiffnesses, restitutions = settings["stiffnesses"], settings["restitutions"]
     cells, done = len(stiffnesses) * len(restitutions), {m: tally[m].get("completed", 0) for m in tally}
@@ -255,7 +256,7 @@ def draw(page: Any, record: Any) -> None:
 
 
 def main() -> None:
-    """Run the map and draw it."""
+    """Run all cells of the map and draw the map."""
     started, begin = common.environment(), time.time()
     methods = [*(f"ours {method}" for method in METHODS), *ADAPTIVE, *FIXED]
     tasks = [(m, k, e) for m in methods for k in STIFFNESSES for e in RESTITUTIONS]

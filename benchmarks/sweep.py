@@ -20,7 +20,7 @@ from chain_impact import load_scene, simulate, sweep
 STOP, TOLERANCE = 0.6, 1e-6
 NAME, FIRST, LAST = "contact.restitution", 0.6, 0.8  # all have two impacts
 RUNS, ROUNDS = 20_000, 9
-CALLS = 200  # of simulate()
+CALLS = 200  # the number of calls of simulate()
 THREADS = (1, 2, 4)
 LOOP = "loop over simulate()"
 SCENE = load_scene("four_link_box").with_values(
@@ -29,7 +29,7 @@ SCENE = load_scene("four_link_box").with_values(
 
 
 def loop() -> None:
-    """What one would write without a sweep."""
+    """Simulate in a loop, as a user would without a sweep."""
     for value in np.linspace(FIRST, LAST, CALLS).tolist():
         simulate(SCENE.with_values({NAME: value}))
 

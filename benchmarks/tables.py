@@ -24,14 +24,14 @@ from problems import PROBLEMS, STEEL
 
 CHARTS = (fidelity, friction, rest, stability, work_precision)
 NO_DRIFT = 1e-9  # µm/s: less is round-off
-# what the tables show: tolerances, steps of MuJoCo [s], and choices of fidelity.py
+# the contents of the tables: tolerances, steps of MuJoCo [s], and choices of fidelity.py
 WORK, OURS, STEPS = (1e-4, 1e-8), (1e-4, 1e-8), (1e-2, 1e-3)
 STIFFNESSES, TOLERANCES = (1e5,), (1e-4, 1e-8)
 DEFAULT_TOLERANCE = 1e-8
 AIM, RANDOM = (
     1e-8,
     "random scenes",
-)  # of certified.py: the tolerance in prose, and a name
+)  # from certified.py: the tolerance in prose, and a name
 LAWS = ("lankarani_nikravesh", "newton_impact")
 
 
@@ -43,7 +43,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
 
 
 def run(name: str, packages: Iterable[str] = ()) -> str:
-    """When and on what a benchmark ran, and with which versions of the packages that matter."""
+    """Return date, commit and machine of a run of a benchmark, and the versions of some packages."""
     record = common.load(name)
     changed = ", with uncommitted changes" if record["sources_changed_since"] else ""
     versions = "".join(f", {key} {record['versions'][key]}" for key in packages if key in record["versions"])
@@ -52,7 +52,7 @@ def run(name: str, packages: Iterable[str] = ()) -> str:
 
 
 def digits(value: float | None) -> str:
-    """Return three digits, and no exponent for what is large; a dash for nothing."""
+    """Return a number in three digits, without an exponent for large numbers; a dash for None."""
     if value is None:
         return "–"
     return f"{value:.3g}" if value < 1e3 else f"{float(f'{value:.3g}'):.0f}"
@@ -91,7 +91,7 @@ def headline() -> str:
 
 
 def sweeps() -> str:
-    """What a run of a sweep takes, and how two workers share the work."""
+    """Return a sentence on the time of a run of a sweep, and on the speed with two workers."""
     results = common.load("sweep")["results"]
     micro = results["CPU microseconds a run"]
     one, _, four, loop = (digits(micro[name]["median"]) for name in micro)
@@ -104,7 +104,7 @@ def sweeps() -> str:
 
 
 def brick() -> str:
-    """How many times as long a contact takes on a brick with four corners."""
+    """Return a sentence on how many times as long a contact takes on a brick with four corners."""
     rows = common.load("bodies")["results"]
     ratios = [
         f"{digits(row['times as long']['median'])} times as long with" + ("" if row["friction"] else "out")
@@ -154,7 +154,7 @@ def slope() -> str:
 
 
 def choices() -> str:
-    """What some choices of a model err by and cost."""
+    """Return a table of the errors and the times of some choices of a model."""
     record, rows = common.load("fidelity"), {}
     early, late = record["settings"]["stop [s]"]
     for row in record["results"]:
@@ -193,7 +193,7 @@ def proven_share() -> str:
 
 
 def proven() -> str:
-    """What is proven of which share of steps."""
+    """Return a paragraph on the share of steps that are proven."""
     record = common.load("certified")
     rows = record["results"]
     found = shares([row for row in rows if row["of"] != RANDOM and row["tolerance"] == AIM])

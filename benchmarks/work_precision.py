@@ -63,7 +63,7 @@ def start_up(name: str, cache: str = "") -> float | None:
 
 
 def at_equal_error(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """For each public run, how many times as long the others take to the same error of the tip."""
+    """Return for each public run how many times as long the others take to the same error of the tip."""
     found = []
     for mine in rows:
         if mine["name"] != PUBLIC or "seconds" not in mine or not mine["right"]:
@@ -79,7 +79,7 @@ def at_equal_error(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def message(equal: list[dict[str, Any]]) -> str:
-    """What the chart says: how many times as long the peers take at the default tolerance."""
+    """Return the headline: how many times as long the peers take at the default tolerance."""
     at = [row["times as long"] for row in equal if row["setting"] == DEFAULT]
     parts = []
     for name in LOOKS:
@@ -91,7 +91,7 @@ def message(equal: list[dict[str, Any]]) -> str:
 
 
 def draw(page: Any, record: Any) -> None:
-    """CPU time over the errors of the tip and of the onsets for each chain, and the start-up beside it."""
+    """Draw CPU time over the errors of tip and onsets for each chain, and the start-up beside it."""
     results = record["results"]
     grid = page.add_gridspec(2, 4, width_ratios=(1, 1, 1, 0.8))
     for column, name in enumerate(NAMES):
@@ -116,7 +116,7 @@ def draw(page: Any, record: Any) -> None:
 
 
 def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> None:
-    """A curve for each contender, its range over the rounds, and crosses where other impacts were found."""
+    """Draw a curve for each contender, its range over the rounds, and crosses where it has other impacts."""
     for name in LOOKS:
         mine = [row for row in rows if row["name"] == name]
         right = [row for row in mine if row["right"]]
@@ -134,7 +134,7 @@ def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> None:
 
 
 def draw_start_up(axes: Any, start: dict[str, float]) -> None:
-    """A bar for each contender."""
+    """Draw a bar for each contender."""
     names = list(start)[::-1]
     axes.barh(names, [start[name] for name in names], color=[LOOKS[name][0] for name in names], alpha=0.4)
     axes.set(title="new process to first result", xlabel="CPU time [s]", yticks=[])

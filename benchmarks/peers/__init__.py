@@ -29,12 +29,12 @@ PACKAGES = ("numbalsoda", "heyoka", "mujoco")
 
 
 class MissingError(RuntimeError):
-    """What a family needs is not installed."""
+    """An error: a package that a family needs is not installed."""
 
 
 @dataclass
 class Outcome:
-    """What a run came to."""
+    """The result of a run."""
 
     state: np.ndarray  # x₀, y₀, angles, and their rates
     onsets: Onsets = field(default_factory=list)
@@ -47,7 +47,7 @@ class Contender(Protocol):
     """One solver on one problem."""
 
     def run(self) -> object:
-        """From the parameters to the end; this is what is timed."""
+        """Run from the parameters to the end; this is timed."""
 
     def outcome(self) -> Outcome:
         """Run once more and tell."""

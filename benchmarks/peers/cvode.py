@@ -53,7 +53,7 @@ class Cvode(OnInstance):
         self.settings = Settings(states, int(record["candidates"]), adams, careful, BUDGET)
 
     def run(self) -> int:
-        """Once; how many of the times are reached."""
+        """Run once; return how many of the times are reached."""
         self.block[:] = self.fresh
         pointers = ctypes.byref(self.settings), self.times.ctypes.data, len(self.times), self.rows.ctypes.data
         done: int = self.driver.cvode_solve(self.address, *pointers)
@@ -61,7 +61,7 @@ class Cvode(OnInstance):
         return done
 
     def outcome(self) -> Outcome:
-        """Once more."""
+        """Run once more, and return the outcome."""
         done, row = self.run(), self.rows[-1]
         failed = "" if done == len(self.times) else f"CVODE's flag {row['flag']}"
         return Outcome(*self.observed(), int(row["steps"]), int(row["rhs"]), failed)
@@ -83,7 +83,7 @@ def driver(links: int) -> ctypes.CDLL:
 
 
 def link_driver(library: Path, model: Path) -> None:
-    """Make the library of the driver, which loads that of the model: by gcc, as SUNDIALS was compiled."""
+    """Compile the library of the driver, which loads the model's library; by gcc, as SUNDIALS was."""
     gcc = ["gcc", "-O2", "-fPIC", "-shared", "-Wall", "-Wextra", "-Wl,--no-undefined", "-o", str(library)]
     libraries = [f"-lsundials_{name}" for name in SUNDIALS]
     done = subprocess.run(

@@ -119,7 +119,7 @@ class Taylor(OnKernel):
         return out
 
     def run(self) -> tuple[int, str]:
-        """Once; the steps, and why it failed."""
+        """Run once; return the steps, and why the run failed."""
         self.start()
         t, steps = 0.0, 0
         while t < self.stop:
@@ -145,7 +145,7 @@ class Taylor(OnKernel):
         return steps, ""
 
     def outcome(self) -> Outcome:
-        """Once more; its evaluations are not counted."""
+        """Run once more, and return the outcome, without the number of evaluations."""
         steps, failed = self.run()
         found = self.finished(steps, failed)
         found.rhs = None

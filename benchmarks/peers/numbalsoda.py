@@ -16,7 +16,7 @@ from peers.on_kernel import OnKernel
 
 @njit
 def run_dop853(rate, least, switch, address, y, found, stop, tolerance, grid):  # noqa: PLR0917
-    """From y at 0 s to ``stop``; returns the number of steps, −1 on failure."""
+    """Integrate from y at 0 s to ``stop``; return the number of steps, −1 on failure."""
     t, first, steps = 0.0, 0.0, 0
     clock = np.zeros(2)
     while t < stop:
@@ -42,7 +42,7 @@ class Dop853(OnKernel):
     """``numbalsoda.solve_ivp``."""
 
     def run(self, *, keep_steps: bool = False) -> int:
-        """Once; steps are kept to be counted, at some cost."""
+        """Run once; to count the steps, they are kept, at some cost."""
         self.start()
         grid = np.array([] if keep_steps else [self.stop], np.float64)
         return run_dop853(
@@ -51,7 +51,7 @@ class Dop853(OnKernel):
         )  # fmt: skip
 
     def outcome(self) -> Outcome:
-        """Once more."""
+        """Run once more, and return the outcome."""
         steps = self.run(keep_steps=True)
         return self.finished(steps, "gave up" if steps < 0 else "")
 

@@ -1,4 +1,4 @@
-"""What peers have in common that integrate the kernel's own functions, see kernel_model.py."""
+"""The parts shared by peers that integrate the kernel's own functions, see kernel_model.py."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ class OnKernel(OnInstance):
         self.model.plain_start(self.address, self.y.ctypes.data)
 
     def switch(self, time: float, y: np.ndarray, flight: float = 1.0) -> tuple[float, float]:
-        """Let the event at a time [s] take effect; the time of it [s], and a first step [s] from there.
+        """Let the event at a time [s] take effect; return its time [s], and a first step [s] from there.
 
         Args:
-            time: [s].
-            y: state.
-            flight: the most that the first step of a flight may be [s].
+            time: the time [s].
+            y: the state.
+            flight: the largest first step [s] of a flight.
         """
         self.y[:], self.clock[:] = y, (time, flight)
         self.model.plain_switch(
@@ -46,7 +46,7 @@ class OnKernel(OnInstance):
         return float(self.clock[0]), float(self.clock[1])
 
     def finished(self, steps: int | None, failed: str = "") -> Outcome:
-        """What came out."""
+        """Return the outcome."""
         rhs = int(self.instance.statistics["rhs_evaluations"])
         self.model.plain_stop(self.address, self.stop, self.y.ctypes.data)
         return Outcome(*self.observed(), steps, rhs, failed)

@@ -41,7 +41,7 @@ class OnInstance:
             [out["point_position"][0], out["angle"], out["point_velocity"][0], out["angular_velocity"]]
         )
         pairs = list(zip(candidate["point"], candidate["wall"], strict=True))
-        # of a run with more contacts than the log holds the oldest are lost
+        # a log with fewer places than contacts loses the oldest ones
         log = record["finished"]
         log["count"] = min(log["count"], len(log["point"]))
         found = np.concatenate([self.instance.collect(), self.instance.open_contacts()])
@@ -53,7 +53,7 @@ class Kernel(OnInstance):
     """``initialize`` and ``advance``."""
 
     def run(self) -> object:
-        """From parameters to the end; the status."""
+        """Run from the parameters to the end; return the status."""
         self.block[:] = self.fresh
         self.kernel.initialize(self.address, 0.0)
         return self.kernel.advance(self.address, self.stop)
@@ -73,11 +73,11 @@ class Simulate(Kernel):
         self.base, self.values = problem.base, {"solver.tolerance": tolerance}
 
     def run(self) -> None:
-        """One call."""
+        """Call ``simulate`` once."""
         simulate(self.base.with_values(self.values), stop_time=self.stop)
 
     def outcome(self) -> Outcome:
-        """That of the kernel, which it is."""
+        """Return the outcome of the kernel, which ``simulate`` runs."""
         return Kernel.outcome(Kernel(self.base.with_values(self.values), self.stop))
 
 
@@ -101,7 +101,7 @@ class Fmu(Simulate):
         self.fmu.instantiate()
 
     def run(self) -> None:
-        """From the parameters to the end."""
+        """Run from the parameters to the end."""
         self.fmu.reset()
         self.fmu.setupExperiment(startTime=0.0)
         self.fmu.setReal(*self.tolerance)
@@ -124,7 +124,7 @@ def unpacked(name: str) -> str:
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
-    """What users call, and the kernel beside it."""
+    """Return the functions that users call, and the kernel beside them."""
     return {
         "chain-impact": Simulate(problem, tolerance, stop),
         "chain-impact, FMU": Fmu(problem, tolerance, stop),

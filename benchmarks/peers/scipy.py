@@ -49,7 +49,7 @@ class Scipy(OnKernel):
         return call(self.model.plain_rate, t, y, self.address, len(y))
 
     def run(self) -> None:
-        """To ``stop``."""
+        """Run to ``stop``."""
 
         def event(t: float, y: np.ndarray) -> float:
             return call(self.model.plain_least, t, y, self.address, 1)[0]
@@ -84,10 +84,10 @@ class Scipy(OnKernel):
             self.missed = self.missed or found[2] > BEYOND
 
     def outcome(self) -> Outcome:
-        """Once more."""
+        """Run once more, and return the outcome."""
         try:
             self.run()
-        except (ValueError, RuntimeError) as problem:  # of scipy's root finder
+        except (ValueError, RuntimeError) as problem:  # errors of scipy's root finder
             return Outcome(self.y, failed=str(problem))
         return self.finished(self.steps, self.message)
 

@@ -1,4 +1,4 @@
-"""The progress of long work: a callback gets the part that is done, and a logger says what is done."""
+"""The progress of long work: a callback gets the finished fraction, and a logger gets messages."""
 
 from __future__ import annotations
 

@@ -28,11 +28,9 @@ def complain(text: object) -> None:
 
 @contextmanager
 def progress(work: str = "simulating") -> Iterator[Progress]:
-    """A progress bar, for work that takes long enough to see it.
+    """Show a progress bar for work that takes long enough; yield a function that tells the finished fraction.
 
-    Where there is no terminal, a line is written about what takes long, and now and then how far it is.
-
-    Yields a function that tells the fraction that is done.
+    Where there is no terminal, lines name the work that takes long, and now and then its progress.
     """
     if out.quiet:
         yield silent

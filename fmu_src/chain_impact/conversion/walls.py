@@ -111,7 +111,7 @@ class Walls:
         return found[-1]
 
     def _points(self, touching: set[int], bare: set[int], has_balls: bool) -> dict[str, Any]:
-        """Return the joints and ends that touch walls, if not all do: those of links without points."""
+        """Return the joints and ends that touch walls, if not all do: those at links without points."""
         if not has_balls and len(touching) in (0, len(self.parts)):
             return {}
         ends = {end for i in bare for end in (i, i + 1)}

@@ -30,7 +30,7 @@ from chain_impact.system import HOST, PLATFORMS
 WARNING = 1  # fmi2Warning; higher statuses are worse
 SLAVES = "chain_impact.fmu"
 """The name of the logger of slaves in Python; see slave.py."""
-_here = threading.local()  # what the FMU that this thread runs has said, and what it has logged
+_here = threading.local()  # the messages and logs of the FMU that this thread runs
 
 
 def read_fmu(path: Path) -> Any:

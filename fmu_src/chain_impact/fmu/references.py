@@ -30,7 +30,7 @@ from chain_impact.variables.model import Model
 FILE = "resources/chain_impact_reference.csv"
 EXACT = 1e-12  # solver tolerance of the reference run
 ROWS = 100  # approximate number of communication steps in the scene's time
-SHORTER = 10  # a part of the scene's time that is tried, when the results can be relied on in no more of it
+SHORTER = 10  # divisor of the scene's time: the shorter time is tried when longer results cannot be relied on
 # A chain amplifies an error with each impact. The table ends where a run at the scene's own tolerance differs
 # from the reference by more than LARGEST, or than the tolerance, times the largest value of a unit. A user's
 # result may differ MARGIN times as much as that run did until there, and at least by LEAST times that value.

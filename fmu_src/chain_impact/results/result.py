@@ -29,7 +29,7 @@ ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "supplied", "total"
 
 
 class Result(Pictured):
-    """What happened in a simulation: a recording with its scene.
+    """The result of a simulation: a recording with its scene.
 
     A result cannot be changed: ``dataclasses.replace`` refuses it.
 

@@ -30,7 +30,7 @@ START_TOLERANCE = 1e-12
 
 
 def check(scene: Contents) -> None:
-    """Check what several keys give together, and warn of angles that may be meant in degrees."""
+    """Check conditions on several keys together, and warn of angles that may be meant in degrees."""
     try:
         check_together(scene)
         check_stops(scene)

@@ -33,7 +33,7 @@ class Limits(TypedDict, total=False):
     or_true: bool  # in a list of names, `true` stands for all names and is read as the name *
     or_one: bool  # a single value stands for a list with this value
     file_only: bool  # the key is a short form of other keys, which replace it when a file is read
-    # another key, of the same table or as "table.key": the name of its file is one more choice
+    # another key, of the same table or as "table.key", that names a file; this file is one more choice
     extended_by: str
 
 

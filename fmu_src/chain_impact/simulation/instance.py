@@ -224,7 +224,7 @@ class Instance:
         done, impacts, last = 0, [], len(driven.times)
         ends = np.append(driven.first[1:], last) if driven.places else None
         while done < last and self.status == OK:
-            # the inputs are those of one piece at a time
+            # the inputs hold for one piece at a time
             until = last if ends is None else ends[np.searchsorted(ends, done, side="right")]
             end = min(done + rows.at_once, until)
             driven.set(self.record, done)
@@ -373,7 +373,7 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: tuple[int, ...] | None
 
 
 def sizes_of(block: np.ndarray) -> tuple[int, ...]:
-    """The numbers at the start of a record, without the number of tangents."""
+    """Return the numbers at the start of a record, without the number of tangents."""
     return tuple(block.view(np.int64)[: SIZES - 1].tolist())
 
 

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 
 STIFFER = (10.0, 100.0)
-"""Factors of the stiffness at which it is told what an impact that is not free can reach."""
+"""Factors of the stiffness for which the comparison tells what an impact that is not free can reach."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -66,5 +66,5 @@ def unit_of(name: str) -> Unit:
 
 
 def in_order(names: set[str]) -> list[str]:
-    """Return names of units in order: those of ``UNITS`` first, then the others, without the empty name."""
+    """Return names of units in order: names in ``UNITS`` first, then the others, without the empty name."""
     return [*(name for name in UNITS if name in names), *sorted(names - UNITS.keys() - {""})]

@@ -23,7 +23,7 @@ TIME, IMPACT, POINT, WALL, JOINT, DURATION = "time", "impact", "point", "wall", 
 WHICH = (IMPACT, POINT, WALL)
 """The columns that tell which impact a row is about."""
 QUANTITIES = (*IMPACT_QUANTITIES, DURATION)
-"""What can be measured of an impact: the fields of ``Result.impacts``, and the duration, end − onset [s]."""
+"""The measurable quantities of an impact: fields of ``Result.impacts``, and the duration, end − onset [s]."""
 JOINT_FORCE = "joint_force"
 SIGMA = "sigma({})"
 PERCENT = "%"

@@ -156,7 +156,7 @@ def _first_sigma(problem: Problem) -> np.ndarray:
 
 
 def _estimated(problem: Problem) -> list[tuple[int, float]]:
-    """Return the number and the smallest standard deviation of each column for which none is given."""
+    """Return number and smallest standard deviation of each column without given standard deviations."""
     groups = [problem.names.index(name) for name in problem.estimated]
     return [(group, LEAST_SIGMA * float(problem.size[problem.group == group][0])) for group in groups]
 
