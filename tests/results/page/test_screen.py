@@ -95,6 +95,15 @@ def test_the_view_fits_again_when_a_wall_is_let_go(show):
     until(page, f"{aspect} !== '{before}'")
 
 
+def test_a_wall_beyond_the_view_has_its_grip_at_the_edge_and_is_dragged_into_it(show):
+    page = show("four_link_box", {"box.y_max": 40.0})
+    box = page.locator("#view").bounding_box()
+    x, y = reachable(page, "wall y_max")
+    assert box["y"] <= y <= box["y"] + 0.3 * box["height"]
+    assert abs(x - box["x"] - 0.5 * box["width"]) < 0.1 * box["width"]
+    assert 1.0 < drag(page, "wall y_max", (0, 10))["box.y_max"] < 10.0
+
+
 def test_joints_at_rest_are_given_velocities(show):
     page = show("four_link_box", AT_REST)
     for joint in range(5):

@@ -75,14 +75,17 @@ export class Handles {
     return Math.min(ARROW_TIME, (LONGEST * size) / Math.max(...velocity.map(([x, y]) => Math.hypot(x, y)), 1e-300));
   }
 
-  /** The middle of what is seen of each wall that can be moved [m]. */
+  /** Where the grip of each wall that can be moved is [m]: in the middle of what is seen, or at the edge before it. */
   get #walls() {
     const { camera } = this.player.scene;
     const walls = wallsAt(this.changes.scene, (name) => this.changes.valueOf(name));
     return Object.entries(walls).flatMap(([name, wall]) => {
       const movable = this.changes.valueOf(`box.${name}`) !== undefined || this.changes.valueOf(`wall.${name}.x`) !== undefined;
-      const [ends] = movable ? edgesOf(walls, name, camera.rectangle) : [];
-      return ends ? [{ name, wall, middle: [0, 1].map((axis) => (ends[0][axis] + ends[1][axis]) / 2) }] : [];
+      if (!movable) return [];
+      const [ends] = edgesOf(walls, name, camera.rectangle);
+      const seen = ends && [0, 1].map((axis) => (ends[0][axis] + ends[1][axis]) / 2);
+      const middle = seen ?? edgeBefore(wall, camera.rectangle, WALL * this.#pixel);
+      return middle ? [{ name, wall, middle, isSeen: Boolean(seen) }] : [];
     });
   }
 
@@ -97,9 +100,9 @@ export class Handles {
     const screen = (point) => scene.camera.place(...point);
     const group = scene.above;
     group.polyline(place.map(screen)).addClass("pose").fill("none");
-    this.#walls.forEach(({ name, middle }) => {
+    this.#walls.forEach(({ name, middle, isSeen }) => {
       const [x, y] = screen(middle);
-      group.rect(WALL, WALL).radius(5).center(x, y).addClass("wall-grip").attr(gripFor("wall", name));
+      group.rect(WALL, WALL).radius(5).center(x, y).addClass(isSeen ? "wall-grip" : "wall-grip wall-beyond").attr(gripFor("wall", name));
     });
     place.forEach((point, k) => {
       if (k === 0 && !this.changes.parameters.has("initial.vx")) return;
@@ -267,6 +270,15 @@ function wayTo([x0, y0], [x1, y1]) {
 /** Where a point gets to at its velocity in a time [m]. */
 function tipOf([x, y], [vx, vy], time) {
   return [x + vx * time, y + vy * time];
+}
+
+/** The place at the edge of what is seen that is nearest to a wall beyond it, so far inside; none if the wall is not there. */
+function edgeBefore({ normal, offset }, [low, high], inside) {
+  const middle = [0, 1].map((axis) => (low[axis] + high[axis]) / 2);
+  if (!(normal[0] * middle[0] + normal[1] * middle[1] > offset)) return undefined;
+  const halves = [0, 1].map((axis) => (high[axis] - low[axis]) / 2 - inside);
+  const way = Math.min(...halves.map((half, axis) => half / Math.abs(normal[axis])));
+  return middle.map((place, axis) => place - way * normal[axis]);
 }
 
 /** The ends of what is seen of one wall; none if it bounds nothing that is seen. */
