@@ -102,6 +102,16 @@ FORMS = {
         'form = "sine"\namplitude = 0.01\nfrequency = 20.0',
         lambda t: 0.01 * math.sin(40.0 * math.pi * t),
     ),
+    "belt": (
+        "wall.table.belt_speed",
+        'form = "sine"\nmean = 0.1\namplitude = 0.5\nfrequency = 6.0\nphase = 0.3\nstart = 0.05\nrise = 0.25',
+        lambda t: 0.1 + 0.5 * smooth((t - 0.05) / 0.25) * math.sin(0.3 + 12.0 * math.pi * max(0.0, t - 0.05)),
+    ),
+    "speed": (
+        "base.vy",
+        'form = "sine"\namplitude = 0.4\nfrequency = 8.0\nrise = 0.0999',
+        lambda t: 0.4 * smooth(t / 0.0999) * math.sin(16.0 * math.pi * t),
+    ),
     "table": (
         TABLE,
         'form = "sine"\namplitude = 0.01\nfrequency = 8.0\nphase = 1.5707963267948966\nstart = 0.05',
@@ -183,6 +193,7 @@ NUMBERS = [
     *(("steps", key) for key in ("time[2]", "time[3]", "value[1]", "value[2]")),
     *(("shaken", key) for key in ("mean", "amplitude", "frequency", "phase")),
     *(("table", key) for key in ("amplitude", "frequency", "mean")),
+    *(("speed", key) for key in ("amplitude", "frequency", "phase", "rise")),
 ]
 
 

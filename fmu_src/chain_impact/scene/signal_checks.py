@@ -124,19 +124,8 @@ def _quoted(text: str) -> str:
 def _check_motion(name: str, signal: Signal, driven: str) -> None:
     """Refuse a motion whose position or velocity of base or wall jumps."""
     order = family(driven).index(driven)
-    belt = driven.endswith(".belt_speed")
-    if (
-        signal.form == "sine"
-        and (order > 0 or belt)
-        and (signal.rise or signal.frequency_rate or not signal.frequency)
-    ):
-        key = "rise" if signal.rise else "frequency_rate" if signal.frequency_rate else "frequency"
-        number, needed = getattr(signal, key), "> 0" if key == "frequency" else "0"
-        raise SceneError(
-            f"signal.{name}.{key} = {number:g} must be {needed} where {driven} is driven, which is "
-            "integrated",
-            ("signals", name, key),
-        )
+    if signal.form == "sine" and order > 0:
+        _check_integrated(name, signal, driven, order)
     if not is_motion(driven):
         return
     _check_table(name, signal, driven, order)
@@ -156,3 +145,23 @@ def _check_motion(name: str, signal: Signal, driven: str) -> None:
                 "at which the sine is at rest, as pi/2, or start = 0",
                 ("signals", name),
             )
+
+
+def _check_integrated(name: str, signal: Signal, driven: str, order: int) -> None:
+    """Refuse a sine whose integral the kernel does not have: it is integrated ``order`` times."""
+    frequency, rise, chirp = signal.frequency or 0.0, signal.rise or 0.0, signal.frequency_rate
+    least = 1.0 / (math.tau * frequency) if frequency else math.inf
+    if not frequency:
+        key, number, needed = "frequency", frequency, "> 0"
+    elif chirp:
+        key, number, needed = "frequency_rate", chirp, "0"
+    elif rise and order > 1:
+        key, number, needed = "rise", rise, "0"
+    elif 0.0 < rise < least:
+        key, number, needed = "rise", rise, f"0 or >= {least:g} [s], 1/(2 pi frequency),"
+    else:
+        return
+    raise SceneError(
+        f"signal.{name}.{key} = {number:g} must be {needed} where {driven} is driven, which is integrated",
+        ("signals", name, key),
+    )

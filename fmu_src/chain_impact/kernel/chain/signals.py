@@ -66,10 +66,33 @@ def sine_at(d, j, time):
     a = own.size[j]
     u, v, w = a * sine, a * rate * cosine, a * (chirp * cosine - rate * rate * sine)
     if own.segment[j] == own.first[j] + 1 and own.rise[i] > 0.0:
+        if own.order[j] > 0:
+            return rising_integral(own.rise[i], s, (a, rate, sine, cosine))
         r, slope, curve = smooth(s / own.rise[i])
         slope, curve = slope / own.rise[i], curve / (own.rise[i] * own.rise[i])
         u, v, w = r * u, r * v + slope * u, r * w + 2.0 * slope * v + curve * u
     return u, v, w
+
+
+def rising_integral(rise, s, integrated):
+    """The integral of a sine whose amplitude rises, and its first two derivatives.
+
+    By parts, with the integral a sin ψ of the sine of the angular frequency ω:
+
+        ∫ r a ω cos ψ ds = a ((r − r″/ω² + r⁗/ω⁴) sin ψ + (r′/ω − r‴/ω³ + r⁗′/ω⁵) cos ψ)
+
+    Args:
+        rise: time in which r rises from 0 to 1 [s].
+        s: time since then [s].
+        integrated: a, ω [rad/s], sin ψ and cos ψ.
+    """
+    a, omega, sine, cosine = integrated
+    x, q = s / rise, 1.0 / (rise * omega)
+    r, slope, curve = smooth(x)
+    third, fourth, fifth = 60.0 - 360.0 * x * (1.0 - x), 720.0 * x - 360.0, 720.0
+    u = (r - q * q * (curve - q * q * fourth)) * sine + q * (slope - q * q * (third - q * q * fifth)) * cosine
+    v, w = omega * r * cosine, omega * omega * (q * slope * cosine - r * sine)
+    return a * u, a * v, a * w
 
 
 def smooth(x):
@@ -278,7 +301,10 @@ def signals_are_valid(d):
             for p in range(DEGREE + 1):
                 total += d.knot.powers[k, p]
         i = own.source[j]
-        bent = own.order[j] > 0 and (own.rise[i] != 0.0 or own.frequency_rate[i] != 0.0)
+        # no closed form; nor an accurate one where ω rise < 1
+        bent = own.order[j] > 0 and own.frequency_rate[i] != 0.0
+        bent = bent or (own.order[j] > 1 and own.rise[i] != 0.0)
+        bent = bent or (own.order[j] == 1 and 0.0 < TAU * own.frequency[i] * own.rise[i] < 1.0)
         if not math.isfinite(total + own.frequency[i] + own.frequency_rate[i]) or bent or own.rise[i] < 0.0:
             return False
     return True
