@@ -55,6 +55,13 @@ function anchorAt(x, [from]) {
   return x > from ? "start" : "end";
 }
 
+/** The part of a line on the screen that is below the strip with the scale bar. */
+function belowStrip([[x0, y0], [x1, y1]]) {
+  const at = (y) => (y0 === y1 ? 0 : Math.min(Math.max((y - y0) / (y1 - y0), 0), 1));
+  const ends = [y0 < STRIP ? at(STRIP) : 0, y1 < STRIP ? at(STRIP) : 1];
+  return ends.map((share) => [x0 + share * (x1 - x0), y0 + share * (y1 - y0)]);
+}
+
 export class Scene {
   constructor(element) {
     this.drawing = SVG(element);
@@ -130,7 +137,7 @@ export class Scene {
     this.room = this.ground.group();
     this.#drawRoom(0);
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
-    this.recording.rail?.lines.forEach((line) => this.ground.polyline(this.#places(line)).addClass("pin"));
+    this.recording.rail?.lines.forEach((line) => this.ground.polyline(belowStrip(this.#places(line))).addClass("pin"));
     this.#drawScaleBar(width);
     if (this.recording.loads.length) this.#drawKey(width);
     this.discs.forEach(([, own, disc]) => disc.radius(own * this.camera.scale));
