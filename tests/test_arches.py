@@ -17,7 +17,7 @@ DEPENDENT = [
 
 
 def wall_of(result):
-    """The name of the wall that a chain lies on, and its direction t."""
+    """Return the name of the wall that a chain lies on, and its direction t."""
     scene = result.scene
     if not scene.walls:
         return "y_min", np.array([1.0, 0.0])

@@ -24,7 +24,7 @@ def nodes(file):
 
 
 def imported(file):
-    """The names of all modules that a file imports, wherever in it."""
+    """Yield the names of all modules that a file imports, wherever in it."""
     for node in nodes(file):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -45,7 +45,7 @@ def test_the_kernel_imports_numbers_numpy_and_itself_only_and_the_slave_the_stan
 
 
 def needs(file):
-    """The modules of the package that a file imports, for types, too."""
+    """Yield the modules of the package that a file imports, for types, too."""
     for node in nodes(file):
         if isinstance(node, ast.ImportFrom) and node.module:
             for alias in node.names:

@@ -18,7 +18,7 @@ ROD = {
 
 
 def changed(data, **tables):
-    """A scene with some tables added to those of other data."""
+    """Return a scene with some tables added to those of other data."""
     data = deepcopy(data)
     for name, table in tables.items():
         data[name] = {**data.get(name, {}), **table} if isinstance(table, dict) else table
@@ -30,7 +30,7 @@ def scene(data):
 
 
 def on_slider(link, slider, **tables):
-    """A scene of one link on a slider, without walls."""
+    """Return a scene of one link on a slider, without walls."""
     chain = {"base": "slider", "slider": slider, "links": [{"length": 0.5, "mass": 1.0, **link}]}
     return scene(changed({"name": "Cart", "box": {}, "contact": {"points": []}}, chain=chain, **tables))
 

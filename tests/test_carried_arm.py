@@ -16,7 +16,7 @@ IMPACT = 0.49  # s, before the tip hits the wall
 
 
 def co_simulated(folder, *arguments):
-    """The columns that the model's script gives, in a process of its own."""
+    """Return the columns that the model's script gives, in a process of its own."""
     script = models_folder() / "carried_arm" / "co_simulation.py"
     subprocess.run([sys.executable, script, "-o", folder, *arguments], check=True, capture_output=True)
     with (folder / "CarriedArm.csv").open(newline="") as file:

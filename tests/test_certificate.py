@@ -19,7 +19,7 @@ FIRST = 60  # steps of a run
 
 
 def steps(scene):
-    """The steps of the start of a run, one after the other."""
+    """Yield the steps of the start of a run, one after the other."""
     one = Instance(scene)
     for _ in range(FIRST):
         if not one.record["step"]["end"] < scene.simulation.stop_time:
@@ -29,7 +29,7 @@ def steps(scene):
 
 
 def at(step, x):
-    """The variables of P at a place of the step."""
+    """Return the variables of P at a place of the step."""
     return np.array([float(series[0].mid()) for series in step.course(arb(x), 0)[0]])
 
 

@@ -19,7 +19,7 @@ TORQUES = [variable.name for variable in Model(SCENE).inputs]
 
 
 def co_simulated(folder, *arguments):
-    """The columns that the model's script gives, in a process of its own, and its time."""
+    """Return the columns that the model's script gives, in a process of its own, and its time."""
     script = models_folder() / MODEL / "co_simulation.py"
     subprocess.run([sys.executable, script, "-o", folder, *arguments], check=True, capture_output=True)
     assert (folder / "ControlledArm.png").stat().st_size > 10_000
@@ -52,7 +52,7 @@ def run(request, runs):
 
 
 def replayed(time, columns):
-    """The outputs of ``simulate`` under the torques of a co-simulation."""
+    """Return the outputs of ``simulate`` under the torques of a co-simulation."""
     result = simulate(SCENE, inputs={name: (time, columns[name]) for name in TORQUES})
     np.testing.assert_array_equal(result.time, time)
     return Model(SCENE).series(result.outputs)
@@ -71,7 +71,7 @@ def test_simulate_replays_an_fmu_that_stepped_between_the_same_times(runs, targe
 
 
 def differences(columns, others):
-    """The largest difference of each kind of output: end of its name → difference."""
+    """Return the largest difference of each kind of output: end of its name → difference."""
     return {
         kind: max(np.abs(columns[name] - others[name]).max() for name in columns if name.endswith(kind))
         for kind in ("].x", "].y", "].vx", "].vy", ".angle", ".angular_velocity", ".torque", ".force")

@@ -130,7 +130,7 @@ def outputs_of(case):
 
 @cache
 def found(case, tolerance=1e-12, start=False, method="auto"):
-    """The kernel's answer at the case's times, and at 0 before them."""
+    """Return the kernel's answer at the case's times, and at 0 before them."""
     scene = case.scene.with_values({"solver.tolerance": tolerance, "solver.method": method})
     run = DifferentiatedRun(scene, case.parameters, outputs_of(case), inputs=case.inputs)
     values = [case.value(name) for name in case.parameters]
@@ -358,7 +358,7 @@ def test_errors_with_friction_follow_the_tolerance(name, tolerance):
 
 
 def slopes_of_impacts(scene, parameters, time, outputs=("point[0].vy",)):
-    """Values and slopes of the impacts until a time, and slopes of outputs then."""
+    """Return values and slopes of the impacts until a time, and slopes of outputs then."""
     run = DifferentiatedRun(scene.with_values({"solver.tolerance": 1e-12}), parameters, list(outputs))
     answer = run.run(np.array([float(scene.values[name]) for name in parameters]), np.array([0.0, time]))
     return answer.impacts, answer.impact_slopes, answer.slopes[1]
@@ -405,7 +405,7 @@ def test_the_derivative_of_the_ledger_is_constant(name):
 
 
 def slow_touch():
-    """A ball that arrives slower than contact.minimum_impact_speed, which is then its v₀."""
+    """Return a ball that arrives slower than contact.minimum_impact_speed, which is then its v₀."""
     scene = ball(1e-4, 5e-4, stiffness=1e6, stop_time=0.3)
     return Case(scene, ("contact.stiffness", "contact.restitution", "initial.vy"), (0.1, 0.3))
 
@@ -481,7 +481,7 @@ def sloping(friction: float) -> Case:
 
 
 def dry_link(friction: float) -> Case:
-    """A level pendulum at rest with dry friction [N·m] in its joint."""
+    """Return a level pendulum at rest with dry friction [N·m] in its joint."""
     scene = table(
         [{"length": 0.4, "mass": 0.5, "joint_friction": friction}],
         base="pinned",

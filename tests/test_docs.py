@@ -54,7 +54,7 @@ def fenced(page):
 
 
 def blocks(page, language):
-    """The fenced blocks of a page in a language."""
+    """Return the fenced blocks of a page in a language."""
     return [block.text for block in fenced(page) if block.language == language]
 
 
@@ -113,7 +113,7 @@ def others(page):
 
 
 def is_known(command):
-    """Whether it is a program of KNOWN or a script of the repository."""
+    """Return whether it is a program of KNOWN or a script of the repository."""
     script = re.match(r"(?:\.venv/bin/)?python (?:([\w/]+)\.py|-m (tests\.\w+))\b", command)
     if script:
         return (ROOT / f"{script[1] or script[2].replace('.', '/')}.py").is_file()
@@ -149,7 +149,7 @@ def drawn():
 
 
 def chain_impact(line):
-    """The arguments of a line that runs chain-impact; None for any other line."""
+    """Return the arguments of a line that runs chain-impact; None for any other line."""
     found = re.search(r"(chain-impact|build_fmu\.py) (.*)", line.partition("  #")[0])
     if found and found[1] == "build_fmu.py":
         return ["build", *shlex.split(found[2])]

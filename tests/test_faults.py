@@ -29,7 +29,7 @@ def chain(count, initial, *, gravity=(0.0, -9.81), link=None, length=0.5, **tabl
 
 
 def work(instance):
-    """All that is counted against solver.work_limit."""
+    """Return all that is counted against solver.work_limit."""
     record = instance.record
     return int(record["statistics"]["rhs_evaluations"] + record["limits"]["other_work"])
 
@@ -70,7 +70,7 @@ def test_a_chain_flush_with_a_wall_at_a_slant_falls_along_it_at_little_cost(law,
 
 
 def thrown(seed, count, damping, tolerance):
-    """A chain with damped joints that is thrown onto the floor, spinning."""
+    """Return a chain with damped joints that is thrown onto the floor, spinning."""
     rng = np.random.default_rng(seed)
     length = 0.5 if count == 2 else 0.3
     start = {

@@ -37,7 +37,7 @@ def stops(result):
 
 
 def along(result, slope, of="point[0]", prefix=""):
-    """The tangential coordinate of a point on a slope, or with the prefix v its speed."""
+    """Return the tangential coordinate of a point on a slope, or with the prefix v its speed."""
     return math.cos(slope) * result[f"{of}.{prefix}x"] + math.sin(slope) * result[f"{of}.{prefix}y"]
 
 
@@ -261,7 +261,7 @@ def test_a_zigzag_chain_of_hinged_rods_does_not_carry_the_pull_on():
 
 
 def skidding(law, **changes):
-    """Two links that fall on a rough floor and skid, or lie on it and slide from the start."""
+    """Return two links that fall on a rough floor and skid, or lie on it and slide from the start."""
     table = {
         "name": "Skids",
         "chain": {"base": "free", "links": [{"length": 0.4, "mass": 1.0}] * 2},

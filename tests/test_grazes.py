@@ -25,7 +25,7 @@ LAWS = ("hertz", "newton_impact", "kuwabara_kono")
 
 
 def instance(law):
-    """A free rod whose tip may touch a wall above it."""
+    """Return a free rod whose tip may touch a wall above it."""
     table = contact_table(points=[1], model=law)
     start = {"position": [0.0, 0.0], "angles": [0.5]}
     return Instance(build("Graze", [{"length": 1.0, "mass": 1.0}], start, {"y_max": FAR}, table))

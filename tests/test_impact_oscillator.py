@@ -50,7 +50,7 @@ links = false
 
 
 def impacts(frequency, count):
-    """The times [s] of the first impacts of m ẍ + k x = F cos ωt, from x = 0, by Newton's method."""
+    """Return the times [s] of the first impacts of m ẍ + k x = F cos ωt, from x = 0, by Newton's method."""
     omega, own = 2.0 * math.pi * frequency, math.sqrt(STIFFNESS / MASS)
     steady = FORCE / MASS / (own**2 - omega**2)  # m
     time, speed, found = 0.0, 0.3, []

@@ -36,7 +36,7 @@ def of(law, scene):
 
 
 def around_first_impact(scene):
-    """The rows just before and just after the first impact, which is rigid."""
+    """Return the rows just before and just after the first impact, which is rigid."""
     onset = simulate(scene).impacts["onset"][0]
     instance = Instance(scene)
     rows = np.zeros(2, instance.record.dtype["output"])

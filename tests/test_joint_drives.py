@@ -17,7 +17,7 @@ TOLERANCE = 1e-12
 
 
 def driven(links, initial, *, base="pinned", **more):
-    """A chain in free space."""
+    """Return a chain in free space."""
     return build("Driven", links, initial, {}, {"points": []}, base=base, tolerance=TOLERANCE, **more)
 
 
@@ -128,7 +128,7 @@ def test_a_held_chain_has_the_moments_of_its_armatures():
 
 
 def differences(scene, parameter, output, step=1e-3, **more):
-    """The derivative of an output over time by central differences of order 6."""
+    """Return the derivative of an output over time by central differences of order 6."""
     value, weights = scene.values[parameter], {1: 45.0, 2: -9.0, 3: 1.0}
     total = 0.0
     for k, weight in weights.items():
@@ -165,7 +165,7 @@ FOLLOWS = {"inputs": {"joint_targets": True}}
 
 
 def one_servo(**changes):
-    """A rod at a pin, without gravity."""
+    """Return a rod at a pin, without gravity."""
     return driven([ROD | SERVO | changes], {"angles": [0.7], "angular_velocities": [1.5]}, **FOLLOWS)
 
 

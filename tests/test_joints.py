@@ -24,7 +24,7 @@ RIGID = {("contact", "model"): "newton_impact"}
 
 
 def sprung(links, initial, *, base="pinned", tolerance=1e-10, **more):
-    """A chain with springs in free space."""
+    """Return a chain with springs in free space."""
     return build("Sprung", links, initial, {}, {"points": []}, base=base, tolerance=tolerance, **more)
 
 
@@ -40,7 +40,7 @@ def integrated(scene, time, method="DOP853"):
 
 
 def reached(result):
-    """The same of a result, at its end."""
+    """Return the same of a result, at its end."""
     end = result.outputs[-1]
     motion = end["point_position"][0], end["angle"], end["point_velocity"][0], end["angular_velocity"]
     return np.concatenate([*motion, [end["dissipated"]]])
@@ -117,7 +117,7 @@ def test_the_implicit_method_keeps_its_order_on_springs():
 
 
 def stiffened(damping, stiffness, count=2, base="free", stop_time=0.25):
-    """The links of ``stiff_joint`` with springs that are slack as they start."""
+    """Return the links of ``stiff_joint`` with springs that are slack as they start."""
     scene = stiff_joint(damping, count, stop_time, base)
     angles = np.array(scene.initial.angles)
     rest = np.diff(angles, prepend=0.0)
@@ -225,7 +225,7 @@ def strained(count, stiffness, tolerance, base="free", bend=2.0):
 
 
 def changes(scene, method="auto"):
-    """The most that the ledger has grown and fallen, in parts of its start, and the status."""
+    """Return the most that the ledger has grown and fallen, in parts of its start, and the status."""
     instance = Instance(scene)
     instance.record["solver"]["method"] = 1 + SOLVER_METHODS.index(method)
     instance.initialize()
@@ -345,7 +345,7 @@ def test_the_peak_of_a_force_is_the_largest_one_also_where_rigid_contacts_strike
 
 
 def after_impact(scene, rigid):
-    """The rates of the knee and of the tip after the rigid impact, at the floor or at the stop."""
+    """Return the rates of the knee and of the tip after the rigid impact, at the floor or at the stop."""
     angle, omega = np.array(scene.initial.angles), np.array(scene.initial.angular_velocities)
     matrix, _ = Textbook(scene).assemble(angle, omega)
     knee, tip = np.array([-1.0, 1.0]), np.array([0.4, 0.3]) * np.cos(angle)

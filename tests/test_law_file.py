@@ -72,7 +72,7 @@ def with_file(scene, path):
 
 
 def refusal(law, text, name="damped"):
-    """The message with which a scene refuses a file, without the name of scene and file."""
+    """Return the message with which a scene refuses a file, without the name of scene and file."""
     path = law(text, name)
     with pytest.raises(SceneError) as caught:
         with_file(load_scene("rod_drop"), path)
@@ -179,7 +179,7 @@ def test_an_fmu_carries_it(law, tmp_path):
 
 
 def kernels(fmu):
-    """The compiled kernels in an FMU."""
+    """Yield the compiled kernels in an FMU."""
     with zipfile.ZipFile(fmu) as archive:
         yield from (archive.read(name) for name in archive.namelist() if "kernel-" in name)
 

@@ -108,7 +108,7 @@ def compute_reference(model):
 
 @functools.cache
 def table(model, file):
-    """The columns of one of the files of a model, and its time."""
+    """Return the columns of one of the files of a model, and its time."""
     with (models_folder() / model / file).open(newline="") as lines:
         names, *rows = csv.reader(lines)
     columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
@@ -116,7 +116,7 @@ def table(model, file):
 
 
 def reference(model):
-    """The columns of the stored reference, and its time."""
+    """Return the columns of the stored reference, and its time."""
     return table(model, "reference.csv")
 
 
@@ -129,7 +129,7 @@ def inputs_of(model):
 
 
 def coordinates(columns, links):
-    """Positions and angles, and their rates, in two arrays (T, 2N + 2 + N)."""
+    """Return positions and angles, and their rates, in two arrays (T, 2N + 2 + N)."""
     points = [f"point[{k}].{{}}{axis}" for k in range(links + 1) for axis in "xy"]
     turns = [f"link[{i}].{{}}" for i in range(1, links + 1)]
     values = [name.format("") for name in points] + [name.format("angle") for name in turns]
@@ -146,7 +146,7 @@ def scale(name):
 
 
 def independent(model):
-    """Rows of the reference until the two are compared, and there the independent motion."""
+    """Return rows of the reference until the two are compared, and there the independent motion."""
     scene, until = load_scene(model).with_values(CHANGED.get(model, {})), INDEPENDENT[model][0]
     time, _ = reference(model)
     rows = np.flatnonzero(time <= until + 1e-9)

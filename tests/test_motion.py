@@ -20,7 +20,7 @@ LAWS = ("zhang_sharf", "jankowski", "newton_impact")
 
 
 def scene_of(links=LINKS, *, base="free", box=None, contact=None, inputs=None, **others):
-    """A scene; ``others`` are more of its tables, by their keys."""
+    """Return a scene; ``others`` are more of its tables, by their keys."""
     tables = {"solver": {"tolerance": 1e-12}, "simulation": {"stop_time": 1.0, "step_size": 0.01}}
     for name, table in others.items():
         tables[name] = tables.get(name, {}) | table if isinstance(table, dict) else table
@@ -31,13 +31,13 @@ def scene_of(links=LINKS, *, base="free", box=None, contact=None, inputs=None, *
 
 
 def pendulum(**others):
-    """Two links that hang from a base that moves."""
+    """Return two links that hang from a base that moves."""
     others.setdefault("initial", {"position": [0.1, 0.2], "angles": [-1.0, -0.4]})
     return scene_of(base="pinned", **others)
 
 
 def room(model="zhang_sharf", velocity=(0.5, 0.0), walls=("y_min", "x_max"), **contact):
-    """A free chain that falls to a floor and against a wall, both of which may move."""
+    """Return a free chain that falls to a floor and against a wall, both of which may move."""
     return scene_of(
         box={"y_min": 0.0, "x_max": 2.0} if "x_max" in walls else {"y_min": 0.0},
         contact={"model": model, "stiffness": 1e6, "restitution": 0.6} | contact,
@@ -52,7 +52,7 @@ def room(model="zhang_sharf", velocity=(0.5, 0.0), walls=("y_min", "x_max"), **c
 
 
 def resting(model, *, friction=0.0, stop=3600.0, **others):
-    """A rod that lies on a floor that moves."""
+    """Return a rod that lies on a floor that moves."""
     return scene_of(
         LINKS[:1],
         box={"y_min": 0.0},
@@ -66,7 +66,7 @@ def resting(model, *, friction=0.0, stop=3600.0, **others):
 
 
 def unbalanced(result):
-    """The largest change of the energy balance [J]."""
+    """Return the largest change of the energy balance [J]."""
     return np.ptp(result["energy.total"] + result["energy.dissipated"] - result["energy.supplied"])
 
 
@@ -113,7 +113,7 @@ def test_walls_at_constant_velocity_are_walls_at_rest_in_another_frame(model):
 
 
 def on_a_ramp(velocity, method, model, friction):
-    """A free chain that falls on a wall at an angle, which may move."""
+    """Return a free chain that falls on a wall at an angle, which may move."""
     return scene_of(
         walls=[{"name": "ramp", "point": [0.3, 0.1], "angle": 0.3}],
         contact={"model": model, "stiffness": 1e6, "restitution": 0.5, "friction": friction},
@@ -212,7 +212,7 @@ def test_the_speed_of_a_belt_may_jump():
 
 
 def shaken(time, amplitude=0.05, rate=5.0):
-    """Position, velocity and acceleration of a base."""
+    """Return position, velocity and acceleration of a base."""
     angle = rate * time
     return (
         0.1 + amplitude * math.sin(angle),
@@ -222,7 +222,7 @@ def shaken(time, amplitude=0.05, rate=5.0):
 
 
 def stepped(scene, step, count, given, names=("base.x", "base.vx", "base.ax")):
-    """The chain after each step, as a master steps it that gives a motion at communication points."""
+    """Return the chain after each step, as a master steps it that gives a motion at communication points."""
     chain, rows = Chain(scene), []
     for k in range(count):
         chain.set(dict(zip(names, given(k * step), strict=False)))

@@ -22,7 +22,7 @@ NORMALS = {"x_min": (1.0, 0.0), "x_max": (-1.0, 0.0), "y_min": (0.0, 1.0), "y_ma
 
 
 def moving(seed):
-    """The scene of a seed with a base and walls that move, and its inputs."""
+    """Return the scene of a seed with a base and walls that move, and its inputs."""
     scene, draw = upright(seed, (1, 4)), Draw(seed, 77)
     changes = {"inputs.wall_motion": True, "inputs.base_motion": scene.chain.base == "pinned"}
     changes |= {"inputs.joint_torques": False, "inputs.tip_force": False}

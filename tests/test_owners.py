@@ -31,7 +31,7 @@ SHARED = {
 
 
 def pairs(target, value):
-    """The single assignments of one that may be of several names."""
+    """Return the single assignments of one that may be of several names."""
     if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
         return [pair for two in zip(target.elts, value.elts, strict=True) for pair in pairs(*two)]
     if isinstance(target, ast.Tuple):
@@ -48,7 +48,7 @@ def assignments(function):
 
 
 def way(node):
-    """The names from that of a variable on: d.touch.event[c] has d, touch, event."""
+    """Return the names from that of a variable on: d.touch.event[c] has d, touch, event."""
     names = []
     while isinstance(node, (ast.Attribute, ast.Subscript)):
         if isinstance(node, ast.Attribute):
@@ -58,7 +58,7 @@ def way(node):
 
 
 def writes(function):
-    """The (instance, part, field) that a function assigns to."""
+    """Yield the (instance, part, field) that a function assigns to."""
     known = {part: ["d", part] for part in PARTS & {one.arg for one in function.args.args}}
     known |= {"d": ["d"], "t": ["t"]}
     for target, value in sorted(assignments(function), key=lambda pair: pair[0].lineno):

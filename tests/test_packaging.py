@@ -19,7 +19,7 @@ PACKAGING = Path(__file__).parents[1] / "packaging"
 
 
 def loaded(name):
-    """A module of the folder ``packaging``, which has the name of a package."""
+    """Return a module of the folder ``packaging``, which has the name of a package."""
     spec = spec_from_file_location(name, PACKAGING / f"{name}.py")
     module = module_from_spec(spec)
     spec.loader.exec_module(module)

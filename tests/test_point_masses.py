@@ -17,7 +17,7 @@ from tests.reference import balance
 
 
 def bob(length, mass, **more):
-    """A point mass at the end of a massless rod."""
+    """Return a point mass at the end of a massless rod."""
     return {"length": length, "mass": mass, "center_of_mass": length, "inertia": 0.0} | more
 
 

@@ -47,7 +47,7 @@ def command_line():
 
 
 def names():
-    """Every public name, a line each."""
+    """Yield every public name, a line each."""
     yield from (f"python: {name}" for name in chain_impact.__all__)
     yield from (f"scene key: {key}" for key, entry in scene_keys())
     yield from (f"contact law: {law.number} {law.id}" for law in CONTACT_LAWS.values())

@@ -23,7 +23,7 @@ def overlapping():
 
 
 def let_go():
-    """Two links that come to rest at a rigid stop by small impacts, and fall back from it at 0.9 s."""
+    """Return two links that come to rest at a rigid stop by small impacts, and fall back from it at 0.9 s."""
     limits = {"min": -1.5, "max": 1.5}
     return table(
         [link(0.5, 1.6, damping=0.01, **limits), link(0.4, 0.3, damping=0.06, **limits)],

@@ -187,7 +187,7 @@ def spoil(instance: Instance, words: list[int]) -> int:
 
 
 def reals(dtype: np.dtype, name: str = "", start: int = 0) -> Iterator[tuple[str, int]]:
-    """The name and the word of each real number in a record."""
+    """Yield the name and the word of each real number in a record."""
     if dtype.subdtype:
         of, shape = dtype.subdtype
         for i in range(int(np.prod(shape))):
@@ -204,7 +204,7 @@ def reals(dtype: np.dtype, name: str = "", start: int = 0) -> Iterator[tuple[str
 
 
 def nearly_folded(angle, spin, **contact):
-    """Two links from floor to floor, the second at an angle, turning: its tip arrives very slowly."""
+    """Return two links from floor to floor, the second at an angle, turning: its tip arrives very slowly."""
     initial = {
         "position": [0.0, 0.0],
         "velocity": [0.0, 0.0],

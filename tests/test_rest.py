@@ -31,13 +31,13 @@ WEIGHT = 4 * GRAVITY  # N, of the default chain
 
 
 def quiet_chain(stiffness, restitution, method="auto", **contact):
-    """The default chain at tolerance 1e−6; it lies still after a few seconds."""
+    """Return the default chain at tolerance 1e−6; it lies still after a few seconds."""
     scene = default_scene(stiffness=stiffness, restitution=restitution, **contact)
     return with_values(scene, {("solver", "method"): method, ("solver", "tolerance"): 1e-6})
 
 
 def chain(links, angles, stop_time, walls, **initial):
-    """A chain of links (length, mass), its base half a metre above the floor."""
+    """Return a chain of links (length, mass), its base half a metre above the floor."""
     return build(
         "Torture",
         [{"length": length, "mass": mass} for length, mass in links],

@@ -20,7 +20,7 @@ LAWS = ("flores", "hunt_crossley", "lankarani_nikravesh", "kuwabara_kono", "tsuj
 
 
 def rough(seed, tolerance):
-    """A chain of up to five links that is thrown, or laid, into a box with friction."""
+    """Return a chain of up to five links that is thrown, or laid, into a box with friction."""
     rng = np.random.default_rng(seed)
     count = int(rng.integers(1, 6))
     base = "free" if rng.random() < 0.7 else "pinned"

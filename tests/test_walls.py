@@ -116,13 +116,13 @@ def test_a_ball_rests_on_two_walls_that_form_a_v(model, method):
 
 
 def back(vectors, angle):
-    """Vectors in the plane, in the last axis, turned back."""
+    """Return vectors in the plane, in the last axis, turned back."""
     c, s = math.cos(angle), math.sin(angle)
     return vectors @ np.array([[c, -s], [s, c]])
 
 
 def check_turned(scene, angle, within, **options):
-    """A scene turned as a whole gives the same motion turned as a whole."""
+    """Return a scene turned as a whole gives the same motion turned as a whole."""
     plain, slanted = simulate(scene, **options), simulate(turned(scene, angle), **options)
     np.testing.assert_allclose(back(slanted.points, angle), plain.points, rtol=0, atol=within)
     np.testing.assert_allclose(slanted.angles - angle, plain.angles, rtol=0, atol=within)

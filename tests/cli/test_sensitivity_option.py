@@ -10,7 +10,7 @@ from chain_impact import simulate
 
 
 def tables(said):
-    """Parameter → rows of numbers of its table, as text."""
+    """Return parameter → rows of numbers of its table, as text."""
     found, rows = {}, None
     for line in said.splitlines():
         if head := re.fullmatch(r"Change of the impacts for (.*) \+ .*", line):

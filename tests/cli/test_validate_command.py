@@ -16,7 +16,7 @@ def test_validate_of_a_good_fmu(run, fmu):
 
 
 def odd(fmu):
-    """Two variables of one name, and a unit that there is not."""
+    """Return two variables of one name, and a unit that there is not."""
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile("odd.fmu", "w") as new:
         for name in old.namelist():
             content = old.read(name)

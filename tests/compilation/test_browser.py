@@ -23,7 +23,7 @@ SINH = LAW.format("stiffness * math.sinh(penetration) ** exponent")
 
 
 def number(content, at):
-    """An unsigned number in LEB128, and where it ends."""
+    """Return an unsigned number in LEB128, and where it ends."""
     value = shift = 0
     while True:
         byte = content[at]
@@ -33,7 +33,7 @@ def number(content, at):
 
 
 def sections(content):
-    """The sections of a module: number → content."""
+    """Return the sections of a module: number → content."""
     assert content[:8] == b"\0asm\1\0\0\0"
     found, at = {}, 8
     while at < len(content):

@@ -32,7 +32,7 @@ def _empty(tmp_path, monkeypatch):
 
 
 def files():
-    """All that is in the folder for these sources, but for locks and checksums."""
+    """Return all that is in the folder for these sources, but for locks and checksums."""
     others = (".lock", ".crc32")
     return sorted(path.name for path in cache_folder().iterdir() if not path.name.endswith(others))
 

@@ -67,7 +67,7 @@ FUNCTIONS["in place"] = (in_place, TOTAL)
 
 @cache
 def compiled(function, kind=DUAL, result=None):
-    """The function of two numbers of a kind, from and to memory."""
+    """Return the function of two numbers of a kind, from and to memory."""
     inner = njit(function)
 
     def call(given, found):
@@ -79,7 +79,7 @@ def compiled(function, kind=DUAL, result=None):
 
 
 def of_duals(function, x=AT[0], y=AT[1], slopes=SLOPES, result=None):
-    """Value and slopes, or the words of another result."""
+    """Return value and slopes, or the words of another result."""
     given = np.hstack([[[x], [y]], slopes]).ravel()
     found = np.full(WORDS, np.nan)
     compiled(function, DUAL, result)(given.ctypes.data, found.ctypes.data)

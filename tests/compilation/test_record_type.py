@@ -29,7 +29,7 @@ def number(affine, links, candidates, elements):
 
 
 def places(dtype, path=(), offset=0):
-    """Path, offset and type of every record, array and number of a record."""
+    """Yield path, offset and type of every record, array and number of a record."""
     yield path, offset, dtype
     if dtype.subdtype and is_table(dtype):
         for name, (inner, start, *_) in dtype.base.fields.items():
@@ -84,7 +84,7 @@ def test_a_size_that_is_not_affine_is_refused():
 
 
 def chain():
-    """Three links with damped joints and a motor that fall on the floor, beside a wall."""
+    """Return three links with damped joints and a motor that fall on the floor, beside a wall."""
     link = {"length": 0.3, "mass": 0.5, "joint_damping": 0.02}
     start = {"position": [0.05, 0.5], "angles": [0.3, -0.6, 0.2], "angular_velocities": [1.0, -3.0, 2.0]}
     table = {"name": "Chain", "gravity": [-1.0, -9.81], "chain": {"links": [link] * 3}, "initial": start}
@@ -93,7 +93,7 @@ def chain():
 
 
 def by_type(function, of_complex):
-    """The function that a compiled kernel calls for these arguments."""
+    """Return the function that a compiled kernel calls for these arguments."""
 
     def chosen(*arguments):
         return (of_complex if any(isinstance(one, complex) for one in arguments) else function)(*arguments)

@@ -75,7 +75,7 @@ def written(tmp_path, name, text):
 
 
 def carts():
-    """An arm on a slider with all that a slider has, and one whose carriage has no mass."""
+    """Yield an arm on a slider with all that a slider has, and one whose carriage has no mass."""
     heel = {"x": 0.3, "y": -0.1, "radius": 0.02, "name": "heel"}
     links = [{"length": 0.5, "mass": 1.0, "center_of_mass_offset": 0.05}, {"length": 0.4, "mass": 0.7}]
     links[1]["points"] = [heel, {"x": -0.1, "y": 0.2}]

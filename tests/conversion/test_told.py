@@ -144,7 +144,7 @@ def test_what_touches_a_floor_becomes_points_where_the_file_has_it(tmp_path, nam
 
 
 def starts(scene):
-    """Place and radius of the points of links at the start."""
+    """Return the place and radius of the points of links at the start."""
     return [at for number, at in scene.start.items() if number > len(scene.chain.links)]
 
 

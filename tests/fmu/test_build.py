@@ -258,7 +258,7 @@ def test_whose_the_model_is_only_the_scene_says(fmi):
 
 
 def ranges(fmu):
-    """The smallest and the largest value of each output in a run, and the limits that it has."""
+    """Return the smallest and the largest value of each output in a run, and the limits that it has."""
     instance = Instance(fmu).start()
     rows = instance.run([0.002 * (i + 1) for i in range(1000)])
     limits = {name: instance.variables[name] for name in instance.outputs}

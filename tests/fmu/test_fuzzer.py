@@ -41,7 +41,7 @@ def fuzzer(request, tmp_path_factory):
 
 
 def sanitized_kernel(folder, links):
-    """An object of the kernel in which each access to memory is checked."""
+    """Return an object of the kernel in which each access to memory is checked."""
     text = complete(library._lowered_kernel(library.KERNEL), links)
     text, functions = re.subn(r"^(define .*)\{$", r"\1sanitize_address {", text, flags=re.M)
     assert functions > 500

@@ -76,7 +76,7 @@ MOTIONS = [
 
 
 def moved(fmu, motions, period):
-    """A base and a wall that move, given at communication points; and once more from a saved state."""
+    """Return a base and a wall that move, given at communication points; and once more from a saved state."""
     instance, rows = Instance(fmu).start(**motions[0]), []
     state, again = None, []
     for k, given in enumerate(motions):

@@ -139,7 +139,7 @@ def test_instances_in_threads_give_what_they_give_one_by_one(fmu):
 
 
 def whole_scene(fmu, stop, step):
-    """All outputs at each step, without a parameter set; and what the process has imported."""
+    """Return all outputs at each step, without a parameter set; and what the process has imported."""
     import sys
 
     import fmpy

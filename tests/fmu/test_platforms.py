@@ -107,7 +107,7 @@ class Machine(NamedTuple):
 
 
 def printed(machine, source, folder, *arguments):
-    """The numbers that a C program prints on a machine, a list for each line."""
+    """Return the numbers that a C program prints on a machine, a list for each line."""
     target, _ = ZIG_TARGETS[machine.platform]
     program = folder / f"{source.stem}-{machine.platform}.exe"
     libraries = ["-ldl"] if "linux" in target else []

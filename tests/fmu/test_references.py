@@ -20,7 +20,7 @@ every_model = pytest.mark.parametrize("model", model_names())
 
 
 def table_of(path):
-    """The table in an FMU: name → tolerance and values, both of which may be NaN."""
+    """Return the table in an FMU: name → tolerance and values, both of which may be NaN."""
     with zipfile.ZipFile(path) as fmu:
         names, allowed, *rows = csv.reader(io.StringIO(fmu.read(FILE).decode()))
     assert (names[0], allowed[0]) == ("time", "tolerance")

@@ -79,7 +79,7 @@ def test_the_stack_of_a_thread_that_the_docs_tell_is_enough(ways):
 
 
 def rows_with(fmu, library, ways, step, steps):
-    """The outputs with the registers in each way; the steps are sums that are not rounded."""
+    """Return the outputs with the registers in each way; the steps are sums that are not rounded."""
     import ctypes
 
     library, usual, rows = ctypes.CDLL(library), ways[0], []

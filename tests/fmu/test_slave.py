@@ -133,7 +133,7 @@ def test_a_fault_is_seen_where_the_importer_does_not_log(path, clean, tmp_path):
 
 
 def damaged(name, content):
-    """A start that was edited by hand, in an FMU that is otherwise whole."""
+    """Return a start that was edited by hand, in an FMU that is otherwise whole."""
     if name == "resources/model.bin":
         return content[:5000] + bytes([content[5000] ^ 1]) + content[5001:]
     return content

@@ -128,7 +128,7 @@ def values_of(scene):
 
 
 def shown(fmu, changes, names, when):
-    """The parameters before anything is set, once it is, and after initialization."""
+    """Return the parameters before any is set, after the changes, and after initialization."""
     one = Instance(fmu)
     told = [one.get(names)]
     one.fmu.setupExperiment(startTime=0.0)

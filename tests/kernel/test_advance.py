@@ -374,7 +374,7 @@ class Landing:
         return theta
 
     def run(self, theta):
-        """The outcome, and what was done after the whole step was accepted."""
+        """Return the outcome, and what was done after the whole step was accepted."""
         self.patch.setattr(loop, "find_event", lambda d: self.located(d, theta))
         loop.try_step(self.d, SIZE)
         assert self.noted[:2] == [("try", 1.0), "accept"]
@@ -386,7 +386,7 @@ REPEATED = ["roll back", ("try", 0.4), "accept"]
 
 
 def of(theta):
-    """The check of a step that ends at a fraction, at which it is cut."""
+    """Return the check of a step that ends at a fraction, at which it is cut."""
     return [("energy", theta), ("cut", theta)]
 
 

@@ -16,7 +16,7 @@ BASES = pytest.mark.parametrize(("base", "count"), CASES)
 
 
 def prepared(base, count, **more):
-    """A chain with all that resists and drives, in contact with two walls by some depth; its state."""
+    """Return a chain with all that resists and drives, in contact with two walls by some depth; its state."""
     rng = np.random.default_rng([count, len(base)])
     scene, d = chain(rng, count, base, springs=True, dampers=True, inputs=True, **more)
     candidates = [1, d.candidates - 1]

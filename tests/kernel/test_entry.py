@@ -27,7 +27,7 @@ class Runs:
         self.stop = stop
 
     def word(self, *path):
-        """The index of a number in the record."""
+        """Return the index of a number in the record."""
         offset, dtype = 0, self.block.dtype
         for name in path:
             dtype, more = dtype.fields[name][:2]
@@ -52,7 +52,7 @@ class Runs:
 
 
 def alone(stiffness, stop=STOP):
-    """The same by a fresh instance: its record at the end, and the impacts it has logged."""
+    """Return the same by a fresh instance: its record at the end, and the impacts it has logged."""
     d = Plain(
         Model(
             with_values(ball(1e-3, 1.0, stiffness=STIFFNESS), {("contact", "stiffness"): stiffness})

@@ -58,7 +58,7 @@ class Columns:
 
 
 def fallen(model: str, method: str) -> Scene:
-    """Two links that fall on a floor and come to rest there, one of them beside a slope."""
+    """Return two links that fall on a floor and come to rest there, one of them beside a slope."""
     return scene_from_dict(
         {
             "name": "Fallen",

@@ -40,7 +40,7 @@ BASES = pytest.mark.parametrize("base", ["free", "pinned"])
 
 
 def prepared(count=3, base="free", **more):
-    """A chain that can be initialized, with contacts and all else of an earlier run."""
+    """Return a chain that can be initialized, with contacts and all else of an earlier run."""
     rng = np.random.default_rng([count, len(base)])
     scene, d = chain(rng, count, base, **more)
     d.initial.angular_velocity[:] = rng.normal(size=count)

@@ -58,7 +58,7 @@ class Links:
         return np.stack([self.result[f"{name}{axis}"] for axis in "xy"], 1)
 
     def at_center(self, i, kind=""):
-        """Position, velocity or acceleration of the centre of mass of link i, from 1."""
+        """Return position, velocity or acceleration of the centre of mass of link i, from 1."""
         inner, outer = (self.vector(f"point[{k}].{kind}") for k in (i - 1, i))
         link = self.links[i - 1]
         return inner + link.center_of_mass / link.length * (outer - inner)

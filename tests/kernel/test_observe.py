@@ -29,7 +29,7 @@ COUNT, SIZE = 3, 0.4
 
 
 def seen(theta):
-    """A chain in flight but for two contacts, looked at within a step; the state there."""
+    """Return a chain in flight but for two contacts, looked at within a step; the state there."""
     rng = np.random.default_rng(11)
     scene, d = chain(rng, COUNT, springs=True, dampers=True, minimum_impact_speed=50.0)
     free = free_motion(rng, d)

@@ -68,7 +68,7 @@ def test_it_stops_at_each_onset_and_nothing_else_changes(model, step):
 
 
 def dropped(height=0.0, speed=-1.0, **contact):
-    """A rod that falls without turning; both its ends arrive at the same time."""
+    """Return a rod that falls without turning; both its ends arrive at the same time."""
     scene = {"name": "Flat", "chain": {"links": [{"length": 1.0, "mass": 1.0}]}, "box": {"y_min": 0.0}}
     scene["initial"] = {"position": [0.0, height], "angles": [0.0], "velocity": [0.0, speed]}
     return scene_from_dict(scene | {"contact": contact}, "flat")

@@ -19,7 +19,7 @@ SIZES = [
 
 
 def scalars(dtype):
-    """The offset [bytes] and the type of each scalar of a record."""
+    """Yield the offset [bytes] and the type of each scalar of a record."""
     if dtype.subdtype:
         item, shape = dtype.subdtype
         for i in range(int(np.prod(shape))):

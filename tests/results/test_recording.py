@@ -116,7 +116,7 @@ def test_a_place_between_two_rows_is_interpolated():
 
 
 def shown(rows):
-    """Onset, point, wall and speed of impacts, by rows of count, time, point, wall and speed."""
+    """Return onset, point, wall and speed of impacts, by rows of count, time, point, wall and speed."""
     names = ("count", "last_time", "last_point", "last_wall", "last_speed")
     columns = {f"impact.{name}": np.array(column) for name, column in zip(names, zip(*rows), strict=True)}  # noqa: B905
     found = impacts_shown(columns)

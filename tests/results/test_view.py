@@ -36,7 +36,7 @@ def test_a_wall_at_a_slant_is_seen_where_it_is_nearest():
 
 
 def hanging(angles, side=-1.0):
-    """A rod of 1 m at (1, 2), below it or above, shape (T, 2, 2)."""
+    """Return a rod of 1 m at (1, 2), below it or above, shape (T, 2, 2)."""
     base = np.array([1.0, 2.0])
     return np.array([[base, base + np.array([np.sin(a), side * np.cos(a)])] for a in angles])
 

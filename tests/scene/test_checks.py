@@ -42,7 +42,7 @@ def table():
 
 
 def change(text):
-    """Name or path, and value."""
+    """Return name or path, and value."""
     name, value = text.split(" = ", 1)
     path = tuple(int(part) if part.isdigit() else part for part in name.split("/"))
     return (path if "." not in name else name), eval(value, {"nan": math.nan, "inf": math.inf})

@@ -18,7 +18,7 @@ BOTH = {
 
 
 def walled():
-    """A scene with stops, and a wall of a material of its own."""
+    """Return a scene with stops, and a wall of a material of its own."""
     return knee().with_values({"wall.x_max.restitution": 0.4})
 
 

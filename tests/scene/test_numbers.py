@@ -10,7 +10,7 @@ MODELS = ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "rod_drop")
 
 
 def slow(scene, changes, monkeypatch):
-    """The same by reading all of it."""
+    """Return the same by reading all of it."""
     with monkeypatch.context() as patch:
         patch.setattr(module, "with_numbers", lambda *_: None)
         return scene.with_values(changes)

@@ -38,7 +38,7 @@ stiffness = 500
 
 
 def finger(**changes):
-    """The scene with the tables of the file changed."""
+    """Return the scene with the tables of the file changed."""
     data = tomllib.loads(FILE)
     for table, keys in changes.items():
         data[table] = data.get(table, {}) | keys

@@ -252,7 +252,7 @@ def test_inputs_act_from_the_start_whenever_the_first_row_is(signal, times):
 
 
 def as_far_as(limit):
-    """The result up to where the work exceeds a limit."""
+    """Return the result up to where the work exceeds a limit."""
     scene = CASE.scene.with_values({"solver.work_limit": float(limit)})
     try:
         return simulate(scene, sensitivities=["initial.y"])

@@ -14,17 +14,17 @@ TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
 
 
 def kinked(time):
-    """A torque [N·m] with a kink."""
+    """Return a torque [N·m] with a kink."""
     return 10.0 * abs(time - 0.123)
 
 
 def switched(time):
-    """A torque [N·m] with a jump."""
+    """Return a torque [N·m] with a jump."""
     return 5.0 * (time > 0.123)
 
 
 def fast(time):
-    """A torque [N·m] that swings faster than the arm."""
+    """Return a torque [N·m] that swings faster than the arm."""
     return 3.0 * math.sin(300.0 * time)
 
 
@@ -123,23 +123,23 @@ class Counted:
 
 
 def knots(count):
-    """A table of a torque: times [s] and values [N·m]."""
+    """Return a table of a torque: times [s] and values [N·m]."""
     return np.linspace(0.0, STOP, count), np.random.default_rng(1).normal(size=count)
 
 
 def table(count):
-    """A torque [N·m] by a table that is joined by lines."""
+    """Return a torque [N·m] by a table that is joined by lines."""
     times, values = knots(count)
     return lambda time: np.interp(time, times, values)
 
 
 def modulated(frequency):
-    """A torque [N·m] that is switched on and off, with pulses of changing width."""
+    """Return a torque [N·m] that is switched on and off, with pulses of changing width."""
     return lambda time: 5.0 * ((time * frequency) % 1.0 < 0.3 + 0.2 * math.sin(time))
 
 
 def noise(_time):
-    """A torque [N·m] that is another one at each call."""
+    """Return a torque [N·m] that is another one at each call."""
     return next(DRAWN)
 
 

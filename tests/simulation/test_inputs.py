@@ -16,7 +16,7 @@ SHOULDER, ELBOW = "joint[1].torque", "joint[2].torque"
 
 
 def wave(time):
-    """A torque [N·m] that is smooth in time [s]."""
+    """Return a torque [N·m] that is smooth in time [s]."""
     return 3.0 * math.sin(9.0 * time) + 1.0
 
 
@@ -25,14 +25,14 @@ def push(time):
 
 
 def arm(**inputs):
-    """The pinned arm, its wall out of reach."""
+    """Return the pinned arm, its wall out of reach."""
     changes = {("box", "x_max"): 10.0, ("simulation", "stop_time"): STOP, ("solver", "tolerance"): 1e-11}
     scene = with_values(load_scene("pinned_arm"), changes)
     return with_values(scene, {("inputs", name): value for name, value in inputs.items()})
 
 
 def exact(scene, torques, tip_force, times, breaks=()):
-    """Angles and their rates, shape (T, 4), by the assembled equations of motion and scipy at 1e-12.
+    """Return angles and their rates, shape (T, 4), by the assembled equations of motion and scipy at 1e-12.
 
     Args:
         torques: function of t → torque of joints 1 and 2 [N·m].

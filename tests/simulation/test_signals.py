@@ -126,12 +126,12 @@ def driven(name, extra=""):
 
 
 def rate_of(function):
-    """A function for the derivative, where the function is smooth."""
+    """Return a function for the derivative, where the function is smooth."""
     return lambda t: (function(t + 1e-7) - function(t - 1e-7)) / 2e-7
 
 
 def by_python(name, **settings):
-    """The run with the function given in Python."""
+    """Return the run with the function given in Python."""
     one, _, function = FORMS[name]
     inputs = {one: function}
     if one == TARGET:
@@ -265,7 +265,7 @@ TIMES = np.array([0.0, 0.05, 0.12, 0.2, 0.31, 0.4])
 
 
 def with_table(folder, driven, columns, numbers, scene=ARM):
-    """The arm with a table for some inputs, in a file beside it."""
+    """Return the arm with a table for some inputs, in a file beside it."""
     rows = zip(*columns.values(), strict=True)
     lines = [",".join(columns), *(",".join(map(repr, map(float, row))) for row in rows)]
     (folder / "drive.csv").write_text("\n".join(lines))

@@ -10,12 +10,12 @@ from chain_impact import compare, fit, load_scene, model_names, simulate, sweep
 
 
 def forms(thing):
-    """The form for a notebook, parsed: it is well-formed, and its texts are escaped."""
+    """Return the form for a notebook, parsed: it is well-formed, and its texts are escaped."""
     return ElementTree.fromstring(thing._repr_html_())
 
 
 def cells(form):
-    """The rows of its tables."""
+    """Return the rows of its tables."""
     return [["".join(cell.itertext()) for cell in row] for row in form.iter("tr")]
 
 

@@ -77,7 +77,7 @@ def test_a_new_instance_holds_nothing_but_the_scene():
 
 
 def count_calls(monkeypatch):
-    """How often each part of a model is worked out from now on."""
+    """Return how often each part of a model is worked out from now on."""
     counts = Counter()
 
     def counted(name, function, *arguments):

@@ -13,7 +13,7 @@ PLAIN = [name for name, unit in UNITS.items() if unit.powers is not None]
 
 
 def powers_of(name):
-    """The powers of base units in a name such as ``N.m.s/rad``."""
+    """Return the powers of base units in a name such as ``N.m.s/rad``."""
     total = Counter()
     above, _, below = name.partition("/")
     for part, sign in ((above, 1), (below, -1)):

@@ -72,7 +72,7 @@ class Reference:
         return position, jacobian, bias
 
     def solved(self, mass, force):
-        """The motion that the base allows, for a mass matrix and a force."""
+        """Return the motion that the base allows, for a mass matrix and a force."""
         t = self.motions
         return t @ np.linalg.solve(t.T @ mass @ t, t.T @ force)
 

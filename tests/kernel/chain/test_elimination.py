@@ -33,7 +33,7 @@ def random_chain(rng, count, base, largest):
 
 
 def prepared(scene, angles):
-    """The record of a chain, as plain Python takes it, with its link vectors."""
+    """Return the record of a chain, as plain Python takes it, with its link vectors."""
     d = record_of(scene)
     derive_chain(d)
     apply_inputs(d)
@@ -43,7 +43,7 @@ def prepared(scene, angles):
 
 
 def relative_motion(count):
-    """The matrix G with rows g_i: ω_i − ω_{i−1} for the coordinates (base, angles)."""
+    """Return the matrix G with rows g_i: ω_i − ω_{i−1} for the coordinates (base, angles)."""
     return np.hstack([np.zeros((count, 2)), np.eye(count) - np.eye(count, k=-1)])
 
 
@@ -154,7 +154,7 @@ def test_accelerations_leave_the_factors_of_the_mass_matrix(count, pinned):
 
 
 def exact(scene, angles, impedance, resistance, impulses):
-    """The solution of the assembled equations of a free chain in numbers of 60 digits, rounded."""
+    """Return the solution of the assembled equations of a free chain in numbers of 60 digits, rounded."""
     with mpmath.workdps(60):
         links = scene.chain.links
         turned = [

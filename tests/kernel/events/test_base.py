@@ -31,7 +31,7 @@ def scene(method="auto"):
 
 
 def moved(height):
-    """The wall comes down by a height [m], and goes up again: functions of time."""
+    """Return functions of time: a wall comes down by a height [m], and goes up again."""
 
     def displacement(t):
         return height * math.exp(-(((t - MIDDLE) / WIDTH) ** 2))

@@ -63,7 +63,7 @@ def forces(d, t, height):
 
 
 def pressed(height, law="zhang_sharf", size=1.0):
-    """A step of a contact that has been followed to its start."""
+    """Return a step of a contact that has been followed to its start."""
     d, motion = falling(height, law=law, size=size)
     d.touch.impact_speed[1] = 3.0
     set_damping(d, 1)

@@ -28,7 +28,7 @@ C = 6
 
 
 def arrived(law="zhang_sharf", speed=1.0, depth=0.0, touching=()):
-    """A chain at the end of a step, at which candidate C moves into its wall; no step is implicit."""
+    """Return a chain at the end of a step, at which candidate C moves into its wall; no step is implicit."""
     rng = np.random.default_rng(4)
     scene, d = chain(rng, 3, inputs=True, **of_law(law), restitution=0.5)
     y = struck(rng, d, [C], depth)
@@ -44,7 +44,7 @@ def arrived(law="zhang_sharf", speed=1.0, depth=0.0, touching=()):
 
 
 def begins_explicit(d):
-    """Whether steps are explicit, as if none had been stiff before."""
+    """Return whether steps are explicit, as if none had been stiff before."""
     own = d.step
     return (own.method, own.stiff_count, own.switch_hysteresis) == (EXPLICIT, 0, MIN_SWITCH_STEPS)
 

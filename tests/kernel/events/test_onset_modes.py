@@ -10,7 +10,7 @@ from tests.problems import build
 
 
 def first_change(scene):
-    """The first change of a mode, and the first impact."""
+    """Return the first change of a mode, and the first impact."""
     result = simulate(scene)
     return result.stick_slip[0], result.impacts[0]
 

@@ -270,7 +270,7 @@ SIZE = 0.2
 
 
 def released(force=(1.0, -0.5, -2.0), least=-1e-2, size=SIZE):
-    """A step in which the force of a wall is a polynomial, of which the stages have seen the least."""
+    """Return a step in which the force of a wall is a polynomial, of which the stages have seen the least."""
     d, c, _ = held_tip(size, force)
     d.rigid.least_force[:] = -1e9
     d.rigid.least_force[c] = least
@@ -362,7 +362,7 @@ RESOLVED = 2e-11  # s, or m/s, rad, N over what they are of
 
 
 def started(table):
-    """The record of a scene at its start."""
+    """Return the record of a scene at its start."""
     d = Plain(Model(scene_from_dict(table, "case")).new_instance()[0])
     assert initialize(d, 0.0) == OK
     return d

@@ -218,7 +218,7 @@ def test_a_time_that_runs_back_refuses_the_step():
 
 
 def touched(gap, rate, bend=0.0, *, active=0, kind=ONSET, theta=0.5, size=1.0):
-    """A candidate whose clearance starts with this value, rate and curvature, with an event at θ."""
+    """Return a candidate whose clearance starts with this value, rate and curvature, with an event at θ."""
     _, d = chain(np.random.default_rng(0), 2)
     c = 1
     motion = translation(d, [0.3, 0.1], [0.0, rate, 0.5 * bend])
@@ -317,7 +317,7 @@ def landed(gaps, rate=-2.0, size=0.5, kind=ONSET, bend=0.0):
 
 
 def lands(d):
-    """Whether a step that was repeated for onsets is not refused."""
+    """Return whether a step that was repeated for onsets is not refused."""
     onset_fraction(d)
     return accepted(d)
 
@@ -389,7 +389,7 @@ def test_an_incredible_touch_refuses_a_step_that_can_be_shorter_and_is_dropped_o
 
 
 def found_leaving(d):
-    """A touch of a point that moves away."""
+    """Return a touch of a point that moves away."""
     measure(d, 0.5)
     d.touch.event[1], d.search.clear_end_rate[1] = ONSET, 1.0
     return 0.5

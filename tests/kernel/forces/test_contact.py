@@ -19,7 +19,7 @@ LAWS = pytest.mark.parametrize("law", ["zhang_sharf", "kelvin_voigt", "jankowski
 
 
 def in_contact(law="zhang_sharf", touching=3):
-    """A chain with contacts that have begun, at the depths DEPTH, 2 DEPTH …; its state and ∇g."""
+    """Return a chain with contacts that have begun, at the depths DEPTH, 2 DEPTH …; its state and ∇g."""
     rng = np.random.default_rng(7)
     scene, d = chain(rng, 3, inputs=True, **of_law(law), restitution=0.6, minimum_impact_speed=9.0)
     d.inputs.tip_force[:] = 0.3, -0.8

@@ -29,7 +29,7 @@ def _factors_once(monkeypatch):
 
 
 def contact_of(law="zhang_sharf", restitution=0.3, speed=SPEED, **changes):
-    """An instance in which the contact of candidate 0 has begun."""
+    """Return an instance in which the contact of candidate 0 has begun."""
     changes = of_law(law) | {"stiffness": STIFFNESS, "restitution": restitution} | changes
     d = record_of(ball(**changes))
     assert contact_law.start_laws(d) == OK
@@ -45,7 +45,7 @@ def slopes_of(d, depth, rate):
 
 
 def scaled_impact(law, e, mass=MASS, speed=SPEED, stiffness=STIFFNESS):
-    """Restitution, depth [m] and force [N] of a law's impact, by integration without the kernel.
+    """Return restitution, depth [m] and force [N] of a law's impact, by integration without the kernel.
 
     With the length L = (m v²/K)^{1/(n+1)} and the time L/v, m δ̈ = −K δⁿ − d δᵖ δ̇ is the equation of
     ``rebound`` with f = d Lᵖ⁺¹/(m v).
@@ -59,7 +59,7 @@ def scaled_impact(law, e, mass=MASS, speed=SPEED, stiffness=STIFFNESS):
 
 
 def impact_of(law, e, mass=MASS, speed=SPEED, stiffness=STIFFNESS, **settings):
-    """The only impact of a simulated ball, and the dissipated energy [J]."""
+    """Return the only impact of a simulated ball, and the dissipated energy [J]."""
     scene, _ = struck_ball(mass, speed, **of_law(law.id), stiffness=stiffness, restitution=e)
     # a damped ball leaves late
     result = simulate(with_values(scene, {("simulation", "stop_time"): 0.5 / speed}), **settings)
@@ -256,7 +256,7 @@ def test_the_margin_of_a_turn_is_a_tenth_of_the_tolerance_in_the_impulse():
 
 
 def own_force(*arguments):
-    """A user's law of all that it may ask for."""
+    """Return a user's law of all that it may ask for."""
     depth, rate, speed, mass, stiffness, exponent, restitution = arguments
     return stiffness * depth**exponent * (1.0 + restitution * rate / speed) + mass * rate * depth
 

@@ -24,12 +24,12 @@ FRICTION = pytest.mark.parametrize("name", ["friction", "static_friction"])
 
 
 def restitution_for(law, e=0.7):
-    """A restitution; near 1 the factor of Kuwabara and Kono takes no integration."""
+    """Return a restitution; near 1 the factor of Kuwabara and Kono takes no integration."""
     return 1.0 - 1e-7 if law.id == "kuwabara_kono" else e
 
 
 def laws_of(d):
-    """All that is known of the laws, as bytes."""
+    """Return all that is known of the laws, as bytes."""
     return d.law.tobytes(), d.contact.any_force, d.contact.any_rigid
 
 

@@ -27,12 +27,12 @@ OTHERS = [law for law in WITH_FORCE if not law.in_family]
 
 @functools.cache
 def kernel():
-    """An instance of a ball, to derive a law's factor in."""
+    """Return an instance of a ball, to derive a law's factor in."""
     return Instance(ball())
 
 
 def factor_of(law, e):
-    """The factor f(e) that the compiled kernel derives; infinite where it refuses e."""
+    """Return the factor f(e) that the compiled kernel derives; infinite where it refuses e."""
     instance = kernel()
     contact, given = instance.record["contact"], instance.record["given"]
     given["law"], given["restitution"], contact["exponent"] = law.number, e, law.exponent or 1.5

@@ -11,7 +11,7 @@ from tests.plain import Plain
 
 
 def driven(order=2):
-    """The arm with torques 1 + 2 x + 3 x² and 4 of a piece from 0 to 2 s, x = t − 1."""
+    """Return the arm with torques 1 + 2 x + 3 x² and 4 of a piece from 0 to 2 s, x = t − 1."""
     block = Model(load_scene("pinned_arm")).new_instance()
     given = block[0]["given"]
     given["joint_torque"] = 1.0, 4.0

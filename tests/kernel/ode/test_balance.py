@@ -23,7 +23,7 @@ from tests.search import verdict
 
 
 def after_a_step():
-    """The default chain at the end of a step in flight, and the ledger at its start."""
+    """Return the default chain at the end of a step in flight, and the ledger at its start."""
     instance = Instance(load_scene("four_link_box"))
     instance.advance(0.2)
     d = Plain(instance.record)
@@ -33,7 +33,7 @@ def after_a_step():
 
 
 def error_after_check(d, theta):
-    """The error of the last step after the energy check; before it was a tenth of the tolerance."""
+    """Return the error of the last step after the energy check; before it was a tenth of the tolerance."""
     control.conclude(d, 0.1, 1.0)
     energies = balance.check_energy(d, theta)
     if control.accepted(d):
@@ -252,7 +252,7 @@ def test_a_step_may_lose_what_is_left_or_its_share():
 
 
 def after_a_turn(turn, **more):
-    """A chain after a step in which its first link turns that far [rad], with a dense output."""
+    """Return a chain after a step in which its first link turns that far [rad], with a dense output."""
     rng = np.random.default_rng(3)
     _, d = chain(rng, LINKS, **more)
     walls_away(d)

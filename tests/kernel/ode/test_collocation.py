@@ -128,7 +128,7 @@ def step():
 
 
 def through(values, theta):
-    """The polynomial of degree 5 through 0 at the start and these values at the nodes."""
+    """Return the polynomial of degree 5 through 0 at the start and these values at the nodes."""
     from_start = np.concatenate([np.zeros_like(values[:1]), values])
     fitted = np.polynomial.polynomial.polyfit([0.0, *NODES], from_start, RADAU_STAGES)
     return np.polynomial.polynomial.polyval(theta, fitted)
@@ -221,7 +221,7 @@ STALE = -1  # of implicit.listing: other contacts are active
 
 
 def at_start(tolerance=1e-8, **tables):
-    """A chain that moves, at the start of an implicit step."""
+    """Return a chain that moves, at the start of an implicit step."""
     rng = np.random.default_rng(5)
     scene, d = chain(rng, N, **tables)
     d.step.state_end[:] = struck(rng, d, [])

@@ -16,7 +16,7 @@ ONE, OTHER = 0, 1  # rows of the two estimates
 
 
 def deep(depth=1e-3, **more):
-    """Three links with two points in contact, that deep, of known scales; also the state."""
+    """Return three links with two points in contact, that deep, of known scales; also the state."""
     rng = np.random.default_rng(5)
     scene, d = chain(rng, LINKS, **more)
     d.solver.tolerance = TOLERANCE

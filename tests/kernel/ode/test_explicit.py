@@ -24,7 +24,7 @@ STAGES = len(explicit.A)
 
 
 def dense(rows):
-    """Rows of {stage: coefficient} as a matrix over all stages."""
+    """Return rows of {stage: coefficient} as a matrix over all stages."""
     matrix = np.zeros((len(rows), STAGES))
     for i, row in enumerate(rows):
         matrix[i, list(row)] = list(row.values())
@@ -131,7 +131,7 @@ def test_dense_output_fulfils_every_condition_of_order_7(order):
 
 
 def tried(d, h):
-    """The record after a step of the size h has been tried."""
+    """Return the record after a step of the size h has been tried."""
     d["step"]["state_end"][-1] = 0.0  # the time since its start
     equations.state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
     methods.attempt(d, h)
@@ -139,7 +139,7 @@ def tried(d, h):
 
 
 def step(d, h):
-    """One step of the size h, whatever its error; returns that."""
+    """Make one step of the size h, whatever its error; return the error."""
     last_step.accept(tried(d, h))
     last_step.ensure_dense(d, last_step.OUTPUTS)
     return d.trial.error

@@ -25,7 +25,7 @@ def started(method=EXPLICIT, **changes):
 
 
 def with_a_step(d, h=H):
-    """The instance after one step of size h, whatever its error."""
+    """Return the instance after one step of size h, whatever its error."""
     last_step.ensure_rate(d)
     last_step.ensure_points(d)
     d.work.rate_start[:] = d.work.stage[0] = d.work.rate_end

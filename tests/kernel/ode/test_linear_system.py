@@ -19,7 +19,7 @@ N = 4
 
 
 def linearized(turn, stiffness, damping):
-    """A chain that touches the stiffest floor, linearized where it is, with impulses followed."""
+    """Return a chain that touches the stiffest floor, linearized where it is, with impulses followed."""
     changes = {("chain", "links", i, "joint_damping"): damping * (1 + i) for i in range(1, N)}
     instance = touching(1e-4, {} if damping == 0.0 else changes, turn)
     instance.record["quadrature"]["wanted"] = 1
@@ -38,7 +38,7 @@ def linearized(turn, stiffness, damping):
 
 
 def jacobian(d, turn):
-    """A, assembled: rows of ẋ, v̇, ġ, g̈ and ṗ in the unknowns x, v, g, ġ and p."""
+    """Return a, assembled: rows of ẋ, v̇, ġ, g̈ and ṗ in the unknowns x, v, g, ġ and p."""
     count = int(d.touch.active_count)
     size = state.sundman_u_at(d.links) + 3 * count
     angles = d.step.state_end[2 : N + 2]
@@ -95,7 +95,7 @@ def test_they_are_solved_as_assembled(turn, stiffness, damping, h):
 
 
 def held(base, stiffness, damping):
-    """A chain that rigid walls hold at two points, linearized where it is, and its assembled A.
+    """Return a chain that rigid walls hold at two points, linearized where it is, and its assembled A.
 
     With W = J M⁻¹ Jᵀ, held points let v̇ have M⁻¹ − M⁻¹ Jᵀ W⁻¹ J M⁻¹ in place of M⁻¹.
     """

@@ -23,7 +23,7 @@ from tests.reference import momenta
 
 
 def unbalanced(result):
-    """The momentum [N·s] at each communication point that neither gravity nor the walls have given."""
+    """Return the momentum [N·s] at each communication point that neither gravity nor the walls have given."""
     scene = result.scene
     momentum, _ = momenta(result)
     mass = sum(link.mass for link in scene.chain.links)

@@ -50,7 +50,7 @@ def made(case, resist=True):
 
 
 def solved(d, matrix, right):
-    """The solution among the coordinates that can move."""
+    """Return the solution among the coordinates that can move."""
     free, result = free_coordinates(d), np.zeros(len(right))
     result[free] = np.linalg.solve(matrix[free, free], right[free])
     return result

@@ -45,7 +45,7 @@ SLOPES = [
 
 
 def prepared(box, changes=None):
-    """The record of the default chain between walls at any angle, and in its box or without one."""
+    """Return the record of the default chain between walls at any angle, and in its box or without one."""
     walls = [{"name": f"w{w}", "point": point, "angle": angle} for w, (angle, point) in enumerate(SLOPES)]
     scene = with_values(
         default_scene(), {("walls",): walls} | ({} if box else {("box",): {}}) | (changes or {})
@@ -119,7 +119,7 @@ def stopped(request):
 
 
 def differenced(d, y, change):
-    """The changes of all clearances along a change of the coordinates, by central differences."""
+    """Return the changes of all clearances along a change of the coordinates, by central differences."""
     gaps, h = [], 1e-6
     for shift in (h, -h):
         moved = y.copy()
@@ -175,7 +175,7 @@ def assert_adjoint(d, rows, change):
 
 
 def any_change(d):
-    """Some change of the coordinates, along which the points and joints move."""
+    """Return some change of the coordinates, along which the points and joints move."""
     change = np.random.default_rng(8).normal(size=d.links + 2)
     change[: 2 * d.model.pinned] = 0.0
     kinematics.move_points(d, d.work.link, change, d.work.motion)

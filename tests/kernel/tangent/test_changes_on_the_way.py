@@ -16,7 +16,7 @@ OUTPUTS = ("link[2].angle", "link[2].angular_velocity")
 
 
 def pressed_arm(model):
-    """An arm whose tip is held at the floor by a force."""
+    """Return an arm whose tip is held at the floor by a force."""
     links = (0.5, 0.8, 0.05), (0.4, 0.5, 0.02)
     return table(
         [dict(zip(("length", "mass", "joint_damping"), link, strict=True)) for link in links],
@@ -40,7 +40,7 @@ def played(scene, script, stop, names):
 
 
 def difference(run, scene, name, relative=1e-4):
-    """The derivative of what a run gives, by differences of order 4."""
+    """Return the derivative of what a run gives, by differences of order 4."""
     value = scene.values[name]
     h = relative * abs(value)
     at = {k: run(scene.with_values({name: value + k * h})) for k in (-2, -1, 1, 2)}

@@ -24,7 +24,7 @@ def damped(stiffness, restitution):
 
 
 def height_of(time, stiffness, restitution, vy):
-    """The height of the ball: free, in contact until K δ + d δ̇ = 0, and free again."""
+    """Return the height of the ball: free, in contact until K δ + d δ̇ = 0, and free again."""
     since = time - HEIGHT / -vy
     if since < 0:
         return HEIGHT + vy * time

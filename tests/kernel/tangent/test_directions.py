@@ -15,7 +15,7 @@ REAL = np.dtype(np.float64)
 
 
 def leaves(dtype, path=(), rows=()):
-    """Path, type and shape of every number, array and column of a record; a dual number is one."""
+    """Yield path, type and shape of every number, array and column of a record; a dual number is one."""
     for name in dtype.names:
         kind = dtype[name]
         shape = rows + kind.shape
@@ -48,7 +48,7 @@ def declared(when):
 
 
 def reals(record):
-    """All real numbers of a record or a table."""
+    """Yield all real numbers of a record or a table."""
     for name in record.dtype.names:
         kind = record.dtype[name].base
         if kind.names:

@@ -21,7 +21,7 @@ STATE = ("link[1].angle", "link[1].angular_velocity")
 
 
 def hanging(length, tolerance, damping=0.0):
-    """A link that hangs still far above a floor, and what it is differentiated by."""
+    """Return a link that hangs still far above a floor, and what it is differentiated by."""
     scene = table(
         [{"length": length, "mass": 1.0, "joint_damping": damping}],
         base="pinned",
@@ -84,7 +84,7 @@ TOLERANCE = 1e-4
 
 
 def iterated(monkeypatch, corrections):
-    """Whether an iteration with these corrections converges, and after how many of them."""
+    """Return whether an iteration with these corrections converges, and after how many of them."""
     left, done = list(corrections), []
     for name in ("find_residuals", "solve_slopes"):
         monkeypatch.setattr(replay, name, lambda *_: None)

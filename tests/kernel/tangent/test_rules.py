@@ -97,7 +97,7 @@ COUNT = 10  # numbers in the state of a chain of one link
 
 
 def step_of(numbers, regularized, make=lambda number, _: number):
-    """An instance of one link whose last step has these numbers: dense output, state, start, size."""
+    """Return an instance of one link whose last step has these numbers: dense output, state, start, size."""
     made = [make(number, k) for k, number in enumerate(numbers)]
     table = {(m, j): made[COUNT * m + j] for m in range(7) for j in range(COUNT)}
     start, size = made[-2:]

@@ -16,7 +16,7 @@ FLOOR = "contact.minimum_impact_speed"
 
 
 def falling(speed):
-    """A ball that arrives at the floor with a speed [m/s] close to this."""
+    """Return a ball that arrives at the floor with a speed [m/s] close to this."""
     scene = ball(1e-7, speed, stiffness=1e6, stop_time=0.02)
     return scene.with_values({"solver.tolerance": 1e-10, "simulation.step_size": 1e-4})
 
@@ -91,12 +91,12 @@ TOLERANCE, LEAST, TIME = 1e-6, 1e-2, 2.5
 
 
 def dual(number):
-    """A number whose derivatives say nothing about it."""
+    """Return a number whose derivatives say nothing about it."""
     return Dual(number, [100.0, -100.0])
 
 
 def instance(events=(), speeds=(3.0, 4.0)):
-    """Two points with these speeds along x and y [m/s], and four candidates with these events."""
+    """Return two points with these speeds along x and y [m/s], and four candidates with these events."""
     events = (*events, *[NONE] * (4 - len(events)))
     t = SimpleNamespace(links=1, candidates=4)
     t.touch = SimpleNamespace(event=list(events), active_index=[2], compliant_count=1)

@@ -61,7 +61,7 @@ def show(open_page, address, tmp_path):
 
 
 def time_after(page, milliseconds):
-    """The simulated time that is shown after some time on the page's own clock, which stands still."""
+    """Return the simulated time that is shown after some time on the page's own clock, which stands still."""
     page.clock.run_for(milliseconds)
     return float(page.evaluate(TIME_TEXT).removesuffix(" s"))
 
@@ -72,13 +72,13 @@ def time_of(page):
 
 
 def press(page, key):
-    """The simulated time that is shown after a key."""
+    """Return the simulated time that is shown after a key."""
     page.keyboard.press(key)
     return time_of(page)
 
 
 def go_to(page, time):
-    """The simulated time that is shown after a move of the slider."""
+    """Return the simulated time that is shown after a move of the slider."""
     page.locator("#scrub").evaluate(
         "(e, t) => { e.value = t; e.dispatchEvent(new Event('input', { bubbles: true })); }", time
     )
@@ -232,7 +232,7 @@ def test_what_is_shown_of_time_force_energies_and_trace(show, recording):
 
 
 def named(page):
-    """The numbers of the impact that list, caption and force chart tell of."""
+    """Return the numbers of the impact that list, caption and force chart tell of."""
     return (
         int(page.inner_text("tr[aria-current] button")),
         int(re.match(r"Impact (\d+) of 14", page.inner_text("#caption"))[1]),
@@ -261,7 +261,7 @@ def test_list_caption_and_force_chart_name_the_same_impact_at_every_moment(show,
 
 
 def twins(until_next=1e-3, force=1.0):
-    """A second point touches a wall soon after the first."""
+    """Return a second point touches a wall soon after the first."""
     time = np.linspace(0.0, 0.02, 401)
     columns = {f"point[{k}].{axis}": 0 * time + k * (axis == "x") for k in (0, 1) for axis in "xy"}
     onsets = [0.01, 0.01 + until_next]
@@ -315,7 +315,7 @@ def test_a_long_list_ends_with_how_many_more_there_are(open_page):
 
 
 def lean(page):
-    """The angle [rad] from upright of the arrow of the first force, positive to the left."""
+    """Return the angle [rad] from upright of the arrow of the first force, positive to the left."""
     x1, y1, x2, y2 = (
         float(page.locator("line.arrow").first.get_attribute(name)) for name in ("x1", "y1", "x2", "y2")
     )

@@ -295,7 +295,7 @@ def test_contents_that_cannot_be_are_refused_with_the_key_and_what_is_allowed(wo
 
 
 def downloaded(page, tmp_path):
-    """The scene of the file that the page saves."""
+    """Return the scene of the file that the page saves."""
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Export…").click()
     assert page.locator("#export-text").inner_text() == "The command needs the scene file: save it first."

@@ -52,7 +52,7 @@ class Firefox:
         assert self.answer(UNTIL.format(condition)) is True
 
     def middle(self, selector):
-        """Where an element is, which may be drawn anew at any time."""
+        """Return where an element is, which may be drawn anew at any time."""
         box = f"document.querySelector({json.dumps(selector)}).getBoundingClientRect()"
         return self.answer(
             f"const {{ x, y, width, height }} = {box}; "

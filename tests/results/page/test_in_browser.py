@@ -182,7 +182,7 @@ def test_a_link_carries_the_changes(show):
 
 
 def saved(page, button):
-    """The file that a button gives."""
+    """Return the file that a button gives."""
     with page.expect_download() as download:
         page.get_by_role("button", name=button).click()
     return Path(download.value.path())

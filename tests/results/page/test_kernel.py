@@ -92,7 +92,7 @@ def test_a_contact_that_lasts_at_the_end_is_that_of_simulate(kernel, stop_time):
 
 
 def numbers(scene):
-    """The choices among the values of a scene, as their numbers in the FMU."""
+    """Return the choices among the values of a scene, as their numbers in the FMU."""
     laws = {("contact.model", name): k for k, name in enumerate(scene.law_names, 1)}
     return laws | {("solver.method", name): k for k, name in enumerate(("auto", "explicit", "implicit"), 1)}
 

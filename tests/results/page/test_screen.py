@@ -25,7 +25,7 @@ def middle(page, grip):
 
 
 def parameters(page):
-    """Name → value of all numbers among the parameters."""
+    """Return name → value of all numbers among the parameters."""
     texts = page.evaluate("Object.entries(chainImpact.parameters)")
     return {name: float(text) for name, text in texts if re.fullmatch(r"[-+.\de]+", text)}
 

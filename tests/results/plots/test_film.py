@@ -44,7 +44,7 @@ def pictures(recording, *times):
 
 
 def swing(y):
-    """A rod of 1 m that turns about the origin, without walls."""
+    """Return a rod of 1 m that turns about the origin, without walls."""
     time = np.linspace(0.0, 0.2, 5)
     columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
     columns |= {"point[1].x": np.cos(time), "point[1].y": y * np.sin(time)}
@@ -52,7 +52,7 @@ def swing(y):
 
 
 def coloured(picture, colour):
-    """How many pixels are about of a colour."""
+    """Return how many pixels are about of a colour."""
     wanted = 255 * np.array(mpl.colors.to_rgb(colour))
     return int((abs(picture.astype(float) - wanted).max(axis=-1) < 8).sum())
 

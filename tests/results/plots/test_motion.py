@@ -12,7 +12,7 @@ from tests.results.plots.pictures import boxes, crowd, drawn, hit, recorded, swi
 
 
 def poses(axes):
-    """The chains that are drawn strongly, as arrays (N+1, 2)."""
+    """Return the chains that are drawn strongly, as arrays (N+1, 2)."""
     return [np.array(line.get_xydata()) for line in axes.lines if line.get_zorder() == 4]
 
 

@@ -18,7 +18,7 @@ START, SPEED = 0.45, 0.3  # m, m/s: the wall comes from the right to the left
 
 @functools.cache
 def ram(box=START, way=None):
-    """A double pendulum that swings away from a wall, which follows it."""
+    """Return a double pendulum that swings away from a wall, which follows it."""
     scene = scene_from_dict(
         {
             "name": "Ram",
@@ -34,7 +34,7 @@ def ram(box=START, way=None):
 
 
 def upright_lines(axes, x):
-    """The colours of lines from the bottom to the top of the axes at a place."""
+    """Return the colours of lines from the bottom to the top of the axes at a place."""
     found = []
     for lines in axes.collections:
         for line, colour in zip(lines.get_segments(), lines.get_colors().repeat(99, axis=0), strict=False):
@@ -99,7 +99,7 @@ def test_a_wall_that_comes_from_far_is_in_view_where_it_starts():
 
 
 def marks(axes):
-    """The lines of ground marks: those of the support have four corners."""
+    """Return the lines of ground marks: those of the support have four corners."""
     return [
         (line, to_hex(colour))
         for lines in axes.collections

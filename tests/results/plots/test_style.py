@@ -39,7 +39,7 @@ LONG = [
 
 
 def single_line(page):
-    """The height of a line of conditions."""
+    """Return the height of a line of conditions."""
     return page.text(0.0, 0.5, "K", fontsize="small").get_window_extent().height
 
 

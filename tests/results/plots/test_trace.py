@@ -12,7 +12,7 @@ from chain_impact.results.plots.trace import trace_of
 
 
 def turns(path):
-    """The angles between one piece of a path and the next [rad]."""
+    """Return the angles between one piece of a path and the next [rad]."""
     x, y = np.diff(path, axis=0).T
     return np.abs(np.diff(np.unwrap(np.arctan2(y, x))))
 

@@ -29,7 +29,7 @@ def arm(damping=0.05, inertia=0.1, **tables):
 
 
 def measured(inputs, interpolation="follow", outputs=("link[1].angle",), **tables):
-    """The columns of an exact measurement with inputs."""
+    """Return the columns of an exact measurement with inputs."""
     result = simulate(arm(*TRUE, **tables), inputs=inputs, interpolation=interpolation, output_step=0.025)
     return {"time": result.time, **{name: result[name] for name in outputs}}
 

@@ -12,7 +12,7 @@ PLACES = ("point[0].x", "point[2].x")
 
 
 def thrown(friction):
-    """Two links that are thrown on a rough floor, slide, and rest after 3 s at the latest."""
+    """Return two links that are thrown on a rough floor, slide, and rest after 3 s at the latest."""
     return table(
         [link(0.3, 0.5), link(0.25, 0.4, damping=0.02)],
         box={"y_min": 0.0},

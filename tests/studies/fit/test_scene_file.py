@@ -108,7 +108,7 @@ def test_a_law_of_ones_own_is_found_from_another_folder(tmp_path):
 
 
 def springy(penetration, stiffness):
-    """A spring."""
+    """Return a spring."""
     return stiffness * penetration
 
 
