@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 from looks import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, headline
-from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.patches import Patch
 from peers.on_kernel import OnKernel
 from peers.scipy import Scipy
@@ -210,6 +210,7 @@ def cell(task: tuple[str, float, float]) -> dict:
 
 
 SIZE = (9.5, 8.2)  # inches, of the chart
+COST_COLOURS, DEAREST = "YlGn_r", 100.0  # of costs over the cheapest, up to so many times
 
 
 def title_of(method: str) -> str:
@@ -218,7 +219,11 @@ def title_of(method: str) -> str:
 
 
 def draw(page: Any, record: Any) -> None:
-    """Draw one map for each method: stiffness to the right, restitution upwards, coloured by the outcome."""
+    """Draw one map for each method: stiffness to the right, restitution upwards.
+
+    A run that completes is coloured by its cost over that of the cheapest method that completes in the cell,
+    others by the outcome.
+    """
     settings, tally = record["settings"], record["results"]["tally"]
     stiffnesses, restitutions = settings["stiffnesses"], settings["restitutions"]
     cells, done = len(stiffnesses) * len(restitutions), {m: tally[m].get("completed", 0) for m in tally}
@@ -226,18 +231,26 @@ def draw(page: Any, record: Any) -> None:
     headline(
         page,
         f"{', '.join(full)} complete all {cells} cells, RK4 with steps of 1 ms only {done['RK4 0.001 s']}",
-        f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  counts: completed cells",
+        f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  counts: completed cells  ·  "
+        "cost: CPU time",
     )
     names, shades = list(OUTCOMES), ListedColormap(list(OUTCOMES.values()))
-    norm = BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names))
+    norm, cost = BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names)), LogNorm(1.0, DEAREST)
+    cheapest = cheapest_of(record["results"]["cells"])
     panels = page.subplots(4, 4, sharex=True, sharey=True).ravel()
     for axes, method in zip(panels, settings["methods"], strict=True):
-        found = np.zeros((len(restitutions), len(stiffnesses)))
+        found = np.full((len(restitutions), len(stiffnesses)), np.nan)
+        costs = found.copy()
         for row in (row for row in record["results"]["cells"] if row["method"] == method):
             place = restitutions.index(row["restitution"]), stiffnesses.index(row["stiffness"])
-            found[place] = names.index(row["outcome"])
-        edges = (np.arange(len(one) + 1) - 0.5 for one in (stiffnesses, restitutions))
-        axes.pcolormesh(*edges, found, cmap=shades, norm=norm, edgecolors="white", linewidth=1.0, alpha=0.8)
+            if row["outcome"] == "completed":
+                costs[place] = row["cpu"] / cheapest[row["stiffness"], row["restitution"]]
+            else:
+                found[place] = names.index(row["outcome"])
+        edges = [np.arange(len(one) + 1) - 0.5 for one in (stiffnesses, restitutions)]
+        look = {"edgecolors": "white", "linewidth": 1.0}
+        axes.pcolormesh(*edges, found, cmap=shades, norm=norm, alpha=0.8, **look)
+        mesh = axes.pcolormesh(*edges, costs, cmap=COST_COLOURS, norm=cost, **look)
         axes.set_title(f"{title_of(method)}: {done[method]} of {cells}", fontsize=9)
         axes.set_xticks(range(len(stiffnesses)), [f"{round(np.log10(k))}" for k in stiffnesses], fontsize=7.5)
         axes.set_yticks(range(len(restitutions)), [f"{e:g}" for e in restitutions], fontsize=7.5)
@@ -250,9 +263,21 @@ def draw(page: Any, record: Any) -> None:
     keys = [
         Patch(color=shade, label=name, alpha=0.8)
         for name, shade in OUTCOMES.items()
-        if any(name in tally[m] for m in tally)
+        if name != "completed" and any(name in tally[m] for m in tally)
     ]
+    bar = {"label": "cost over the cheapest method that completes", "extend": "max", "aspect": 40}
+    page.colorbar(mesh, ax=panels.tolist(), **bar)
     page.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+
+
+def cheapest_of(cells: list[dict]) -> dict[tuple[float, float], float]:
+    """Return the least CPU time [s] in which a method completes, by stiffness and restitution."""
+    found: dict[tuple[float, float], float] = {}
+    for row in cells:
+        if row["outcome"] == "completed":
+            place = row["stiffness"], row["restitution"]
+            found[place] = min(found.get(place, row["cpu"]), row["cpu"])
+    return found
 
 
 def main() -> None:

@@ -25,6 +25,8 @@ from matplotlib.lines import Line2D
 from problems import PROBLEMS
 from race import ROUNDS, judge, race, seconds_at
 
+from chain_impact.results.plots.labels import Ink, Label, place_labels
+
 NAMES = ("four", "ten", "thirty")
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 DEFAULT = 1e-8  # tolerance of a scene
@@ -87,18 +89,21 @@ def message(equal: list[dict[str, Any]]) -> str:
         if factors and peers.FAMILIES[name] != "ours":
             low, high = number(min(factors), 2), number(max(factors), 2)
             parts.append(f"{name} {low if low == high else f'{low} to {high}'}")
-    return f"At equal error, times as long as simulate(): {', '.join(parts) or 'nothing to compare with'}"
+    if not parts:
+        return "At equal error there is nothing to compare with"
+    told = ", ".join([*parts[:-1], f"and {parts[-1]}"] if len(parts) > 1 else parts)
+    return f"At equal error, other solvers take so many times as long as simulate(): {told}"
 
 
 def draw(page: Any, record: Any) -> None:
     """Draw CPU time over the errors of tip and onsets for each chain, and the start-up beside it."""
     results = record["results"]
-    grid = page.add_gridspec(2, 4, width_ratios=(1, 1, 1, 0.8))
+    grid, labels = page.add_gridspec(2, 4, width_ratios=(1, 1, 1, 0.8)), {}
     for column, name in enumerate(NAMES):
         rows = [row for row in results["rows"] if row["problem"] == name and "seconds" in row]
         for line, (key, label) in enumerate((("tip", "error of the tip [mm]"), ("onset", "of onsets [µs]"))):
             axes = page.add_subplot(grid[line, column])
-            draw_runs(axes, [row for row in rows if row.get(key, 0.0) > 0.0], key)
+            labels[axes] = draw_runs(axes, [row for row in rows if row.get(key, 0.0) > 0.0], key)
             axes.set(xlabel=label, ylabel="" if column else "CPU time [ms]")
             if not line:
                 impacts = max((row["onsets"] for row in rows if row["right"]), default=0)
@@ -111,12 +116,22 @@ def draw(page: Any, record: Any) -> None:
     headline(
         page,
         message(results["at equal error"]),
-        f"factors at the default tolerance, {number(DEFAULT)}  ·  numbers: tolerances  ·  bars: all rounds",
+        f"factors at the default tolerance, {number(DEFAULT)}  ·  numbers: tolerances of simulate(), from "
+        f"{number(TOLERANCES[0])} to {number(TOLERANCES[-1])} in steps of 100, where there is room  ·  "
+        "bars: all rounds",
     )
+    ink = Ink(page)
+    page.set_layout_engine("none")
+    for axes, of_runs in labels.items():
+        place_labels(axes, of_runs, ink, lines=True, fontsize=7)
 
 
-def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> None:
-    """Draw a curve for each contender, its range over the rounds, and crosses where it has other impacts."""
+def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> list[Label]:
+    """Draw a curve for each contender, its range over the rounds, and crosses where it has other impacts.
+
+    Returns the labels of the tolerances.
+    """
+    labels = []
     for name in LOOKS:
         mine = [row for row in rows if row["name"] == name]
         right = [row for row in mine if row["right"]]
@@ -128,9 +143,11 @@ def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> None:
                 axes.loglog(row[key], 1e3 * row["seconds"]["median"], "x", color=LOOKS[name][0])
             elif name == PUBLIC:
                 text = number(row["setting"]) + (" (default)" if row["setting"] == DEFAULT else "")
-                place = row[key], 1e3 * row["seconds"]["median"]
-                axes.annotate(text, place, (0, 5), textcoords="offset points", ha="center", fontsize=7)
+                labels.append(
+                    Label(text, (row[key], 1e3 * row["seconds"]["median"]), short=number(row["setting"]))
+                )
     axes.minorticks_off()
+    return labels
 
 
 def draw_start_up(axes: Any, start: dict[str, float]) -> None:
