@@ -54,9 +54,9 @@ export class Handles {
 
   /** Places [m] and velocities [m/s] of the points at the start, by the parameters. */
   get #start() {
-    const { recording } = this.player;
-    // a base that a signal moves is where that puts it
-    const place = [recording?.pinned ? recording.pointAt(0, 0) : [this.#value("initial.x"), this.#value("initial.y")]];
+    // a base that a signal drives is where that puts it
+    const isDriven = this.changes.scene.driven.some(({ name }) => name === "base.x" || name === "base.y");
+    const place = [isDriven ? this.player.recording.pointAt(0, 0) : [this.#value("initial.x"), this.#value("initial.y")]];
     const velocity = [[this.#value("initial.vx"), this.#value("initial.vy")]];
     for (let link = 1; link <= this.changes.scene.links; link += 1) {
       const [length, angle, rate] = [`link[${link}].length`, `initial.angle[${link}]`, `initial.angular_velocity[${link}]`].map((name) => this.#value(name));
