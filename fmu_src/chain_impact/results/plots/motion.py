@@ -187,9 +187,7 @@ def draw_loads(axes: Axes, recording: Recording) -> None:
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
     """Write the numbers of the impacts outside of the walls, in the order of speed.
 
-    Return the numbers without room.
-
-    Returns the numbers that have no room.
+    Return the numbers that have no room.
     """
     found, labels = rings(axes, recording), []
     for spot, hits in found.items():
