@@ -246,7 +246,7 @@ def test_the_list_of_impacts_is_written(run, here, suffix):
         (("--impacts", "list.txt"), "argument --impacts: list.txt must end in .csv, .json, .parquet"),
         (
             ("--output", "point[1].x"),
-            "--columns (--output): the columns are those of a table: give --csv",
+            "--columns (--output): they are columns of a table: give --csv",
         ),
         (("--csv", "a.csv", "--output", "pt[1].x"), "pt[1].x is no column; the nearest is point[1].x"),
     ],
@@ -305,7 +305,7 @@ def test_a_picture_and_a_window_have_rows_of_their_own(run, here, fmu, monkeypat
     shown, few = [], ("--set", "simulation.step_size=0.1")
     code, _, said = run("simulate", fmu, *few, "--plot", "a.png")
     assert code == 0
-    assert "poses only, one each communication step, and cannot show what is between them" in said
+    assert "poses only, one each communication step, and cannot show the motion between them" in said
     monkeypatch.setattr("chain_impact.results.plots.plot", lambda recording, *_: shown.append(recording))
     assert run("simulate", "four_link_box", *few, "--plot", "a.png", "--csv", "a.csv")[0] == 0
     assert len((here / "a.csv").read_text(encoding="utf-8").splitlines()) == 22

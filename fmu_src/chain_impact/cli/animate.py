@@ -140,7 +140,7 @@ def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recor
     if scene is None:
         if settings:
             raise UsageError(
-                f"--set: a CSV file has no parameters; those of its walls need --scene, too: {path}"
+                f"--set: a CSV file has no parameters; the parameters of its walls need --scene, too: {path}"
             )
         try:
             return read_csv(path)

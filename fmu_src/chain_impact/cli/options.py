@@ -89,7 +89,7 @@ def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] =
     command.add_argument(
         "--interpolation",
         choices=interpolations,
-        help="what inputs are between the rows; default: spline where base or walls move, else hold",
+        help="the course of inputs between the rows; default: spline where base or walls move, else hold",
     )
 
 
@@ -101,7 +101,7 @@ def scene_of_options(options: argparse.Namespace) -> Scene:
 def inputs_of(options: argparse.Namespace) -> Inputs | None:
     """Return the table of inputs of a command, if it has one, and its interpolation."""
     if options.inputs is None and options.interpolation is not None:
-        raise UsageError("--interpolation: what is interpolated is a table of inputs: give --inputs FILE too")
+        raise UsageError("--interpolation: only a table of inputs is interpolated: give --inputs FILE too")
     return None if options.inputs is None else (options.inputs, options.interpolation)
 
 

@@ -178,7 +178,7 @@ def report(
     """
     check_outputs(csv, picture, impacts, inputs=[source, *([inputs[0]] if inputs else [])])
     if columns and not csv:
-        raise UsageError("--columns (--output): the columns are those of a table: give --csv FILE too")
+        raise UsageError("--columns (--output): they are columns of a table: give --csv FILE too")
     check_curves(curves, around, drawn=bool(picture or window), others=bool(rank or sensitivities))
     tighter = [*settings, tighter_setting(source, settings)] if check else []
     fault, ranking = None, ranking_of(source, settings, rank, sensitivities, inputs) if rank else None
@@ -347,7 +347,7 @@ def with_rows(
     if is_fmu(source):
         complain(
             f"the picture has {rows} poses only, one each communication step, and cannot show "
-            "what is between them; --set simulation.step_size=… makes more"
+            "the motion between them; --set simulation.step_size=… makes more"
         )
         return recording
     scene = driven(source, settings, inputs)

@@ -73,7 +73,7 @@ def add(verbs: Verbs) -> None:
         help="write the table (csv, parquet), or a folder, as runs/, to which rows are streamed as Parquet; "
         "after an interruption the same command goes on",
     )
-    add_plot(sweep, "the main results over what varies")
+    add_plot(sweep, "the main results over the parameters that vary")
     sweep.set_defaults(run=run)
 
 
@@ -110,7 +110,7 @@ def run(options: argparse.Namespace) -> int:
             )
     except KeyboardInterrupt:
         if (table if is_folder(options.table) else partial_path(table)).exists():
-            complain(f"what is done is kept in {table}; the same command goes on")
+            complain(f"the finished runs are kept in {table}; the same command goes on")
         raise
     say(f"table    {options.table}")
     if options.plot:

@@ -104,7 +104,7 @@ class Ranking:
         """Yield the lines of the ranking, and the table of the effects."""
         told = f" {self.unit}" if self.unit else ""
         yield f"{self.source}  {self.quantity} = {self.value:.6g}{told} ({self.where})"
-        yield "effect   of 1 % of each parameter, or of what is added to 0, to first order"
+        yield "effect   of 1 % of each parameter, or of the step added to 0, to first order"
         if self.effects:
             change = f"effect, {self.unit}" if self.unit else "effect"
             yield Table(

@@ -141,7 +141,7 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
     columns = {name: _column(table, name) for name in table.names}
     times = columns.pop(TIME)
     for row in (np.flatnonzero(np.diff(times) <= 0.0) + 1).tolist():
-        later = f"{times[row - 1]:g} [s], that of the row before"
+        later = f"{times[row - 1]:g} [s], the value of the row before"
         raise SceneError(f"{table.where(row, TIME)} = {times[row]:g} must be > {later}")
     if times[-1] - times[0] > TOO_LONG * stop:
         lasts = f"lasts {times[-1] - times[0]:g} s, and the run {stop:g} s"

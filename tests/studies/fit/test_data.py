@@ -129,7 +129,7 @@ def test_refusals():
     assert said(time=[]).startswith("data: the column time is missing; it says to which of the outputs")
     assert said(onset=[1, 2, 3]).startswith("data: the column impact or point or wall is missing")
     assert said(time=[0.1, 0.1, 0.2]) == (
-        "data: row 1: time = 0.1 must be a time >= 0 [s] and > 0.1, that of the row before"
+        "data: row 1: time = 0.1 must be a time >= 0 [s] and > 0.1, the value of the row before"
     )
     assert said(time=[None, 0.1, 0.2]) == "data: row 0: time = nan must be a time >= 0 [s]"
     assert said(**{"sigma(point[4].z)": [1, 2, 3]}).endswith("has no column point[4].z beside it")

@@ -28,7 +28,7 @@ def test_stiffness_is_unknown_after_one_impact_and_a_peak_force_tells_it():
 
 def test_what_has_no_effect():
     said = fit(scene(), motion(0.4)[0], FREE, sigma=SIGMA).unknown
-    assert said == tuple(f"{name} has no effect on what was measured." for name in FREE[:2])
+    assert said == tuple(f"{name} has no effect on the measured values." for name in FREE[:2])
 
 
 def test_masses_are_known_up_to_a_factor():

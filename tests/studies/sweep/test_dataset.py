@@ -336,7 +336,8 @@ def test_ctrl_c_says_where_what_is_done_is_kept(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(module, "run_in_threads", interrupted)
     command = ["sweep", "--vary", "contact.restitution=0.3:0.7:50", "-o", f"{tmp_path / 'runs'}/"]
     assert cli.main(command) == 130
-    assert f"what is done is kept in {tmp_path / 'runs'}; the same command goes on" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert f"the finished runs are kept in {tmp_path / 'runs'}; the same command goes on" in said
     monkeypatch.undo()
     assert cli.main(command) == 0
     assert "FourLinkBox  50 runs: 50 ok" in capsys.readouterr().out
@@ -358,7 +359,7 @@ def interrupted(request, tmp_path, monkeypatch, capsys):
     with monkeypatch.context() as patched:
         patched.setattr(module, "run_in_threads", run_in_threads)
         assert cli.main(command) == 130
-    assert f"what is done is kept in {table}; the same command goes on" in capsys.readouterr().err
+    assert f"the finished runs are kept in {table}; the same command goes on" in capsys.readouterr().err
     return command, table
 
 
@@ -394,7 +395,7 @@ def test_another_sweep_does_not_go_on_with_rows_that_an_interrupted_one_has_left
     assert rows_of(table) == kept
     table.with_name(f"{table.name}.partial").write_bytes(b"PK")
     assert cli.main(command) == 2
-    assert "is not what an interrupted sweep has left" in capsys.readouterr().err
+    assert "does not come from an interrupted sweep" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("sampling", ["grid", "lhs", "sobol"])

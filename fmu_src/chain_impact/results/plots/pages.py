@@ -102,8 +102,8 @@ def fill_or_refuse(fill: Fill, page: Figure) -> None:
 
     least = bisect_left(heights, True, key=fits)
     if least == len(heights):
-        raise ValueError(f"size = ({width:g}, {height:g}) must be wider for what is drawn")
-    told = f"must be at least {heights[least]:g} high for what is drawn, or have fewer panels"
+        raise ValueError(f"size = ({width:g}, {height:g}) must be wider for the panels")
+    told = f"must be at least {heights[least]:g} high for the panels, or have fewer panels"
     raise ValueError(f"size = ({width:g}, {height:g}) {told}")
 
 

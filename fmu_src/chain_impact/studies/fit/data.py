@@ -258,7 +258,7 @@ class _Book:
         """Add the outputs and inputs at a time; return the time."""
         time = table.number(row, TIME)
         if not (time >= 0.0 and time > before):
-            later = f" and > {before:g}, that of the row before" if before >= 0.0 else ""
+            later = f" and > {before:g}, the value of the row before" if before >= 0.0 else ""
             raise SceneError(f"{table.where(row, TIME)} = {time:g} must be a time >= 0 [s]{later}")
         for name in names:
             if name not in self._inputs:

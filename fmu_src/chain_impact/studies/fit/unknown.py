@@ -28,7 +28,7 @@ def unknown(problem: Problem, at: Evaluation, known: Information, reached: Colle
     for p in weak:
         one = problem.parameters[p]
         if known.matrix[p, p] == 0.0:
-            yield f"{one.label} has no effect on what was measured."
+            yield f"{one.label} has no effect on the measured values."
             continue
         how = size_of(one, values[p], errors[p])
         told = f"{one.label} is not determined by these data: its standard error is {how}."

@@ -46,7 +46,7 @@ def take_up(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list[Span
         with np.load(path) as kept:
             found, old, done = json.loads(str(kept["head"])), kept["rows"], kept["done"].tolist()
     except (ValueError, KeyError, EOFError, zipfile.BadZipFile):
-        raise SceneError(f"{path} is not what an interrupted sweep has left: {wrong}") from None
+        raise SceneError(f"{path} does not come from an interrupted sweep: {wrong}") from None
     if differs := [name for name in head if found.get(name) != head[name]]:
         raise SceneError(f"{path} was left by a sweep that differs in its {differs[0]}: {wrong}")
     spans = [(first, end) for first, end in done]
