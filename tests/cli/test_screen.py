@@ -35,11 +35,10 @@ def test_the_list_of_impacts_has_their_peak_forces_and_impulses():
     recording = record_scene(load_scene("kneed_leg"), {})
     _, table, *_ = summary(recording)
     head, *rows = plain_lines(table)
-    assert [name.strip() for name in head.split("  ") if name][-2:] == ["peak force", "impulse"]
+    assert head.endswith("peak force, N·m  impulse, N·m·s")  # all are at stops
     for row, impact in zip(rows, recording.impacts, strict=True):
-        unit = "N·m" if recording.is_stop(impact["wall"]) else "N"
         force, impulse = (f"{impact[name]:.4g}" for name in ("peak_force", "impulse"))
-        assert re.search(rf"  {force} {unit} +{impulse} {unit}·s$", row)
+        assert re.search(rf"  {force} +{impulse}$", row)
     free = record_scene(default_scene(), {})
     head, first, *_ = plain_lines(list(summary(free))[1])
     assert head.endswith("peak force, N  impulse, N·s")
@@ -94,8 +93,7 @@ def test_elsewhere_lines_are_whole_and_have_no_spaces_at_their_end():
 def test_the_list_of_impacts_has_their_durations_and_tells_which_last():
     recording = record_scene(driven(stop_time=0.2), {})
     lines = list(plain_lines(list(summary(recording))[1]))
-    column = max(line.find("duration") for line in lines)
-    cells = [line[column:].split()[0] for line in lines if line[:3].strip().isdecimal()]
+    cells = [line.split()[5] for line in lines if line[:3].strip().isdecimal()]
     assert max(map(len, lines)) <= 80
     assert "lasts" in cells
     for cell, impact in zip(cells, recording.impacts, strict=True):
