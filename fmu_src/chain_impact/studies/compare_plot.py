@@ -12,13 +12,13 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.results.plots.pages import check_alone, drawn
 from chain_impact.results.plots.style import (
-    BLACK,
     GREY,
     PALETTE,
     SEPARATOR,
@@ -148,7 +148,7 @@ def looks_of(comparison: LawRuns) -> Looks:
         reasons = [why[law] for law in laws if law in why]
         label = ", ".join(laws) + (f" ({reasons[0]})" if reasons else "")
         if comparison.reference in laws:
-            look = {"color": BLACK, "linewidth": 3.0, "zorder": 3}
+            look = {"color": mpl.rcParams["text.color"], "linewidth": 3.0, "zorder": 3}
         elif reasons:
             look = {"color": next(colours), "linewidth": 1.7, "zorder": 4}
         else:

@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from chain_impact.results.plots.style import FLAT, INK
+from chain_impact.results.plots.style import FLAT, INK, SHADE, faint
 
 CLOSE = 4.0  # points from the place to its label
 FARTHER = (1.0, 1.75, 2.5)  # times as far a label may stand
@@ -50,6 +50,7 @@ class Ink:
         canvas.draw()
         page.set_canvas(own)
         grounds = [*FLAT, page.get_facecolor(), *(axes.get_facecolor() for axes in page.axes)]
+        grounds += [faint(axes, SHADE) for axes in page.axes]
         colours = np.asarray(canvas.buffer_rgba())[::-1, :, :3].astype(int) @ [1 << 16, 1 << 8, 1]
         self._drawn = ~np.isin(colours, [_packed(ground) for ground in grounds])
 

@@ -21,12 +21,13 @@ from chain_impact.results.plots.style import (
     BROWN,
     GREEN,
     GREY,
+    LINE,
     ORANGE,
-    PALE,
     PALETTE,
     PURPLE,
     TIME_COLOURS,
     VERMILLION,
+    faint,
     give_ticks,
     is_full,
 )
@@ -126,7 +127,9 @@ def rubbing_places(recording: Recording) -> list[str]:
 def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0) -> None:
     """Draw a line at each impact; the axis of time is zero at ``start``, and ``factor`` is its unit [1/s]."""
     onsets = factor * (recording.impacts["onset"] - start)
-    axes.vlines(onsets, 0.0, 1.0, PALE, linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform())
+    axes.vlines(
+        onsets, 0.0, 1.0, faint(axes, LINE), linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform()
+    )
 
 
 def draw_impact_speeds(axes: Axes, recording: Recording) -> None:

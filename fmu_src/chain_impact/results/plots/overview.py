@@ -24,6 +24,7 @@ from chain_impact.results.plots.over_time import (
     rubbing_places,
 )
 from chain_impact.results.plots.pages import SIZE, drawn, settle
+from chain_impact.results.plots.rest import shown_time
 from chain_impact.results.plots.room import view_of
 from chain_impact.results.plots.style import SEPARATOR, broken, is_narrow, styled, write_foot
 from chain_impact.results.recording import Recording
@@ -117,7 +118,9 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
     for name, one in zip(shown, given, strict=True):
         PANELS[name](one, recording)
         if name != "motion":
-            one.set_xlabel("time [s]")
+            time = shown_time(recording)
+            one.set_xlim(time.start, max(time.end, time.start + 1e-9))
+            one.set_xlabel("; ".join(filter(None, ("time [s]", time.told))))
     for page in {one.get_figure(root=True) for one in given}:
         page.draw_without_rendering()
         fit_legends(page, given)

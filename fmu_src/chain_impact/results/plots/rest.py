@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.kernel.forces.friction import STICKS
-from chain_impact.results.plots.style import REST_COLOUR
+from chain_impact.results.plots.style import SHADE, faint
 from chain_impact.results.recording import Recording
 
 # a point counts as at rest at a speed that takes it so far, as a part of its longest way, in the whole time
@@ -84,4 +84,4 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
 def shade_rests(axes: Axes, shown: Shown) -> None:
     """Shade the rests on an axis of time."""
     for low, high in shown.rests:
-        axes.axvspan(low, high, color=REST_COLOUR, linewidth=0.0, zorder=-1)
+        axes.axvspan(low, high, color=faint(axes, SHADE), linewidth=0.0, zorder=-1)

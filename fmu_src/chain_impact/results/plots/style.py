@@ -13,7 +13,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
@@ -30,10 +30,11 @@ Okabe and Ito, Color Universal Design (2008), without yellow, which is too pale 
 """
 GREY, PALE, INK = "0.72", "0.9", "0.25"
 """The greys: curves in the background; lines of a grid; text and outlines."""
-OUTSIDE_COLOUR, AT_TIMES_COLOUR, REST_COLOUR = "0.93", "0.965", "0.95"
-"""The colours of the ground: beyond walls; where the chain may be at times; in the time of a rest."""
-FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR, REST_COLOUR)
+OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
+"""The colours of the ground: beyond walls; where the chain may be at times."""
+FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR)
 """The colours of the ground on which labels may stand."""
+SHADE, LINE = 0.05, 0.1  # the fraction of the colour of text in a rest, and in the line of an impact
 # viridis without its end, which is too pale on white
 TIME_COLOURS = LinearSegmentedColormap.from_list("time", mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
 
@@ -121,6 +122,13 @@ class Page(Figure):
         file = BytesIO()
         self.savefig(file, format="png", dpi="figure")
         return file.getvalue()
+
+
+def faint(axes: Axes, fraction: float) -> tuple[float, float, float]:
+    """Return the colour of axes mixed with a fraction of the colour of text: it suits dark styles, too."""
+    ground, text = (np.array(to_rgb(one)) for one in (axes.get_facecolor(), mpl.rcParams["text.color"]))
+    red, green, blue = (ground + fraction * (text - ground)).tolist()
+    return red, green, blue
 
 
 def is_full(axes: Axes) -> bool:
