@@ -4,6 +4,7 @@ import functools
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from chain_impact import IMPACT_DTYPE, load_scene, simulate
 from chain_impact.results.plots.overview import SIZE, fill
@@ -82,4 +83,4 @@ def texts(axes):
 
 def boxes(axes):
     """What the texts inside the axes cover, in pixels."""
-    return [text.get_window_extent() for text in axes.texts]
+    return [Text.get_window_extent(text) for text in axes.texts]

@@ -16,10 +16,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import PlaceHolderLayoutEngine
+from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
 from chain_impact.results.plots.legends import fit_legends
-from chain_impact.results.plots.style import FULL, Page, save, styled
+from chain_impact.results.plots.style import FULL, LEAST_TICKS, Page, save, styled
 
 SIZE, LEAST = (FULL, 5.4), 2.0  # inches: the usual width and height of a page, and the least ones
 LEAST_SIDE = 0.3  # inches, the least height of axes with a label
@@ -157,12 +158,20 @@ def settle(page: Figure, scaled: Axes | None = None) -> None:
             break_labels(page)
 
 
+def meet(one: Bbox, two: Bbox) -> bool:
+    """Return whether a number overlaps the next one."""
+    return bool(one.x1 > two.x0)
+
+
 def break_labels(page: Figure) -> None:
-    """Break labels that are longer than their axes: before the unit, or after a semicolon."""
+    """Break labels that are longer than their axes, and give axes fewer numbers where these would overlap."""
     for axes in page.axes:
         label, inside = axes.yaxis.label, axes.get_window_extent()
         if label.get_window_extent().height > LONGER * inside.height:
             label.set_text(label.get_text().replace(" [", "\n["))
+        numbers = [text.get_window_extent() for text in axes.get_xticklabels() if text.get_text()]
+        if isinstance(axes.xaxis.get_major_locator(), MaxNLocator) and any(map(meet, numbers, numbers[1:])):
+            axes.locator_params(axis="x", nbins=LEAST_TICKS)
         label = axes.xaxis.label
         if label.get_window_extent().width > LONGER * inside.width:
             label.set_text(label.get_text().replace("; ", ";\n"))
