@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from chain_impact.results.plots.style import (  # noqa: F401 - for the charts
+from chain_impact.pictures.style import (  # noqa: F401 - for the charts
     BLACK,
     BLUE,
     GREEN,

@@ -1,10 +1,11 @@
 """References that share no equation with the kernel: ``python benchmarks/reference.py [problem …]``.
 
-Equations of motion assembled by the textbook (tests/textbook.py), integrated in 80-bit arithmetic (round-off
-5e-20) by Gragg's extrapolation of the modified midpoint rule (Hairer, Nørsett & Wanner 1993, II.9) with error
-control, and restarted at every onset and end of a contact. These are found by Newton's method on the length
-of the step itself, not on an interpolant. It is run with two orders and tolerances; their difference is the
-error that is stated. The problems are those of problems.py; those not named keep what is stored.
+Equations of motion assembled by the textbook (tests/helpers/textbook.py), integrated in 80-bit arithmetic
+(round-off 5e-20) by Gragg's extrapolation of the modified midpoint rule (Hairer, Nørsett & Wanner 1993, II.9)
+with error control, and restarted at every onset and end of a contact. These are found by Newton's method on
+the length of the step itself, not on an interpolant. It is run with two orders and tolerances; their
+difference is the error that is stated. The problems are those of problems.py; those not named keep what is
+stored.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from problems import PROBLEMS, Problem
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
-from tests.textbook import Textbook
+from tests.helpers.textbook import Textbook
 
 REAL = np.longdouble
 LONGEST = 5e-3  # s, so that no visit to a wall is shorter than a few steps

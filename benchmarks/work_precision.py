@@ -25,7 +25,7 @@ from matplotlib.lines import Line2D
 from problems import PROBLEMS
 from race import ROUNDS, judge, race, seconds_at
 
-from chain_impact.results.plots.labels import Ink, Label, place_labels
+from chain_impact.pictures.labels import Ink, Label, place_labels
 
 NAMES = ("four", "ten", "thirty")
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw
-from chain_impact.results.plots.style import BLACK, DPI, GREY, PALETTE, STYLE, headline
+from chain_impact.pictures.style import BLACK, DPI, GREY, PALETTE, STYLE, headline
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from chain_impact.scene.tables import Contact
 from chain_impact.simulation.simulate import simulate

@@ -13,12 +13,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact import load_scene, simulate
-from chain_impact.results.plots.style import BLACK, BLUE, PALETTE, STYLE, VERMILLION, headline, save
+from chain_impact.pictures.style import BLACK, BLUE, PALETTE, STYLE, VERMILLION, headline, save
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests.beam import Bar, impulse
-from tests.measured import heard_impacts, measured
+from tests.helpers.beam import Bar, impulse
+from tests.helpers.measured import heard_impacts, measured
 
 IMAGES = Path(__file__).parent / "images"
 SIZE = (8.5, 4.6)

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact import Chain, load_scene, simulate
-from chain_impact.results.plots.style import DPI, PALETTE, STYLE
+from chain_impact.pictures.style import DPI, PALETTE, STYLE
 
 PICTURE = Path(__file__).parent / "images" / "paper.png"
 SCENE, LAWS = "four_link_box", ("hertz", "hunt_crossley", "lankarani_nikravesh", "flores", "zhang_sharf")

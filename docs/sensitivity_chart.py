@@ -16,9 +16,9 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from chain_impact import Result, simulate
-from chain_impact.results.plots.changes import calm
-from chain_impact.results.plots.over_time import mark_impacts
-from chain_impact.results.plots.style import BLACK, DPI, PALETTE, STYLE, headline, number
+from chain_impact.pictures.changes import calm
+from chain_impact.pictures.over_time import mark_impacts
+from chain_impact.pictures.style import BLACK, DPI, PALETTE, STYLE, headline, number
 
 PICTURE = Path(__file__).parent / "images" / "sensitivity_chart.png"
 SCENE, STOP, TIP = "four_link_box", 1.2, 4  # six impacts

@@ -1,6 +1,7 @@
 """The table of docs/validation.md: ``python docs/validation_table.py`` computes it and puts it there.
 
-The problems, the second solutions and what was published are in tests/validation.py, which tests check, too.
+The problems, the second solutions and what was published are in tests/helpers/validation.py, which tests
+check, too.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import re
 from generate import DOCS, table  # adds the folder of the tests to Python's path
 
 from chain_impact.scene.scene import model_names
-from tests.validation import PROBLEMS, Figure, Problem
+from tests.helpers.validation import PROBLEMS, Figure, Problem
 
 TOLERANCE = 1e-8  # the default
 BLOCK = re.compile(r"(?<=<!-- validation -->\n).*?(?=<!-- end -->)", re.DOTALL)

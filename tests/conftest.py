@@ -13,7 +13,7 @@ from xdist.scheduler import LoadFileScheduling
 from chain_impact import cli
 from chain_impact.cli import progress
 from tests import tiers
-from tests.shared import once, shared_folder
+from tests.helpers.shared import once, shared_folder
 from tests.tiers import pytest_addoption, pytest_cmdline_main, pytest_ignore_collect, pytest_report_header
 
 __all__ = ["pytest_addoption", "pytest_cmdline_main", "pytest_ignore_collect", "pytest_report_header"]
@@ -21,25 +21,25 @@ __all__ = ["pytest_addoption", "pytest_cmdline_main", "pytest_ignore_collect", "
 # What takes longest comes first, so that all cores end together. Of the first two, one links plain kernels
 # while the other makes the one that carries derivatives.
 SLOWEST = (
-    "tests/test_random_scenes.py",
+    "tests/scenarios/test_random_scenes.py",
     "tests/simulation/test_derivatives.py",
-    "tests/test_docs.py",
-    "tests/test_derivatives.py",
+    "tests/repository/test_docs.py",
+    "tests/scenarios/test_derivatives.py",
     "tests/fmu/test_platforms.py",
     "tests/studies/sweep/test_cluster.py",
     "tests/compilation/test_browser.py",
-    "tests/results/page/test_in_browser.py",
-    "tests/test_law_file.py",
+    "tests/pages/test_in_browser.py",
+    "tests/scenarios/test_law_file.py",
     "tests/fmu/test_fuzzer.py",
     "tests/cli/test_commands.py",
     "tests/fmu/test_build.py",
-    "tests/test_models.py",
-    "tests/results/page/test_browser.py",
+    "tests/scenarios/test_models.py",
+    "tests/pages/test_browser.py",
     "tests/kernel/test_soundness.py",
 )
 # a file that is to run in the process of another, for what both work out → that other
 WITH = {
-    f"tests/results/plots/test_{name}.py": "tests/results/plots/test_overview.py"
+    f"tests/pictures/test_{name}.py": "tests/pictures/test_overview.py"
     for name in ("motion", "over_time", "room")
 }
 

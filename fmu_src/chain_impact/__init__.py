@@ -12,14 +12,14 @@ if TYPE_CHECKING:
     from chain_impact.fmu.build import build_fmu as build_fmu, validate_fmu as validate_fmu
     from chain_impact.fmu.run import record_fmu as record_fmu
     from chain_impact.kernel.forces.laws import CONTACT_LAWS as CONTACT_LAWS, ContactLaw as ContactLaw
+    from chain_impact.pages.explore import explore as explore
+    from chain_impact.recording.impacts import IMPACT_DTYPE as IMPACT_DTYPE, impacts_of as impacts_of
+    from chain_impact.recording.recording import Recording as Recording
+    from chain_impact.recording.sensitivity import Sensitivities as Sensitivities
+    from chain_impact.recording.stick_slip import STICK_SLIP_DTYPE as STICK_SLIP_DTYPE
     from chain_impact.results.animate import AnimationError as AnimationError
-    from chain_impact.results.impacts import IMPACT_DTYPE as IMPACT_DTYPE, impacts_of as impacts_of
-    from chain_impact.results.page.explore import explore as explore
     from chain_impact.results.ranking import Effect as Effect, Ranking as Ranking
-    from chain_impact.results.recording import Recording as Recording
     from chain_impact.results.result import Result as Result
-    from chain_impact.results.sensitivity import Sensitivities as Sensitivities
-    from chain_impact.results.stick_slip import STICK_SLIP_DTYPE as STICK_SLIP_DTYPE
     from chain_impact.scene.models import model_names as model_names
     from chain_impact.scene.reading import (
         SceneError as SceneError,
@@ -57,13 +57,13 @@ _MODULES = {
     "fmu.run": ("record_fmu",),
     "kernel.forces.laws": ("CONTACT_LAWS", "ContactLaw"),
     "results.animate": ("AnimationError",),
-    "results.impacts": ("IMPACT_DTYPE", "impacts_of"),
-    "results.page.explore": ("explore",),
+    "recording.impacts": ("IMPACT_DTYPE", "impacts_of"),
+    "pages.explore": ("explore",),
     "results.ranking": ("Effect", "Ranking"),
-    "results.recording": ("Recording",),
+    "recording.recording": ("Recording",),
     "results.result": ("Result",),
-    "results.sensitivity": ("Sensitivities",),
-    "results.stick_slip": ("STICK_SLIP_DTYPE",),
+    "recording.sensitivity": ("Sensitivities",),
+    "recording.stick_slip": ("STICK_SLIP_DTYPE",),
     "scene.models": ("model_names",),
     "scene.reading": ("SceneError", "SceneWarning", "UnknownNameError"),
     "scene.scene": ("Scene", "load_scene", "parse_scene", "with_values"),

@@ -37,8 +37,8 @@ def draw(path, columns, parameters):
     from matplotlib.figure import Figure
 
     from chain_impact import Recording
-    from chain_impact.results.plots import draw_chain, draw_walls
-    from chain_impact.results.plots.style import (
+    from chain_impact.pictures import draw_chain, draw_walls
+    from chain_impact.pictures.style import (
         BLUE,
         DPI,
         INK,

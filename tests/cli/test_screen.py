@@ -11,10 +11,10 @@ from rich.console import Console
 
 from chain_impact import CONTACT_LAWS, compare, load_scene
 from chain_impact.cli.screen import law_table, plain_lines, show, summary, table_of, variable_table
-from chain_impact.results.summary import NONE
+from chain_impact.recording.summary import NONE
 from chain_impact.simulation.record_scene import record_scene
 from chain_impact.variables.model import Model
-from tests.problems import default_scene, driven
+from tests.helpers.problems import default_scene, driven
 
 
 def test_an_impulse_and_a_law_without_a_result_have_a_row():

@@ -17,8 +17,8 @@ from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import load_kernel
 from chain_impact.system import HOST
 from chain_impact.variables.model import Model
-from tests.binaries import read_binary
 from tests.fmu.standard import all_functions_of_fmi3, co_simulation_functions
+from tests.helpers.binaries import read_binary
 from tests.tiers import needs_compilers
 
 ENTRY_POINTS = {

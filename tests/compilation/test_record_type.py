@@ -14,7 +14,7 @@ from chain_impact.kernel.tangent.duals import tangent_dtype
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance, spans_of
 from chain_impact.variables.model import Model
-from tests.plain import Plain
+from tests.helpers.plain import Plain
 from tests.tiers import needs_compilers
 
 pytestmark = needs_compilers

@@ -16,13 +16,13 @@ from lark import Lark
 
 from chain_impact import Scene, load_scene
 from chain_impact.fmu.build import build_fmu
-from tests.bodies import body, cart
-from tests.derived_scenes import finger
-from tests.friction import thrown
-from tests.friction_derivative_scenes import dry_joints
-from tests.processes import Processes, make_environment
-from tests.shared import once, shared_folder
-from tests.stops import knee
+from tests.helpers.bodies import body, cart
+from tests.helpers.derived_scenes import finger
+from tests.helpers.friction import thrown
+from tests.helpers.friction_derivative_scenes import dry_joints
+from tests.helpers.processes import Processes, make_environment
+from tests.helpers.shared import once, shared_folder
+from tests.helpers.stops import knee
 
 Clean = Callable[..., Any]
 

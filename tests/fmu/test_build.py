@@ -24,11 +24,11 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import model_names
 from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
-from tests.binaries import binary
 from tests.fmu.conftest import KINDS
 from tests.fmu.importer import Instance
 from tests.fmu.interface import description
 from tests.fmu.planted_faults import XML, edited, spoiled
+from tests.helpers.binaries import binary
 
 every_model = pytest.mark.parametrize("model", model_names())
 FMIS = {"native": 2, "fmi3": 3}

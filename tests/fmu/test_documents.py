@@ -12,7 +12,7 @@ from lxml import etree
 
 from chain_impact import load_scene, model_names
 from chain_impact.fmu.documents import TERMINALS, documents, page, terminals_and_icons
-from chain_impact.results.plots.start import icon
+from chain_impact.pictures.start import icon
 from chain_impact.variables.model import Model
 
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"

@@ -1,6 +1,6 @@
 """A value that an FMU for FMI 2.0 refuses, in libcosim, a master in C++ with threads of its own.
 
-What masters give for FMUs that they connect is in tests/test_controlled_arm.py.
+What masters give for FMUs that they connect is in tests/scenarios/test_controlled_arm.py.
 """
 
 import subprocess

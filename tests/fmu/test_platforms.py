@@ -16,10 +16,10 @@ import pytest
 from chain_impact.compilation.compilers import INCLUDES, INTERFACE, ZIG_TARGETS
 from chain_impact.fmu.build import build_fmu
 from chain_impact.system import HOST, PLATFORMS
-from tests.binaries import binary, oldest_macos, signed_without_identity
 from tests.fmu.interface import description, unpacked
 from tests.fmu.standard import co_simulation_functions
 from tests.fmu.zig import zig
+from tests.helpers.binaries import binary, oldest_macos, signed_without_identity
 
 pytestmark = pytest.mark.full("takes long")
 

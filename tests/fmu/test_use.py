@@ -6,10 +6,10 @@ from fmpy import read_model_description
 
 from chain_impact import CONTACT_LAWS, Chain, cli, load_scene, simulate
 from chain_impact.fmu.run import record_fmu
-from tests.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 from tests.fmu.clean import importing
 from tests.fmu.conftest import scene_of
 from tests.fmu.importer import MESSAGES, FMICallException, Instance, refused
+from tests.helpers.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 
 STEP = 2.0**-7  # s; sums of such a step are exact, so that all clocks agree to the last bit
 STOPS = {"knee": 2.0, "thrown": 1.5, "finger": 0.75, "servo": 1.0}  # s; 1 s for all others

@@ -11,8 +11,8 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.ode.control import EXPLICIT
 from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.last_step import SOLVER
+from tests.helpers.plain import Plain
 from tests.kernel.chains import ANGLES, FAR, chain, touch
-from tests.plain import Plain
 
 # powers of θ and of 1 − θ in the dense output
 POWERS = [(1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3)]

@@ -23,9 +23,9 @@ from chain_impact.kernel.status import (
     TOO_MUCH_WORK,
 )
 from chain_impact.scene.scene import load_scene
-from tests.friction import pendulum
+from tests.helpers.friction import pendulum
+from tests.helpers.plain import begun
 from tests.kernel.chains import chain, touch
-from tests.plain import begun
 
 
 def started():

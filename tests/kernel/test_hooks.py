@@ -12,7 +12,7 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.entry import HOOKS
 from chain_impact.kernel.tangent.replay import reinit_tangent, replay, start_tangent
 from chain_impact.scene.scene import load_scene
-from tests.plain import record_of
+from tests.helpers.plain import record_of
 
 SIZES = {"links": 4, "candidates": 20, "elements": 24, "loads": 8, "channels": 4, "signals": 2, "knots": 6}
 FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]

@@ -33,8 +33,8 @@ from chain_impact.kernel.status import (
     STOPS_REVERSED,
     UNKNOWN_METHOD,
 )
+from tests.helpers.reference import mass_matrix
 from tests.kernel.chains import chain, stopped_chain
-from tests.reference import mass_matrix
 
 BASES = pytest.mark.parametrize("base", ["free", "pinned"])
 

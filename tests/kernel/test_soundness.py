@@ -19,10 +19,10 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
-from tests.derivative_scenes import table
+from tests.helpers.derivative_scenes import table
+from tests.helpers.plain import Plain, record_of
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch
 from tests.kernel.rubbing import rubbing_chain
-from tests.plain import Plain, record_of
 
 
 @pytest.fixture

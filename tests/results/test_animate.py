@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact.extras import MissingExtraError
+from chain_impact.recording.recording import Recording
 from chain_impact.results.animate import AnimationError, animate
-from chain_impact.results.recording import Recording
 
 BEGINNINGS = {".html": b"<!doctype html>", ".gif": b"GIF89a"}
 

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.results.csv_file import read_csv
-from chain_impact.results.page.recorded import data
-from chain_impact.results.plots.over_time import point_groups
-from chain_impact.results.recording import Recording
-from chain_impact.results.stick_slip import place_of
-from chain_impact.results.view import size_of
+from chain_impact.pages.recorded import data
+from chain_impact.pictures.over_time import point_groups
+from chain_impact.recording.csv_file import read_csv
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import place_of
+from chain_impact.recording.view import size_of
 from chain_impact.scene.bodies import outline, outlines_of, placed
 from chain_impact.scene.scene import scene_from_dict
-from tests import bodies
+from tests.helpers import bodies
 from tests.tiers import needs_interop
 
 BRICK = {

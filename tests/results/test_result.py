@@ -10,8 +10,8 @@ import pytest
 
 from chain_impact import SimulationError, load_scene, simulate
 from chain_impact.variables.model import Model
-from tests.problems import default_scene
-from tests.refusal import refusal
+from tests.helpers.problems import default_scene
+from tests.helpers.refusal import refusal
 
 
 @pytest.fixture(scope="module")

@@ -18,8 +18,8 @@ from chain_impact.scene.scene import (
     scene_to_dict,
     with_values,
 )
-from tests.problems import of_law
-from tests.refusal import refusal
+from tests.helpers.problems import of_law
+from tests.helpers.refusal import refusal
 from tests.scene.test_stops import FILE
 
 

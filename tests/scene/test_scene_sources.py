@@ -9,8 +9,8 @@ import pytest
 import chain_impact
 from chain_impact import load_scene, simulate
 from chain_impact.scene.models import models_folder
-from tests.problems import own_law
-from tests.refusal import refusal
+from tests.helpers.problems import own_law
+from tests.helpers.refusal import refusal
 
 MODEL = "bouncing_ball"
 STOP = "simulation.stop_time"

@@ -1,8 +1,8 @@
 """The repr of a scene."""
 
 from chain_impact import Scene, load_scene, model_names
-from tests.friction import pendulum, sled
-from tests.stops import knee
+from tests.helpers.friction import pendulum, sled
+from tests.helpers.stops import knee
 
 LINES, COLUMNS = 8, 120  # of a repr
 

@@ -5,7 +5,7 @@ import pytest
 from chain_impact import load_scene
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
 from chain_impact.variables.model import Model
-from tests.refusal import refusal
+from tests.helpers.refusal import refusal
 from tests.simulation.test_signals import ARM
 
 SINE = 'form = "sine"\namplitude = 0.01\nfrequency = 5.0\n'

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, Chain, SceneError, SimulationError, load_scene, simulate
-from chain_impact.results.impacts import IMPACT_DTYPE
-from tests.problems import ball, default_scene, dropped_ball
-from tests.refusal import refusal
+from chain_impact.recording.impacts import IMPACT_DTYPE
+from tests.helpers.problems import ball, default_scene, dropped_ball
+from tests.helpers.refusal import refusal
 
 TORQUE, FORCE = "joint[2].torque", "tip.force.x"
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, SceneError, SimulationError, UnknownNameError, load_scene, simulate
-from chain_impact.results.impacts import IMPACT_DTYPE
+from chain_impact.recording.impacts import IMPACT_DTYPE
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES, DifferentiatedRun
 from chain_impact.variables.model import Model
-from tests.derivative_scenes import AT_STOPS, sprung_chain, struck_twice
-from tests.problems import ball
-from tests.stops import knee
+from tests.helpers.derivative_scenes import AT_STOPS, sprung_chain, struck_twice
+from tests.helpers.problems import ball
+from tests.helpers.stops import knee
 
 CASE = struck_twice("hunt_crossley")
 OUTPUTS = ("point[2].x", "energy.total")

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from chain_impact import CONTACT_LAWS, compare
-from chain_impact.results.plots.style import GREY
+from chain_impact.pictures.style import GREY
 from chain_impact.scene.scene import with_values
 from chain_impact.studies.compare_plot import (
     NAMED,
@@ -18,7 +18,7 @@ from chain_impact.studies.compare_plot import (
     named_laws,
     plot_comparison,
 )
-from tests.problems import default_scene, driven
+from tests.helpers.problems import default_scene, driven
 
 
 @pytest.fixture(scope="module")

@@ -18,8 +18,8 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
 from chain_impact.variables.units import UNITS
 from chain_impact.variables.variable import Variable
-from tests.friction import pendulum, sled
-from tests.stops import knee
+from tests.helpers.friction import pendulum, sled
+from tests.helpers.stops import knee
 
 DRIVEN = {("inputs", "joint_torques"): True, ("inputs", "tip_force"): True}
 STOPS = {"link[2].joint_min": -2.0, "link[2].joint_max": 2.0, "link[4].joint_max": 1.5, "stop.stiffness": 1e4}

@@ -22,11 +22,11 @@ from chain_impact.cli.options import (
 )
 from chain_impact.cli.progress import progress, say
 from chain_impact.fmu.run import record_fmu
+from chain_impact.recording.csv_file import NeedsSceneError, read_csv
+from chain_impact.recording.pacing import IMPACT_TIME
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.text import plural
 from chain_impact.results.animate import FORMATS, SIZE, animate
-from chain_impact.results.csv_file import NeedsSceneError, read_csv
-from chain_impact.results.pacing import IMPACT_TIME
-from chain_impact.results.recording import Recording
-from chain_impact.results.text import plural
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError, with_settings

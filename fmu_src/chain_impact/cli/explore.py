@@ -46,7 +46,7 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Write the page, and open it where somebody is likely to look at it."""
-    from chain_impact.results.page.explore import explore
+    from chain_impact.pages.explore import explore
 
     file = options.output or DEFAULT
     check_outputs(file, inputs=[options.source])

@@ -12,10 +12,10 @@ from rich.markup import escape
 from rich.table import Table
 
 from chain_impact.cli.progress import out, say
-from chain_impact.results.recording import Recording
-from chain_impact.results.stick_slip import phase_cells
-from chain_impact.results.summary import LISTED, energy_lines, impact_list, load_lines
-from chain_impact.results.text import Table as TextTable, plural
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import phase_cells
+from chain_impact.recording.summary import LISTED, energy_lines, impact_list, load_lines
+from chain_impact.recording.text import Table as TextTable, plural
 from chain_impact.scene.tables import Box
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import (

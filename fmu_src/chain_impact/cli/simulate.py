@@ -33,12 +33,12 @@ from chain_impact.cli.progress import complain, progress, say
 from chain_impact.cli.screen import sensitivity_tables, show, summary, tabulated
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import record_fmu
-from chain_impact.results.curves import Curves, curves_of
+from chain_impact.recording.curves import Curves, curves_of
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.tables import SUFFIXES
+from chain_impact.recording.text import plural
 from chain_impact.results.ranking import Ranking
-from chain_impact.results.recording import Recording
 from chain_impact.results.result import Result
-from chain_impact.results.tables import SUFFIXES
-from chain_impact.results.text import plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.scene.tables import Solver
@@ -217,7 +217,7 @@ def draw(
     recording: Recording, picture: Path | None, window: Figure | None, sensitivities: Sequence[str]
 ) -> None:
     """Draw a recording into a file and a window: its derivatives if some are named, else its motion."""
-    from chain_impact.results.plots import fill, fill_sensitivities, plot
+    from chain_impact.pictures import fill, fill_sensitivities, plot
 
     fill_page = fill_sensitivities if sensitivities else fill
     if picture:
@@ -261,7 +261,7 @@ def curves_in(recording: Recording, source: str, names: Sequence[str], around: i
 
 def draw_curves(recording: Recording, curves: Curves, picture: Path | None, window: Figure | None) -> None:
     """Draw curves into a file and a window, where there are these."""
-    from chain_impact.results.plots import curves_size, drawn, fill_curves
+    from chain_impact.pictures import curves_size, drawn, fill_curves
 
     fill_page = partial(fill_curves, recording=recording, curves=curves)
     try:

@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.results.text import html_table
+from chain_impact.recording.text import html_table
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
@@ -52,7 +52,7 @@ EDGES = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
 def documents(model: Model, fmi: int) -> dict[str, bytes]:
     """Return the files, by their names in an FMU of version 2 or 3 of FMI."""
     # takes a second to load, so it is not imported at the top
-    from chain_impact.results.plots.start import icon
+    from chain_impact.pictures.start import icon
 
     license_text = distribution("chain-impact").read_text("licenses/LICENSE")
     if license_text is None:
@@ -70,7 +70,7 @@ def documents(model: Model, fmi: int) -> dict[str, bytes]:
 
 def page(model: Model, fmi: int) -> str:
     """Return the documentation as HTML."""
-    from chain_impact.results.plots.start import SIGNS, drawing
+    from chain_impact.pictures.start import SIGNS, drawing
 
     scene, variables = model.scene, model.variables
 

@@ -15,10 +15,10 @@ import numpy as np
 from chain_impact.fmu.importer import read_fmu, simulated
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.progress import Progress, silent
-from chain_impact.results.impacts import impacts_shown
-from chain_impact.results.joint_stops import ranges_from
-from chain_impact.results.recording import Recording
-from chain_impact.results.stick_slip import phases_from
+from chain_impact.recording.impacts import impacts_shown
+from chain_impact.recording.joint_stops import ranges_from
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import phases_from
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.names import SLIDER_STOPS, STOPS, fmu_name, input_key

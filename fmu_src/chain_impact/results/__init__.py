@@ -1,1 +1,1 @@
-"""Results of simulations: outputs, recordings, pictures."""
+"""Results of simulations: recordings with their pictures, films and rankings."""

@@ -6,11 +6,11 @@ import math
 import os
 from pathlib import Path
 
+from chain_impact.pages.inline import InlinePage
+from chain_impact.pages.recorded import page
 from chain_impact.progress import Progress, silent
-from chain_impact.results.pacing import IMPACT_TIME
-from chain_impact.results.page.inline import InlinePage
-from chain_impact.results.page.recorded import page
-from chain_impact.results.recording import Recording
+from chain_impact.recording.pacing import IMPACT_TIME
+from chain_impact.recording.recording import Recording
 from chain_impact.system import written_whole
 
 FORMATS = (".html", ".gif", ".mp4")
@@ -47,7 +47,7 @@ def animate(
         if kind == ".html":
             fresh.write_text(page(recording, speed, impact_time), encoding="utf-8")
         else:
-            from chain_impact.results.plots.film import write_film
+            from chain_impact.pictures.film import write_film
 
             write_film(recording, fresh, speed=speed, impact_time=impact_time, size=size, progress=progress)
     progress(1.0)

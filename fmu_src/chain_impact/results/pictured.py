@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chain_impact.results.course import Rerun, course_of
-from chain_impact.results.curves import Curves, curves_of
-from chain_impact.results.pacing import impact_ends
-from chain_impact.results.recording import Recording
-from chain_impact.results.sensitivity import Sensitivities
+from chain_impact.recording.course import Rerun, course_of
+from chain_impact.recording.curves import Curves, curves_of
+from chain_impact.recording.pacing import impact_ends
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from chain_impact.results.page.inline import InlinePage
+    from chain_impact.pages.inline import InlinePage
 
 
 class Pictured(Recording):
@@ -80,15 +80,15 @@ class Pictured(Recording):
             UnknownNameError: when ``simulate(output=…)`` left out an output that is drawn.
             OSError: when the file cannot be written.
         """
-        from chain_impact.results import plots  # imported here, as loading takes a second
+        from chain_impact import pictures  # imported here, as loading takes a second
 
         if curves:
             found = self.curves([curves] if isinstance(curves, str) else curves, around)
             if ax is None:
-                fill = partial(plots.fill_curves, recording=self, curves=found, title=title)
-                return plots.drawn(fill, path, size, plots.curves_size(found))
-            plots.check_alone(path, size)
-            plots.fill_curve_axes(np.ravel(ax).tolist(), self, found)
+                fill = partial(pictures.fill_curves, recording=self, curves=found, title=title)
+                return pictures.drawn(fill, path, size, pictures.curves_size(found))
+            pictures.check_alone(path, size)
+            pictures.fill_curve_axes(np.ravel(ax).tolist(), self, found)
             return ax
         if around is not None:
             raise ValueError(f"around = {around!r}: only curves are drawn around an impact")
@@ -98,9 +98,11 @@ class Pictured(Recording):
             raise ValueError(f"kind = {kind!r} and panels = {panels!r}: one of them must be left out")
         shown = [kind] if kind else [panels] if panels and isinstance(panels, str) else panels
         if ax is None:
-            return plots.drawn(partial(plots.fill, recording=self, panels=shown, title=title), path, size)
-        plots.check_alone(path, size)
-        plots.fill_axes(ax, self, shown or ["motion"])
+            return pictures.drawn(
+                partial(pictures.fill, recording=self, panels=shown, title=title), path, size
+            )
+        pictures.check_alone(path, size)
+        pictures.fill_axes(ax, self, shown or ["motion"])
         return ax
 
     def curves(self, names: Sequence[str], around: int | None = None) -> Curves:
@@ -134,7 +136,7 @@ class Pictured(Recording):
                 ``record_slowly``, or as for ``plot``.
             OSError: when the file cannot be written.
         """
-        from chain_impact.results import plots
+        from chain_impact import pictures
 
         if not 1 <= number <= len(self.impacts):
             there = f"1 to {len(self.impacts)}" if len(self.impacts) else "left out: there is no impact"
@@ -144,11 +146,11 @@ class Pictured(Recording):
         near = float(impact_ends(self.impacts, stop)[number - 1] - impact["onset"])
         course = course_of(self.model, self.rerun, impact, until=stop, near=near)
         if ax is None:
-            fill = partial(plots.fill_impact, recording=self, number=number, course=course)
-            return plots.drawn(fill, path, size, plots.IMPACT_SIZE)
-        plots.check_alone(path, size)
-        with plots.styled({}):
-            plots.draw_loop(ax, impact, course, at_stop=self.is_stop(impact["wall"]))
+            fill = partial(pictures.fill_impact, recording=self, number=number, course=course)
+            return pictures.drawn(fill, path, size, pictures.IMPACT_SIZE)
+        pictures.check_alone(path, size)
+        with pictures.styled({}):
+            pictures.draw_loop(ax, impact, course, at_stop=self.is_stop(impact["wall"]))
         return ax
 
     def plot_sensitivities(
@@ -175,10 +177,10 @@ class Pictured(Recording):
                 drawn.
             OSError: when the file cannot be written.
         """
-        from chain_impact.results import plots
+        from chain_impact import pictures
 
         names = self._derivatives.drawn(outputs)
-        return plots.drawn(partial(plots.fill_sensitivities, recording=self, outputs=names), path, size)
+        return pictures.drawn(partial(pictures.fill_sensitivities, recording=self, outputs=names), path, size)
 
     def animate(self, path: str | os.PathLike[str] | None = None, **options: Any) -> InlinePage | None:
         """Write an animation: a page for the browser, ``.html``, or a film, ``.gif`` or ``.mp4``.

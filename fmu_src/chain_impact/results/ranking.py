@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from chain_impact.results.recording import Recording
-from chain_impact.results.sensitivity import PART, Sensitivities
-from chain_impact.results.summary import digits
-from chain_impact.results.tables import IMPACT_UNITS, STOP_UNITS
-from chain_impact.results.text import Table, as_html, as_text, plural
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.sensitivity import PART, Sensitivities
+from chain_impact.recording.summary import digits
+from chain_impact.recording.tables import IMPACT_UNITS, STOP_UNITS
+from chain_impact.recording.text import Table, as_html, as_text, plural
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError
 
@@ -139,13 +139,13 @@ class Ranking:
             ValueError: when a page cannot have the size, or has no room for the bars.
             OSError: when the file cannot be written.
         """
-        from chain_impact.results import plots
+        from chain_impact import pictures
 
-        return plots.drawn(self.fill, path, size, plots.bars_size(min(len(self.effects), DRAWN)))
+        return pictures.drawn(self.fill, path, size, pictures.bars_size(min(len(self.effects), DRAWN)))
 
     def fill(self, page: Figure) -> None:
         """Draw the bars on an empty page."""
-        from chain_impact.results import plots
+        from chain_impact import pictures
 
         percent = f"{100.0 * PART:g} %"
         shown, unit = self.effects[:DRAWN], f" {self.unit}" if self.unit else ""
@@ -158,7 +158,7 @@ class Ranking:
             f"{plural(len(self.without), 'parameter')} without effect" if self.without else "",
             f"of {len(self.unknown)} it is not known" if self.unknown else "",
         ]
-        plots.fill_bars(
+        pictures.fill_bars(
             page,
             title=f"{self.source}: effect of + {percent} on {self.quantity} = {digits(self.value)}{unit}",
             conditions="; ".join(filter(None, told)),

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from chain_impact.results import summary, tables
-from chain_impact.results.course import Rerun
-from chain_impact.results.equality import equal
-from chain_impact.results.joint_stops import JointRange, ranges_of
+from chain_impact.recording import summary, tables
+from chain_impact.recording.course import Rerun
+from chain_impact.recording.equality import equal
+from chain_impact.recording.joint_stops import JointRange, ranges_of
+from chain_impact.recording.sensitivity import Sensitivities
+from chain_impact.recording.stick_slip import NO_PHASES
+from chain_impact.recording.text import as_html, as_text
 from chain_impact.results.pictured import Pictured
 from chain_impact.results.ranking import Ranking, ranking_of
-from chain_impact.results.sensitivity import Sensitivities
-from chain_impact.results.stick_slip import NO_PHASES
-from chain_impact.results.text import as_html, as_text
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.reading import UnknownNameError, matching
 from chain_impact.variables.model import Model, elsewhere

@@ -15,9 +15,9 @@ import numpy as np
 
 from chain_impact.kernel.forces.inputs import AT_ONCE
 from chain_impact.kernel.status import OK
-from chain_impact.results.impacts import LOG_DTYPE
-from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
-from chain_impact.results.text import plural
+from chain_impact.recording.impacts import LOG_DTYPE
+from chain_impact.recording.stick_slip import CHANGE_DTYPE, phases_of
+from chain_impact.recording.text import plural
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.checks import warn
 from chain_impact.scene.names import input_asked, input_key

@@ -17,10 +17,10 @@ import numpy as np
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
-from chain_impact.results.equality import same
-from chain_impact.results.impacts import LOG_DTYPE
-from chain_impact.results.joint_stops import at_stop
-from chain_impact.results.text import what
+from chain_impact.recording.equality import same
+from chain_impact.recording.impacts import LOG_DTYPE
+from chain_impact.recording.joint_stops import at_stop
+from chain_impact.recording.text import what
 from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of

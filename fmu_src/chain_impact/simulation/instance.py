@@ -15,9 +15,9 @@ from chain_impact.compilation.compilers import Sizes
 from chain_impact.compilation.library import kernel_library
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.progress import Progress, silent
-from chain_impact.results.impacts import LOG_DTYPE, named
+from chain_impact.recording.impacts import LOG_DTYPE, named
+from chain_impact.recording.stick_slip import CHANGE_DTYPE
 from chain_impact.results.result import Result
-from chain_impact.results.stick_slip import CHANGE_DTYPE
 from chain_impact.scene.candidates import places
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import Drive

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from chain_impact.progress import Progress
-from chain_impact.results.recording import Recording
+from chain_impact.recording.recording import Recording
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import SimulationError

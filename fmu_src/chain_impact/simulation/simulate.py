@@ -14,10 +14,10 @@ from chain_impact.compilation import cache
 from chain_impact.compilation.law_file import LawError, parse_law, source_of
 from chain_impact.kernel.status import OK
 from chain_impact.progress import Progress, silent
+from chain_impact.recording.sensitivity import Sensitivities
+from chain_impact.recording.stick_slip import NO_PHASES, phases_of
+from chain_impact.recording.summary import hints
 from chain_impact.results.result import Result
-from chain_impact.results.sensitivity import Sensitivities
-from chain_impact.results.stick_slip import NO_PHASES, phases_of
-from chain_impact.results.summary import hints
 from chain_impact.scene.checks import warn
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.results.recording import Recording
+from chain_impact.recording.recording import Recording
 from chain_impact.scene.names import point_label
 
 TIGHTER = 0.1

@@ -8,11 +8,18 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.pages.inline import InlinePage
 from chain_impact.progress import Progress, silent
+from chain_impact.recording.pacing import (
+    IMPACT_TIME,
+    WITHIN,
+    frame_rate,
+    frame_times,
+    impact_ends,
+    slow_spans,
+)
+from chain_impact.recording.recording import Recording
 from chain_impact.results import animate as results
-from chain_impact.results.pacing import IMPACT_TIME, WITHIN, frame_rate, frame_times, impact_ends, slow_spans
-from chain_impact.results.page.inline import InlinePage
-from chain_impact.results.recording import Recording
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Signal, drive

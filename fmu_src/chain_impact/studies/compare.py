@@ -15,9 +15,9 @@ import numpy as np
 from chain_impact.extras import require
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, silent
-from chain_impact.results.course import course_of
+from chain_impact.recording.course import course_of
+from chain_impact.recording.text import as_html, as_text
 from chain_impact.results.result import Result
-from chain_impact.results.text import as_html, as_text
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values

@@ -17,8 +17,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.results.plots.pages import check_alone, drawn
-from chain_impact.results.plots.style import (
+from chain_impact.pictures.pages import check_alone, drawn
+from chain_impact.pictures.style import (
     GREY,
     PALETTE,
     SEPARATOR,
@@ -29,7 +29,7 @@ from chain_impact.results.plots.style import (
     number,
     styled,
 )
-from chain_impact.results.text import plural
+from chain_impact.recording.text import plural
 from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns
 

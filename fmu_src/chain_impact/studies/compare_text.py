@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.results.text import Table
+from chain_impact.recording.text import Table
 from chain_impact.studies.law_change import EXACT, first_place
 from chain_impact.studies.law_runs import LawRun, LawRuns
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.results.joint_stops import at_stop
+from chain_impact.recording.joint_stops import at_stop
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.scene.tables import Contact

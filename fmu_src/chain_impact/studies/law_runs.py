@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from chain_impact.results.equality import same
-from chain_impact.results.joint_stops import at_stop
+from chain_impact.recording.equality import same
+from chain_impact.recording.joint_stops import at_stop
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Contact

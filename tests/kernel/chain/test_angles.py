@@ -8,8 +8,8 @@ from chain_impact.kernel.chain.angles import LARGEST, cosine_and_sine
 from chain_impact.kernel.chain.kinematics import copy, in_reach, polar
 from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.simulation.instance import Instance
-from tests.kernel_calls import initialize
-from tests.problems import ball
+from tests.helpers.kernel_calls import initialize
+from tests.helpers.problems import ball
 
 
 def kernel(angles):

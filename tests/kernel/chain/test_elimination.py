@@ -10,9 +10,8 @@ from chain_impact.kernel.chain.tree import accelerations, arms
 from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.initialize import derive_chain, derive_resistance
 from chain_impact.scene.scene import scene_from_dict
-from tests.kernel.chains import chain, random_links, random_state, stopped_chain
-from tests.plain import record_of
-from tests.reference import (
+from tests.helpers.plain import record_of
+from tests.helpers.reference import (
     generalized_force,
     mass_matrix,
     point_jacobian,
@@ -20,6 +19,7 @@ from tests.reference import (
     set_impedances,
     set_vectors,
 )
+from tests.kernel.chains import chain, random_links, random_state, stopped_chain
 
 
 def random_chain(rng, count, base, largest):

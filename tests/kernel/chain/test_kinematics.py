@@ -12,9 +12,9 @@ from chain_impact.kernel.chain.kinematics import (
     place_points,
     zero,
 )
+from tests.helpers.reference import point_jacobian, set_vectors
 from tests.kernel.chains import chain, located, random_state, stopped_chain, vectors
 from tests.kernel.steps import points_of
-from tests.reference import point_jacobian, set_vectors
 
 BASES = pytest.mark.parametrize("base", ["free", "pinned"])
 COUNTS = pytest.mark.parametrize("count", [1, 2, 5])

@@ -18,11 +18,11 @@ from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
+from tests.helpers.plain import make_rigid
+from tests.helpers.problems import GRAVITY, build
 from tests.kernel.chains import chain, located, random_state, stopped_chain, stops_of
 from tests.kernel.events.test_sampled import DEEP, falling
 from tests.kernel.steps import held_tip, let_push, points_of
-from tests.plain import make_rigid
-from tests.problems import GRAVITY, build
 
 STIFFNESS = 1e8
 

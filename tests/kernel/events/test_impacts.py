@@ -14,6 +14,8 @@ from chain_impact.kernel.forces.contact import begin_contact
 from chain_impact.kernel.forces.holding import RISE
 from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE
 from chain_impact.kernel.rows.geometry import clearance
+from tests.helpers.plain import make_rigid
+from tests.helpers.reference import complementary_impulses, mass_matrix
 from tests.kernel.chains import (
     chain,
     free_coordinates,
@@ -24,8 +26,6 @@ from tests.kernel.chains import (
     touch,
     vectors,
 )
-from tests.plain import make_rigid
-from tests.reference import complementary_impulses, mass_matrix
 
 E, SLOWEST = 0.6, 1e-3
 POINTS = [1, 6, 11, 16]  # of a free chain: a point at each of the walls

@@ -33,13 +33,13 @@ from chain_impact.kernel.rows.geometry import tangential_rate
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.model import Model
-from tests.coulomb_problems import braked_link, oblique_ball
+from tests.helpers.coulomb_problems import braked_link, oblique_ball
+from tests.helpers.plain import Plain
+from tests.helpers.problems import GRAVITY, contact_table, of_law, scene_table, struck_ball
 from tests.kernel.chains import chain, touch
 from tests.kernel.forces.test_contact_force import MASS, SPEED, STIFFNESS, scaled_impact
 from tests.kernel.rubbing import rubbing_chain
 from tests.kernel.steps import held_tip, set_step, translation, wall_at, walls_away
-from tests.plain import Plain
-from tests.problems import GRAVITY, contact_table, of_law, scene_table, struck_ball
 
 FLOOR = 2  # the number of the wall y_min
 DEEP = 0.3  # m, at the start

@@ -23,11 +23,7 @@ from chain_impact.kernel.events.search import (
 )
 from chain_impact.kernel.ode.control import FAR_OFF, IMPLICIT, accepted, conclude
 from chain_impact.kernel.ode.last_step import OUTPUTS, SOLVER
-from tests.kernel.chains import chain, located, touch
-from tests.kernel.events.test_crossing import first_fall, moving
-from tests.kernel.events.test_sampled import falling
-from tests.kernel.steps import gaps_of, held_tip, points_of, set_step, translation, wall_at, walls_away
-from tests.problems import (
+from tests.helpers.problems import (
     GHOST,
     GRAVITY,
     ball,
@@ -38,6 +34,10 @@ from tests.problems import (
     rod,
     swinging_rod,
 )
+from tests.kernel.chains import chain, located, touch
+from tests.kernel.events.test_crossing import first_fall, moving
+from tests.kernel.events.test_sampled import falling
+from tests.kernel.steps import gaps_of, held_tip, points_of, set_step, translation, wall_at, walls_away
 
 RESOLUTION = 1e-12  # s
 

@@ -9,11 +9,11 @@ from chain_impact.kernel import equations
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.forces import friction, holding
 from chain_impact.kernel.rows import compliance, constraints, geometry
+from tests.helpers.plain import make_rigid
+from tests.helpers.reference import complementary_impulses
 from tests.kernel.chains import press_in, touch
 from tests.kernel.forces.pressed import CANDIDATES, problem
 from tests.kernel.rubbing import rubbing_chain
-from tests.plain import make_rigid
-from tests.reference import complementary_impulses
 
 
 def test_rigid_walls_hold_what_touches_and_press_it_to_rest():

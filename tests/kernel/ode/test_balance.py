@@ -15,11 +15,11 @@ from chain_impact.kernel.rows import geometry
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import Instance
+from tests.helpers.plain import Plain
+from tests.helpers.random_scenes import scene
+from tests.helpers.search import verdict
 from tests.kernel.chains import chain, press_in, random_state, touch
 from tests.kernel.steps import free_motion, set_step, walls_away
-from tests.plain import Plain
-from tests.random_scenes import scene
-from tests.search import verdict
 
 
 def after_a_step():

@@ -17,12 +17,12 @@ from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES, REAL_EIGENVALUE
 from chain_impact.kernel.rows import geometry
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
+from tests.helpers.plain import Plain, make_rigid
+from tests.helpers.reference import mass_matrix
 from tests.kernel.chains import chain, random_state, struck, touch
 from tests.kernel.ode.stiff_problems import PROBLEMS, exact, swinging, tipping
 from tests.kernel.ode.touching import touching
 from tests.kernel.steps import basis
-from tests.plain import Plain, make_rigid
-from tests.reference import mass_matrix
 
 
 def reached(result):

@@ -15,10 +15,10 @@ from chain_impact.kernel.ode import control, explicit, last_step, methods, sundm
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.ode.explicit import BEYOND, LEFT, estimate, toward_end
 from chain_impact.kernel.rows import geometry
-from tests.friction import pendulum
+from tests.helpers.friction import pendulum
+from tests.helpers.plain import begun
+from tests.helpers.problems import FAR, build, contact_table, rod
 from tests.kernel.chains import chain, located, struck
-from tests.plain import begun
-from tests.problems import FAR, build, contact_table, rod
 
 STAGES = len(explicit.A)
 

@@ -15,8 +15,8 @@ from chain_impact.kernel.ode.extended import (
     rate_at,
 )
 from chain_impact.kernel.rows.geometry import clearance
+from tests.helpers.reference import mass_matrix
 from tests.kernel.chains import chain, gradients, struck
-from tests.reference import mass_matrix
 
 LINKS, HALF = 3, 5
 SHIFT = 1e-3  # s

@@ -15,11 +15,11 @@ from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS, interpolate_compon
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.instance import Instance
+from tests.helpers.plain import make_rigid
+from tests.helpers.problems import default_scene, of_law
+from tests.helpers.reference import momenta
 from tests.kernel.chains import chain, touch
 from tests.kernel.rubbing import rubbing_chain
-from tests.plain import make_rigid
-from tests.problems import default_scene, of_law
-from tests.reference import momenta
 
 
 def unbalanced(result):

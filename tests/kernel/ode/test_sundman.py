@@ -12,9 +12,9 @@ from chain_impact.kernel.ode import control, dense, methods, sundman
 from chain_impact.kernel.rows import geometry
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
+from tests.helpers.plain import Plain, make_rigid
+from tests.helpers.problems import ball
 from tests.kernel.chains import chain, struck, touch
-from tests.plain import Plain, make_rigid
-from tests.problems import ball
 
 SPEED, STIFFNESS = 2.0, 1e8
 

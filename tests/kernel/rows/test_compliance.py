@@ -5,6 +5,7 @@ import pytest
 
 from chain_impact.kernel.chain import kinematics, response
 from chain_impact.kernel.rows import compliance, geometry
+from tests.helpers.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
 from tests.kernel.chain.test_elimination import relative_motion
 from tests.kernel.chains import (
     chain,
@@ -16,7 +17,6 @@ from tests.kernel.chains import (
     touch,
     vectors,
 )
-from tests.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
 
 # links, base, how many candidates are in contact; None for some of the walls and stops in the joints besides
 OF_WALLS = [(1, "free", 1), (1, "pinned", 2), (3, "free", 0), (3, "free", 5), (4, "pinned", 3)]

@@ -30,9 +30,9 @@ from chain_impact.kernel.rows.geometry import (
 )
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import with_values
+from tests.helpers.plain import record_of
+from tests.helpers.problems import default_scene
 from tests.kernel.chains import random_state, stopped_chain, stops_of
-from tests.plain import record_of
-from tests.problems import default_scene
 
 # angle and point; the last angle is beyond what the kernel's own sines are for
 SLOPES = [

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from tests.derivative_scenes import Case, struck_twice
+from tests.helpers.derivative_scenes import Case, struck_twice
+from tests.helpers.problems import ball, of_law
 from tests.kernel.tangent.dual import followed, started
-from tests.problems import ball, of_law
 
 HEIGHT, SPEED, STIFFNESS, RESTITUTION = 1e-3, 1.5, 1e4, 0.3
 PARAMETERS = ("contact.stiffness", "contact.restitution", "initial.vy")

@@ -10,7 +10,7 @@ import pytest
 from chain_impact.kernel.ode.radau import RADAU_STAGES, Q
 from chain_impact.kernel.tangent import duals, replay, trust
 from chain_impact.kernel.tangent.replay import ENOUGH, FALLS, FAR_OFF, MOST, ROUND_OFF, STALLED
-from tests.derivative_scenes import Case, table
+from tests.helpers.derivative_scenes import Case, table
 from tests.kernel.tangent.dual import Dual, followed, started
 
 H = 1.0  # s, of a step at rest

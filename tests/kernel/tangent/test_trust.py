@@ -8,8 +8,8 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel.events.marks import END, NONE, ONSET
 from chain_impact.kernel.tangent import trust
+from tests.helpers.problems import ball
 from tests.kernel.tangent.dual import Dual
-from tests.problems import ball
 
 NAMES = ("contact.stiffness", "initial.vy")
 FLOOR = "contact.minimum_impact_speed"

@@ -5,9 +5,9 @@ import pytest
 
 from chain_impact import fit, load_scene
 from chain_impact.studies.fit.data import QUANTITIES, read_measurements, standard_deviation
-from tests.bodies import body, cart
-from tests.refusal import refusal
-from tests.stops import knee
+from tests.helpers.bodies import body, cart
+from tests.helpers.refusal import refusal
+from tests.helpers.stops import knee
 
 SCENE = load_scene("four_link_box")
 MOTION = {"time": [0.1, 0.2, 0.3], "point[4].x": [1.0, None, 3.0], "point[4].y": [4.0, 5.0, None]}
@@ -58,7 +58,7 @@ def test_tables_of_one_run():
 
 
 def test_an_impact_is_found_by_its_number_and_place():
-    from chain_impact.results.impacts import IMPACT_DTYPE
+    from chain_impact.recording.impacts import IMPACT_DTYPE
 
     impacts = np.zeros(4, IMPACT_DTYPE)
     impacts["point"], impacts["wall"] = [0, 4, 0, 4], [2, 2, 3, 2]

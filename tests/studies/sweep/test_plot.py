@@ -10,7 +10,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.plot import COLOURS, FAILED_COLOUR, QUANTITIES, fill, usual_size
 from chain_impact.studies.sweep.sweep import sweep
-from tests.stops import knee
+from tests.helpers.stops import knee
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
 TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact")][:10]

@@ -6,16 +6,16 @@ import pytest
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.contacts import LOG_SIZE
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
-from chain_impact.results.joint_stops import at_stop
+from chain_impact.recording.joint_stops import at_stop
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, scene_from_dict, with_values
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import with_settings
 from chain_impact.simulation.simulate import simulate, with_law
 from chain_impact.studies.sweep.sweep import sweep
-from tests import random_scenes
-from tests.problems import own_law
-from tests.stops import knee
+from tests.helpers import random_scenes
+from tests.helpers.problems import own_law
+from tests.helpers.stops import knee
 from tests.tiers import needs_compilers
 
 FORCES = ("peak_force", "max_penetration")

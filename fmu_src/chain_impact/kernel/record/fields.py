@@ -12,8 +12,9 @@ OWNERS: dict[str, dict[str, tuple[str, ...]]] = {}
 def written_by(*owners, **fields):
     """Declare which modules of the kernel write a part of the record, and which write some of its fields.
 
-    A field that outlives a step has one owner; other modules call the owner's functions. tests/test_owners.py
-    compares this with the code. Modules in kernel/tangent/ also set fields of tangent instances.
+    A field that outlives a step has one owner; other modules call the owner's functions.
+    tests/repository/test_owners.py compares this with the code. Modules in kernel/tangent/ also set fields of
+    tangent instances.
     """
 
     def declare(layout):

@@ -10,7 +10,7 @@ from typing import cast
 import numpy as np
 
 from chain_impact.progress import Progress, silent
-from chain_impact.results.text import plural
+from chain_impact.recording.text import plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.scene.table_file import Source, is_table

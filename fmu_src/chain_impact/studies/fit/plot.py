@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.results.plots.pages import drawn
-from chain_impact.results.plots.style import (
+from chain_impact.pictures.pages import drawn
+from chain_impact.pictures.style import (
     GREY,
     INK,
     PALE,
@@ -31,8 +31,8 @@ from chain_impact.results.plots.style import (
     number,
     styled,
 )
+from chain_impact.recording.tables import IMPACT_UNITS
 from chain_impact.results.result import Result
-from chain_impact.results.tables import IMPACT_UNITS
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import QUANTITIES, Measurements
 from chain_impact.studies.fit.estimates import Estimates

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from chain_impact.results.plots.style import number
-from chain_impact.results.text import Table, plural
+from chain_impact.pictures.style import number
+from chain_impact.recording.text import Table, plural
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.unknown import size_of
 

@@ -21,9 +21,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.results.plots.pages import drawn
-from chain_impact.results.plots.style import WIDE, give_ticks, headline, legend_at_foot, number, styled
-from chain_impact.results.text import plural
+from chain_impact.pictures.pages import drawn
+from chain_impact.pictures.style import WIDE, give_ticks, headline, legend_at_foot, number, styled
+from chain_impact.recording.text import plural
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.design import Design

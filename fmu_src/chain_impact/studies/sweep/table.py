@@ -16,7 +16,7 @@ import numpy as np
 
 from chain_impact.extras import require
 from chain_impact.kernel.status import STATUS_NAME
-from chain_impact.results.text import Table, as_html, plural
+from chain_impact.recording.text import Table, as_html, plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.job import STATUS
 from chain_impact.studies.sweep.runs import Runs

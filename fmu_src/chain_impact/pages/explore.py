@@ -1,0 +1,121 @@
+"""The page that simulates a scene in the browser: one file, with the compiled kernel in it."""
+
+from __future__ import annotations
+
+import base64
+import os
+import zlib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from chain_impact.compilation.library import browser_module
+from chain_impact.pages.inline import InlinePage
+from chain_impact.pages.kit import kit
+from chain_impact.pages.recorded import (
+    PLAYER,
+    assembled,
+    program,
+    script_data,
+    styles,
+    text_of,
+)
+from chain_impact.scene.models import model_names
+from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, scene_to_dict
+from chain_impact.system import written_whole
+
+WORKER = ("kernel", "pacing", "room", "view", "frames", "bodies", "motion", "worker")
+"""The modules of the worker, each after the modules that it imports."""
+MODULES = (
+    *PLAYER,
+    *(
+        "unpacked",
+        "signals",
+        "scene_file",
+        "model",
+        "changes",
+        "engine",
+        "knobs",
+        "ghosts",
+        "handles",
+        "outside",
+    ),
+    *("map_scales", "map", "edit", "explore"),
+)
+"""The modules of the page."""
+TOML = "vendor/smol-toml.cjs"
+"""The library that reads scene files."""
+UNNAMED = "scene.toml"
+"""The name of a scene that no file was loaded for, in the command on the page."""
+
+
+def explore(
+    scene: SceneSource, path: Path | str | None = None, *, command: Sequence[str] | None = None
+) -> InlinePage | None:
+    """Write or return a page that simulates a scene, with parameters that the reader of the page chooses.
+
+    The page contains the compiled kernel, and gives the numbers of ``simulate``. It is one file, which needs
+    nothing else. The reader can change all parameters, and add or remove links, points, walls and stops.
+    Inputs without a signal are constant; a base and walls without a signal keep their places.
+
+    Args:
+        scene: a scene, or an argument of ``load_scene``.
+        path: the file to write, for a browser; without it the page is returned, which a notebook shows.
+        command: the words after ``chain-impact simulate`` in the page's command that repeats a motion; by
+            default the source of the scene, or the name of a model that is equal to it.
+
+    Raises:
+        SceneError: when the scene cannot be read.
+        BuildError: when the kernel for browsers must be compiled and cannot be. An installed package contains
+            it, except for a scene with a contact law of your own.
+        OSError: when the file cannot be written.
+    """
+    known = [_source(scene)] if command is None else list(command)
+    text = page(scene_of(scene), known)
+    if path is None:
+        return InlinePage(text)
+    with written_whole(Path(path)) as fresh:
+        fresh.write_text(text, encoding="utf-8")
+    return None
+
+
+def page(scene: Scene, command: Sequence[str]) -> str:
+    """Return the page's HTML for a scene.
+
+    ``command`` has the words after ``chain-impact simulate`` in the page's command.
+
+    Raises:
+        BuildError: when the module for a browser must be compiled and cannot be.
+    """
+    module = browser_module(scene.contact.law_file).read_bytes()
+    return assembled(
+        text_of("explore.html"),
+        scene.name,
+        [*styles(), text_of("explore.css")],
+        program(MODULES),
+        data=script_data(contents(scene, command) | {"module": packed(module)}),
+        toml=text_of(TOML),
+        worker=program(WORKER),
+    )
+
+
+def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
+    """Return the data from which the page makes a scene: the contents of its file, and common tables."""
+    file = scene_to_dict(scene)
+    for signal in file.get("signals", {}).values():
+        if "file" in signal:  # without the folders of this machine
+            signal["file"] = Path(signal["file"]).name
+    return {"file": file, "kit": kit(scene), "command": list(command)}
+
+
+def packed(content: bytes) -> str:
+    """Return bytes as text for a page: compressed, as a browser can undo it."""
+    compressor = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
+    return base64.b64encode(compressor.compress(content) + compressor.flush()).decode("ascii")
+
+
+def _source(scene: SceneSource) -> str:
+    """Return the name of a scene on the command line."""
+    if not isinstance(scene, Scene):
+        return os.fspath(scene)
+    return next((name for name in model_names() if load_scene(name) == scene), UNNAMED)

@@ -1,0 +1,261 @@
+"""Data about all scenes for the page: the keys of a scene file, the variables, and their places in a record.
+
+The reader of the page edits scenes or opens files, so the number of links, walls and stops is open. The
+variables are therefore templates: the rows of the table of variables. The page makes the variables from them,
+as ``variables/listing.py`` does. A place of a word in the record is a list of seven numbers: a + bN + cC + dF
++ eL + fK + g·index (compilation/affine.py).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, is_dataclass
+from functools import cache, partial
+from types import SimpleNamespace
+from typing import Any, get_args, get_origin
+
+import numpy as np
+
+from chain_impact.compilation.affine import COUNTS, SAMPLES, affine
+from chain_impact.kernel.chain.inertia import DERIVED
+from chain_impact.kernel.chain.signals import DEGREE
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.ode.sundman import NO_CONTACT
+from chain_impact.kernel.record.signals import signal_dtype
+from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
+from chain_impact.pages.signals import kit_of_signals
+from chain_impact.recording.impacts import LOG_DTYPE
+from chain_impact.recording.joint_stops import OPEN
+from chain_impact.scene.limits import Derived, allowed, keys, without_none
+from chain_impact.scene.names import AT, Place
+from chain_impact.scene.reading import entry_type
+from chain_impact.scene.scene import Scene
+from chain_impact.variables.driving import acting
+from chain_impact.variables.kind import ALWAYS, MOTION, Block, Kind, filled
+from chain_impact.variables.listing import choices_of
+from chain_impact.variables.outputs import INPUTS, OUTPUTS
+from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
+from chain_impact.variables.places import WORD, layout_of, word_index
+from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
+
+WITH_STOPS = SimpleNamespace(stops=True, links=())
+"""A chain with stops, for the defaults that depend on the chain and on no value."""
+IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
+"""The words of an element in the texts of parameters and inputs; the page fills them in."""
+LONGEST = 1e9
+"""s, the longest time of a run"""
+PLACES: dict[str, Place] = {
+    **{name: (name,) for name in (*COUNTS, "skewed", "slides")},
+    "site_link": ("site", "link", AT),
+    "site_corner": ("site", "corner", AT),
+    "regularized": ("step", "regularized"),
+    **{key: ("model", key) for key in ("pinned", "driven", "followed", "base_moves")},
+    **{f"candidate_{key}": ("candidate", AT, key) for key in ("point", "wall", "stop")},
+    "follows": ("motion", "follows"),
+    "belt": ("motion", "belt", AT),
+    "channel": ("shift", AT, "channel"),
+    "kept": ("latest", "kept"),
+    "impulses": ("quadrature", "wanted"),
+    **{f"wall_{key}": ("walls", key, AT) for key in ("restitution", "friction", "static_friction")},
+    "stop_law": ("stops", "law"),
+    **{f"signal_{key}": ("signal", key, AT) for key in signal_dtype(1).names or ()},
+    **{f"knot_{key}": ("knot", key, AT) for key in ("given_time", "given_value", "time")},
+    **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(DEGREE + 1)},
+}
+"""The words of a record that are no parameters and depend on the scene."""
+
+PEAKS = {
+    "peak_force": "force",
+    "max_penetration": "penetration",
+    "stop.peak_moment": "moment",
+    "stop.max_penetration": "rotation",
+}
+"""Name of a largest quantity of the run, as in a sweep → its place among ``peaks`` in the record."""
+
+
+def kit(scene: Scene) -> dict[str, Any]:
+    """Return all data about scenes, as JSON can hold them, for the contact laws of a scene."""
+    choices = choices_of(scene)
+    inputs = [block for block in INPUTS if block.kinds[0].place[0] != MOTION]
+    return {
+        "keys": _keys(Scene),
+        "lawFile": scene.contact.law_file,
+        "laws": [_law(name) for name in scene.law_names],
+        "parameters": [_group(block, partial(_parameter, choices)) for block in PARAMETERS],
+        "inputs": [_group(block, lambda kind: _parameter(choices, kind) | _driven(kind)) for block in inputs],
+        "still": [_group(block, _driven) for block in INPUTS if block not in inputs],
+        "times": [
+            _parameter(choices, kind) | {"high": LONGEST, "word": None, "given": None} for kind in EXPERIMENT
+        ],
+        "outputs": [_group(block, _output) for block in OUTPUTS],
+        "signals": kit_of_signals(scene),
+        "driven": [words(("output", "signal", AT, order)) for order in range(3)],
+        "places": {name: {"word": words(place), "real": _is_real(place)} for name, place in PLACES.items()},
+        "size": [*_affine(lambda record: record.itemsize // WORD), 0],
+        "layout": _layout(),
+        "points": [words(("output", "point_position", AT, axis)) for axis in (0, 1)],
+        "constants": {"derived": DERIVED, "noContact": NO_CONTACT, "openArc": OPEN},
+        "boxWalls": WALLS,
+        "rigidWithFriction": FRICTION_WITH_RIGID_WALLS,
+        "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
+    }
+
+
+def _keys(table: Any) -> dict[str, Any]:
+    """Return the keys of a table of the scene file, by their names."""
+    return {entry.name: _key(entry.type, entry.metadata) for entry in keys(table)}
+
+
+def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the rule for a key: a table, tables in a list or by name, a list, or a value."""
+    inner = entry_type(kind := without_none(kind))
+    if is_dataclass(inner):
+        kinds = {tuple: "tables", Mapping: "named"}
+        return {
+            "kind": kinds.get(get_origin(kind), "table"),
+            "keys": _keys(inner),
+            **({"entries": rule["entries"], "needed": rule["description"]} if rule.get("entries") else {}),
+        }
+    item, *rest = get_args(kind) or (kind,)
+    found = _value(item, rule)
+    if rest:
+        length = "links" if rule["per_link"] else None if ... in rest else 1 + len(rest)
+        found = {
+            "kind": "list",
+            "length": length,
+            "each": found,
+            "orTrue": rule["or_true"],
+            "orOne": rule["or_one"],
+        }
+    default = rule["default"]
+    if isinstance(default, Derived):
+        # a value derived from no other one is a number that stops have, or a zero for each link
+        given = default.value({"chain": WITH_STOPS}) if default.constant else None
+        return found | ({"ofStops": given} if isinstance(given, float) else {})
+    return found | ({"needed": rule["description"]} if default is MISSING else {"default": default})
+
+
+def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the limits and choices of a value."""
+    limits = {
+        name: rule[name] for name in ("minimum", "above", "maximum", "choices") if rule[name] is not None
+    }
+    pattern = {"pattern": f"^(?:{rule['matching'][0]})$"} if rule["matching"] else {}
+    return limits | pattern | {"kind": kind.__name__, "unit": rule["unit"], "allowed": allowed(kind, rule)}
+
+
+def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any]:
+    """Return the kinds of variables of a block, for each element that the block belongs to."""
+    return {"of": block.of, "rows": [row(kind) for kind in block.kinds]}
+
+
+def _named(kind: Kind) -> dict[str, Any]:
+    """Return the name of a variable, and the conditions under which it exists."""
+    return {"name": kind.name, "when": kind.when}
+
+
+def _driven(kind: Kind) -> dict[str, Any]:
+    """Return the data of an input that a signal can drive."""
+    return _named(kind) | {"unit": kind.unit, "acts": acting(kind.place)}
+
+
+def _output(kind: Kind) -> dict[str, Any]:
+    return _named(kind) | {"unit": kind.unit, "integer": not kind.unit, "word": words(kind.place)}
+
+
+def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:
+    """Return a parameter or an input: its words, its range and what it means."""
+    items, rule = choices.get(kind.choices, ()), kind.derived
+    one = Variable.of(kind, {}, IN_TEMPLATES, items=tuple(items))
+    _, _, _, _, low, high, _, _ = variable_row(one, 0, 0)
+    owner = kind.name.rpartition(".")[0]
+    return _named(kind) | {
+        "unit": kind.unit,
+        "path": kind.path or (),
+        "type": one.type,
+        "low": low,
+        "high": high,
+        "allowed": f"one of {', '.join(item.name for item in items)}" if items else one.allowed,
+        "text": one.description,
+        "items": [[item.name, _sentence(item)] for item in items],
+        "rule": rule
+        and {
+            **_rule(rule, owner),
+            "ofBox": rule.of_box and _rule(rule.of_box, owner),
+        },
+        "trivial": kind.trivial,
+        "missing": json.dumps(kind.if_missing),  # JSON has no infinite numbers
+        "word": words(kind.place) if kind.place else None,
+        "given": kind.given and words(kind.given),
+        "givenIf": kind.given_if or ALWAYS,
+    }
+
+
+def _rule(rule: Derived, owner: str) -> dict[str, Any]:
+    """Return the rule by which a parameter follows from others.
+
+    Keys without a dot belong to the table ``owner``.
+    """
+    terms = [[key if "." in key else f"{owner}.{key}" for key in term] for term in rule.terms]
+    return {"terms": terms, "divisor": rule.divisor, "text": UNLESS_SET + rule.text}
+
+
+def _sentence(item: Item) -> str:
+    """Return the sentence on a choice; for a contact law, its range of use and its source."""
+    law = CONTACT_LAWS.get(item.name)
+    return f"{law.limits} {law.source}." if law else item.description
+
+
+def _law(name: str) -> dict[str, Any]:
+    """Return the properties of a contact law that decide whether it goes with a scene."""
+    law = CONTACT_LAWS.get(name)
+    return {"name": name, "impulsive": bool(law and law.impulsive)}
+
+
+def _layout() -> dict[str, Any]:
+    """Return the places in the record from which the page reads the results of a run."""
+    record = layout_of(*SAMPLES[0])
+    statistics = record["statistics"].names or ()
+    return {
+        "status": words(("statistics", "status")),
+        "place": words(("fault", "place")),
+        "time": words(("step", "time")),
+        "impulses": words(("quadrature", "wanted")),
+        "loads": words(("loads",)),
+        "finished": {
+            "count": words(("finished", "count")),
+            "collected": words(("finished", "collected")),
+            "room": [*_affine(lambda record: record["finished"]["point"].shape[0]), 0],
+            "fields": {name: words(("finished", name, 0)) for name in LOG_DTYPE.names or ()},
+        },
+        "peaks": {name: words(("peaks", part)) for name, part in PEAKS.items()},
+        "changes": words(("changes", "count")),
+        "active": words(("touch", "active_count")),
+        "statistics": {name: words(("statistics", name)) for name in statistics},
+    }
+
+
+def _is_real(place: Place) -> bool:
+    """Return whether the numbers of a place are real."""
+    kind = layout_of(*SAMPLES[0])
+    for step in place:
+        kind = kind[step] if isinstance(step, str) and step != AT else kind.base
+    return kind.base == np.float64
+
+
+@cache
+def words(place: Place) -> list[int]:
+    """Return the place of a word in any record, see ``_affine``."""
+
+    def word(record: np.dtype, index: int) -> int:
+        return word_index(record, filled(place, {"at": index}))
+
+    record = layout_of(*SAMPLES[0])
+    return [*_affine(lambda record: word(record, 0)), word(record, 1) - word(record, 0)]
+
+
+def _affine(number: Callable[[np.dtype], int]) -> list[int]:
+    """Return a, b, c, d, e, f and g of a number that depends on N, C, F, L, K and P of the record."""
+    return [*affine([number(layout_of(*sizes)) for sizes in SAMPLES])]

@@ -1,0 +1,213 @@
+"""The page that shows a recording: one file, which needs nothing else. The player makes its frames."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import math
+import re
+from collections.abc import Iterable, Mapping
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from chain_impact.recording.joint_stops import JointRange
+from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import Touch
+from chain_impact.recording.view import radius_of, size_of
+from chain_impact.scene.half_planes import HalfPlane
+
+PAGE = resources.files("chain_impact.pages") / "browser"
+STYLES = ("vendor/uPlot.min.css", "style.css", "panels.css")
+LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
+PLAYER = (
+    *("dom", "recording", "clock", "format", "room", "view", "trace"),
+    *("scene", "charts", "impacts", "controls", "player"),
+)
+"""The modules that show a recording, each after the modules that it imports."""
+FRAMES = ("pacing", "frames")
+"""The modules that make its frames."""
+MODULES = (*PLAYER, *FRAMES, "packed", "main")
+FRAGMENTS = ("stage", "panels", "playback")
+IMPORT = re.compile(r"^import [^;]+;\n", re.MULTILINE)
+EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
+SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
+FINEST = 65535  # the largest number of 16 bits
+MOST_ROWS = 80_000  # the number of rows beyond which a page leaves out rows
+
+
+def page(recording: Recording, speed: float, impact_time: float) -> str:
+    """Return the page's HTML.
+
+    Args:
+        recording: the recording to show.
+        speed: the speed at which the recording plays at first; 1 is real time.
+        impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
+    """
+    shown = data(thinned(recording, impact_time)) | {"speed": speed, "impactTime": impact_time}
+    template = text_of("recording.html")
+    return assembled(template, recording.name, styles(), program(MODULES), data=script_data(shown))
+
+
+def assembled(template: str, title: str, styles: Iterable[str], modules: str, **parts: str) -> str:
+    """Return a page with a player.
+
+    Args:
+        template: HTML with places to fill, ``{{ name }}``.
+        title: the title of the page.
+        styles: the texts of the style sheets.
+        modules: the page's program, as ``program`` gives it.
+        parts: the texts for the other places of the template.
+    """
+    scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', text_of(name))}</script>" for name in LIBRARIES)
+    parts |= {"title": html.escape(title, quote=False), "style": "\n".join(styles)}
+    parts |= {"libraries": scripts, "program": modules}
+    parts |= {name: text_of(f"{name}.html") for name in FRAGMENTS}
+    # one pass: a text that is filled in may look like a place to fill
+    return re.sub(r"\{\{ (\w+) \}\}", lambda found: parts[found[1]], template)
+
+
+def styles() -> list[str]:
+    """Return the texts of the style sheets of a page with a player."""
+    return [text_of(name) for name in STYLES]
+
+
+def program(names: Iterable[str]) -> str:
+    """Return modules one after the other as one program, without their imports from each other."""
+    return "\n".join(EXPORT.sub("", IMPORT.sub("", text_of(f"{name}.js"))) for name in names)
+
+
+def thinned(recording: Recording, impact_time: float) -> Recording:
+    """Return a recording without most of its rows, if it has very many rows.
+
+    One in so many rows stays, and so do the rows beside frames at real time, and beside onsets and ends of
+    impacts.
+    """
+    time, impacts = recording.time, recording.impacts
+    if len(time) <= MOST_ROWS:
+        return recording
+    start, stop, usual = float(time[0]), float(time[-1]), frame_rate(recording)
+    frames, _ = frame_times(start, stop, slow_spans(recording), impact_time, usual=usual)
+    shown = np.concatenate([frames, impacts["onset"], impacts["end"]])
+    after = np.searchsorted(time, shown[np.isfinite(shown)])
+    even = np.linspace(0, len(time) - 1, MOST_ROWS).astype(int)
+    return recording.at(np.unique(np.concatenate([even, after - 1, after]).clip(0, len(time) - 1)))
+
+
+def script_data(content: Any) -> str:
+    """Return data as text in a page."""
+    return json.dumps(content, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def data(recording: Recording) -> dict[str, Any]:
+    """Return the data for the page's ``packed.js``, with numbers as small as the screen allows."""
+    points, touches = recording.all_points, recording.touches
+    return {
+        "name": recording.name,
+        "links": recording.link_count,
+        "pointCount": points.shape[1],
+        "time": _base64(recording.time.astype("<f8")),
+        "x": _packed(points[:, :, 0]),
+        "y": _packed(points[:, :, 1]),
+        "energies": {name: _packed(energy) for name, energy in recording.energies.items()},
+        "touches": [found for one in touches if (found := _touch(one))],
+        "loads": [
+            {"joint": joint, "x": _packed(force[:, 0]), "y": _packed(force[:, 1])}
+            for joint, force in recording.loads.items()
+        ],
+        "impacts": impacts(recording),
+        "walls": free_sides(recording.walls),
+        "moved": {name: _packed(moved) for name, moved in recording.moved_walls.items()},
+        "stops": [_range(joint, one) for joint, one in recording.stops.items()],
+        "radius": radius_of(recording),
+        "touching": [*recording.touching.items()],
+        "pointNames": [*recording.point_names.items()],
+        "bodies": [[link, corners.tolist()] for link, corners in recording.outlines.items()],
+        "rail": _rail(recording),
+        "pinned": recording.pinned,
+        "frameRate": frame_rate(recording),
+    }
+
+
+def impacts(recording: Recording) -> list[dict[str, Any]]:
+    """Return the impacts as the page lists them; unknown values are null."""
+    at = zip(recording.impacts, recording.end_speeds.tolist(), recording.at_stops.tolist(), strict=True)
+    return [
+        {
+            "point": int(one["point"]),
+            "what": recording.toucher(one),
+            "wall": recording.wall_names[one["wall"]],
+            "onset": float(one["onset"]),
+            "end": _known(one["end"]),
+            "speed": float(one["impact_speed"]),
+            "endSpeed": end_speed,
+            "rebound": _known(one["separation_speed"]),
+            "peak": _known(one["peak_force"]),
+            "depth": _known(one["max_penetration"]),
+            "atStop": at_stop,
+        }
+        for one, end_speed, at_stop in at
+    ]
+
+
+def _known(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def free_sides(walls: Mapping[str, HalfPlane]) -> dict[str, Any]:
+    """Return the free side of each wall, as the page draws it."""
+    return {name: {"normal": wall.normal, "offset": wall.offset} for name, wall in walls.items()}
+
+
+def _range(joint: int, one: JointRange) -> dict[str, Any]:
+    """Return the range of a joint, as the page draws it."""
+    marks = [stop for stop in (one.low, one.high) if math.isfinite(stop)]
+    return {"joint": joint, "arc": one.arc, "marks": marks}
+
+
+def _rail(recording: Recording) -> dict[str, Any] | None:
+    """Return the line of a slider and its stops, as the page draws them, and the carriage about the base."""
+    rail, size = recording.rail, size_of(recording)
+    return (
+        None
+        if rail is None
+        else {
+            "lines": [line.tolist() for line in rail.lines(recording.points[:, 0], size)],
+            "carriage": rail.carriage(np.zeros(2), size).tolist(),
+            "stops": free_sides(rail.stops),
+        }
+    )
+
+
+def _touch(one: Touch) -> dict[str, Any] | None:
+    """Return force and friction between a point and a wall, in the rows in which they touch.
+
+    None if they never do.
+    """
+    there = one.sticking if one.force is None else one.force
+    rows = np.flatnonzero(np.zeros(0) if there is None else there > 0.0)
+    if not len(rows):
+        return None
+    columns = {"force": one.force, "depth": one.penetration}
+    columns |= {"friction": one.friction, "sticking": one.sticking}
+    packed = {name: _packed(column[rows]) for name, column in columns.items() if column is not None}
+    return {"point": one.point, "wall": one.wall, "rows": _base64(rows.astype("<u4")), **packed}
+
+
+def _packed(values: np.ndarray) -> dict[str, Any]:
+    """Return numbers in 16 bits: low + (high − low) · integer / 65535."""
+    low, high = float(values.min()), float(values.max())
+    integers = np.rint((values - low) * (FINEST / ((high - low) or 1.0)))
+    return {"low": low, "high": high, "values": _base64(integers.astype("<u2"))}
+
+
+def _base64(array: np.ndarray) -> str:
+    return base64.b64encode(array.tobytes()).decode("ascii")
+
+
+def text_of(name: str) -> str:
+    """Return the text of a file of the pages."""
+    return PAGE.joinpath(name).read_text(encoding="utf-8")

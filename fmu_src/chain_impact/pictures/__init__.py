@@ -1,0 +1,31 @@
+"""Pictures of a recording. `plot` writes a file; other pictures use the same functions."""
+
+from chain_impact.pictures.bars import bars_size, fill_bars
+from chain_impact.pictures.changes import fill_sensitivities
+from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curves
+from chain_impact.pictures.impact import SIZE as IMPACT_SIZE, draw_loop, fill_impact
+from chain_impact.pictures.motion import draw_chain
+from chain_impact.pictures.overview import fill, fill_axes, plot
+from chain_impact.pictures.pages import check_alone, drawn
+from chain_impact.pictures.room import draw_walls
+from chain_impact.pictures.style import styled
+
+__all__ = [
+    "IMPACT_SIZE",
+    "bars_size",
+    "check_alone",
+    "curves_size",
+    "draw_chain",
+    "draw_loop",
+    "draw_walls",
+    "drawn",
+    "fill",
+    "fill_axes",
+    "fill_bars",
+    "fill_curve_axes",
+    "fill_curves",
+    "fill_impact",
+    "fill_sensitivities",
+    "plot",
+    "styled",
+]

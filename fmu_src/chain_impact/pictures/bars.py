@@ -1,0 +1,73 @@
+"""Bars to the left and to the right of zero, one for each name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from chain_impact.pictures.style import BLUE, GREY, INK, VERMILLION, WIDE, headline, styled
+
+# inches: the width of the page, the space above and below the bars, and the height for a bar
+WIDTH, AROUND, BAR = 7.0, 1.4, 0.25
+# inches, the room for a number beside a bar; and the part of the page's width for the axes
+NUMBER, PART = 0.6, 0.45
+THICK = 0.66  # the thickness of a bar, as a fraction of the distance of bars
+
+
+def bars_size(count: int) -> tuple[float, float]:
+    """Return the usual size of a page for a number of bars [inches]."""
+    return WIDTH, AROUND + BAR * max(count, 2)
+
+
+@styled()
+def fill_bars(
+    page: Figure,
+    *,
+    title: str,
+    conditions: str,
+    names: Sequence[str],
+    values: Sequence[float],
+    told: Sequence[str],
+    label: str,
+) -> None:
+    """Draw one bar for each name, the first on top, on an empty page.
+
+    Args:
+        page: the page to draw on.
+        title: the title of the picture.
+        conditions: the text below the title.
+        names: the names of the bars.
+        values: their lengths, to the left below 0.
+        told: the text at the end of each bar.
+        label: the label of the axis.
+    """
+    headline(page, title, conditions)
+    axes = page.subplots()
+    rows = range(len(names))
+    colours = [BLUE if value > 0.0 else VERMILLION for value in values]
+    axes.barh(rows, values, THICK, color=colours)
+    for row, value, text in zip(rows, values, told, strict=True):
+        side = 1.0 if value > 0.0 else -1.0
+        axes.annotate(
+            text,
+            (value, row),
+            (4.0 * side, 0.0),
+            textcoords="offset points",
+            ha="left" if side > 0.0 else "right",
+            va="center",
+            fontsize="small",
+        )
+    axes.set_yticks(rows, names)
+    axes.set_ylim(len(names) - 0.4, -0.6)
+    axes.axvline(0.0, color=INK, linewidth=0.6)
+    axes.tick_params(axis="y", length=0)
+    axes.spines["left"].set_visible(False)
+    axes.set_xlabel(label)
+    low, high = min([0.0, *values]), max([0.0, *values])
+    room = (high - low or 1.0) * NUMBER / (PART * page.get_figwidth())
+    axes.set_xlim(low - (room if low < 0.0 else 0.0), high + (room if high > 0.0 else 0.0))
+    axes.xaxis.set_major_locator(MaxNLocator(6 if page.get_figwidth() >= WIDE else 3))
+    if not names:
+        axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center", color=GREY)

@@ -1,0 +1,49 @@
+"""Bodies in pictures: links with points as outlines, and a base on a slider with its line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
+from matplotlib.patches import Polygon
+
+from chain_impact.pictures.style import INK
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.view import size_of
+from chain_impact.scene.bodies import placed
+
+FILL = 0.13  # the opacity of a body
+SITE = 3.0  # points, the size of the mark for a point of a link
+CARRIAGE = 0.5  # the opacity of a carriage
+
+
+def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, linewidth: float) -> None:
+    """Draw the links with points, the points and the carriage in a row of a recording."""
+    points, sites = recording.points[row], recording.sites[row]
+    for link, corners in recording.outlines.items():
+        look = body_look(colour) | {"linewidth": linewidth, "zorder": 3.4}
+        axes.add_patch(Polygon(placed(corners, points[link - 1], points[link]), **look))
+    if len(sites):
+        axes.plot(*sites.T, "o", color=colour, markersize=SITE, zorder=3.9)
+    if recording.rail:
+        corners = recording.rail.carriage(points[0], size_of(recording))
+        look = {"facecolor": (*to_rgb(colour), CARRIAGE), "edgecolor": colour, "linewidth": linewidth}
+        axes.add_patch(Polygon(corners, **look, zorder=3.4))
+
+
+def body_look(colour: Any) -> dict[str, Any]:
+    """Return how the outline of a body is drawn, as matplotlib names it."""
+    return {"facecolor": (*to_rgb(colour), FILL), "edgecolor": colour, "joinstyle": "round"}
+
+
+def draw_rail(axes: Axes, recording: Recording) -> list[Artist]:
+    """Draw the line of a slider with its stops; return the artists."""
+    if not recording.rail:
+        return []
+    lines = recording.rail.lines(recording.points[:, 0], size_of(recording))
+    drawn = LineCollection(lines, colors=INK, linewidths=1.2, capstyle="round", zorder=2.5)
+    axes.add_collection(drawn, autolim=False)
+    return [drawn]

@@ -1,0 +1,177 @@
+"""The page with derivatives: the changes of outputs and impacts by a small change of each parameter.
+
+The curves show the derivative times a small change of the parameter: 1 % of its value, or 0.01 of its unit
+where the value is zero. So all parameters share an axis, in the unit of the output.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.message import conditions
+from chain_impact.pictures.over_time import DOT, mark_impacts
+from chain_impact.pictures.style import (
+    GREY,
+    INK,
+    OUTSIDE_COLOUR,
+    PALETTE,
+    WIDE,
+    give_ticks,
+    headline,
+    legend_at_foot,
+    styled,
+)
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.sensitivity import Sensitivities
+from chain_impact.recording.text import plural, speed_unit
+
+NOTHING = 1e-12  # smaller changes, as fractions of the range of an output, are round-off
+MOST_GREY, SOFT = 2, 0.45  # more grey curves are a band, which has this opacity
+STEEP = 30.0  # the axis is not linear if the largest change is so many times as large as a usual one
+Looks = list[dict[str, Any]]
+
+
+@styled()
+def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
+    """Draw the changes of outputs, and of the speeds of impacts, with each parameter, on an empty page.
+
+    The outputs are named as in ``Sensitivities.drawn``.
+    """
+    found = recording.sensitivities
+    assert found is not None
+    names = found.drawn(outputs)
+    relative = relative_changes(recording, found, names)
+    parameters = plural(len(found.parameters), "parameter")
+    headline(page, f"{recording.name}: changes with {parameters}, to first order", conditions(recording))
+    looks = looks_of(found, relative)
+    across = 2 if page.get_figwidth() >= WIDE else 1
+    grid = page.subplots(-(-(len(names) + 1) // across), across, sharex=True, squeeze=False).ravel()
+    panels, rest = grid[: len(names) + 1], grid[len(names) + 1 :]
+    for axes in rest:
+        axes.remove()
+    for axes, name in zip(panels, names, strict=False):
+        draw_changes(axes, recording, found, name, looks)
+    draw_speeds(panels[-1], recording, found, looks)
+    for axes in panels:
+        mark_impacts(axes, recording)
+        mark_unknown(axes, recording, found)
+        axes.tick_params(labelbottom=True)
+        give_ticks(axes)
+    for axes in panels[-across:]:
+        axes.set_xlabel("time [s]")
+    if across == 1:
+        legend_at_foot(page, panels[0].get_legend_handles_labels()[0])
+    else:
+        panels[min(1, len(names) - 1)].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
+    page.supxlabel("\n".join(found.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True)
+
+
+def calm(recording: Recording) -> np.ndarray:
+    """Return which rows are outside of impacts, shape (T,).
+
+    Within an impact all quantities change so fast that a shift in time makes the derivative very large.
+    """
+    rows = np.ones(len(recording.time), bool)
+    for impact in recording.impacts:
+        rows &= ~((recording.time >= impact["onset"]) & (recording.time <= impact["end"]))
+    return rows
+
+
+def relative_changes(recording: Recording, found: Sensitivities, outputs: Sequence[str]) -> np.ndarray:
+    """Return the largest change of the outputs over their range, outside of impacts, shape (T, P).
+
+    0 within.
+    """
+    ranges = [np.ptp(recording.columns[name]) or 1.0 for name in outputs]
+    shares = [np.abs(found.changes(name)) / span for name, span in zip(outputs, ranges, strict=True)]
+    largest: np.ndarray = np.max(np.nan_to_num(shares), axis=0)
+    largest[~calm(recording)] = 0.0
+    return largest
+
+
+def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
+    """Return how each parameter is drawn: the parameters with the largest effects in colours, others in grey.
+
+    A parameter without effect has no colour.
+    """
+    names = list(found.parameters)
+    order = np.argsort(-relative.max(axis=0), kind="stable")
+    told = {k for k in order[: len(PALETTE)] if relative[:, k].max() > NOTHING}
+    others = sorted(set(order) - told)
+    largest = next((names[k] for k in order if k not in told and relative[:, k].max() > NOTHING), "")
+    rest = f"{len(others)} others" + (f", most {largest}" if largest else "")
+    colours, looks = iter(PALETTE), []
+    for k, name in enumerate(names):
+        if k in told:
+            label = f"{name} + {found.step_text(name)}"
+            looks.append({"color": next(colours), "linewidth": 1.5, "zorder": 3, "label": label})
+        else:
+            label = rest if k == others[-1] else "_"
+            looks.append({"color": GREY, "linewidth": 0.9, "zorder": 2, "label": label})
+    return looks
+
+
+def draw_changes(axes: Axes, recording: Recording, found: Sensitivities, output: str, looks: Looks) -> None:
+    """Draw the change of an output over time, with each parameter; there are gaps where it is not known."""
+    changes = found.changes(output)
+    grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
+    if len(grey) > MOST_GREY:
+        known = np.ma.masked_invalid(changes[:, grey])
+        look = {"color": GREY, "alpha": SOFT, "linewidth": 0.0, "label": looks[grey[-1]]["label"]}
+        ends = known.min(axis=1).filled(np.nan), known.max(axis=1).filled(np.nan)
+        axes.fill_between(recording.time, *ends, **look)
+    for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
+        if len(grey) <= MOST_GREY or k not in grey:
+            axes.plot(recording.time, values, **look)
+    axes.set_ylabel(f"change of {output} [{found.units[output]}]")
+    fit_scale(axes, changes[calm(recording)], NOTHING * np.ptp(recording.columns[output]))
+
+
+def draw_speeds(axes: Axes, recording: Recording, found: Sensitivities, looks: Looks) -> None:
+    """Draw the change of each impact's speed, with each parameter: a dot at a wall, a diamond at a stop."""
+    changes, stopped = found.impact_changes("impact_speed"), recording.at_stops
+    for values, look in zip(changes.T, looks, strict=True):
+        style = {"color": look["color"], "zorder": look["zorder"], "markersize": DOT}
+        for rows, marker in ((~stopped, "o"), (stopped, "D")):
+            if rows.any():
+                axes.plot(found.impacts["onset"][rows], values[rows], marker, **style)
+    mixed = stopped.any() and not stopped.all()
+    unit = speed_unit(len(stopped) > 0 and bool(stopped.all()))
+    axes.set_ylabel(f"change of impact speed [{unit}]" + ("\n◆ at stops [rad/s]" if mixed else ""))
+    fit_scale(axes, changes, NOTHING * recording.impacts["impact_speed"].max(initial=0.0))
+    if not len(found.impacts):
+        axes.text(0.5, 0.6, "no impact", transform=axes.transAxes, ha="center", color=GREY)
+
+
+def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
+    """Fit the axis to some changes: logarithmic on both sides of zero if the largest are much larger.
+
+    Changes below ``least`` are round-off and do not count.
+    """
+    axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
+    sizes = np.abs(changes[np.isfinite(changes) & (changes != 0.0)])
+    if not sizes.size or sizes.max() <= least:
+        axes.set_ylim(-1.0, 1.0)
+        return
+    low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
+    usual_size = np.median(sizes)
+    if sizes.max() > STEEP * usual_size:
+        axes.set_yscale("symlog", linthresh=10.0 ** np.floor(np.log10(usual_size)))
+        axes.set_ylim(3.0 * low, 3.0 * high)
+    else:
+        margin = 0.05 * (high - low)
+        axes.set_ylim(low - margin, high + margin)
+
+
+def mark_unknown(axes: Axes, recording: Recording, found: Sensitivities) -> None:
+    """Shade the time in which derivatives are not known."""
+    unknown = np.isnan(found.slopes).all(axis=(1, 2))
+    if unknown.any():
+        start, end = recording.time[unknown.argmax()], recording.time[-1]
+        axes.axvspan(start, end, color=OUTSIDE_COLOUR, linewidth=0.0, zorder=0)
+        axes.text(start, 0.98, " no derivatives", transform=axes.get_xaxis_transform(), va="top", color=INK)

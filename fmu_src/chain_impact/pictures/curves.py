@@ -1,0 +1,130 @@
+"""Outputs over time as curves: a panel for each unit, and a line at each impact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.legends import legend_above
+from chain_impact.pictures.message import write_head
+from chain_impact.pictures.over_time import mark_impacts
+from chain_impact.pictures.pages import settle
+from chain_impact.pictures.rest import shade_rests, shown_time
+from chain_impact.pictures.style import FULL, PALETTE, WIDE, give_ticks, styled
+from chain_impact.recording.curves import Curves
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.text import plural
+
+DASHES = ("-", "--", ":")
+MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8  # the largest number of curves in a panel, and of panels
+PANEL, AROUND = 1.9, 1.1  # inches: the height of a panel, and the space above and below all panels
+SIDE = 8  # the largest number of curves whose names stand beside the panel
+
+
+def curves_size(curves: Curves) -> tuple[float, float]:
+    """Return the usual size of a page with curves [inches]."""
+    return FULL, max(3.4, AROUND + PANEL * len(curves.panels))
+
+
+def check_curves(curves: Curves) -> None:
+    """Refuse curves that a reader could not tell apart.
+
+    Raises:
+        ValueError: when there are no curves, or too many.
+    """
+    panels = curves.panels
+    if len(panels) > MOST_PANELS:
+        raise ValueError(f"curves: {len(panels)} units need as many panels; must be <= {MOST_PANELS}")
+    for names in panels:
+        if len(names) > MOST:
+            unit = curves.units[names[0]]
+            raise ValueError(f"curves: {len(names)} outputs in {unit or 'no unit'}; must be <= {MOST}")
+
+
+@styled()
+def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
+    """Draw the curves on an empty page; the title "" stands for the summary of the run, None for no title.
+
+    Raises:
+        ValueError: when there are no curves, or too many.
+    """
+    check_curves(curves)
+    if title is not None:
+        write_head(page, recording, title, *seen(recording, curves))
+    panels = curves.panels
+    grid = page.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
+    draw_all(list(grid), recording, curves)
+    for axes in grid:
+        axes.tick_params(labelbottom=True)
+        if axes is not grid[-1]:
+            axes.set_xlabel("")
+    page.align_ylabels()
+    settle(page)
+
+
+def seen(recording: Recording, curves: Curves) -> list[str]:
+    """Return the impact in view in words, in a list; empty for a view of the whole run."""
+    if not curves.number:
+        return []
+    impact = recording.impacts[curves.number - 1]
+    wall = recording.wall_names[impact["wall"]]
+    return [f"impact {curves.number}, {recording.toucher(impact)} at {wall}"]
+
+
+@styled({})
+def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves) -> None:
+    """Draw each panel into given axes.
+
+    Raises:
+        ValueError: when the number of axes is not that of panels, or there are too many curves.
+    """
+    check_curves(curves)
+    count = len(curves.panels)
+    if len(given) != count:
+        raise ValueError(f"ax: there are {len(given)} axes for {plural(count, 'unit')} of curves")
+    draw_all(given, recording, curves)
+
+
+def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None:
+    """Draw a panel into each of some axes."""
+    start, factor, label = 0.0, 1.0, "time [s]"
+    if curves.onset is not None:
+        start, factor = curves.onset, 1e3
+        label = f"time after the onset at {curves.onset:.6f} s [ms]"
+    time, shown = factor * (curves.time - start), shown_time(recording)
+    ends = time[[0, -1]]
+    if curves.onset is None:
+        ends = np.array([shown.start, shown.end])
+        label = "; ".join(filter(None, (label, shown.told)))
+    for axes, names in zip(grid, curves.panels, strict=True):
+        mark_impacts(axes, recording, start, factor)
+        for k, name in enumerate(names):
+            look = DASHES[k // len(PALETTE)]
+            axes.plot(time, curves.values[name], look, color=PALETTE[k % len(PALETTE)], label=name)
+        axes.set_ylabel(axis_label(names, curves.units[names[0]]))
+        if curves.onset is None:
+            shade_rests(axes, shown)
+        axes.set_xlim(*ends)
+        axes.set_xlabel(label)
+        axes.margins(y=0.08)
+        give_ticks(axes)
+        name_curves(axes, len(names))
+
+
+def axis_label(names: Sequence[str], unit: str) -> str:
+    """Return the label of an axis: the last part of the names, if all have the same, and the unit."""
+    last = {name.rpartition(".")[2] for name in names}
+    shared = last.pop() if len(last) == 1 else ""
+    return f"{shared} [{unit}]".lstrip() if unit else shared
+
+
+def name_curves(axes: Axes, count: int) -> None:
+    """Name the curves beside their panel where there is room, else above it."""
+    page = axes.get_figure(root=True)
+    if page is not None and page.get_figwidth() >= WIDE and count <= SIDE:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), handlelength=1.4)
+        return
+    legend_above(axes)

@@ -1,0 +1,164 @@
+"""The picture of one impact: force, penetration and speed over time, and the force over the penetration."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter
+
+from chain_impact.pictures.legends import legend_above
+from chain_impact.pictures.pages import settle
+from chain_impact.pictures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    SEPARATOR,
+    VERMILLION,
+    WIDE,
+    force_text,
+    give_ticks,
+    headline,
+    styled,
+)
+from chain_impact.recording.course import Course
+from chain_impact.recording.impacts import lasts
+from chain_impact.recording.pacing import LONGEST_IMPACT, SLOWEST
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.text import speed_unit
+
+SIZE = (7.5, 4.8)  # inches
+PEAK = 0.95  # the part of the largest force from which the peak counts as reached
+AFTER_PEAK = 4.0  # the least time for which an impact is shown, in units of the time to the peak force
+MUCH_LONGER = 2.0  # a contact longer than so many times its impact is shown for the time of the impact only
+EDGE = 0.03  # the time before the onset, as a fraction of the time shown
+DOT = 5.0  # points, the size of the mark at the end of a contact that lasts
+LOOP = 1.6  # the height of the loop on a narrow page, in heights of a panel over time
+
+
+@styled()
+def fill_impact(page: Figure, recording: Recording, number: int, course: Course) -> None:
+    """Draw an impact, by its number, on an empty page: the loop on the right, on a narrow page below."""
+    impact = recording.impacts[number - 1]
+    stop = recording.is_stop(impact["wall"])
+    hit = f"{recording.toucher(impact)} hits {recording.wall_names[impact['wall']]}"
+    headline(page, f"{recording.name}: {hit}, impact {number}", conditions(impact, course, stop))
+    if page.get_figwidth() >= WIDE:
+        grid = page.add_gridspec(3, 2)
+        loop = page.add_subplot(grid[:, 1], label="loop")
+    else:
+        grid = page.add_gridspec(4, 1, height_ratios=(1, 1, 1, LOOP))
+        loop = page.add_subplot(grid[3, 0], label="loop")
+    shown = shown_time(impact, course)
+    time_factor, time_unit = prefixed(shown, "s")
+    timed: list[Axes] = []
+    for row, (name, values, unit, colour) in enumerate(quantities(course, stop)):
+        axes = page.add_subplot(grid[row, 0], sharex=timed[0] if timed else None, label=name)
+        timed.append(axes)
+        factor, told = prefixed(np.abs(values).max(initial=0.0), unit)
+        axes.set_ylabel(f"{name} [{told}]")
+        if not len(course.time):
+            say_impulse(axes)
+            continue
+        axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
+        axes.plot(time_factor * (course.time - impact["onset"]), factor * values, color=colour)
+        if shown < np.ptp(course.time):
+            axes.set_xlim(-EDGE * time_factor * shown, time_factor * shown)
+    if shown < (np.ptp(course.time) if len(course.time) else 0.0):
+        look: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": "small", "color": INK}
+        timed[0].text(1.0, 1.02, f"{duration_text(impact, course)} →", transform=timed[0].transAxes, **look)
+    timed[-1].set_xlabel(f"time after the onset at {impact['onset']:.6f} s [{time_unit}]")
+    draw_loop(loop, impact, course, at_stop=stop)
+    give_ticks(*timed, loop)
+    page.align_ylabels(timed)
+    settle(page)
+    page.set_layout_engine("none")
+
+
+def shown_time(impact: np.void, course: Course) -> float:
+    """Return how long after the onset [s] an impact is shown: of a long contact only the time of the impact.
+
+    This time is the longer one of the duration of an impact by theory, and of a few times to the peak force.
+    """
+    if not len(course.time):
+        return 0.0
+    lasting = float(np.ptp(course.time))
+    speed = max(impact["impact_speed"], SLOWEST)
+    first = np.argmax(course.force >= PEAK * course.force.max())
+    peak = float(course.time[first] - course.time[0])
+    near = max(LONGEST_IMPACT * np.nan_to_num(impact["max_penetration"]) / speed, AFTER_PEAK * peak)
+    return near if lasting > MUCH_LONGER * near else lasting
+
+
+def duration_text(impact: np.void, course: Course) -> str:
+    """Return the duration of a contact in words."""
+    lasting = float(np.ptp(course.time)) if len(course.time) else 0.0
+    told = force_text(lasting, "s") if lasting > 0.0 else "0 s"
+    return f"lasts to the end, for {told}" if lasts(impact) else f"lasts {told}"
+
+
+def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
+    """Draw the force over the penetration; the area inside is the energy that the contact dissipates.
+
+    The loop of a contact that lasts is open, with a dot at its end.
+    """
+    (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, at_stop)
+    force_factor, force_told = prefixed(force.max(initial=0.0), force_unit)
+    depth_factor, depth_told = prefixed(depth.max(initial=0.0), depth_unit)
+    label = f"{restitution_text(impact)}\n{course.energy_lost:.3g} J lost"
+    x, y = depth_factor * depth, force_factor * force
+    axes.plot(x, y, color=VERMILLION, label=label)
+    if not lasts(impact):
+        axes.fill(x, y, color=VERMILLION, alpha=0.15, linewidth=0.0)
+    elif len(x):
+        axes.plot(x[-1], y[-1], "o", color=VERMILLION, markersize=DOT, label="at the end")
+    name = "moment" if at_stop else "force"
+    axes.set(xlabel=f"penetration [{depth_told}]", ylabel=f"{name} [{force_told}]")
+    legend_above(axes)
+    if not len(x):
+        say_impulse(axes)
+
+
+def say_impulse(axes: Axes) -> None:
+    """Say in axes that there is nothing to draw."""
+    axes.text(0.5, 0.5, "an impulse, without duration", transform=axes.transAxes, ha="center", color=GREY)
+    axes.set(xticks=[], yticks=[])
+
+
+def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
+    """Return name, values, unit and colour of each curve over time."""
+    force = ("moment", course.force, "N·m") if at_stop else ("force", course.force, "N")
+    return (
+        (*force, VERMILLION),
+        ("penetration", course.penetration, "rad" if at_stop else "m", BLUE),
+        ("speed", course.speed, speed_unit(at_stop), GREEN),
+    )
+
+
+def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
+    """Return the numbers of an impact in words."""
+    parts = [restitution_text(impact), duration_text(impact, course), f"{course.energy_lost:.3g} J lost"]
+    parts = parts[1:] if lasts(impact) else parts
+    parts.append(f"{impact['impact_speed']:.4g} {speed_unit(at_stop)} at the onset")
+    if impact["peak_force"] > 0.0:
+        parts.append(f"at most {force_text(impact['peak_force'], 'N·m' if at_stop else 'N')}")
+    if impact["impulse"] > 0.0:
+        parts.append(f"impulse {impact['impulse']:.4g} {'N·m·s' if at_stop else 'N·s'}")
+    return SEPARATOR.join(parts)
+
+
+def restitution_text(impact: np.void) -> str:
+    """Return the realised restitution in words: the speed of separation over the speed of approach."""
+    found = impact["separation_speed"] / impact["impact_speed"]
+    return "in contact to the end" if math.isnan(found) else f"restitution {found:.4g} realised"
+
+
+def prefixed(largest: float, unit: str) -> tuple[float, str]:
+    """Return the factor from a unit to a unit with a prefix that suits the largest value, and this unit."""
+    power = 3 * math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
+    power = min(max(power, min(EngFormatter.ENG_PREFIXES)), max(EngFormatter.ENG_PREFIXES))
+    return 10.0**-power, f"{EngFormatter.ENG_PREFIXES[power]}{unit}"

@@ -1,0 +1,77 @@
+"""The headline of a picture of a recording, and the conditions of the recording."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.pictures.style import SEPARATOR, headline, is_narrow, number
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.text import plural
+
+ROUND_OFF = 1e-12  # dissipated energy below this part of the largest energy is round-off
+
+
+def message(recording: Recording, *, short: bool = False) -> str:
+    """Return the headline: the impacts and, if not ``short``, the energy lost.
+
+    For example "Box: 14 impacts in 2 s, 50.3 J dissipated".
+    """
+    count, span = recording.impact_count, recording.time[-1] - recording.time[0]
+    told = f"{recording.name}: {plural(count, 'impact') if count else 'no impacts'} in {span:g} s"
+    return told if short else ", ".join(filter(None, (told, dissipated(recording))))
+
+
+def dissipated(recording: Recording) -> str:
+    """Return the energy lost in words, "50.3 J dissipated"; "" if none is lost."""
+    lost = recording.energies.get("dissipated", np.zeros(1))[-1]
+    least = ROUND_OFF * np.abs(recording.energies.get("total", np.zeros(1))).max()
+    return f"{lost:.3g} J dissipated" if lost > least else ""
+
+
+def write_head(page: Figure, recording: Recording, title: str, *first: str) -> None:
+    """Write a title, or the message if the title is "", and the conditions after some other parts.
+
+    The conditions tell the energy lost if the message is short.
+    """
+    short = is_narrow(page)
+    told = [dissipated(recording)] if short and not title else []
+    headline(page, title or message(recording, short=short), conditions(recording, *first, *told))
+
+
+def conditions(recording: Recording, *first: str) -> str:
+    """Return the known conditions that an engineer needs to read the picture, after some other parts."""
+    known = recording.parameters
+    parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
+    for key, unit in (("damping", "N·m·s/rad"), ("friction", "N·m")):
+        if most := max((one for name, one in known.items() if name.endswith(f".joint_{key}")), default=0.0):
+            parts.append(f"joint {key} ≤ {most:g} {unit}")
+    law, of_stops = known.get("contact.model", ""), recording.stop_law
+    if law:
+        parts.append(f"law {law}")
+    if "contact.restitution" in known:
+        parts.append(f"restitution e = {known['contact.restitution']:g}")
+        if not (law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive):  # an impulsive law has no stiffness
+            unit = f"N/m$^{{{known['contact.exponent']:g}}}$"
+            parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
+    if rubbing := [one for name, value in known.items() if (one := friction(name, value))]:
+        parts.append(f"friction µ = {', '.join(rubbing)}")
+    if "stop.restitution" in known:
+        parts.append(f"stops {f'law {of_stops}, ' if of_stops else ''}e = {known['stop.restitution']:g}")
+    if known.get("contact.radius"):
+        parts.append(f"radius {known['contact.radius']:g} m")
+    if "solver.tolerance" in known:
+        parts.append(f"method {known['solver.method']}, tolerance {number(known['solver.tolerance'])}")
+    return SEPARATOR.join(parts)
+
+
+def friction(name: str, value: Any) -> str:
+    """Return a coefficient of dry friction, of all walls or of one, in words; "" for any other parameter."""
+    at = re.fullmatch(r"(?:contact|wall\.(\w+))\.(static_)?friction", name)
+    if not at or not (value or (at[1] and not at[2])):
+        return ""
+    return f"{'static ' if at[2] else ''}{value:g}{f' at {at[1]}' if at[1] else ''}"

@@ -1,0 +1,241 @@
+"""The picture of the motion: a few strong poses, the paths of the points, faint poses, and the impacts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.lines import Line2D
+
+from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.pictures.body import draw_bodies, draw_rail
+from chain_impact.pictures.labels import Ink, Label, place_labels
+from chain_impact.pictures.legends import legend_above
+from chain_impact.pictures.moving import draw_moving
+from chain_impact.pictures.rest import ends_at_rest, rest_word
+from chain_impact.pictures.room import draw_walls, view_of
+from chain_impact.pictures.style import (
+    INK,
+    PURPLE,
+    TIME_COLOURS,
+    VERMILLION,
+    force_text,
+    give_ticks,
+)
+from chain_impact.recording.joint_stops import range_lines, touching_place
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import JOINT
+from chain_impact.recording.view import size_of
+from chain_impact.scene.bodies import TICK
+
+STRONG = 6  # the largest number of strong poses at impacts: the impacts with the highest speeds
+FAINT = 80  # the number of faint poses, at even distances in time
+MARKED = 12  # the largest number of points that have marks
+FEW = 6  # the number of points beyond which their paths are fainter
+RING = 6.5  # points, the size of the mark of an impact
+SQUARE = 4.0  # points, the size of the mark where a contact or a joint sticks
+NEAR_PLACE = 0.03  # impacts at a wall share a ring within this part of the view's width
+LONGEST_LOAD = 0.3  # the arrow of the largest force in a joint, as a fraction of the smaller side of the view
+LISTED = 2  # the numbers at a ring with more than three impacts
+
+
+def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) -> None:
+    """Draw walls, faint poses, paths of points, and strong poses at the start, at the end and at impacts.
+
+    ``shape`` is the height of the axes over their width; the view fills axes of this shape.
+    """
+    view = view_of(recording, shape)
+    draw_walls(axes, recording, view)
+    shade = colour_of_time(recording)
+    draw_faint(axes, recording)
+    draw_paths(axes, recording, shade)
+    marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MARKED else ""}
+    strong = sorted(strongest(recording, STRONG)["onset"])
+    draw_moving(axes, recording, view, shade, strong)
+    draw_rail(axes, recording)
+    for time in strong:
+        draw_bodies(axes, recording, recording.row_at(time), shade(time), linewidth=0.8)
+        draw_chain(axes, recording.pose_at(time), color=shade(time), linewidth=1.6, markersize=3.5, **marks)
+    rests = f", {rest_word(recording)}" if ends_at_rest(recording) else ""
+    for row, name in ((0, "start"), (-1, f"end{rests}")):
+        colour = shade(recording.time[row])
+        look = {"color": colour, "linewidth": 3.0, "markersize": 5.5, "label": name} | marks
+        draw_bodies(axes, recording, row, colour, linewidth=1.2)
+        draw_chain(axes, recording.points[row], **look)
+    if recording.stops:
+        lines = list(range_lines(recording.points[-1], recording.stops))
+        axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))
+    draw_rings(axes, recording)
+    draw_sticking(axes, recording)
+    draw_loads(axes, recording)
+    axes.set_aspect("equal")
+    give_ticks(axes)
+    axes.set(xlabel="x [m]", ylabel="y [m]")
+    legend_above(axes)
+
+
+def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
+    """Draw the chain in one pose.
+
+    Args:
+        axes: the axes to draw into.
+        points: positions of the points 0…N, shape (N+1, 2) [m].
+        look: properties of the line, as matplotlib names them: color, linewidth, markersize, label, …
+
+    Returns:
+        The line; `set_data(*points.T)` moves it to another pose.
+    """
+    style: dict[str, Any] = {"marker": "o", "markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
+    style |= {"solid_joinstyle": "round", "solid_capstyle": "round"}
+    (line,) = axes.plot(*np.transpose(points), **(style | look))
+    return line
+
+
+def colour_of_time(recording: Recording) -> Any:
+    """Return the function from a time to its colour."""
+    start, end = recording.time[0], recording.time[-1]
+    norm = Normalize(start, end if end > start else start + 1.0)
+    return lambda time: TIME_COLOURS(norm(time))
+
+
+def strongest(recording: Recording, count: int) -> np.ndarray:
+    """Return the impacts with the highest approach speeds, the highest first."""
+    found: np.ndarray = recording.impacts[by_speed(recording)[:count]]
+    return found
+
+
+def by_speed(recording: Recording) -> np.ndarray:
+    """Return the numbers of the impacts in the order of their approach speeds, the highest first."""
+    return np.argsort(-recording.end_speeds, kind="stable")
+
+
+def draw_faint(axes: Axes, recording: Recording) -> None:
+    """Draw the chain at evenly spaced times."""
+    rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT).round().astype(int))
+    axes.add_collection(LineCollection(list(recording.points[rows]), colors=INK, linewidths=0.6, alpha=0.13))
+
+
+def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
+    """Draw the paths of the points; the path of the tip is strong, in the colours of time."""
+    *others, tip = recording.points.transpose(1, 0, 2)
+    others += [*recording.sites.transpose(1, 0, 2)]
+    alpha = 0.45 * min(1.0, FEW / (len(others) + 1))
+    axes.add_collection(LineCollection(others, colors=INK, linewidths=0.6, alpha=alpha))
+    if len(tip) == 1:
+        return
+    middles = 0.5 * (recording.time[1:] + recording.time[:-1])
+    pieces = np.stack([tip[:-1], tip[1:]], axis=1)
+    path = LineCollection(list(pieces), colors=shade(middles), linewidths=1.5, capstyle="round", label="tip")
+    axes.add_collection(path)
+
+
+def draw_rings(axes: Axes, recording: Recording) -> None:
+    """Draw a ring at each place where a point hit a wall, or a joint came to its stop."""
+    look: dict[str, Any] = {"marker": "o", "markersize": RING, "markerfacecolor": "none", "linestyle": ""}
+    if spots := list(rings(axes, recording)):
+        axes.plot(*np.transpose(spots), **look, color=INK, zorder=5, label="impacts")
+
+
+def draw_sticking(axes: Axes, recording: Recording) -> None:
+    """Draw a square at each contact and joint that sticks at the end."""
+    last, points = recording.stick_slip[np.isnan(recording.stick_slip["end"])], recording.all_points[-1]
+    places = []
+    for phase in last[last["mode"] == STICKS]:
+        joint = phase["wall"] == JOINT
+        place = points[max(phase["point"] - 1, 0) if joint else phase["point"]]
+        if not joint and recording.walls:
+            wall = recording.wall_of(phase)
+            place = place - wall.clearance(*place) * np.array(wall.normal)
+        places.append(place)
+    if places:
+        look: dict[str, Any] = {"marker": "s", "markersize": SQUARE, "linestyle": "", "color": VERMILLION}
+        axes.plot(*np.transpose(places), **look, zorder=5.5, label="sticks")
+
+
+def draw_loads(axes: Axes, recording: Recording) -> None:
+    """Draw the largest force in each joint as an arrow, at the place of the joint at that time.
+
+    The size is the largest one also between the rows, if the recording has these peaks. Direction and place
+    are from the row with the largest force.
+    """
+    arrows = []
+    for joint, force in recording.loads.items():
+        sizes = np.hypot(*force.T)
+        row = sizes.argmax()
+        peak = recording.columns.get(f"joint[{joint}].peak_force", sizes).max()
+        if sizes[row] > 0.0:
+            arrows.append((*recording.points[row, joint - 1], *(peak / sizes[row] * force[row])))
+    if arrows:
+        x, y, along, up = np.transpose(arrows)
+        most = np.hypot(along, up).max()
+        view = min(np.ptp(view_of(recording).corners, axis=0))
+        axes.quiver(
+            *(x, y, along, up),
+            angles="xy",
+            scale_units="xy",
+            scale=most / (LONGEST_LOAD * view),
+            color=PURPLE,
+            zorder=6,
+        )
+        told: dict[str, Any] = {"marker": "$\u2192$", "markersize": 8.0, "linestyle": "", "color": PURPLE}
+        axes.plot([], [], **told, label=f"joint forces, ≤ {force_text(most, 'N')}")
+
+
+def number_rings(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
+    """Write the numbers of the impacts outside of the walls, in the order of speed.
+
+    Return the numbers that have no room.
+    """
+    found, labels = rings(axes, recording), []
+    for spot, hits in found.items():
+        shown = hits if len(hits) <= LISTED + 1 else hits[:LISTED]
+        text = ", ".join(str(hit + 1) for hit in sorted(shown))
+        more = f" +{len(hits) - len(shown)}" if len(hits) > len(shown) else ""
+        place, outward = _label_place(recording, recording.impacts[hits[0]], spot)
+        others = f" +{len(hits) - 1}" if len(hits) > 1 else ""
+        labels.append(Label(text + more, place, outward, f"{hits[0] + 1}{others}"))
+    left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
+    return [
+        hit + 1 for label, hits in zip(labels, found.values(), strict=True) if label in left for hit in hits
+    ]
+
+
+def _label_place(
+    recording: Recording, impact: np.void, spot: tuple[float, float]
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the place of the label of an impact, and its direction from there: into the wall.
+
+    At the stop of a joint, the direction is across the link. At the stop of a slider, the label is beyond the
+    mark.
+    """
+    if recording.is_stop(impact["wall"]):
+        x, y = touching_place(recording.pose_at(impact["onset"]), impact["point"])[1]
+        return spot, (float(y), float(-x))
+    nx, ny = recording.wall_of(impact).normal
+    if recording.toucher(impact) != "slider":
+        return spot, (-nx, -ny)
+    across = (-ny, nx) if nx >= 0.0 else (ny, -nx)
+    reach = TICK * size_of(recording)
+    return (spot[0] + reach * across[0], spot[1] + reach * across[1]), across
+
+
+def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
+    """Return the places of impacts on walls → the rows of the impacts there, the hardest first.
+
+    Impacts near to each other share a place.
+    """
+    spacing = NEAR_PLACE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
+    found: dict[tuple[float, float], list[int]] = {}
+    walls = recording.impacts["wall"]
+    for row in by_speed(recording).tolist():
+        x, y = recording.spot(recording.impacts[row]).tolist()
+        near = (
+            spot
+            for spot, hits in found.items()
+            if walls[hits[0]] == walls[row] and np.hypot(spot[0] - x, spot[1] - y) < spacing
+        )
+        found.setdefault(next(near, (x, y)), []).append(row)
+    return found

@@ -1,0 +1,80 @@
+"""Walls and a base that move: strong at the start, at the end and at impacts, faint between, with a trace."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+
+from chain_impact.pictures.room import View, moves, moving_walls, wall_line
+from chain_impact.pictures.style import INK
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.view import pin_mark
+
+FAINT = 40  # the number of faint places of a wall that moves, at even distances in time
+FAINT_MARKS = 8  # the number of faint ground marks of a base that moves, at even distances in time
+BESIDE = 0.04  # the distance of the trace from the end of a wall, as a fraction of the wall's length in view
+
+
+def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times: Sequence[float]) -> None:
+    """Draw walls and a base that move, in the colours of time: strong at start, end and some times."""
+    (corners, near), ends = view, [float(recording.time[row]) for row in (0, -1)]
+
+    def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:
+        """Return the visible line of a wall at each of some times."""
+        rooms = (recording.walls_at(time) for time in times)
+        return [wall_line(walls[name], [walls[one] for one in near], corners) for walls in rooms]
+
+    for name in moving_walls(recording, near):
+        between = lines(name, np.linspace(ends[0], ends[1], FAINT).tolist())
+        _add(axes, between, colors=INK, linewidths=0.6, alpha=0.13, zorder=1.9)
+        for shown, width in ((times, 1.2), (ends, 2.4)):
+            for time, line in zip(shown, lines(name, shown), strict=True):
+                _add(axes, [line], colors=[shade(time)], linewidths=width, zorder=2.0)
+        _draw_trace(axes, _wall_trace(recording, name, lines(name, ends)), recording.time, shade)
+    if recording.pinned and moves(recording.points[:, 0]):
+        _draw_base(axes, recording, shade)
+
+
+def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
+    """Draw the ground mark of a base that moves, and the trace of the base."""
+    bases, mark = recording.points[:, 0], pin_mark(recording.all_points)
+    look: dict[str, Any] = {"linewidths": 1.2, "capstyle": "round", "zorder": 3}
+    rows = np.linspace(0, len(bases) - 1, FAINT_MARKS).astype(int)
+    _add(axes, _moved(mark, bases[rows] - bases[0]), colors=INK, alpha=0.13, **look)
+    for row in (0, -1):
+        _add(axes, _moved(mark, bases[[row]] - bases[0]), colors=[shade(recording.time[row])], **look)
+    _draw_trace(axes, bases, recording.time, shade)
+
+
+def _wall_trace(recording: Recording, name: str, lines: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the path of a place on a wall, near the end far from the chain, shape (T, 2) [m]."""
+    wall, moved = recording.walls[name], recording.moved_walls[name]
+    line = next((one for one in lines if len(one) > 1), np.zeros((0, 2)))
+    if not len(line):
+        return line
+    places = [line[0] + share * (line[-1] - line[0]) for share in (BESIDE, 1.0 - BESIDE)]
+    gaps = [np.hypot(*(recording.all_points - place).reshape(-1, 2).T).min() for place in places]
+    place, normal = places[int(np.argmax(gaps))], np.array(wall.normal)
+    foot = place - wall.clearance(*place) * normal
+    return np.asarray(foot + moved[:, None] * normal)
+
+
+def _draw_trace(axes: Axes, path: np.ndarray, time: np.ndarray, shade: Any) -> None:
+    """Draw a path in the colours of time."""
+    if len(path) > 1:
+        middles = 0.5 * (time[1:] + time[:-1])
+        pieces = list(np.stack([path[:-1], path[1:]], axis=1))
+        _add(axes, pieces, colors=shade(middles), linewidths=1.2, capstyle="round", zorder=3.2)
+
+
+def _moved(lines: Sequence[np.ndarray], ways: np.ndarray) -> list[np.ndarray]:
+    """Return lines, each moved by each of some displacements, shape (W, 2) [m]."""
+    return [line + way for way in ways for line in lines]
+
+
+def _add(axes: Axes, lines: Sequence[np.ndarray], **look: Any) -> None:
+    axes.add_collection(LineCollection([line for line in lines if len(line)], **look), autolim=False)

@@ -1,0 +1,221 @@
+"""The pictures over time: the energies, the speeds of the impacts, and the colours of time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.pictures.labels import Ink, Label, place_labels
+from chain_impact.pictures.legends import legend_above
+from chain_impact.pictures.motion import by_speed
+from chain_impact.pictures.rest import shade_rests, shown_time
+from chain_impact.pictures.style import (
+    BLACK,
+    BROWN,
+    GREEN,
+    GREY,
+    LINE,
+    ORANGE,
+    PALETTE,
+    PURPLE,
+    TIME_COLOURS,
+    VERMILLION,
+    faint,
+    give_ticks,
+    is_full,
+)
+from chain_impact.recording.impacts import lasts
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import place_of
+from chain_impact.recording.text import speed_unit
+
+ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VERMILLION}
+ENERGY_COLOURS |= {"supplied": PURPLE}
+PARTS = {"friction": BROWN}
+"""The colours of energies that are parts of other energies."""
+ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
+TOLD = 5  # the largest number of points with colours of their own, so that the legend has room
+NUMBERED = 60  # the largest number of impacts that get numbers
+SEEN = 0.01  # a contact shorter than this part of the time shown has no band
+DOT = 4.0  # points, the size of the mark of an impact
+
+
+def draw_clock(axes: Axes, recording: Recording) -> None:
+    """Draw the axis of time, in the colours of the motion."""
+    start, end = recording.time[0], max(recording.time[-1], recording.time[0] + 1e-9)
+    axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
+    shown = shown_time(recording)
+    start, end = shown.start, max(shown.end, start + 1e-9)
+    margin = 0.015 * (end - start)
+    told = shown.told or ("the same colours as in the motion" if is_full(axes) else "")
+    label = "; ".join(filter(None, ("time [s]", told)))
+    axes.set(xlabel=label, yticks=[], xlim=(start - margin, end + margin))
+    axes.spines[:].set_visible(False)
+    axes.tick_params(bottom=False, labelbottom=False)  # the panel above has the numbers
+    give_ticks(axes)
+
+
+def draw_energy(axes: Axes, recording: Recording) -> None:
+    """Draw the energies over time, with lines at impacts."""
+    mark_impacts(axes, recording)
+    for name, colour in ENERGY_COLOURS.items():
+        energy = recording.energies.get(name, np.zeros(len(recording.time)))
+        if name != "supplied" or energy.any():
+            look: dict[str, Any] = {"color": colour, "linewidth": 1.0}
+            if name == "total":  # black cannot be seen on a black page
+                look = {"color": mpl.rcParams["text.color"], "linewidth": 2.0}
+            axes.plot(recording.time, energy, label=name, **look)
+    for name, colour in PARTS.items():
+        if (energy := recording.energies.get(name, np.zeros(1))).any():
+            axes.plot(recording.time, energy, "--", color=colour, label=name, linewidth=1)
+    axes.set_ylabel("energy [J]")
+    over_all_time(axes, recording)
+    legend_above(axes)
+
+
+def over_all_time(axes: Axes, recording: Recording) -> None:
+    """Shade the rests, and give both axes numbers."""
+    shade_rests(axes, shown_time(recording))
+    give_ticks(axes)
+
+
+def draw_stick_slip(axes: Axes, recording: Recording) -> None:
+    """Draw phases of dry friction: bars where a contact or joint sticks, lines where it slides.
+
+    Of many contacts and joints, only those with the longest phases are drawn.
+    """
+    phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:ROWS], reverse=True)
+    for phase, length in zip(phases, phase_lengths(recording), strict=True):
+        if (place := place_of(phase, recording.wall_names, recording.point_names)) in shown:
+            row, sticks = shown.index(place), phase["mode"] == STICKS
+            colour, height = (VERMILLION, 0.62) if sticks else (GREY, 0.16)
+            axes.barh(row, length, height, left=phase["start"], color=colour)
+    axes.set_yticks(range(len(shown)), shown, fontsize="small")
+    axes.set_ylim(-0.6, len(shown) - 0.4)
+    axes.tick_params(axis="y", length=0)
+    axes.spines["left"].set_visible(False)
+    handles = [
+        Patch(color=VERMILLION, label="sticks"),
+        Line2D([], [], color=GREY, linewidth=2.0, label="slides"),
+    ]
+    legend_above(axes, handles)
+    shade_rests(axes, shown_time(recording))
+
+
+def phase_lengths(recording: Recording) -> np.ndarray:
+    """Return how long each phase of dry friction lasts, shape (F,) [s]."""
+    phases = recording.stick_slip
+    ends = np.where(np.isnan(phases["end"]), recording.time[-1], phases["end"])
+    return np.asarray(ends - phases["start"])
+
+
+def rubbing_places(recording: Recording) -> list[str]:
+    """Return the contacts and joints with dry friction, those with the longest phases first."""
+    total: dict[str, float] = {}
+    for phase, length in zip(recording.stick_slip, phase_lengths(recording), strict=True):
+        place = place_of(phase, recording.wall_names, recording.point_names)
+        total[place] = total.get(place, 0.0) + float(length)
+    return sorted(total, key=lambda place: -total[place])
+
+
+def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0) -> None:
+    """Draw a line at each impact; the axis of time is zero at ``start``, and ``factor`` is its unit [1/s]."""
+    onsets = factor * (recording.impacts["onset"] - start)
+    axes.vlines(
+        onsets, 0.0, 1.0, faint(axes, LINE), linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform()
+    )
+
+
+def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
+    """Draw the approach speed of each impact over time, coloured by point; of many points, most share a grey.
+
+    A band behind the mark shows the duration of the contact, if that is long enough to be seen. If there are
+    impacts at walls and at stops, the speeds at stops have their own axis on the right.
+    """
+    stopped, times, tops = recording.at_stops, recording.impacts["onset"], heights(recording)
+    ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
+    for name, colour, hits in point_groups(recording):
+        axes.vlines(times[hits], 0.0, tops[hits], color=colour, linewidth=1.0)
+        marker = "D" if stopped[hits[0]] else "o"
+        axes.plot(times[hits], tops[hits], marker, linestyle="", color=colour, markersize=DOT, label=name)
+        goes_on = hits[ends[hits] - times[hits] > SEEN * span]
+        axes.hlines(tops[goes_on], times[goes_on], ends[goes_on], color=colour, linewidth=2.5, alpha=0.35)
+    at_stops, at_walls = bool(stopped.any()), not stopped.all()
+    axes.set_ylabel(f"impact speed [{speed_unit(at_stops and not at_walls)}]")
+    axes.set_ylim(0.0, 1.2 * (tops.max(initial=0.0) or 1.0))
+    if at_stops and at_walls:
+        scale = stop_scale(recording)
+        functions: Any = (lambda v: v / scale, lambda v: v * scale)
+        right = axes.secondary_yaxis("right", functions=functions)
+        right.set_ylabel("at stops [rad/s]")
+        axes.spines["right"].set_visible(True)
+    if len(times):
+        handles, _ = axes.get_legend_handles_labels()
+        if (ends - times > SEEN * span).any():
+            handles.append(Line2D([], [], color=GREY, linewidth=2.5, label="in contact"))
+        legend_above(axes, handles)
+    else:
+        axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=GREY)
+    over_all_time(axes, recording)
+
+
+def contact_ends(recording: Recording) -> np.ndarray:
+    """Return the ends of the contacts, shape (I,) [s].
+
+    A contact that lasts ends with the recording. A contact with an unknown end ends at its onset.
+    """
+    impacts = recording.impacts
+    ends = np.where(lasts(impacts), recording.time[-1], impacts["end"])
+    return np.asarray(np.where(np.isnan(ends), impacts["onset"], ends))
+
+
+def stop_scale(recording: Recording) -> float:
+    """Return the height [m/s] of 1 rad/s in the picture of speeds.
+
+    The fastest impacts at walls and at stops have the same height.
+    """
+    speeds, stopped = recording.impacts["impact_speed"], recording.at_stops
+    at_walls, at_stops = (speeds[kind].max(initial=0.0) for kind in (~stopped, stopped))
+    return float(at_walls / at_stops) if min(at_walls, at_stops) > 0.0 else 1.0
+
+
+def heights(recording: Recording) -> np.ndarray:
+    """Return the heights of the impacts in the picture of speeds, in units of its left axis, shape (I,)."""
+    scales = np.where(recording.at_stops, stop_scale(recording), 1.0)
+    return np.asarray(recording.impacts["impact_speed"] * scales)
+
+
+def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
+    """Return name, colour and impacts of each group of impacts: of the points hit hardest, and of all others.
+
+    Impacts of points and of joints at their stops are in different groups.
+    """
+    names, impacts = [recording.toucher(row) for row in recording.impacts], recording.impacts
+    members = list(zip(recording.at_stops.tolist(), impacts["point"].tolist(), names, strict=True))
+    hit = list(dict.fromkeys(members[row] for row in by_speed(recording)))
+    told = sorted(hit if len(hit) <= TOLD else hit[: TOLD - 1])
+    groups = [
+        (member[-1], colour, np.array([one == member for one in members]))
+        for member, colour in zip(told, PALETTE, strict=False)
+    ]
+    others = np.array([one not in told for one in members], bool)
+    groups = [("others", GREY, others), *groups] if others.any() else groups
+    return [(name, colour, np.flatnonzero(hits)) for name, colour, hits in groups]
+
+
+def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
+    """Write the numbers of the impacts at their speeds, the highest first.
+
+    Return the numbers without room.
+    """
+    tops = list(zip(recording.impacts["onset"].tolist(), heights(recording).tolist(), strict=True))
+    order = by_speed(recording)
+    labels = [Label(str(row + 1), tops[row]) for row in order[:NUMBERED]]
+    left = place_labels(axes, labels, ink, fontsize="small")
+    return [*(int(label.text) for label in left), *(order[NUMBERED:] + 1).tolist()]

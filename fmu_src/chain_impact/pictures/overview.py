@@ -1,0 +1,173 @@
+"""The page with a recording: the motion with its impacts, the energy, and the impacts over time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.labels import Ink, listed
+from chain_impact.pictures.legends import fit_legends
+from chain_impact.pictures.message import write_head
+from chain_impact.pictures.motion import draw_motion, number_rings
+from chain_impact.pictures.over_time import (
+    ROWS,
+    draw_clock,
+    draw_energy,
+    draw_impact_speeds,
+    draw_stick_slip,
+    number_impacts,
+    rubbing_places,
+)
+from chain_impact.pictures.pages import SIZE, drawn, settle
+from chain_impact.pictures.rest import shown_time
+from chain_impact.pictures.room import view_of
+from chain_impact.pictures.style import SEPARATOR, broken, is_narrow, styled, write_foot
+from chain_impact.recording.recording import Recording
+
+SLIM, BROAD = 0.6, 1.2  # the width of the panel of motion, in heights: the least and the largest
+# the height for dry friction, and for each line in it, as fractions of the panel of energies
+RUBBING, RUBBING_ROW = 0.3, 0.15
+HEIGHT = 0.46  # the height of the panel of motion, as a fraction of the page's width
+# the heights of the panel of motion, when above the others, and of the clock, in heights of the energies
+ABOVE_TIME, CLOCK = 1.1, 0.06
+PANELS: dict[str, Callable[[Axes, Recording], None]] = {
+    "motion": draw_motion,
+    "energy": draw_energy,
+    "impacts": draw_impact_speeds,
+    "friction": draw_stick_slip,
+}
+"""The panels of a picture: name → function that draws it."""
+NUMBERS = {"motion": number_rings, "impacts": number_impacts}
+"""The functions that write the numbers of impacts into a panel, after its place is fixed.
+
+They return the numbers without room.
+"""
+TOLD_AS = {"motion": "motion", "impacts": "speeds"}
+"""The names of panels in the sentence on numbers without room."""
+
+
+@styled()
+def fill(page: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
+    """Draw panels of PANELS on an empty page, by default all that the recording has.
+
+    On a wide page the motion is on the left of the panels over time, else above them. The title "" stands for
+    the summary of the run, None for no title.
+
+    Raises:
+        ValueError: when a panel does not exist.
+    """
+    shown = chosen(recording, panels)
+    if title is not None:
+        write_head(page, recording, title)
+    found = axes_of(page, recording, shown)
+    for name, axes in found.items():
+        if name in shown:
+            PANELS[name](axes, recording)
+        else:
+            draw_clock(axes, recording)
+    page.align_ylabels([axes for name, axes in found.items() if name in ("energy", "impacts")])
+    motion = found.get("motion")
+    settle(page, motion)
+    if motion is not None:
+        room = motion.get_position(original=True).transformed(page.transFigure)
+        motion.clear()
+        draw_motion(motion, recording, room.height / room.width)
+        settle(page, motion)
+    engine = page.get_layout_engine()
+    page.set_layout_engine("none")  # artists drawn to find room for labels stay in place
+    if missing := number_all(page, found, recording):
+        page.set_layout_engine(engine)
+        for axes in (found[name] for name in NUMBERS if name in found):
+            for text in [*axes.texts]:
+                text.remove()
+        foot = write_foot(page, missing)
+        settle(page, motion)
+        page.set_layout_engine("none")
+        missing = number_all(page, found, recording)
+        if foot is not None:
+            foot.set_text(broken(page, missing))
+
+
+def number_all(page: Figure, found: dict[str, Axes], recording: Recording) -> str:
+    """Write the numbers of impacts into all panels that have them.
+
+    Return a sentence on numbers without room.
+    """
+    ink, parts = Ink(page), []
+    for name, write in NUMBERS.items():
+        if name in found and (left := write(found[name], recording, ink)):
+            parts.append(f"{listed(left)} in the {TOLD_AS[name]}")
+    return f"Impacts without room for their numbers: {SEPARATOR.join(parts)}" if parts else ""
+
+
+@styled({})
+def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
+    """Draw each of some panels into given axes: one, or as many as panels.
+
+    Raises:
+        ValueError: when a panel does not exist, or the number of axes is another one.
+    """
+    shown, given = chosen(recording, panels), np.ravel(axes).tolist()
+    if len(shown) != len(given):
+        raise ValueError(f"ax: there are {len(given)} axes for {len(shown)} panels: {', '.join(shown)}")
+    for name, one in zip(shown, given, strict=True):
+        PANELS[name](one, recording)
+        if name != "motion":
+            time = shown_time(recording)
+            one.set_xlim(time.start, max(time.end, time.start + 1e-9))
+            one.set_xlabel("; ".join(filter(None, ("time [s]", time.told))))
+    for page in {one.get_figure(root=True) for one in given}:
+        page.draw_without_rendering()
+        fit_legends(page, given)
+        ink = Ink(page)
+        for name, one in zip(shown, given, strict=True):
+            if name in NUMBERS and one.get_figure(root=True) is page:
+                NUMBERS[name](one, recording, ink)
+
+
+def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
+    """Return the panels to draw, in the order of PANELS."""
+    for name in panels:
+        if name not in PANELS:
+            raise ValueError(
+                f"panels = {list(panels)!r}: {name!r} is no panel; must be of {', '.join(PANELS)}"
+            )
+    rubs = bool(len(recording.stick_slip))
+    return [name for name in PANELS if (name in panels if panels else name != "friction" or rubs)]
+
+
+def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
+    """Return the axes of the panels, and of the clock below the panels over time, by their names."""
+    timed = [name for name in shown if name != "motion"]
+    rubbing = RUBBING + RUBBING_ROW * len(rubbing_places(recording)[:ROWS])
+    heights = [rubbing if name == "friction" else 1.0 for name in timed] + ([CLOCK] if timed else [])
+    width, height = np.ptp(view_of(recording).corners, axis=0)
+    parts = [part for part, there in (("motion", "motion" in shown), ("time", timed)) if there]
+    share = HEIGHT * min(max(width / height, SLIM), BROAD)  # the motion fills its panel
+    across = len(parts) > 1 and not is_narrow(page)
+    sizes = {"motion": share, "time": 1.0 - share} if across else {"motion": ABOVE_TIME, "time": sum(heights)}
+    ratios = [sizes[part] for part in parts]
+    if across:
+        grid = page.add_gridspec(1, len(parts), width_ratios=ratios)
+    else:
+        grid = page.add_gridspec(len(parts), 1, height_ratios=ratios)
+    found = {}
+    for part, cell in zip(parts, [grid[k] for k in range(len(parts))], strict=True):
+        if part == "motion":
+            found[part] = page.add_subplot(cell, label=part)
+            continue
+        rows = cell.subgridspec(len(heights), 1, height_ratios=heights)  # with a margin of its own
+        found[part] = clock = page.add_subplot(rows[-1], label=part)
+        for k, name in enumerate(timed):
+            found[name] = page.add_subplot(rows[k], sharex=clock, label=name)
+    return found
+
+
+def plot(recording: Recording, path: Path, draw: Callable[[Figure, Recording], None] = fill) -> None:
+    """Draw the recording into a file; the suffix png, svg or pdf gives its kind."""
+    drawn(lambda page: draw(page, recording), path, usual=SIZE)

@@ -1,0 +1,177 @@
+"""Pages of a given size for pictures, if there is room for all panels, and labels that do not overlap."""
+
+from __future__ import annotations
+
+import math
+import os
+import warnings
+from bisect import bisect_left
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from functools import partial
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import PlaceHolderLayoutEngine
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Bbox
+
+from chain_impact.pictures.legends import fit_legends
+from chain_impact.pictures.style import FULL, LEAST_TICKS, Page, save, styled
+
+SIZE, LEAST = (FULL, 5.4), 2.0  # inches: the usual width and height of a page, and the least ones
+LEAST_SIDE = 0.3  # inches, the least height of axes with a label
+NEARLY = 1.0  # pixels by which texts may reach beyond the page, or onto one another
+ROUND_OFF = 1e-9  # a difference below this part of an axis is round-off
+# the largest number of quarters of an inch by which a page is made higher, to find a height that suffices
+HIGHER = 40
+LONGER = 1.1  # a label longer than so many lengths of its axis is broken into two lines
+Fill = Callable[[Figure], None]
+"""A function that draws on an empty page."""
+
+
+def drawn(
+    fill: Fill,
+    path: str | os.PathLike[str] | None = None,
+    size: Sequence[float] | None = None,
+    usual: tuple[float, float] = SIZE,
+) -> Figure | None:
+    """Draw a page into a file, or return it.
+
+    Args:
+        fill: draws the page.
+        path: the file, whose suffix png, svg or pdf gives its kind; None to return the page.
+        size: width and height [inches].
+        usual: width and height [inches] if ``size`` is None.
+
+    Raises:
+        ValueError: when a page cannot have this size, or has no room for the panels.
+        OSError: when the file cannot be written.
+    """
+    inches = usual if size is None else page_size(size)
+    filled = fill if size is None else partial(fill_or_refuse, fill)
+    if path is not None:
+        save(Path(path), filled, inches)
+        return None
+    page = Page(figsize=inches)
+    filled(page)
+    return page
+
+
+def page_size(size: Sequence[float]) -> tuple[float, float]:
+    """Return the width and the height of a page [inches].
+
+    Raises:
+        ValueError: when they are less than LEAST, or not two numbers.
+    """
+    try:
+        width, height = map(float, size)
+    except (TypeError, ValueError):
+        width = height = math.nan
+    if not (LEAST <= width < math.inf and LEAST <= height < math.inf):
+        raise ValueError(f"size = {size!r} must be width and height in inches, each at least {LEAST:g}")
+    return width, height
+
+
+def check_alone(path: object, size: object) -> None:
+    """Refuse a file or a size if axes are given.
+
+    Raises:
+        ValueError: when a file or a size is given.
+    """
+    if path is not None or size is not None:
+        raise ValueError("ax: axes that are there have their size and their figure, which writes files")
+
+
+def fill_or_refuse(fill: Fill, page: Figure) -> None:
+    """Draw on a page, or refuse the page if there is too little room; the error names a height that suffices.
+
+    Raises:
+        ValueError: when there is too little room.
+    """
+    if has_room(fill, page):
+        return
+    width, height = map(float, page.get_size_inches())
+    heights = math.ceil(4.0 * height) / 4.0 + 0.25 * np.arange(1, HIGHER)
+
+    def fits(higher: float) -> bool:
+        """Return whether a page of this height has room for all panels."""
+        return has_room(fill, Page(figsize=(width, higher), dpi=page.dpi))
+
+    least = bisect_left(heights, True, key=fits)
+    if least == len(heights):
+        raise ValueError(f"size = ({width:g}, {height:g}) must be wider for the panels")
+    told = f"must be at least {heights[least]:g} high for the panels, or have fewer panels"
+    raise ValueError(f"size = ({width:g}, {height:g}) {told}")
+
+
+@styled()
+def has_room(fill: Fill, page: Figure) -> bool:
+    """Draw on a page; return whether axes have some height, and texts are neither cut off nor overlap."""
+    with warnings.catch_warnings(), suppress(UserWarning):
+        warnings.filterwarnings("error", "constrained_layout not applied")
+        fill(page)
+        if not isinstance(page.get_layout_engine(), PlaceHolderLayoutEngine):
+            page.draw_without_rendering()
+        least = LEAST_SIDE * page.dpi
+        if any(axes.get_ylabel() and axes.bbox.height < least for axes in page.axes):
+            return False
+        boxes = list(text_boxes(page))
+        whole = Bbox.union([page.bbox, *boxes])
+        is_within = bool((np.abs(whole.get_points() - page.bbox.get_points()) <= NEARLY).all())
+        return is_within and not any(one.padded(-NEARLY).overlaps(two) for one, two in combinations(boxes, 2))
+    return False
+
+
+def text_boxes(page: Figure) -> Iterator[Bbox]:
+    """Yield the rectangles of the texts and legends around the axes of a page, in pixels."""
+    texts, legends = list(page.texts), [legend for axes in page.axes if (legend := axes.get_legend())]
+    yield from (legend.get_window_extent() for legend in legends)
+    for axes in page.axes:
+        texts += [axes.xaxis.label, axes.yaxis.label]
+        for axis, along in ((axes.xaxis, 0), (axes.yaxis, 1)):
+            low, high = sorted(axis.get_view_interval())
+            slack = ROUND_OFF * (high - low)
+            ticks = axis.get_majorticklabels()
+            texts += [tick for tick in ticks if low - slack <= tick.get_position()[along] <= high + slack]
+    yield from (text.get_window_extent() for text in texts if text.get_text())
+
+
+def settle(page: Figure, scaled: Axes | None = None) -> None:
+    """Arrange the page: legends get the width of their axes, and labels longer than their axes are broken.
+
+    Axes with the same scale along x and y have room for their labels, however slim they become.
+    """
+    engine = page.get_layout_engine()
+    for turn in range(2):
+        if scaled is not None:
+            scaled.set_aspect("auto")
+        if engine is not None:
+            engine.execute(page)
+        if scaled is not None:
+            scaled.set_aspect("equal")
+        fit_legends(page)
+        if turn == 0:
+            break_labels(page)
+
+
+def meet(one: Bbox, two: Bbox) -> bool:
+    """Return whether a number overlaps the next one."""
+    return bool(one.x1 > two.x0)
+
+
+def break_labels(page: Figure) -> None:
+    """Break labels that are longer than their axes, and give axes fewer numbers where these would overlap."""
+    for axes in page.axes:
+        label, inside = axes.yaxis.label, axes.get_window_extent()
+        if label.get_window_extent().height > LONGER * inside.height:
+            label.set_text(label.get_text().replace(" [", "\n["))
+        numbers = [text.get_window_extent() for text in axes.get_xticklabels() if text.get_text()]
+        if isinstance(axes.xaxis.get_major_locator(), MaxNLocator) and any(map(meet, numbers, numbers[1:])):
+            axes.locator_params(axis="x", nbins=LEAST_TICKS)
+        label = axes.xaxis.label
+        if label.get_window_extent().width > LONGER * inside.width:
+            label.set_text(label.get_text().replace("; ", ";\n"))

@@ -1,0 +1,168 @@
+"""The room of the motion: its walls, the free sides of the walls, and the part in view."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.patches import Polygon
+
+from chain_impact.pictures.style import AT_TIMES_COLOUR, INK, OUTSIDE_COLOUR
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.view import free_room, open_shares, pin_mark, places_of, seen
+from chain_impact.scene.half_planes import HalfPlane
+
+# fractions of the motion's width: the margin at the edges of the view, and outside of walls; √2 BAND < NEAR
+MARGIN, BAND = 0.04, 0.14
+FARTHEST = 1.0  # a wall that moves is in view if it is within so many widths of the motion
+SLIMMEST = 0.3  # the least ratio of the shorter side of the view to the longer one
+BROADEST = 1.6  # the largest ratio of width to height to which a view grows to fill its axes
+STRAIGHT = 0.99  # a wall is along one axis if its normal has this component, or more, along the other one
+# the distance of a wall from a corner on it, as a fraction of the size of the view, by round-off
+ROUND_OFF = 1e-9
+
+
+class View(NamedTuple):
+    """The part of the room in view.
+
+    Attributes:
+        corners: lower left and upper right, shape (2, 2) [m].
+        walls: the names of the walls in view.
+    """
+
+    corners: np.ndarray
+    walls: list[str]
+
+
+def view_of(recording: Recording, shape: float | None = None) -> View:
+    """Return the view: the motion, with a margin, and the walls near it.
+
+    A wall that is far from the motion all the time is left out. A wall that comes near is in view at all
+    times when it is not very far. ``shape`` is the height of the view over its width, if there is room beside
+    the motion inside the walls; else the view is slimmer.
+    """
+    places = {
+        (name, end): wall
+        for end, walls in enumerate((recording.walls, *wall_extremes(recording)))
+        for name, wall in walls.items()
+        if end == 0 or name in recording.moved_walls
+    }
+    everywhere = dict(places)
+    view, near = seen(places_of(recording), places, pinned=recording.pinned)
+    if recording.moved_walls:
+        names = {name for name, _ in near}
+        places = {at: wall for at, wall in places.items() if at[0] in names}
+        view, near = seen(places_of(recording), places, near=FARTHEST, pinned=recording.pinned)
+    width = np.ptp(view, axis=0).max()
+    margin = np.full((2, 2), MARGIN * width)
+    for wall in near.values():
+        bands = BAND * width * np.array([wall.normal, np.negative(wall.normal)])
+        margin = np.maximum(margin, bands)
+    view = view + margin * [[-1.0], [1.0]]
+    sides = np.ptp(view, axis=0)
+    least = np.full(2, SLIMMEST * sides.max())
+    wanted = least if shape is None else np.array([min(1.0 / shape, BROADEST) * sides[1], shape * sides[0]])
+    before, is_open = open_shares(near.values())
+    more = np.maximum(0.0, np.where(is_open, wanted, np.minimum(wanted, least)) - sides)
+    view = view + more * np.stack([-before, 1.0 - before])
+    met = dict(near)
+    for at, wall in everywhere.items():
+        normal = np.array(wall.normal)
+        # the distance of the farthest corner beyond the wall
+        beyond = -wall.clearance(*np.where(normal > 0.0, *view))
+        if at not in near and beyond > 0.0:
+            met[at] = wall
+            along = int(np.abs(normal).argmax())
+            if abs(normal[along]) > STRAIGHT:  # the view grows no farther than to such a wall
+                view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * max(
+                    0.0, beyond - BAND * width
+                )
+    return View(view, list(dict.fromkeys(name for name, _ in met)))
+
+
+def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
+    """Yield the walls where each leaves the chain the most room in the recording, then where the least."""
+    for extreme in (np.min, np.max):
+        found = dict(recording.walls)
+        for name, moved in recording.moved_walls.items():
+            found[name] = replace(found[name], offset=found[name].offset + float(extreme(moved)))
+        yield found
+
+
+def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> None:
+    """Draw the walls near the motion and the mark of a pinned base, and set the limits of the axes.
+
+    The view is by default that of ``view_of``. ``draw_moving`` draws walls and a base that move. The room is
+    white where the chain may be at all times, and pale grey where it may be at some times.
+    """
+    corners, near = view or view_of(recording)
+    moving = moving_walls(recording, near)
+    at_most, at_least = ([walls[name] for name in near] for walls in wall_extremes(recording))
+    if moving:
+        axes.add_patch(Polygon(_corners(at_most, corners), facecolor=AT_TIMES_COLOUR, zorder=0.4))
+    still = [wall for name, wall in zip(near, at_least, strict=True) if name not in moving]
+    draw_room(axes, corners, at_least, still)
+    if recording.pinned and not moves(recording.points[:, 0]):
+        draw_pin(axes, pin_mark(recording.all_points))
+
+
+def moving_walls(recording: Recording, names: Iterable[str]) -> list[str]:
+    """Return the walls, among some, that do move."""
+    return [name for name in names if moves(recording.moved_walls.get(name, np.zeros(1)))]
+
+
+def moves(places: np.ndarray) -> bool:
+    """Return whether places over time, shape (T, …), are not all the same."""
+    return bool((places != places[0]).any())
+
+
+def _corners(walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
+    """Return the corners of the free part of a view, shape (C, 2) [m]."""
+    return np.reshape(free_room(walls, view), (-1, 2))
+
+
+def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
+    """Draw the ground mark of a pinned base from the lines of ``pin_mark``; return the artists."""
+    look: dict[str, Any] = {"colors": INK, "linewidths": 1.2, "capstyle": "round", "zorder": 3}
+    if not lines:
+        return []
+    mark = LineCollection(lines, **look)
+    axes.add_collection(mark, autolim=False)
+    return [mark]
+
+
+def draw_room(
+    axes: Axes, view: np.ndarray, near: Sequence[HalfPlane], lines: Sequence[HalfPlane] | None = None
+) -> list[Artist]:
+    """Draw the room between some walls in white and all beyond in grey, and set the limits of the axes.
+
+    Args:
+        axes: the axes to draw into.
+        view: lower left and upper right corner of the axes' view, shape (2, 2) [m].
+        near: the walls.
+        lines: the walls that have a line, by default all.
+
+    Returns:
+        The artists.
+    """
+    axes.set_facecolor(OUTSIDE_COLOUR if near else "white")
+    room = Polygon(_corners(near, view), facecolor="white", zorder=0.5)
+    axes.add_patch(room)
+    drawn: list[Artist] = [room]
+    for wall in near if lines is None else lines:
+        if len(ends := wall_line(wall, near, view)):
+            drawn += axes.plot(*ends.T, color=INK, linewidth=2.0, zorder=2)
+    axes.set(xlim=view[:, 0], ylim=view[:, 1])
+    return drawn
+
+
+def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
+    """Return the ends of the line of a wall at the room between some walls in a view, shape (C, 2) [m]."""
+    corners = _corners(walls, view)
+    gaps = corners @ np.array(wall.normal) - wall.offset
+    return np.asarray(corners[abs(gaps) < ROUND_OFF * np.ptp(view)])

@@ -1,0 +1,96 @@
+"""The course of one impact: force, penetration and speed, also at times between the rows of the result."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from chain_impact.recording.joint_stops import at_stop
+from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.names import STOPS
+from chain_impact.variables.model import Model
+
+SAMPLES = 400  # the times of the course of an impact
+MANY = 4000  # the same for a contact that lasts long
+SOON = 1e-6  # the first of these times after the onset, as a fraction of the length of the contact
+
+Rerun = Callable[[np.ndarray], np.ndarray]
+"""A function: times [s] that increase, shape (S,) → the outputs at these times. It repeats the run."""
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """One impact over time. At a stop of a joint, the quantities are the moment and the angle.
+
+    Attributes:
+        time: from the onset to the end, shape (S,) [s]; empty for an impulse.
+        force: shape (S,) [N].
+        penetration: shape (S,) [m].
+        speed: of penetration, positive when closing, shape (S,) [m/s].
+        energy_lost: the energy [J] that the whole chain dissipates from just before the onset until just
+            after the end.
+    """
+
+    time: np.ndarray
+    force: np.ndarray
+    penetration: np.ndarray
+    speed: np.ndarray
+    energy_lost: float
+
+
+def course_of(
+    model: Model, rerun: Rerun | None, impact: np.void, *, until: float = math.nan, near: float = 0.0
+) -> Course:
+    """Return the course of an impact, a row of ``Result.impacts``.
+
+    The run is repeated up to the end of the impact, with rows within it. It is the same run to the last bit,
+    as rows do not change the solution.
+
+    Args:
+        model: the model of the scene.
+        rerun: ``Result.rerun``.
+        impact: the row.
+        until: the end of the course where the impact has none [s].
+        near: the time after the onset [s] within which the samples of a longer contact are close together.
+
+    Raises:
+        ValueError: when the result cannot be run once more.
+    """
+    if rerun is None:
+        raise ValueError(f"{model.scene.name}: only a result of simulate() has the course of an impact")
+    onset, end = float(impact["onset"]), float(impact["end"])
+    end = until if math.isnan(end) else end
+    inside = np.linspace(onset, end, SAMPLES if end > onset else 0)
+    if 0.0 < near < end - onset:
+        shares = np.union1d(np.geomspace(SOON, 1.0, SAMPLES), np.linspace(0.0, 1.0, MANY))
+        times = np.union1d((end - onset) * shares, np.linspace(0.0, near, SAMPLES))
+        inside = np.unique((onset + times).clip(onset, end))
+    before, after = max(0.0, math.nextafter(onset, 0.0)), math.nextafter(end, math.inf)
+    outputs = rerun(np.concatenate([[before], inside, [after]]))
+    at, sign = place_of(model, impact)
+    within = outputs[1 : 1 + len(inside)]
+    speed = within["penetration_rate"][:, at].copy()
+    if len(speed):  # the outputs have no speed of penetration where there is no penetration
+        speed[0] = impact["impact_speed"]
+    if len(speed) == len(inside) > 1 and not math.isnan(impact["end"]):
+        speed[-1] = -impact["separation_speed"]
+    return Course(
+        time=inside[: len(within)],
+        force=(sign * within["force"][:, at]).clip(0.0),
+        penetration=within["penetration"][:, at].clip(0.0),
+        speed=speed,
+        energy_lost=float(outputs["dissipated"][-1] - outputs["dissipated"][0]),
+    )
+
+
+def place_of(model: Model, impact: np.void) -> tuple[int, float]:
+    """Return the index of the contact of an impact in the outputs, and the sign of its force there."""
+    pairs, scene = model.candidates, model.scene
+    if not at_stop(scene, impact["wall"]):
+        return pairs.index((impact["point"], impact["wall"])), 1.0
+    first = len(point_wall_pairs(scene))
+    of_joint = [joint for joint, _ in pairs[first:]].index(impact["point"])
+    return first + of_joint, 1.0 if scene.wall_names[impact["wall"]] == STOPS[0] else -1.0

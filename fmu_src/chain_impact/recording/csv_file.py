@@ -1,0 +1,127 @@
+"""A recording from a table of an FMU's outputs, as `simulate --csv` or another tool writes it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from chain_impact.recording.bodies import is_of_body
+from chain_impact.recording.impacts import NO_IMPACTS, impacts_shown
+from chain_impact.recording.joint_stops import ranges_of
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import phases_from
+from chain_impact.scene.names import SENSITIVITY
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import Scene
+from chain_impact.scene.text_file import check_separator, likely_time, text_of
+
+NEEDED = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
+
+
+class NeedsSceneError(SceneError):
+    """An error: a table has walls, but does not tell where they are."""
+
+
+def read_csv(path: Path, scene: Scene | None = None) -> Recording:
+    """Read a table with a head line.
+
+    Args:
+        path: the file; columns ``time`` [s] and outputs of the FMU, at least the positions of the points.
+        scene: the scene with the walls and stops, which are not in a table.
+
+    Returns:
+        The recording, with the name of the file, and with impacts if the table has the columns ``impact.*``.
+
+    Raises:
+        SceneError: when the file is no such table, or has a wall that is not in the scene.
+        NeedsSceneError: when the table has walls, and no scene is given.
+        OSError: when the file cannot be read.
+    """
+    columns = _columns(path)
+    time = columns.pop("time")
+    for row in np.flatnonzero(np.diff(time) <= 0.0)[:1]:
+        raise SceneError(
+            f"{path}: line {row + 3}: time = {time[row + 1]:g} must be later than in the line before"
+        )
+    walls, names = (scene.half_planes, scene.wall_names) if scene else ({}, ())
+    stops = ranges_of(scene) if scene else {}
+    known = {name: value for name, value in scene.values.items() if is_of_body(name)} if scene else {}
+    bare = Recording(
+        path.stem,
+        time,
+        columns,
+        walls=walls,
+        wall_names=names,
+        parameters=known,
+        stops=stops,
+        point_names=scene.point_names if scene else {},
+    )
+    for one in bare.touches:
+        if one.at_wall and scene is None:
+            raise NeedsSceneError(
+                f"{path}: it has contact[{one.point}].{one.wall}.force, but a table does not hold where "
+                "walls are: its scene is needed"
+            )
+        if one.at_wall and one.wall not in walls:
+            raise SceneError(
+                f"{path}: contact[{one.point}].{one.wall}.force: the scene has no wall {one.wall}; it has "
+                f"{', '.join(walls) or 'none'}"
+            )
+    listed = "impact.count" in columns and scene is not None
+    impacts = impacts_shown({"time": time, **columns}, names) if listed else NO_IMPACTS
+    return replace(bare, impacts=impacts, stick_slip=phases_from(time, bare.touches, names))
+
+
+def _columns(path: Path) -> dict[str, np.ndarray]:
+    """Return the columns of a table of numbers, by their names."""
+    try:
+        head, *text = text_of(path).splitlines() or [""]
+        check_separator(head)
+        names = [name.strip().strip('"') for name in head.split(",")]
+        rows = _numbers(names, text)
+    except ValueError as error:  # a cell that is no number, a line that is too long, or another encoding
+        raise SceneError(f"{path}: not a table of numbers: {error}") from None
+    missing = [name for name in NEEDED if name not in names]
+    if missing:
+        likely = likely_time(names) if missing[0] == "time" else ""
+        raise SceneError(
+            f"{path}: the column {missing[0]} is missing{likely or '; `simulate --csv` writes it'}"
+        )
+    if rows.shape[0] < 2 or rows.shape[1] != len(names):  # noqa: PLR2004
+        raise SceneError(
+            f"{path}: {rows.shape[0]} rows of {rows.shape[1]} numbers; must be at least 2 of {len(names)}"
+        )
+    # a derivative does not exist at all times
+    slopes = [name.startswith(SENSITIVITY) for name in names]
+    for row in np.flatnonzero(~(np.isfinite(rows) | slopes).all(axis=1))[:1]:
+        raise SceneError(f"{path}: line {row + 2} has a number that is not finite")
+    return dict(zip(names, rows.T.copy(), strict=True))
+
+
+def _numbers(names: list[str], text: list[str]) -> np.ndarray:
+    """Return the numbers in the lines below the head line, shape (rows, cells).
+
+    Raises:
+        ValueError: naming the line and the column where there is no number.
+    """
+    try:
+        return np.loadtxt(text, delimiter=",", ndmin=2) if text else np.zeros((0, len(names)))
+    except ValueError:
+        for number, line in enumerate(text, start=2):
+            if line.strip():
+                _check_line(f"line {number}", names, [cell.strip() for cell in line.split(",")])
+        raise
+
+
+def _check_line(where: str, names: list[str], cells: list[str]) -> None:
+    """Refuse a line with a cell that is no number, or with too few or too many cells."""
+    for name, cell in zip(names, cells, strict=False):
+        try:
+            float(cell)
+        except ValueError:
+            found = f"= {cell!r}" if cell else "is empty;"
+            raise ValueError(f"{where}: {name} {found} must be a number") from None
+    if len(cells) != len(names):
+        raise ValueError(f"{where} has {len(cells)} cells, must have {len(names)} as the head line")

@@ -1,0 +1,118 @@
+"""Outputs over time, as curves in a picture: also within impacts, where a result has few rows or none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from chain_impact.recording.course import Rerun
+from chain_impact.recording.impacts import lasts
+from chain_impact.recording.recording import Recording
+from chain_impact.scene.reading import matching
+from chain_impact.variables.model import Model, elsewhere
+
+# the times within an impact, and the largest number of impacts that have such times
+WITHIN, FOLLOWED = 50, 400
+CLOSE = 1000  # the times in a view of one impact
+BEFORE, AFTER = 0.5, 1.0  # the time seen before and after an impact, as a fraction of its duration
+LONGEST = 0.02  # the duration of a contact that lasts to the end, as seen, as a fraction of the run
+LEAST = 1e-3  # the duration of an impulse, as seen, as a fraction of the run
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Some outputs over time, to be drawn as curves.
+
+    Attributes:
+        time: shape (T,) [s].
+        values: name → shape (T,).
+        units: name → unit; "" where there is none.
+        onset: the onset [s] of the impact in a close view; None in a view of the whole run.
+        number: the number of this impact, from 1.
+    """
+
+    time: np.ndarray
+    values: Mapping[str, np.ndarray]
+    units: Mapping[str, str]
+    onset: float | None = None
+    number: int = 0
+
+    @property
+    def panels(self) -> list[list[str]]:
+        """The names of the outputs, one list for each unit, in the order in which the units first occur."""
+        found: dict[str, list[str]] = {}
+        for name in self.values:
+            found.setdefault(self.units.get(name, ""), []).append(name)
+        return list(found.values())
+
+
+def curves_of(
+    recording: Recording,
+    names: Iterable[str],
+    units: Mapping[str, str],
+    *,
+    around: int | None = None,
+    model: Model | None = None,
+    rerun: Rerun | None = None,
+) -> Curves:
+    """Return the curves of some outputs.
+
+    Args:
+        recording: the recording with the outputs.
+        names: the names of the outputs; ``*`` stands for any text.
+        units: name → unit.
+        around: the number of an impact, for a close view of it.
+        model: the model of the scene, if it is known.
+        rerun: gives outputs at other times; without it the curves have the rows only.
+
+    Raises:
+        UnknownNameError: when there is no output of a name.
+        ValueError: when there is no impact of that number.
+    """
+    like = (matching(recording.name, one, recording.columns, "no output", elsewhere) for one in names)
+    chosen = list(dict.fromkeys(name for found in like for name in found))
+    onset, low, high = window(recording, around)
+    time = recording.time
+    if rerun and model:
+        seen = time[(time >= low) & (time <= high)]
+        time = np.unique(np.concatenate([seen, between(recording, low, high, close=around is not None)]))
+        outputs = rerun(time)
+        time, moving = time[: len(outputs)], model.series(outputs)
+    else:
+        rows = (time >= low) & (time <= high)
+        time, moving = time[rows], {name: values[rows] for name, values in recording.columns.items()}
+    # outputs that change only at events and steps keep the value of the row before
+    row = np.searchsorted(recording.time, time, side="right") - 1
+    values = {
+        name: moving[name] if name in moving else recording.columns[name][row.clip(0)] for name in chosen
+    }
+    return Curves(time, values, {name: units.get(name, "") for name in chosen}, onset, around or 0)
+
+
+def window(recording: Recording, around: int | None) -> tuple[float | None, float, float]:
+    """Return the onset of an impact, and start and end of its view [s]; without one, of the whole run."""
+    start, end = float(recording.time[0]), float(recording.time[-1])
+    if around is None:
+        return None, start, end
+    count = len(recording.impacts)
+    if not 1 <= around <= count:
+        there = f"1 to {count}" if count else "left out: there is no impact"
+        raise ValueError(f"{recording.name}: around = {around!r} must be {there}")
+    impact = recording.impacts[around - 1]
+    onset, run = float(impact["onset"]), end - start
+    lasting = LONGEST * run if lasts(impact) else float(impact["end"]) - onset
+    if not lasting > 0.0:
+        lasting = LEAST * run
+    return onset, max(start, onset - BEFORE * lasting), min(end, onset + (1.0 + AFTER) * lasting)
+
+
+def between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:
+    """Return times between the rows [s]: everywhere in a close view, else within impacts only."""
+    if close:
+        return np.linspace(low, high, CLOSE)
+    impacts = recording.impacts[:FOLLOWED]
+    known = impacts[impacts["end"] > impacts["onset"]]
+    inside = np.linspace(known["onset"], known["end"], WITHIN).ravel()
+    return np.asarray(inside[(inside >= low) & (inside <= high)])

@@ -1,0 +1,325 @@
+"""A recording: the outputs of an FMU or of `simulate()` over time, as arrays by the FMU's variable names."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from itertools import chain, count, takewhile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chain_impact.recording.bodies import outlines_from, rail_from, site_radii
+from chain_impact.recording.equality import same
+from chain_impact.recording.impacts import NO_IMPACTS
+from chain_impact.recording.joint_stops import JointRange, touching_place
+from chain_impact.recording.sensitivity import Sensitivities
+from chain_impact.recording.stick_slip import NO_PHASES, Touch
+from chain_impact.recording.tables import save_impacts
+from chain_impact.recording.text import plural, what
+from chain_impact.scene.bodies import Rail
+from chain_impact.scene.half_planes import HalfPlane
+from chain_impact.scene.names import SLIDER_STOPS, STOPS
+from chain_impact.scene.reading import matching
+from chain_impact.system import written_whole
+
+ROWS_AT_ONCE = 10_000  # the number of rows written at a time
+_NAME = re.compile(r"(point|link|contact|joint|slider|energy)(?:\[(\d+)\])?(?:\.(\w+))?\.(\w+)")
+"""The parts of an output's name in the FMU: owner, number, wall, and quantity."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Recording:
+    """A simulation over time, of a scene or an FMU.
+
+    Attributes:
+        name: the model's name.
+        time: communication points, shape (T,) [s].
+        columns: FMU variable name → values, shape (T,).
+        impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``; of an FMU, the impacts that
+            its outputs have shown.
+        walls: name → free side, of each wall.
+        wall_names: the names of all walls, by their numbers in ``impacts`` and ``stick_slip``.
+        parameters: FMU variable name → value at the start, as a name if it is a choice; empty if they are
+            unknown.
+        sensitivities: the derivatives that were asked for, if any.
+        stops: the joints with stops, and their ranges.
+        point_names: the names of points, by their numbers; not every point has a name.
+        stop_law: the contact law of the stops, if the scene names one in `stops.model`; "" if the scene names
+            none, or if it is unknown, as for an FMU.
+        stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; of an FMU with times to within a
+            communication step.
+    """
+
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
+
+    name: str
+    time: np.ndarray
+    columns: Mapping[str, np.ndarray]
+    impacts: np.ndarray = field(default_factory=lambda: NO_IMPACTS)
+    walls: Mapping[str, HalfPlane] = field(default_factory=dict)
+    wall_names: tuple[str, ...] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    sensitivities: Sensitivities | None = None
+    stops: Mapping[int, JointRange] = field(default_factory=dict)
+    point_names: Mapping[int, str] = field(default_factory=dict)
+    stop_law: str = ""
+    stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
+
+    @cached_property
+    def _quantities(self) -> dict[tuple[str, int, str], dict[str, np.ndarray]]:
+        """The columns by owner, number and wall, and quantity."""
+        found: dict[tuple[str, int, str], dict[str, np.ndarray]] = {}
+        for name, values in self.columns.items():
+            if at := _NAME.fullmatch(name):
+                owner, number, wall, quantity = at.groups()
+                found.setdefault((owner, int(number or 0), wall or ""), {})[quantity] = values
+        return found
+
+    def _of(self, owner: str) -> dict[tuple[int, str], dict[str, np.ndarray]]:
+        return {(n, wall): found for (one, n, wall), found in self._quantities.items() if one == owner}
+
+    @cached_property
+    def link_count(self) -> int:
+        """N, from the numbers of links and joints; without any of these, all points are ends of links."""
+        numbers = [n for owner in ("link", "joint") for n, _ in self._of(owner)]
+        return max(numbers, default=self.all_points.shape[1] - 1)
+
+    @property
+    def points(self) -> np.ndarray:
+        """Positions of the points 0…N, the ends of the links, shape (T, N+1, 2) [m]."""
+        return self.all_points[:, : self.link_count + 1]
+
+    @property
+    def sites(self) -> np.ndarray:
+        """Positions of the points of links beside their ends, numbered from N + 1, shape (T, P, 2) [m]."""
+        return self.all_points[:, self.link_count + 1 :]
+
+    @cached_property
+    def all_points(self) -> np.ndarray:
+        """Positions of all points by their numbers, shape (T, N+1+P, 2) [m]."""
+        points = self._of("point")
+        known = takewhile(lambda at: points.get(at, {}).keys() >= {"x", "y"}, ((k, "") for k in count()))
+        each = [np.stack([points[at][axis] for axis in "xy"], axis=-1) for at in known]
+        return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
+
+    def walls_at(self, time: float) -> dict[str, HalfPlane]:
+        """Return the walls where they are at a time [s]."""
+        found = dict(self.walls)
+        for name, moved in self.moved_walls.items():
+            wall = found[name]
+            found[name] = replace(wall, offset=wall.offset + float(np.interp(time, self.time, moved)))
+        return found
+
+    def sides_at(self, time: float) -> dict[str, HalfPlane]:
+        """Return the walls where they are at a time [s], and the stops of a slider."""
+        return self.walls_at(time) | (self.rail.stops if self.rail else {})
+
+    @cached_property
+    def moved_walls(self) -> dict[str, np.ndarray]:
+        """The displacements of walls that move, along their normals: name → shape (T,) [m]."""
+        columns = {name: self.columns.get(f"wall.{name}.position") for name in self.walls}
+        return {name: moved for name, moved in columns.items() if moved is not None}
+
+    @cached_property
+    def pinned(self) -> bool:
+        """Whether the base is a joint, which a motion may move: only such a chain has a joint 1.
+
+        If no joint is known, a base that stays in place counts as a joint.
+        """
+        joints, bases = self._of("joint"), self.points[:, :1]
+        if self.rail is not None:
+            return False
+        return (1, "") in joints if joints else len(bases) > 1 and bool((bases == bases[0]).all())
+
+    @cached_property
+    def rail(self) -> Rail | None:
+        """The line of a base on a slider; None for another base."""
+        return rail_from(self.all_points[:, 0], self.columns.get("slider.position"), self.parameters)
+
+    @cached_property
+    def outlines(self) -> dict[int, np.ndarray]:
+        """The outlines of links with points, along each link and to its left, shape (C, 2) [m].
+
+        There are none if the places on the links are not known.
+        """
+        return outlines_from(self.parameters, self.touching)
+
+    @cached_property
+    def touching(self) -> dict[int, float]:
+        """The points that can touch a wall, and their radii [m]; an unknown radius is 0."""
+        radius, radii = float(self.parameters.get("contact.radius", 0.0)), site_radii(self.parameters)
+        points = sorted({one.point for one in self.touches if one.at_wall})
+        known = dict(enumerate(radii, self.link_count + 1))
+        return {point: known.get(point, radius) for point in points}
+
+    @property
+    def energies(self) -> Mapping[str, np.ndarray]:
+        """The energies that are known: kinetic, potential, … → shape (T,) [J]."""
+        return self._of("energy").get((0, ""), {})
+
+    @cached_property
+    def loads(self) -> dict[int, np.ndarray]:
+        """The force on the link at each joint, shape (T, 2) [N]; empty if the forces are not known."""
+        forces = {joint: parts for (joint, kind), parts in self._of("joint").items() if kind == "force"}
+        return {
+            joint: np.stack([parts[axis] for axis in "xy"], axis=-1)
+            for joint, parts in forces.items()
+            if parts.keys() >= {"x", "y"}
+        }
+
+    @cached_property
+    def knows_joint_forces(self) -> bool:
+        """Whether any impact has its largest force in a joint."""
+        return bool(np.isfinite(self.impacts["joint_force"]).any())
+
+    @cached_property
+    def touches(self) -> list[Touch]:
+        """Contacts at walls and at stops of joints over time, and dry friction in joints."""
+        found = [
+            Touch(
+                *at,
+                *map(values.get, ("force", "penetration", "penetration_rate", "friction_force", "sticking")),
+            )
+            for at, values in self._of("contact").items()
+            if "force" in values
+        ]
+        for (joint, _), values in self._of("joint").items():
+            if "stop_moment" in values:
+                found += Touch.of_stops(joint, values["stop_moment"])
+            if "sticking" in values:
+                moment = values.get("friction_moment")
+                found.append(Touch(joint, "", None, friction=moment, sticking=values["sticking"]))
+        slider = self._of("slider").get((0, ""), {})
+        if "sticking" in slider:
+            force = slider.get("friction_force")
+            found.append(Touch(0, "", None, friction=force, sticking=slider["sticking"]))
+        return found
+
+    def __repr__(self) -> str:
+        """Return the name, the duration and the number of impacts and outputs."""
+        end = f"{self.time[-1]:g}" if len(self.time) else "0"
+        return (
+            f"Recording({self.name})  0 … {end} s, {plural(self.impact_count, 'impact')}, "
+            f"{plural(len(self.time), 'row')} of {plural(len(self.columns), 'column')}"
+        )
+
+    @property
+    def impact_count(self) -> int:
+        """How many impacts there were, listed or not."""
+        counted = self.columns.get("impact.count", np.zeros(1))
+        return max(len(self.impacts), int(counted[-1]))
+
+    def is_stop(self, wall: int) -> bool:
+        """Return whether a wall, by its number, stands for the stops of joints."""
+        return bool(self.stops) and self.wall_names[wall] in STOPS
+
+    def toucher(self, impact: np.void) -> str:
+        """Return the name of the point or joint of an impact.
+
+        For example "point 2", "point 5 (heel)", "joint 2" or "slider".
+        """
+        wall = self.wall_names[impact["wall"]]
+        of_slider = wall in SLIDER_STOPS and (
+            "slider.angle" in self.parameters or "slider.position" in self.columns
+        )
+        stop = wall if of_slider or self.is_stop(impact["wall"]) else ""
+        return what(int(impact["point"]), stop, self.point_names)
+
+    @cached_property
+    def at_stops(self) -> np.ndarray:
+        """Which impacts are at stops of joints, shape (I,)."""
+        return np.array([self.is_stop(wall) for wall in self.impacts["wall"]], bool)
+
+    @property
+    def end_speeds(self) -> np.ndarray:
+        """The speeds of the impacts, shape (I,) [m/s].
+
+        At a stop, the link's end has this speed about its joint.
+        """
+        arms = [
+            self.stops[point].length if stopped else 1.0
+            for point, stopped in zip(self.impacts["point"].tolist(), self.at_stops, strict=True)
+        ]
+        speeds: np.ndarray = self.impacts["impact_speed"] * np.array(arms)
+        return speeds
+
+    def at(self, rows: np.ndarray) -> Recording:
+        """Return the recording with some of its rows, and without derivatives; all impacts stay."""
+        parts = {one.name: getattr(self, one.name) for one in fields(Recording)}
+        columns = {name: values[rows] for name, values in self.columns.items()}
+        parts |= {"time": self.time[rows], "columns": columns, "sensitivities": None}
+        return Recording(**parts)
+
+    def point_at(self, point: int, time: float) -> np.ndarray:
+        """Position [m] of a point at a time [s], interpolated between communication points, shape (2,)."""
+        return np.array([np.interp(time, self.time, self.all_points[:, point, axis]) for axis in (0, 1)])
+
+    def pose_at(self, time: float) -> np.ndarray:
+        """Return positions of the points in the row nearest to a time [s], shape (N+1, 2) [m].
+
+        Between rows a link is not straight: interpolated, it would be too short.
+        """
+        pose: np.ndarray = self.points[self.row_at(time)]
+        return pose
+
+    def row_at(self, time: float) -> int:
+        """Return the row that is nearest to a time [s]."""
+        return int(np.abs(self.time - time).argmin())
+
+    def spot(self, impact: np.void) -> np.ndarray:
+        """Return the place [m] of an impact on its wall, a radius away from the point.
+
+        An impact at a stop is at the mark of the stop.
+        """
+        if self.is_stop(impact["wall"]):
+            return touching_place(self.pose_at(impact["onset"]), impact["point"])[0]
+        place, wall = self.point_at(impact["point"], impact["onset"]), self.wall_of(impact)
+        return np.asarray(place - wall.clearance(*place) * np.array(wall.normal))
+
+    def wall_of(self, row: np.void) -> HalfPlane:
+        """Return the free side of the wall or slider's stop of an impact or a phase of dry friction."""
+        time = row["onset" if "onset" in (row.dtype.names or ()) else "start"]
+        return self.sides_at(float(time))[self.wall_names[row["wall"]]]
+
+    def save_impacts(self, path: Path | str) -> None:
+        """Write the list of impacts, with the names of walls, as CSV, JSON or Parquet.
+
+        The suffix gives the kind.
+
+        Raises:
+            ValueError: when the file has another suffix.
+            MissingExtraError: for Parquet, when pyarrow (the extra ``sweep``) is not installed.
+            OSError: when the file cannot be written.
+        """
+        save_impacts(Path(path), self.impacts, self.wall_names)
+
+    def save_csv(self, path: Path | str, output: str | Iterable[str] | None = None) -> None:
+        """Write time and columns as CSV, with derivatives, and numbers in full precision.
+
+        Args:
+            path: the file.
+            output: the names of the columns; ``*`` stands for any text; by default all.
+
+        Raises:
+            UnknownNameError: when a column does not exist.
+            OSError: when the file cannot be written.
+        """
+        slopes = self.sensitivities.named if self.sensitivities else {}
+        columns = {"time": self.time, **self.columns, **slopes}
+        if output is not None:
+            wanted = [output] if isinstance(output, str) else list(output)
+            found = (matching(self.name, one, columns, "no column", lambda _: None) for one in wanted)
+            columns = {name: columns[name] for name in ("time", *chain.from_iterable(found))}
+        with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(columns)
+            # lists take four times the room of arrays
+            for start in range(0, max(len(self.time), 1), ROWS_AT_ONCE):
+                values = (column[start : start + ROWS_AT_ONCE].tolist() for column in columns.values())
+                writer.writerows(zip(*values, strict=True))

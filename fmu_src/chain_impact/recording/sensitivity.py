@@ -1,0 +1,175 @@
+"""The derivatives in a result with respect to some parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from chain_impact.recording.equality import same
+from chain_impact.recording.text import Table, as_html, plural
+from chain_impact.scene.names import sensitivity_name
+from chain_impact.scene.reading import UnknownNameError
+from chain_impact.variables.listing import derivatives
+from chain_impact.variables.model import Model
+from chain_impact.variables.variable import Variable
+
+PART = 0.01
+"""The part of its value by which a parameter changes, when changes are told; of its unit if that is 0."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Sensitivities:
+    """Derivatives of outputs and of impacts with respect to P parameters.
+
+    Attributes:
+        model: the model of the scene.
+        varied: the parameters and inputs.
+        chosen: the names of the outputs; None for all outputs that change all the time.
+        slopes: derivatives of the outputs, shape (T, W, P).
+        impacts: one row for each contact, shape (I,), as ``Result.impacts``.
+        impact_slopes: quantity of an impact → derivatives, shape (I, P).
+        limits: sentences: from when on there are no derivatives, and why; and how far friction leaves them
+            undetermined.
+    """
+
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
+
+    model: Model
+    varied: Sequence[Variable]
+    chosen: Sequence[str] | None
+    slopes: np.ndarray
+    impacts: np.ndarray
+    impact_slopes: Mapping[str, np.ndarray]
+    limits: tuple[str, ...]
+
+    @property
+    def source(self) -> str:
+        """The name of the scene, for errors."""
+        return self.model.scene.name
+
+    @cached_property
+    def parameters(self) -> dict[str, float]:
+        """Name in the FMU → value; the value of an input is 0."""
+        values = self.model.scene.values
+        return {variable.name: float(values.get(variable.name, 0.0)) for variable in self.varied}
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """Name of a parameter, an output, or a derivative of one → its unit."""
+        model = self.model
+        own = derivatives(model.motion, self.varied)
+        variables = (*model.parameters, *model.inputs, *model.outputs, *own)
+        return {variable.name: variable.unit for variable in variables}
+
+    @cached_property
+    def columns(self) -> dict[str, int]:
+        """Name of an output → its column in ``slopes``."""
+        if self.chosen is None:
+            return self.model.columns
+        return {name: column for column, name in enumerate(self.chosen)}
+
+    def __repr__(self) -> str:
+        """Return the numbers of outputs, rows and impacts with derivatives, and the parameters."""
+        rows, outputs, _ = self.slopes.shape
+        return (
+            f"Sensitivities({self.source}) of {plural(outputs, 'output')} in {plural(rows, 'row')} and of "
+            f"{plural(len(self.impacts), 'impact')}, with respect to {', '.join(self.parameters)}"
+        )
+
+    def _repr_html_(self) -> str:
+        """Return the same for a notebook, with the changes of usual outputs at the end by each parameter."""
+        outputs = [name for name in self._usual if name in self.columns]
+        ends = [self.changes(name)[-1:] for name in outputs]
+        head = ("parameter", "value", "change", *(f"{name} [{self.units[name]}]" for name in outputs))
+        rows = [
+            (
+                *(name, f"{value:.6g} {self.units[name]}", f"+ {self.step_text(name)}"),
+                *(f"{change:+.3g}" for end in ends for change in end[:, k]),
+            )
+            for k, (name, value) in enumerate(self.parameters.items())
+        ]
+        told = ["Changes of outputs at the end, to first order"] if outputs else []
+        return as_html([repr(self), *told, Table(head, rows), *self.limits])
+
+    def of_output(self, quantity: str, parameter: str) -> np.ndarray:
+        """Return the derivative of an output over time, shape (T,)."""
+        return self.slopes[:, self.columns[self._output(quantity)], self._number(parameter)]
+
+    def of_impacts(self, quantity: str, parameter: str) -> np.ndarray:
+        """Return the derivative of a quantity of the impacts, shape (I,)."""
+        if quantity not in self.impact_slopes:
+            what = "no quantity of impacts with derivatives"
+            hint = f"must be one of {', '.join(self.impact_slopes)}"
+            raise UnknownNameError(self.source, quantity, self.impact_slopes, what, hint)
+        return self.impact_slopes[quantity][:, self._number(parameter)]
+
+    def drawn(self, outputs: Sequence[str]) -> list[str]:
+        """Return the full names of some outputs.
+
+        If none are named, they are the place of the last point, and the energy.
+        """
+        return [self._output(name) for name in outputs or self._usual]
+
+    @property
+    def _usual(self) -> tuple[str, ...]:
+        last = len(self.model.scene.chain.links)
+        return f"point[{last}].x", f"point[{last}].y", "energy.total"
+
+    def _output(self, name: str) -> str:
+        if name not in self.columns:
+            raise UnknownNameError(self.source, name, self.columns, "no output of this result")
+        return name
+
+    def _number(self, parameter: str) -> int:
+        if parameter not in self.parameters:
+            what = "not among simulate(sensitivities=[…])"
+            hint = f"must be one of {', '.join(self.parameters)}"
+            raise UnknownNameError(self.source, parameter, self.parameters, what, hint)
+        return list(self.parameters).index(parameter)
+
+    @property
+    def named(self) -> dict[str, np.ndarray]:
+        """All derivatives over time, by their names in the FMU: name → shape (T,)."""
+        return {
+            sensitivity_name(output, parameter): self.slopes[:, column, k]
+            for k, parameter in enumerate(self.parameters)
+            for output, column in self.columns.items()
+        }
+
+    def step(self, parameter: str) -> float:
+        """Return a small change of a parameter, in its unit: 1 % of its value, or 0.01 if the value is 0."""
+        return PART * (self.parameters[parameter] or 1.0)
+
+    def step_text(self, parameter: str) -> str:
+        """Return the change ``step`` in words: "1 %", or "0.01 m/s"."""
+        return f"{100.0 * PART:g} %" if self.parameters[parameter] else f"{PART:g} {self.units[parameter]}"
+
+    def changes(self, output: str) -> np.ndarray:
+        """Return the change of an output by the ``step`` of each parameter, to first order, shape (T, P)."""
+        changes: np.ndarray = self.slopes[:, self.columns[output]] * self._steps
+        return changes
+
+    def impact_changes(self, quantity: str) -> np.ndarray:
+        """Return the change of a quantity of the impacts by the ``step`` of each parameter, shape (I, P)."""
+        changes: np.ndarray = self.impact_slopes[quantity] * self._steps
+        return changes
+
+    def relative(self, quantity: str) -> np.ndarray:
+        """Return ``impact_changes`` over the value, also for the ``duration``; NaN where that is unknown."""
+        rows = self.impacts
+        if quantity == "duration":
+            values = rows["end"] - rows["onset"]
+            changes = self.impact_changes("end") - self.impact_changes("onset")
+        else:
+            values, changes = rows[quantity], self.impact_changes(quantity)
+        known = np.isfinite(values) & (values > 0.0)
+        shares: np.ndarray = changes / np.where(known, values, np.nan)[:, np.newaxis]
+        return shares
+
+    @property
+    def _steps(self) -> np.ndarray:
+        return np.array([self.step(name) for name in self.parameters])

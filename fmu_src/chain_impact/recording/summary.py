@@ -1,0 +1,183 @@
+"""The summary of a run in some lines: of a result, in Python and in notebooks, and of a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.kernel.status import OK, STATUS_TEXT
+from chain_impact.recording.impacts import lasts
+from chain_impact.recording.joint_stops import at_stop
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import place_of
+from chain_impact.recording.text import Table, plural
+from chain_impact.scene.scene import Scene
+
+LISTED, FEW = 30, 10  # impacts that are listed, and in a text
+SHOWN = 3  # contacts and joints that stick at the end
+VALUES = ("speed", "duration", "peak force", "impulse")
+UNITS, STOP_UNITS = ("m/s", "ms", "N", "N·s"), ("rad/s", "ms", "N·m", "N·m·s")
+"""Columns of the list of impacts, with their units at walls and at stops of joints."""
+NONE = "—"  # in place of a number that there is not
+LASTS = "lasts"  # the duration of a contact that lasts to the end
+LONG, MILLION = 1e4, 1e6  # between these, four digits would need an exponent
+
+
+def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """Yield the energies at the end, and their balance, if they are known.
+
+    The balance is a check. It bounds no error of the motion: in free flight, positions may be wrong by the
+    tolerance while the energy is constant to round-off.
+    """
+    if not {"total", "dissipated"} <= energies.keys() or not len(energies["total"]):
+        return
+    total, dissipated = energies["total"], energies["dissipated"]
+    supplied = energies.get("supplied", 0.0 * total)
+    balance = total + dissipated - supplied
+    given = f" + {supplied[-1]:.6g} J supplied" if supplied.any() else ""
+    rest = f"{total[-1]:.6g} J left + {dissipated[-1]:.6g} J dissipated"
+    yield f"energy   {total[0]:.6g} J at the start{given} = {rest}"
+    off = abs(balance - balance[0]).max()
+    yield f"balance  off by at most {off:.1e} J: an energy check, no bound on positions or times"
+
+
+def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Iterator[str | Table]:
+    """Yield the summary: lines, and the list of the first impacts.
+
+    Args:
+        result: the result of a scene.
+        outputs: the number of its outputs.
+        facts: lines on the scene and the solver.
+        most: the largest number of impacts in the list.
+    """
+    yield _headline(result, outputs)
+    yield from impact_list(result, most)
+    yield from _friction_lines(result)
+    yield from load_lines(result)
+    yield from facts
+
+
+def impact_list(result: Recording, most: int) -> Iterator[str | Table]:
+    """Yield the first impacts as a table, and the number of other impacts."""
+    impacts = enumerate(result.impacts[:most], start=1)
+    rows = [(str(number), *impact_cells(result, impact)) for number, impact in impacts]
+    if rows:
+        yield Table(("#", *impact_heads(result)), rows)
+    if (more := len(result.impacts) - most) > 0:
+        yield f"… and {plural(more, 'more impact')}"
+
+
+def _headline(result: Recording, outputs: int) -> str:
+    end = f"{result.time[-1]:g}" if len(result.time) else "0"
+    rows = f"{plural(len(result.time), 'row')} of {plural(outputs, 'output')}"
+    return f"{result.name}  0 … {end} s, {plural(len(result.impacts), 'impact')}, {rows}"
+
+
+def impact_heads(result: Recording) -> tuple[str, ...]:
+    """Return the heads of the columns of ``impact_cells``, with their units.
+
+    Impacts at stops have units of their own. Beside others, or with the two columns of loads, heads
+    are broken into lines, so that a row fits into 80 columns.
+    """
+    stopped = result.at_stops
+    kinds = [units for units, there in ((UNITS, not stopped.all()), (STOP_UNITS, stopped.any())) if there]
+    units = [" or ".join(dict.fromkeys(several)) for several in zip(*(kinds or [UNITS]), strict=True)]
+    told = (f"{name}, {unit}" for name, unit in zip(VALUES, units, strict=True))
+    heads = ("time, s", "point", "wall", *told)
+    loads = ("joint force, N", "joint") if result.knows_joint_forces else ()
+    if not loads and len(kinds) <= 1:
+        return heads
+    lines = (
+        head.replace(", ", " ").replace(" ", "\n").replace("\nor\n", " or\n") for head in (*heads, *loads)
+    )
+    return tuple(line.replace("duration", "dura-\ntion") for line in lines)
+
+
+def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
+    """Tell an impact: time, point, wall, speed, duration, peak force, impulse.
+
+    The cells have units if these differ between impacts. If loads are known, two more cells are the largest
+    force in a joint, and the joint.
+    """
+    point = result.toucher(impact).removeprefix("point ")
+    speed, lasting = f"{impact['impact_speed']:.4f}", _peak(1e3 * (impact["end"] - impact["onset"]))
+    lasting = LASTS if lasts(impact) else lasting
+    values = (speed, lasting, _peak(impact["peak_force"]), digits(impact["impulse"]))
+    joint = (_peak(impact["joint_force"]), str(impact["joint"] or NONE))
+    loads = joint if result.knows_joint_forces else ()
+    return (f"{impact['onset']:.6f}", point, result.wall_names[impact["wall"]], *values, *loads)
+
+
+def _peak(value: float) -> str:
+    """Return a peak force or a duration as ``digits``; a dash for an impulse, where 0 is stored."""
+    return digits(value) if value else NONE
+
+
+def digits(value: float) -> str:
+    """Return a number in four digits, without an exponent below a million; a dash where there is none."""
+    if np.isnan(value):
+        return NONE
+    text = f"{value:.4g}"
+    return f"{float(text):.0f}" if LONG <= abs(float(text)) < MILLION else text
+
+
+def load_lines(result: Recording) -> Iterator[str]:
+    """Yield the largest force in a joint, if the scene asks for loads."""
+    peaks = {
+        name.split(".")[0]: values[-1]
+        for name, values in result.columns.items()
+        if name.startswith("joint[") and name.endswith(".peak_force") and len(values)
+    }
+    if peaks:
+        joint = max(peaks, key=lambda name: peaks[name])
+        yield f"loads    at most {peaks[joint]:.6g} N in {joint}"
+
+
+def _friction_lines(result: Recording) -> Iterator[str]:
+    """Yield the number of phases of dry friction, and the contacts and joints that stick at the end."""
+    phases = result.stick_slip
+    if not len(phases):
+        return
+    sticking = int((phases["mode"] == STICKS).sum())
+    yield f"friction {plural(sticking, 'phase')} of sticking, {len(phases) - sticking} of sliding"
+    last = phases[np.isnan(phases["end"]) & (phases["mode"] == STICKS)]
+    places = [
+        f"{place_of(one, result.wall_names, result.point_names)} since {one['start']:.6f} s" for one in last
+    ]
+    if places:
+        more = [f"{len(places) - SHOWN} more"] if len(places) > SHOWN else []
+        yield f"{'':9}sticks at the end: {', '.join([*places[:SHOWN], *more])}"
+
+
+def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
+    """Yield the steps of the solver, and the way it ended."""
+    steps = f"{counts['steps']} steps, of which {counts['implicit_steps']} implicit"
+    yield f"solver   {steps}; {counts['rhs_evaluations']} evaluations of the equations of motion"
+    status = counts["status"]
+    yield f"status   {status}: {'done' if status == OK else STATUS_TEXT[status]}"
+
+
+def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
+    """Return a sentence on a wall that yields by more than the length of the shortest link, so is no wall.
+
+    The sentence names the wall with the largest penetration. A chain of one link that touches with one point
+    is a ball: the length of its link means nothing.
+    """
+    links = scene.chain.links
+    if len(links) == len(scene.contact.points) == 1:
+        return []
+    walls = [number for number in range(len(scene.wall_names)) if not at_stop(scene, number)]
+    depths = np.where(np.isin(impacts["wall"], walls), impacts["max_penetration"], 0.0)
+    shortest = min(link.length for link in links)
+    if depths.max(initial=0.0) <= shortest:
+        return []
+    wall = scene.wall_names[impacts["wall"][depths.argmax()]]
+    material = scene.contact.wall.get(wall)
+    own = material.stiffness if material else None
+    name, stiffness = ("contact", scene.contact.stiffness) if own is None else (f"wall.{wall}", own)
+    return [
+        f"a point goes farther beyond {wall} than the shortest link is long, {shortest:g} m: "
+        f"{name}.stiffness = {stiffness:g} [N/m^{scene.contact.exponent:g}] is small for this motion"
+    ]

@@ -1,0 +1,153 @@
+"""Results as tables of pandas and datasets of xarray, and the list of impacts as a file."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chain_impact.extras import require
+from chain_impact.recording.impacts import LOG_DTYPE
+from chain_impact.recording.stick_slip import JOINT, MODES
+from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.names import AXES
+from chain_impact.system import written_whole
+from chain_impact.variables.model import Model
+
+IMPACT_UNITS = {
+    "onset": "s",
+    "end": "s",
+    "impact_speed": "m/s",
+    "separation_speed": "m/s",
+    "peak_force": "N",
+    "max_penetration": "m",
+    "effective_mass": "kg",
+    "impulse": "N.s",
+    "joint_force": "N",
+}
+STOP_UNITS = {
+    "impact_speed": "rad/s",
+    "separation_speed": "rad/s",
+    "peak_force": "N.m",
+    "max_penetration": "rad",
+    "effective_mass": "kg.m2",
+    "impulse": "N.m.s",
+}
+"""The units at a stop that differ from the units at a wall."""
+SUFFIXES = (".csv", ".json", ".parquet")
+"""The suffixes of a file with the list of impacts."""
+_DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("contact",)}
+"""Element → the dimensions of its arrays."""
+
+
+def dataframe(model: Model, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
+    """See ``Result.to_dataframe``."""
+    pandas = require("pandas", "pandas")
+    table = pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
+    units = {variable.name: variable.unit for variable in model.outputs}
+    table.attrs["units"] = {name: units[name] for name in columns}
+    return table
+
+
+def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> Any:
+    """See ``Result.impact_table``; ``stops`` tells whether joints have stops."""
+    pandas = require("pandas", "pandas")
+    columns = {name: impacts[name] for name in LOG_DTYPE.names or ()}
+    columns["wall"] = np.array(walls, dtype=object)[columns["wall"]]
+    table = pandas.DataFrame(columns, index=pandas.RangeIndex(1, len(impacts) + 1, name="impact"))
+    table.attrs["units"] = dict(IMPACT_UNITS)
+    if stops:
+        table.attrs["units_at_stops"] = IMPACT_UNITS | STOP_UNITS
+    return table
+
+
+def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
+    """See ``Result.stick_slip_table``."""
+    pandas = require("pandas", "pandas")
+    columns: dict[str, Any] = {name: phases[name] for name in phases.dtype.names or ()}
+    columns["wall"] = ["" if wall == JOINT else walls[wall] for wall in phases["wall"]]
+    columns["mode"] = [MODES[mode] for mode in phases["mode"]]
+    table = pandas.DataFrame(columns, index=pandas.RangeIndex(1, len(phases) + 1, name="phase"))
+    table.attrs["units"] = {"start": "s", "end": "s"}
+    return table
+
+
+def dataset(model: Model, time: np.ndarray, motion: Mapping[str, np.ndarray]) -> Any:
+    """See ``Result.to_xarray``; ``motion`` are the outputs that change all the time."""
+    xarray = require("xarray", "xarray")
+    scene = model.scene
+    pairs = [(point, scene.wall_names[wall]) for point, wall in point_wall_pairs(scene)]
+    pairs += [(0, stop) for stop in scene.slider_stops]
+    contacts = [f"contact[{point}].{wall}" for point, wall in pairs]
+    links, points = len(scene.chain.links), len(scene.start)
+    sizes = {"point": points, "axis": len(AXES), "link": links, "contact": len(pairs)}
+    data: dict[str, Any] = {}
+    for variable in model.motion:
+        if variable.name not in motion:
+            continue
+        owner, _, label = variable.kind.array.partition(".")
+        dimensions, key = _DIMENSIONS.get(owner, ()), label or variable.name
+        if key not in data:
+            values = np.full((len(time), *(sizes[one] for one in dimensions)), np.nan)
+            data[key] = (("time", *dimensions), values, {"units": variable.unit})
+        index = variable.index[: len(dimensions)]
+        if owner == "contact":  # the stops of joints are between the contacts of points and of a slider
+            index = (contacts.index(variable.name.rpartition(".")[0]),)
+        data[key][1][(slice(None), *index)] = motion[variable.name]
+    coordinates = {
+        "time": ("time", time, {"units": "s"}),
+        "point": np.arange(points),
+        "axis": list(AXES),
+        "link": np.arange(1, links + 1),
+        "contact": contacts,
+        "contact_point": ("contact", [point for point, _ in pairs]),
+        "contact_wall": ("contact", [wall for _, wall in pairs]),
+    }
+    if names := scene.point_names:
+        coordinates["point_name"] = ("point", [names.get(point, "") for point in range(points)])
+    return xarray.Dataset(data, coordinates, {"scene": scene.name, "description": scene.description})
+
+
+def impact_columns(impacts: np.ndarray, walls: Sequence[str]) -> dict[str, list[Any]]:
+    """Return the columns of ``IMPACT_DTYPE`` with the names of the walls; unknown values are None."""
+    columns = {name: impacts[name].tolist() for name in impacts.dtype.names or () if name != "wall_name"}
+    columns["wall"] = [walls[wall] for wall in columns["wall"]]
+    return {
+        name: [None if isinstance(one, float) and math.isnan(one) else one for one in values]
+        for name, values in columns.items()
+    }
+
+
+def save_impacts(path: Path, impacts: np.ndarray, walls: Sequence[str]) -> None:
+    """Write the list of impacts, one in a row, numbers in full precision.
+
+    JSON has an object for each impact.
+
+    Raises:
+        ValueError: when the file ends in none of the SUFFIXES.
+        MissingExtraError: for Parquet, when pyarrow (the extra ``sweep``) is not installed.
+        OSError: when the file cannot be written.
+    """
+    suffix, columns = path.suffix.lower(), impact_columns(impacts, walls)
+    if suffix not in SUFFIXES:
+        raise ValueError(f"{path}: the list of impacts must end in {', '.join(SUFFIXES)}")
+    rows = zip(*columns.values(), strict=True)
+    with written_whole(path) as fresh:
+        if suffix == ".parquet":
+            arrow = require("pyarrow", "sweep")
+            kinds = {"wall": arrow.string(), "point": arrow.int64(), "joint": arrow.int64()}
+            schema = arrow.schema([(name, kinds.get(name, arrow.float64())) for name in columns])
+            require("pyarrow.parquet", "sweep").write_table(arrow.table(columns, schema), fresh)
+        elif suffix == ".json":
+            records = [dict(zip(columns, row, strict=True)) for row in rows]
+            fresh.write_text(json.dumps(records, indent=1) + "\n", encoding="utf-8")
+        else:
+            with fresh.open("w", newline="", encoding="utf-8") as file:
+                writer = csv.writer(file)
+                writer.writerow(columns)
+                writer.writerows(rows)

@@ -1,0 +1,160 @@
+"""The view of a motion: its extent, and the walls near it."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Iterator, Mapping
+from typing import TypeVar
+
+import numpy as np
+
+from chain_impact.recording.recording import Recording
+from chain_impact.scene.half_planes import HalfPlane
+
+NEAR = 0.2  # a wall farther from the motion than this part of the motion's width is left out
+ROOM = 1.0  # the same distance, in an animation, for walls that close a room together
+MARGIN = 0.06  # the margin around the view of a film, as a fraction of its size
+LEAST = 1e-6  # m, the size assumed for a chain that does not move
+UPRIGHT = 0.5  # a wall whose normal has this component along an axis, or more, bounds the view on that axis
+ALONE = 1e-3  # a radius below this part of the size of the motion is not drawn
+PIN = 0.08  # the height of the ground mark of a pinned base, as a fraction of the motion's width
+SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])  # in heights of the mark
+GROUND = np.array([[-0.75, 0.65], [0.75, 0.65]])
+Place = TypeVar("Place", bound=Hashable)
+"""The type of a wall's name, or of one of the places of a wall that moves."""
+HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.35)]
+
+
+def pin_mark(points: np.ndarray) -> list[np.ndarray]:
+    """Return the lines of a pinned base's ground mark at the start: a support on hatched ground.
+
+    It is above the base if the chain is on the mean below it, else below.
+
+    Args:
+        points: positions, shape (T, N+1, 2) [m].
+
+    Returns:
+        The lines, each of shape (n, 2) [m].
+    """
+    base = points[0, 0]
+    side = 1.0 if points[:, 1:, 1].mean() < points[:, 0, 1].mean() else -1.0
+    size = PIN * np.ptp(points, axis=(0, 1)).max()
+    return [base + size * line * [1.0, side] for line in (SUPPORT, GROUND, *HATCHES)]
+
+
+def seen(
+    points: np.ndarray,
+    walls: Mapping[Place, HalfPlane],
+    radius: float = 0.0,
+    *,
+    near: float = NEAR,
+    room: float = 0.0,
+    pinned: bool = False,
+) -> tuple[np.ndarray, dict[Place, HalfPlane]]:
+    """Return the rectangle around a motion, the mark of a pinned base, and the nearest points of near walls.
+
+    Args:
+        points: positions, shape (T, N+1, 2) [m].
+        walls: name → free side; a wall that moves has a name for each of several places.
+        radius: the radius of the points [m].
+        near: the largest distance of a near wall from the motion, as a fraction of the motion's width.
+        room: a distance as a fraction of the motion's width. If the walls close a room that ends nearer than
+            this, all of the room is in the rectangle, and all walls are near.
+        pinned: whether the base has a ground mark, which moves with it.
+
+    Returns:
+        The lower left and the upper right corner, shape (2, 2) [m], and the walls that are near.
+    """
+    reach = np.array([points.min(axis=(0, 1)) - radius, points.max(axis=(0, 1)) + radius])
+    width = np.ptp(reach, axis=0).max()
+    shown = np.concatenate(reach[:, None])
+    if pinned:
+        ways = points[:, 0] - points[0, 0]
+        lines = [line + way for line in pin_mark(points) for way in (ways.min(axis=0), ways.max(axis=0))]
+        shown = np.concatenate([shown, *lines])
+    if corners := closed_room(walls, reach + room * width * np.array([[-1.0], [1.0]])) if room else []:
+        shown = np.concatenate([shown, corners])
+    view, found = np.array([shown.min(axis=0), shown.max(axis=0)]), dict(walls) if corners else {}
+    for name, wall in () if corners else walls.items():
+        corner = np.where(np.array(wall.normal) > 0.0, *reach)  # the corner that is nearest to the wall
+        gap = wall.clearance(*corner)
+        if -width <= gap <= near * width:
+            met = corner - max(0.0, gap) * np.array(wall.normal)
+            view = np.array([np.minimum(view[0], met), np.maximum(view[1], met)])
+            found[name] = wall
+    return view, found
+
+
+def framed(
+    points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float, *, pinned: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the view of a film: the motion, the near walls, a closed room, and a margin.
+
+    Returns:
+        The lower left and the upper right corner, shape (2, 2) [m]; and the part, 0…1, of any further room
+        that is to be left of it and below it: further room goes to the side without a wall.
+    """
+    view, near = seen(points, walls, radius, room=ROOM, pinned=pinned)
+    margin = MARGIN * max(np.ptp(view, axis=0).max(), LEAST)
+    return view + margin * np.array([[-1.0], [1.0]]), open_shares(near.values())[0]
+
+
+def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the part, 0…1, of an extension of a view that lies left and below, and whether a side is open.
+
+    Both are along x and y. A view is extended to the sides without a wall.
+    """
+    open_sides = np.ones((2, 2))  # left and below, right and above
+    for wall in walls:
+        normal = np.array(wall.normal)
+        open_sides[0][normal > UPRIGHT] = open_sides[1][normal < -UPRIGHT] = 0.0
+    return 0.5 + 0.5 * (open_sides[0] - open_sides[1]), open_sides.max(axis=0) > 0.0
+
+
+def size_of(recording: Recording) -> float:
+    """Return the size of a motion [m]."""
+    return float(np.ptp(recording.all_points, axis=(0, 1)).max())
+
+
+def places_of(recording: Recording) -> np.ndarray:
+    """Return the positions of all points, and of the corners of a carriage, shape (T, M, 2) [m]."""
+    if recording.rail is None:
+        return recording.all_points
+    corners = recording.rail.carriage(np.zeros(2), size_of(recording))
+    return np.concatenate([recording.all_points, recording.points[:, :1] + corners], axis=1)
+
+
+def radius_of(recording: Recording) -> float:
+    """Return the largest radius of the points that can touch [m]; 0 if too small to be seen, or unknown."""
+    radius = max(recording.touching.values(), default=0.0)
+    return radius if radius > ALONE * size_of(recording) else 0.0
+
+
+def closed_room(walls: Mapping[Place, HalfPlane], around: np.ndarray) -> list[np.ndarray]:
+    """Return the corners of the room between some walls, if it is within a rectangle on all sides; else none.
+
+    Args:
+        walls: name → free side.
+        around: the lower left and the upper right corner of the rectangle, shape (2, 2) [m].
+    """
+    corners = free_room(walls.values(), around)
+    inside = all(((around[0] < corner) & (corner < around[1])).all() for corner in corners)
+    return corners if inside else []
+
+
+def free_room(walls: Iterable[HalfPlane], around: np.ndarray) -> list[np.ndarray]:
+    """Return the corners of the part of a rectangle that is on the free sides of some walls."""
+    corners = [around[[i, j], [0, 1]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    for wall in walls:
+        corners = list(_clipped(corners, wall))
+    return corners
+
+
+def _clipped(corners: list[np.ndarray], wall: HalfPlane) -> Iterator[np.ndarray]:
+    """Yield the corners of the part of a polygon on the free side of a wall (Sutherland & Hodgman, 1974)."""
+    gaps = [wall.clearance(*corner) for corner in corners]
+    for k, (here, gap) in enumerate(zip(corners, gaps, strict=True)):
+        before = gaps[k - 1]
+        if before * gap < 0.0:
+            yield corners[k - 1] + before / (before - gap) * (here - corners[k - 1])
+        if gap >= 0.0:
+            yield here

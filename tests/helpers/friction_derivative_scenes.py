@@ -1,0 +1,126 @@
+"""Scenes with dry friction whose derivatives are known."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tests.helpers.derivative_scenes import Case, all_parameters, link, start, table
+from tests.helpers.problems import of_law
+
+SLOPE = 0.35  # rad
+
+
+def parameters_of(case_scene: Any, inputs: dict[str, float] | None = None) -> tuple[str, ...]:
+    """All that a motion depends on, but a radius of points and a coefficient that another one covers."""
+    values = case_scene.values
+    covered = values.get("contact.static_friction", 0.0) <= values.get("contact.friction", 0.0)
+    left_out = {"contact.radius", *(["contact.static_friction"] if covered else [])}
+    return tuple(name for name in all_parameters(case_scene, inputs or {}) if name not in left_out)
+
+
+def puck(law: str = "zhang_sharf", friction: float = 0.2, static: float = 0.0, **solver: Any) -> Case:
+    """A body that touches a slope at its centre of mass: it slides up, stops, and stays or slides back."""
+    scene = table(
+        [link(0.1, 0.4, center_of_mass=0.0)],
+        walls=[{"name": "slope", "point": [0.0, 0.0], "angle": SLOPE}],
+        contact={
+            "points": [0],
+            "stiffness": 1e4,
+            "restitution": 0.1,
+            "friction": friction,
+            "static_friction": static,
+            **of_law(law),
+        },
+        initial=start(position=[0.0, 1e-3], angles=[SLOPE + 1.5], velocity=[1.3, 0.2]),
+        simulation={"stop_time": 0.6, "step_size": 0.01},
+        solver=solver,
+    )
+    return Case(scene, parameters_of(scene), (0.1, 0.3, 0.6))
+
+
+def swinging(static: float = 0.0, law: str = "zhang_sharf", **solver: Any) -> Case:
+    """A link that swings below a point on a floor: the point slides, sticks, and slides again."""
+    scene = table(
+        [{"length": 0.4, "mass": 0.8}],
+        box={"y_min": 0.0},
+        contact={
+            "points": [0],
+            "stiffness": 5e3,
+            "restitution": 0.1,
+            "friction": 0.35,
+            "static_friction": static,
+            **of_law(law),
+        },
+        initial=start(position=[0.0, 1e-3], angles=[-0.3], velocity=[0.1, -0.3]),
+        simulation={"stop_time": 0.8, "step_size": 0.01},
+        solver=solver,
+    )
+    return Case(scene, parameters_of(scene), (0.1, 0.4, 0.8))
+
+
+def driven(static: float = 0.45, law: str = "zhang_sharf", **solver: Any) -> Case:
+    """Two links below a point on a floor of a material, with a torque and dry friction in their joint."""
+    scene = table(
+        [
+            link(0.4, 0.8, damping=0.01),
+            link(0.3, 0.5, damping=0.02, friction=0.15),
+        ],
+        box={"y_min": 0.0},
+        contact={
+            "points": [0],
+            "stiffness": 5e3,
+            "restitution": 0.1,
+            "wall": {"y_min": {"friction": 0.3, "static_friction": static}},
+            **of_law(law),
+        },
+        inputs={"joint_torques": True},
+        initial=start(position=[0.0, 1e-3], angles=[-0.4, -1.2], velocity=[0.2, -0.3], spins=[0.0, 1.0]),
+        simulation={"stop_time": 0.8, "step_size": 0.01},
+        solver=solver,
+    )
+    inputs = {"joint[2].torque": 0.1}
+    return Case(scene, parameters_of(scene, inputs), (0.1, 0.4, 0.8), inputs)
+
+
+def dry_joints(links: int = 2, **solver: Any) -> Case:
+    """A pinned chain with dry friction in all joints, which swings and comes to rest."""
+    joint = {"joint_friction": 0.5, "joint_damping": 0.01}
+    lengths = (0.4, 0.35, 0.3, 0.25)[:links]
+    scene = table(
+        [
+            {"length": length, "mass": 0.9 - 0.1 * i, **joint, "joint_friction": 0.9 / (i + 1.0) ** 2}
+            for i, length in enumerate(lengths)
+        ],
+        base="pinned",
+        inputs={"joint_torques": True},
+        initial=start(angles=[-0.6, -1.1, -1.5, -0.9][:links], spins=[-0.1, -0.25, 0.1, -0.2][:links]),
+        simulation={"stop_time": 2.0, "step_size": 0.01},
+        solver=solver,
+    )
+    inputs = {"joint[1].torque": 0.1}
+    return Case(scene, parameters_of(scene, inputs), (0.5, 1.2, 2.0), inputs)
+
+
+def thrown(links: int = 2, law: str = "zhang_sharf", stop: float = 0.5, **solver: Any) -> Case:
+    """A chain with a dry joint that falls on a floor and a slope with friction: impacts slide and stick."""
+    body = link(0.3, 0.7, damping=0.01)
+    scene = table(
+        [body, *[body | {"joint_friction": 0.1 + 0.03 * i} for i in range(links - 1)]],
+        box={"y_min": 0.0},
+        contact={
+            "stiffness": 1e6,
+            "restitution": 0.6,
+            "friction": 0.35,
+            "static_friction": 0.4,
+            **of_law(law),
+        },
+        initial=start(
+            position=[0.0, 0.25],
+            angles=[0.5, -0.4, 0.3, 0.1][:links],
+            velocity=[0.3, -1.0],
+            spins=[1.0, 2.0, -1.0, 0.5][:links],
+        ),
+        simulation={"stop_time": stop, "step_size": 1e-3},
+        solver=solver,
+    )
+    return Case(scene, parameters_of(scene), (0.3 * stop, 0.7 * stop, stop))

@@ -1,0 +1,230 @@
+"""Problems of others with dry friction: published figures, second solutions and ours.
+
+The scenes, with their sources and closed forms, are those of tests/helpers/coulomb_literature.py. Where walls
+are rigid in the source, ours is the limit K → ∞, by Richardson's extrapolation from two stiffnesses. Units
+are SI throughout.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+from scipy.optimize import brentq
+
+from chain_impact import Result
+from chain_impact.scene.scene import scene_from_dict
+from tests.helpers import coulomb_literature
+from tests.helpers.coulomb_impact import extrapolated, stiff_limit
+from tests.helpers.coulomb_problems import Table
+from tests.helpers.derivatives import differentiate
+from tests.helpers.figures import Figure, Problem, problem, run
+from tests.helpers.housner import quarter_period, simulated_quarter_period
+from tests.helpers.reference import exact_damping_factor
+
+SOFT, STIFF = 1e12, 1e13  # N/m^(3/2), of impacts
+SOFT_FLOOR = 1e5  # N/m^(3/2), of a floor that throws Glocker's rod up
+
+
+def run_table(table: Table, tolerance: float, **changes: Any) -> Result:
+    """A scene as its file has it, simulated at a tolerance."""
+    return run(table["name"], tolerance, scene_from_dict(table, table["name"]), **changes)
+
+
+def in_the_limit(
+    build: Callable[[float], Table], values: Callable[[Result], list[float]], tolerance: float, **changes: Any
+) -> tuple[np.ndarray, Result]:
+    """Values of an impact as K → ∞, and the run at the larger K of the two."""
+    soft, stiff = (run_table(build(stiffness), tolerance, **changes) for stiffness in (SOFT, STIFF))
+    return extrapolated(np.array(values(soft)), np.array(values(stiff)), STIFF / SOFT), stiff
+
+
+def unpublished(quantity: str, independent: float, ours: float, held: float) -> Figure:
+    """What the source has neither a figure nor an equation for."""
+    return Figure(quantity, None, independent, ours, held, equation=False)
+
+
+def impulses(result: Result) -> list[float]:
+    """Normal impulse and that of friction of the only impact [N·s]."""
+    (impact,) = result.impacts
+    return [impact["impulse"], result[f"contact[{impact['point']}].y_min.friction_impulse"][-1]]
+
+
+def kane_pendulum(tolerance: float) -> Problem:
+    """What the impact of Kane and Levinson's pendulum gains by their rule, and loses by a force."""
+    _, exact = coulomb_literature.kane_pendulum()
+    (*impulse, speed, gained), result = in_the_limit(
+        lambda stiffness: coulomb_literature.kane_pendulum(stiffness)[0],
+        lambda result: [
+            *impulses(result),
+            result.impacts["separation_speed"][0],
+            result["energy.total"][-1] - result["energy.total"][0],
+        ],
+        tolerance,
+        output_step=0.05,
+    )
+    limit, published = exact.limit, exact.published_gain
+    figures = [
+        Figure("energy made by the impact [J]", published, -limit.dissipated, gained, 1e-9, 0.05, True),
+        unpublished("normal impulse [N·s]", limit.normal, impulse[0], 1e-8),
+        unpublished("impulse of friction [N·s]", limit.tangential, impulse[1], 1e-8),
+        unpublished("separation speed [m/s]", limit.separation, speed, 1e-8),
+    ]
+    return problem("kane_pendulum", result, figures)
+
+
+def siconos_stick(tolerance: float) -> Problem:
+    """The stick between its first impact and the second, in free flight."""
+    _, exact = coulomb_literature.siconos_stick()
+
+    def flight(result: Result) -> list[float]:
+        angle, spin = result["link[1].angle"][-1], result["link[1].angular_velocity"][-1]
+        along = result["point[0].vx"][-1] - 0.5 * spin * math.sin(angle)
+        return [along, spin, result["energy.total"][-1] - result["energy.total"][0]]
+
+    ours, result = in_the_limit(
+        lambda stiffness: coulomb_literature.siconos_stick(stiffness)[0],
+        flight,
+        tolerance,
+        stop_time=0.1,
+        output_step=0.1,
+    )
+    onset = result.impacts["onset"][0]
+    names = (
+        "velocity of the centre along the floor after it [m/s]",
+        "angular velocity after it [rad/s]",
+        "energy made by it [J]",
+    )
+    held, errors = (1e-8, 1e-6, 1e-8), (0.0062, 0.0051, 0.0015)
+    figures = [unpublished("impact: time [s]", exact.onset, onset, 1e-12)]
+    figures += [
+        Figure(*row, True)
+        for row in zip(names, exact.published, exact.limit, ours, held, errors, strict=True)
+    ]
+    fremond = [f"Frémond's law: {name}" for name in names]
+    figures += [
+        Figure(*row, True)
+        for row in zip(
+            fremond, coulomb_literature.FREMOND, exact.limit, ours, held, (0.0013, 0.0041, 7e-5), strict=True
+        )
+    ]
+    return problem("siconos_stick", result, figures)
+
+
+def glocker_rod(tolerance: float) -> Problem:
+    """When the rigid rod cannot slide on, at an angle of 45°; and what a soft floor does after it."""
+    _, exact = coulomb_literature.glocker_rod()
+    soft, stiff = (time_at(stiffness, tolerance, exact.angle) for stiffness in (1e7, 1e8))
+    # measured: this time tends to that of the rigid rod as K^−1/2
+    ours = (math.sqrt(10.0) * stiff - soft) / (math.sqrt(10.0) - 1.0)
+    table, _ = coulomb_literature.glocker_rod(SOFT_FLOOR)
+    result = run_table(table, tolerance, stop_time=0.86, output_step=0.86)
+    phases = result.stick_slip
+    found = [
+        phases["start"][phases["mode"] == 0][0],
+        result.impacts["end"][0],
+        result["point[1].vy"][-1],
+        result["link[1].angular_velocity"][-1],
+    ]
+    names = ("the end sticks: time [s]", "it leaves the floor: time [s]", "its upward speed at 0.86 s [m/s]")
+    names += ("angular velocity at 0.86 s [rad/s]",)
+    figures = [
+        Figure("it cannot slide on: time [s]", exact.published, exact.time, ours, 2e-5, 0.016, True),
+        *(
+            unpublished(f"K = 10⁵: {name}", second, value, 2e-8)
+            for name, second, value in zip(names, thrown_up(), found, strict=True)
+        ),
+    ]
+    return problem("glocker_rod", result, figures)
+
+
+def time_at(stiffness: float, tolerance: float, angle: float) -> float:
+    """When Glocker's rod comes to an angle from the floor [s]."""
+    table, _ = coulomb_literature.glocker_rod(stiffness)
+    result = run_table(table, tolerance, stop_time=0.82, output_step=1e-3)
+    turned = CubicHermiteSpline(result.time, result["link[1].angle"], result["link[1].angular_velocity"])
+    return float(brentq(lambda time: turned(time) + angle, 0.8, 0.82, xtol=1e-14))
+
+
+FALL = 1e-11  # m
+
+
+@cache
+def thrown_up() -> tuple[float, float, float, float]:
+    """When the end sticks, when it leaves the soft floor; its upward speed and the rod's spin at 0.86 s."""
+    table, _ = coulomb_literature.glocker_rod(SOFT_FLOOR)
+    x, y = table["initial"]["position"]
+    # the contact begins a little later, as this model cannot start from a contact at rest
+    table = table | {"initial": table["initial"] | {"position": [x, y + FALL]}}
+    motion = differentiate(scene_from_dict(table, table["name"]), (), [0.86])
+    (sticks,), (leaves,) = [time for time, _, mode in motion.modes if mode == 0], motion.impacts["end"]
+    return sticks, leaves, motion.values["point[1].vy"][-1], motion.values["link[1].angular_velocity"][-1]
+
+
+def stewart_rod(tolerance: float) -> Problem:
+    """The impact of Stewart and Trinkle's rod, whose end slides, halts and sticks."""
+    _, exact = coulomb_literature.stewart_rod()
+    limit = stiff_limit(exact.strike, exact_damping_factor(0.05))
+    ours, result = in_the_limit(
+        lambda stiffness: coulomb_literature.stewart_rod(stiffness)[0],
+        lambda result: [*impulses(result), result.impacts["separation_speed"][0]],
+        tolerance,
+        stop_time=0.39,
+        output_step=0.39,
+    )
+    figures = [
+        unpublished("impact: time [s]", exact.onset, result.impacts["onset"][0], 1e-12),
+        # a restitution of 0.05 makes the contact long: its limit is approached more slowly than as K^−2/5
+        unpublished("normal impulse [N·s]", limit.normal, ours[0], 1e-5),
+        unpublished("impulse of friction [N·s]", limit.tangential, ours[1], 1e-5),
+        unpublished("separation speed [m/s]", limit.separation, ours[2], 1e-5),
+    ]
+    return problem("stewart_rod", result, figures)
+
+
+def rocking_block(tolerance: float) -> Problem:
+    """What is left of the spin of a block when its other corner hits the floor."""
+    tilt, shown = 0.2, (0.1, 0.2)
+    left, figures = [], []
+    for restitution in shown:
+        after, result, exact = rocked(tilt, restitution, tolerance)
+        left.append(after / exact.before)
+        quantity = f"e = {restitution}: angular velocity after / before"
+        figures.append(unpublished(quantity, exact.after / exact.before, left[-1], 2e-7))
+    (onset,) = result.impacts["onset"][result.impacts["point"] == 2]
+    # the corner that hits sticks through the impact, so what is left is linear in e
+    plastic, quantity = 2.0 * left[0] - left[1], "extrapolated to e = 0: the same"
+    figures = [
+        # a block on a stiff floor stands a little deeper than on a rigid one
+        unpublished("other corner hits: time [s]", exact.onset, onset, 1e-8),
+        *figures,
+        Figure(quantity, None, exact.published, plastic, 3e-7),
+        unpublished(
+            "quarter period on a rigid floor [s]", quarter_period(), simulated_quarter_period(tolerance), 1e-9
+        ),
+    ]
+    return problem("rocking_block", result, figures)
+
+
+def rocked(
+    tilt: float, restitution: float, tolerance: float
+) -> tuple[float, Result, coulomb_literature.RockingBlock]:
+    """The angular velocity in the flight after the impact of the other corner [rad/s], as K → ∞."""
+
+    def build(stiffness: float) -> Table:
+        return coulomb_literature.rocking_block(tilt, stiffness=stiffness, restitution=restitution)[0]
+
+    _, exact = coulomb_literature.rocking_block(tilt, restitution=restitution)
+    stop = exact.onset + 1e-3
+    (after,), result = in_the_limit(
+        build,
+        lambda result: [result["link[1].angular_velocity"][-1]],
+        tolerance,
+        stop_time=stop,
+        output_step=stop,
+    )
+    return after, result, exact

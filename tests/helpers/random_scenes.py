@@ -1,0 +1,609 @@
+"""Random scenes for the search for faults: anything that a user may ask for, made from one integer.
+
+``scene(seed)`` is the same for ever, as long as nobody changes the order of the draws below. Each special
+kind of scenes has seeds and draws of its own. A scene is meant to cost milliseconds, whatever it is made of:
+the stop time is cut to what the links' turning, the tolerance and the method call for. Where a scene asks for
+much work, and nobody could spare the solver that, ``solver.work_limit`` ends it early (``hard``); everywhere
+else it keeps its default, so that slowness shows.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from chain_impact.kernel.chain.inertia import loose_links
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.scene.scene import SOLVER_METHODS, Scene, scene_from_dict, with_values
+from chain_impact.scene.signals import inputs_of
+from chain_impact.simulation.instance import Instance
+from tests.helpers.problems import GRAVITY, build
+from tests.helpers.turned import turned
+
+# The first seeds of scenes with
+SLANTED = 10**6  # walls at any angle,
+SPRUNG = 2 * 10**6  # springs or point masses,
+FOLDED = 3 * 10**6  # folds of equal links,
+TAUT = 4 * 10**6  # stiff springs at loose tolerances,
+UNEVEN = 5 * 10**6  # rigid walls and masses over six decades,
+LONG = 6 * 10**6  # more links than others,
+HARSH = 7 * 10**6  # all that is hard, and the default limit of work (tests/helpers/search.py only),
+STOPPED = 8 * 10**6  # stops in joints, walls of different materials, and often springs,
+RUBBED = 9 * 10**6  # dry friction at walls and in joints, and often stops,
+DRIVEN = 10 * 10**6  # drives in joints: armatures, servos, limits of torque; and dry friction or stops,
+SIGNALLED = 11 * 10**6  # and signals that drive torques and targets.
+MOST_LINKS, LONG_LINKS = 10, (11, 60)
+HARD_WORK = 2e4  # evaluations, for a scene that asks for much, …
+DRY_WORK = 2e5  # … and for one with dry friction that does not
+TURNS = 300.0  # rad, at most, that a link turns by, as it starts
+IMPLICIT_STEPS = 1e4  # for which stop times are drawn, estimated for a method of order 3
+
+LENGTH, FOLD_TOLERANCE = 0.5, 1e-8  # m, of 1 kg: the links of folds, and their tolerance
+
+STARTS = ("thrown", "dropped", "spinning", "resting", "gliding", "leaving")
+SHARES = (0.25, 0.12, 0.13, 0.2, 0.2, 0.1)
+FLUSH = STARTS[3:]
+
+
+class Draw:
+    """A stream of them, which follows from its seed."""
+
+    def __init__(self, *seed: int) -> None:
+        self.generator = np.random.default_rng(seed)
+
+    def chance(self, share: float) -> bool:
+        return bool(self.generator.random() < share)
+
+    def real(self, low: float, high: float) -> float:
+        return float(self.generator.uniform(low, high))
+
+    def power(self, low: float, high: float) -> float:
+        """Log-uniform."""
+        return float(np.exp(self.generator.uniform(math.log(low), math.log(high))))
+
+    def whole(self, low: int, high: int) -> int:
+        """Both ends included."""
+        return int(self.generator.integers(low, high + 1))
+
+    def one(self, choices: Any, shares: Any = None) -> Any:
+        return choices[int(self.generator.choice(len(choices), p=shares))]
+
+    def direction(self, length: float) -> list[float]:
+        angle = self.real(-math.pi, math.pi)
+        return [length * math.cos(angle), length * math.sin(angle)]
+
+
+def scene(seed: int) -> Scene:
+    """The scene of a seed, of the kind that the last of the first seeds up to it stands for.
+
+    Every third one asks for loads, which changes nothing of the motion.
+    """
+    found = _KINDS[max(first for first in _KINDS if first <= seed)](seed)
+    return found if seed % 3 else with_values(found, {("outputs", "loads"): True})
+
+
+def sprung(scene: Scene, draw: Draw, weakest: float = 1e-3, stiffest: float = 1e6) -> Scene:
+    """The scene with springs in some joints, a few of them strained, and some links without inertia.
+
+    The springs of a scene are within a tenth and ten times of a stiffness that is drawn [N·m/rad]. Without
+    damping they may swing for ever, however stiff they are, so the work is limited.
+    """
+    angles, before, size = scene.initial.angles, (0.0, *scene.initial.angles), draw.power(weakest, stiffest)
+    links = [asdict(link) for link in scene.chain.links]
+    all_of_them, points = draw.chance(0.5), draw.chance(0.3)
+    for i, link in enumerate(links):
+        if all_of_them or draw.chance(0.6):
+            link["joint_stiffness"] = size * draw.power(0.1, 10.0)
+        link["joint_rest_angle"] = angles[i] - before[i] + draw.real(-0.5, 0.5) * draw.chance(0.3)
+        if points and draw.chance(0.7):
+            link["center_of_mass"] = link["length"] * draw.one((draw.real(0.1, 1.0), 1.0))
+            link["inertia"] = 0.0
+    first, last = loose_links(_Shapes(links, scene.chain.base == "pinned"), False)
+    while first >= 0:
+        links[last]["inertia"] = links[last]["mass"] * links[last]["length"] ** 2 * draw.power(1e-3, 0.1)
+        first, last = loose_links(_Shapes(links, scene.chain.base == "pinned"), False)
+    stop = min(1.0, scene.simulation.stop_time)
+    return with_values(
+        scene,
+        {
+            ("chain", "links"): links,
+            ("simulation", "stop_time"): stop,
+            ("solver", "work_limit"): HARD_WORK / stop,
+        },
+    )
+
+
+class _Shapes:
+    """What ``loose_links`` looks at."""
+
+    def __init__(self, links: list[dict[str, Any]], pinned: bool) -> None:
+        self.length, self.center_of_mass, self.center_of_mass_offset, self.inertia = (
+            [link[key] for link in links]
+            for key in ("length", "center_of_mass", "center_of_mass_offset", "inertia")
+        )
+        self.pinned = pinned
+
+
+def taut(scene: Scene, draw: Draw) -> Scene:
+    """The scene with springs of 1e3 to 1e6 N·m/rad, at a loose tolerance."""
+    tolerance = draw.power(1e-4, 1e-2)
+    return with_values(sprung(scene, draw, 1e4, 1e5), {("solver", "tolerance"): tolerance})
+
+
+def folded(scene: Scene, draw: Draw) -> Scene:
+    """A fold, most often under a law of force in place of rigid walls, at any tolerance."""
+    contact, solver = asdict(scene.contact), {**asdict(scene.solver), "tolerance": draw.power(1e-12, 1e-2)}
+    if draw.chance(0.7):
+        kept = {"points": contact["points"], "radius": 0.0}
+        contact |= _contact(draw, len(scene.chain.links), "free", rigid=0.0) | kept
+    if hard(solver, contact):
+        solver["work_limit"] = HARD_WORK
+    return with_values(scene, {("contact",): contact, ("solver",): solver})
+
+
+def uneven(scene: Scene, draw: Draw) -> Scene:
+    """The scene with rigid walls, and the masses of its links over six decades."""
+    links = [asdict(link) for link in scene.chain.links]
+    for link in links:
+        times = draw.power(1e-3, 1e3) / link["mass"]
+        link["mass"], link["inertia"] = times * link["mass"], times * link["inertia"]
+    e = draw.one((0.0, draw.real(0.0, 1.0), 1.0), (0.3, 0.6, 0.1))
+    rigid = {("contact", "model"): "newton_impact", ("contact", "restitution"): e}
+    return with_values(scene, {("chain", "links"): links, **rigid})
+
+
+def long(seed: int) -> Scene:
+    """A long chain under a law of force. It may take much work."""
+    return with_values(upright(seed, LONG_LINKS, rigid=0.0), {("solver", "work_limit"): HARD_WORK})
+
+
+def harsh(seed: int) -> Scene:
+    """A chain of any length with springs, a solver that may choose its method, and no limit of its own."""
+    scene = sprung(upright(seed, (1, LONG_LINKS[1])), Draw(seed, 3), 1e-2, 1e4)
+    return with_values(scene, {("solver", "work_limit"): None, ("solver", "method"): None})
+
+
+def slanted(scene: Scene, draw: Draw) -> Scene:
+    """The scene with some walls at any angle around its points, turned as a whole, or both."""
+    turns, cuts = draw.one(((True, False), (False, True), (True, True)))
+    angle = draw.real(-math.pi, math.pi)
+    walls = [_slope(draw, scene, w) for w in range(draw.whole(1, 3))] if cuts else []
+    scene = with_values(scene, {("walls",): walls})
+    return turned(scene, angle) if turns else scene
+
+
+def _slope(draw: Draw, scene: Scene, number: int) -> dict[str, Any]:
+    """A wall beside the points that may touch it, as far off as those of ``_box``."""
+    angle, size = draw.real(-math.pi, math.pi), max(link.length for link in scene.chain.links)
+    margin = draw.one((size * draw.real(0.05, 2.0), draw.power(1e-13, 1e-3), 0.0), (0.85, 0.1, 0.05))
+    along, normal = (
+        np.array([math.cos(angle), math.sin(angle)]),
+        np.array([-math.sin(angle), math.cos(angle)]),
+    )
+    lengths = np.array([link.length for link in scene.chain.links])[:, None]
+    angles = np.array(scene.initial.angles)
+    steps = lengths * np.transpose([np.cos(angles), np.sin(angles)])
+    points = np.array(scene.initial.position) + np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])
+    nearest = (points[list(scene.contact.points)] @ normal).min()
+    place = (nearest - scene.contact.radius - margin) * normal + draw.real(-5.0, 5.0) * along
+    return {"name": f"slope_{number}", "point": place.tolist(), "angle": angle}
+
+
+def upright(seed: int, counts: tuple[int, int] = (1, MOST_LINKS), rigid: float = 0.25) -> Scene:
+    """The scene of a seed with a box alone: links, at least and at most, and the share of rigid walls."""
+    draw = Draw(seed, 0)
+    start = draw.one(STARTS, SHARES)
+    base = draw.one(("free", "pinned"), (0.7, 0.3))
+    links = _links(draw, *counts)
+    angles, wall = _angles(draw, len(links), start)
+    contact = _contact(draw, len(links), base, rigid)
+    box = _box(draw, links, angles, contact, wall if start in FLUSH else None)
+    initial = {"position": _ORIGIN, "angles": angles, **_motion(draw, start, base, len(links), wall)}
+    inputs = {"joint_torques": draw.chance(0.2), "tip_force": draw.chance(0.2)}
+    solver = {"method": draw.one(SOLVER_METHODS, (0.6, 0.2, 0.2)), "tolerance": draw.power(1e-12, 1e-2)}
+    stop = draw.power(0.02, 2.0)
+    fastest = max(1.0, *(abs(omega) for omega in initial["angular_velocities"]))
+    stop = min(stop, TURNS / fastest)
+    if solver["method"] == "implicit":
+        stop = min(stop, IMPLICIT_STEPS * solver["tolerance"] ** (1 / 3) / fastest)
+    if hard(solver, contact):
+        stop = min(stop, 1.0)  # which is the window of the limit
+        solver["work_limit"] = HARD_WORK / stop
+    table = {
+        "name": f"Random{seed}",
+        "gravity": _gravity(draw, start, wall),
+        "chain": {"base": base, "links": links},
+        "box": box,
+        "contact": contact,
+        "inputs": inputs,
+        "initial": initial,
+        "solver": solver,
+        "simulation": {"stop_time": stop, "step_size": stop / 50},
+    }
+    return scene_from_dict(table, f"seed {seed}")
+
+
+def hard(solver: dict[str, Any], contact: dict[str, Any]) -> bool:
+    """Whether a scene may take any amount of work, with whatever solver there is.
+
+    The explicit method where a contact or a joint is stiff; one of order 3 with a tolerance far below what it
+    is for; and a stiff wall that takes no energy, on which a point trembles as long as the simulation lasts.
+    """
+    if solver["method"] == "explicit":
+        return True
+    if solver["method"] == "implicit" and solver["tolerance"] < 1e-9:
+        return True
+    elastic = contact["model"] == "hertz" or contact["restitution"] > 0.9
+    return elastic and contact["model"] != "newton_impact"
+
+
+def drive(scene: Scene, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """The constant torques at the joints [N·m] and the force on the tip [N] of the scene of a seed.
+
+    They would turn the lighter of the two links, or move the last one, by 1 to 100 rad/s² or m/s².
+    """
+    draw, links = Draw(seed, 1), scene.chain.links
+    torque, force = np.zeros(len(links)), np.zeros(2)
+    if scene.inputs.joint_torques:
+        for i, link in enumerate(links):
+            lighter = min(link.inertia, links[i - 1].inertia if i > 0 else math.inf)
+            if lighter == 0.0:
+                lighter = link.mass * link.length**2 / 12
+            torque[i] = lighter * draw.power(1.0, 100.0) * draw.one((-1.0, 1.0))
+    if scene.inputs.tip_force:
+        force[:] = draw.direction(links[-1].mass * draw.power(1.0, 100.0))
+    return torque, force
+
+
+def targets(scene: Scene, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """The constant target angles [rad] and velocities [rad/s] of the joints of the scene of a seed."""
+    draw, count = Draw(seed, 10), len(scene.chain.links)
+    moves = np.array([draw.real(-1.0, 1.0) * draw.chance(0.6) for _ in range(count)])
+    speeds = np.array([draw.real(-5.0, 5.0) * draw.chance(0.3) for _ in range(count)])
+    return np.diff(scene.initial.angles, prepend=0.0) + moves, speeds
+
+
+def started(scene: Scene, seed: int) -> Instance:
+    """An instance of a scene at its start, with the inputs of a seed.
+
+    Raises:
+        SimulationError: when it cannot start.
+    """
+    instance = Instance(scene)
+    if scene.inputs.any:
+        given = instance.record["given"]
+        given["joint_torque"], given["tip_force"] = drive(scene, seed)
+        if scene.inputs.joint_targets:
+            given["joint_target_angle"], given["joint_target_velocity"] = targets(scene, seed)
+        given["changed"] = 1
+    return instance
+
+
+_ORIGIN = [0.0, 0.0]
+
+
+def _links(draw: Draw, fewest: int, most: int) -> list[dict[str, float]]:
+    count = draw.whole(fewest, most)
+    equal, uneven, shaped = draw.chance(0.3), draw.chance(0.25), draw.chance(0.2)
+    damped = draw.one(("none", "some", "all"), (0.65, 0.15, 0.2))
+    size = draw.power(0.1, 1.0)
+    links = []
+    for _ in range(count):
+        link = {"length": size * (1.0 if equal else draw.power(0.2, 1.0))}
+        link["mass"] = draw.power(1e-3, 1e3) if uneven else 1.0 if equal else draw.power(0.2, 5.0)
+        if shaped:
+            link["center_of_mass"] = link["length"] * draw.real(0.0, 1.0)
+            link["inertia"] = link["mass"] * link["length"] ** 2 / 12 * draw.power(0.05, 5.0)
+        if damped == "all" or (damped == "some" and draw.chance(0.5)):
+            link["joint_damping"] = draw.power(1e-4, 1e4)
+        links.append(link)
+    return links
+
+
+def _angles(draw: Draw, count: int, start: str) -> tuple[list[float], int]:
+    """Angles of the links, and the wall at which a flush start has its points."""
+    wall = draw.one((0, 1, 2, 2, 2, 2, 3))
+    along = 0.0 if wall >= 2 else math.pi / 2
+    angles = [draw.real(-math.pi, math.pi) for _ in range(count)]
+    if start in FLUSH:
+        flat = draw.one((0.0, 0.5, 1.0))  # share of the links that lie along the wall
+        angles = [along + math.pi * draw.chance(0.2) if draw.chance(flat) else angle for angle in angles]
+    elif draw.chance(0.15):
+        angles = [along] * count  # parallel to a wall, which all points hit at once
+    return angles, wall
+
+
+def _gravity(draw: Draw, start: str, wall: int) -> list[float]:
+    kind = draw.one(("none", "down", "any", "onto"), (0.2, 0.4, 0.2, 0.2))
+    if kind == "none":
+        return [0.0, 0.0]
+    if kind == "any":
+        return draw.direction(draw.power(0.1, 100.0))
+    if kind == "onto":  # the wall that may be touched
+        pull = [0.0, 0.0]
+        pull[wall // 2] = 9.81 * (2.0 * (wall % 2) - 1.0)
+        return pull
+    return [0.0, -9.81]
+
+
+def _contact(draw: Draw, count: int, base: str, rigid: float) -> dict[str, Any]:
+    others = [law for law in CONTACT_LAWS if law != "newton_impact"]
+    law = CONTACT_LAWS["newton_impact" if draw.chance(rigid) else draw.one(others)]
+    exponent = law.exponent or draw.one(
+        (1.5, 1.0, 2.0, 3.0, draw.real(1.0, 3.0)), (0.5, 0.15, 0.1, 0.05, 0.2)
+    )
+    restitutions = (0.0 if law.allows_zero else 0.01, draw.power(1e-6, 1e-2), draw.real(0.01, 1.0), 1.0)
+    movable = list(range(base == "pinned", count + 1))
+    if draw.chance(0.3):
+        chosen = draw.generator.choice(movable, size=draw.whole(1, len(movable)), replace=False)
+        movable = [int(point) for point in chosen]
+    return {
+        "model": law.id,
+        "stiffness": draw.power(1e4, 1e12),
+        "exponent": exponent,
+        "restitution": draw.one(restitutions, (0.15, 0.15, 0.55, 0.15)),
+        "radius": draw.power(1e-3, 0.1) if draw.chance(0.3) else 0.0,
+        "points": movable,
+        "minimum_impact_speed": 1e-3 if draw.chance(0.3) else draw.power(1e-9, 1e-1),
+    }
+
+
+def _box(
+    draw: Draw, links: list[dict[str, float]], angles: list[float], contact: dict[str, Any], flush: int | None
+) -> dict[str, float]:
+    """One to four walls around the points that may touch them; the ``flush`` one without a gap."""
+    x, y = _ORIGIN
+    points = [(x, y)]
+    for link, angle in zip(links, angles, strict=True):
+        x, y = x + link["length"] * math.cos(angle), y + link["length"] * math.sin(angle)
+        points.append((x, y))
+    places = np.array([points[point] for point in contact["points"]])
+    size, radius = max(link["length"] for link in links), contact["radius"]
+    walls = set(draw.generator.permutation(4)[: draw.whole(1, 4)]) | ({flush} if flush is not None else set())
+    tight = draw.chance(0.3)
+    box: dict[str, float] = {}
+    for number, name in enumerate(WALLS):
+        # drawn for each wall, whether it is there or not
+        usual, near, zero = (
+            draw.real(0.01, 0.3) if tight else draw.real(0.05, 2.0),
+            draw.power(1e-13, 1e-3),
+            0.0,
+        )
+        margin = draw.one((size * usual, near, zero), (0.85, 0.1, 0.05))
+        if number == flush:
+            margin = 0.0
+        if number not in walls:
+            continue
+        axis, upper = divmod(number, 2)
+        if upper:
+            box[name] = float(places[:, axis].max()) + radius + margin
+            low = box.get(WALLS[number - 1])
+            if low is not None and not box[name] - low > 2.0 * radius + 1e-3 * size:
+                # who touches one wall of such a corridor always touches the other
+                if number == flush:
+                    box[WALLS[number - 1]] -= size * usual
+                else:
+                    box[name] += size * usual
+        else:
+            box[name] = float(places[:, axis].min()) - radius - margin
+    return box
+
+
+def _motion(draw: Draw, start: str, base: str, count: int, wall: int) -> dict[str, list[float]]:
+    """Velocity of the base and angular velocities."""
+    velocity, spins = [0.0, 0.0], [0.0] * count
+    if start in ("thrown", "leaving"):
+        velocity = draw.direction(draw.power(1e-3, 20.0))
+        spins = [draw.real(-10.0, 10.0) * draw.chance(0.8) for _ in range(count)]
+    elif start == "spinning":
+        top = draw.power(10.0, 500.0)
+        spins = [draw.real(-top, top) for _ in range(count)]
+    elif start == "gliding":
+        velocity[1 - wall // 2] = draw.power(1e-6, 10.0) * draw.one((-1.0, 1.0))
+    if base == "pinned":
+        velocity = [0.0, 0.0]
+    return {"velocity": velocity, "angular_velocities": spins}
+
+
+def stopped(scene: Scene, draw: Draw, law: dict[str, Any], most_work: float) -> Scene:
+    """The scene with stops in some joints around their start, and materials of their own for some walls.
+
+    Args:
+        scene: the scene.
+        draw: random numbers.
+        law: a table [contact], whose law the stops have, if not that of the walls.
+        most_work: evaluations that the run may take, if that is less than its own limit.
+    """
+    angles, before = scene.initial.angles, (0.0, *scene.initial.angles)
+    links, pinned = [asdict(link) for link in scene.chain.links], scene.chain.base == "pinned"
+    every = draw.chance(0.5)
+    movable = range(0 if pinned else 1, len(links))
+    for i in movable:
+        if every or draw.chance(0.5) or i == movable[-1]:
+            _stops(draw, links[i], angles[i] - before[i])
+    contact = asdict(scene.contact)
+    for name in scene.half_planes:
+        if draw.chance(0.4):
+            changed = {"stiffness": contact["stiffness"] * draw.power(0.1, 10.0)} if draw.chance(0.7) else {}
+            if not changed or draw.chance(0.5):
+                changed["restitution"] = draw.real(0.01, 1.0)
+            contact["wall"][name] = changed
+    stops = {key: law[key] for key in ("model", "exponent", "restitution")} if draw.chance(0.7) else {}
+    stops |= {"stiffness": draw.power(1e1, 1e8), "minimum_impact_speed": draw.power(1e-6, 1e-1)}
+    solver = asdict(scene.solver)
+    solver["work_limit"] = min(solver["work_limit"], most_work / min(1.0, scene.simulation.stop_time))
+    changes = {("chain", "links"): links, ("contact",): contact, ("solver",): solver}
+    return with_values(scene, changes | ({("stops",): stops} if movable else {}))
+
+
+def _stops(draw: Draw, link: dict[str, Any], angle: float) -> None:
+    """Give a joint one stop or two, at or around the angle at which it starts."""
+    margin = draw.power(1e-3, 3.0) if draw.chance(0.8) else 0.0
+    kind = draw.one(("joint_min", "joint_max", "both"), (0.25, 0.25, 0.5))
+    if kind != "joint_max":
+        link["joint_min"] = min(angle, max(angle - margin, -math.tau))
+    if kind != "joint_min":
+        link["joint_max"] = max(angle + 1e-3, min(angle + draw.power(1e-3, 3.0), math.tau))
+
+
+def rubbed(scene: Scene, draw: Draw, most_work: float) -> Scene:
+    """The scene with friction at its walls, if they are not rigid, and in some joints.
+
+    Args:
+        scene: the scene.
+        draw: random numbers.
+        most_work: evaluations that the run may take, if that is less than its own limit.
+    """
+    contact, links = asdict(scene.contact), [asdict(link) for link in scene.chain.links]
+    if contact["model"] != "newton_impact":
+        contact["friction"] = draw.power(0.01, 3.0)
+        contact["static_friction"] = contact["friction"] * draw.one((1.0, draw.real(1.0, 2.0)))
+        for name in scene.half_planes:
+            if draw.chance(0.2):
+                own = {"friction": draw.power(0.01, 3.0)}
+                contact["wall"][name] = {**(contact["wall"].get(name) or {}), **own}
+    movable = range(0 if scene.chain.base == "pinned" else 1, len(links))
+    dry = contact["model"] == "newton_impact" or draw.chance(0.4)
+    for i in movable:
+        if dry and draw.chance(0.6):
+            links[i]["joint_friction"] = draw.power(1e-3, 10.0)
+    solver = asdict(scene.solver)
+    solver["work_limit"] = min(solver["work_limit"], most_work / min(1.0, scene.simulation.stop_time))
+    return with_values(scene, {("chain", "links"): links, ("contact",): contact, ("solver",): solver})
+
+
+def fold(seed: int) -> Scene:
+    """Equal links on a rigid floor, to and fro at angles that differ from a fold by 1e-12 to 1e-1 rad."""
+    draw = Draw(seed, 4)
+    count = draw.whole(2, 4)
+    first = draw.whole(0, count - 2)
+    along = draw.one((math.pi / 2, draw.real(0.3, 2.8), math.pi / 2 + draw.power(1e-12, 1e-1)))
+    angles = [draw.real(-math.pi, math.pi) for _ in range(count)]
+    angles[first] = along
+    angles[first + 1] = along - math.pi + draw.power(1e-12, 1e-1) * draw.one((-1.0, 1.0))
+    heights = np.concatenate([[0.0], np.cumsum(LENGTH * np.sin(angles))])
+    points = [first, first + 2]
+    drop = draw.one((0.0, draw.power(1e-12, 1e-1)), (0.3, 0.7))
+    spins = [draw.real(-3.0, 3.0) * draw.chance(0.5) for _ in range(count)]
+    contact = {
+        "model": "newton_impact",
+        "restitution": draw.one((0.0, draw.real(0.0, 1.0), 1.0), (0.3, 0.6, 0.1)),
+        "points": points,
+        "minimum_impact_speed": draw.one((1e-3, draw.power(1e-6, 1e-1))),
+    }
+    initial = {
+        "position": [0.0, drop - float(heights[points].min())],
+        "velocity": [draw.real(-1.0, 1.0), -draw.power(1e-9, 1.0) * draw.chance(0.7)],
+        "angles": angles,
+        "angular_velocities": spins,
+    }
+    links = [{"length": LENGTH, "mass": 1.0}] * count
+    return build(
+        f"Fold{seed}",
+        links,
+        initial,
+        {"y_min": 0.0},
+        contact,
+        gravity=GRAVITY,
+        stop_time=draw.power(1e-2, 0.5),
+        tolerance=FOLD_TOLERANCE,
+    )
+
+
+def stopped_of(seed: int) -> Scene:
+    """The scene of a seed with stops, half of them also with springs or point masses."""
+    plain, draw = upright(seed), Draw(seed, 7)
+    scene = sprung(plain, Draw(seed, 3), 1e-3, 1e4) if draw.chance(0.5) else plain
+    law = _contact(draw, len(scene.chain.links), "free", rigid=0.25)
+    return stopped(scene, draw, law, HARD_WORK if hard(asdict(scene.solver), law) else math.inf)
+
+
+def rubbed_of(seed: int) -> Scene:
+    """A chain with dry friction, upright or with all that chains with stops have."""
+    draw = Draw(seed, 8)
+    scene = draw.one((upright, stopped_of), (0.7, 0.3))(seed)
+    demanding = hard(asdict(scene.solver), asdict(scene.contact))
+    return rubbed(scene, draw, HARD_WORK if demanding else DRY_WORK)
+
+
+def driven(scene: Scene, draw: Draw) -> Scene:
+    """The scene with armatures, limits of torque and servos, each in some joints of a share of scenes.
+
+    The rates of servos are within 1 and 1e4 1/s, most of them with a damping that is not far from critical.
+    """
+    links, follow = [asdict(link) for link in scene.chain.links], draw.chance(0.6)
+    geared, limited, pace = draw.chance(0.6), draw.chance(0.6), draw.power(1.0, 1e4)
+    for link in links:
+        size = link["mass"] * link["length"] ** 2
+        if geared and draw.chance(0.7):
+            link["joint_armature"] = size * draw.power(1e-4, 1e2)
+        inertia = size / 3 + link["joint_armature"]
+        if follow or draw.chance(0.5):
+            link["joint_stiffness"] = inertia * (pace * draw.power(0.3, 3.0)) ** 2
+            link["joint_damping"] = inertia * pace * draw.power(0.03, 10.0) * draw.chance(0.9)
+        if limited and draw.chance(0.7):
+            link["joint_torque_limit"] = inertia * draw.power(1.0, 1e3) * draw.chance(0.95)
+    solver, stop = asdict(scene.solver), min(1.0, scene.simulation.stop_time)
+    solver["work_limit"] = min(solver["work_limit"], DRY_WORK / stop)
+    changes = {("chain", "links"): links, ("solver",): solver, ("simulation", "stop_time"): stop}
+    return with_values(scene, changes | {("inputs", "joint_targets"): follow})
+
+
+def driven_of(seed: int) -> Scene:
+    """A chain with drives in its joints: upright, or with all that chains with stops or dry friction have."""
+    draw = Draw(seed, 9)
+    return driven(draw.one((upright, stopped_of, rubbed_of), (0.5, 0.2, 0.3))(seed), draw)
+
+
+def signalled(scene: Scene, draw: Draw) -> Scene:
+    """The scene with signals of all forms for some torques, of the sizes of ``drive``, and targets."""
+    scene = with_values(scene, {"inputs.joint_torques": True})
+    torques, _ = drive(scene, 0)
+    stop, signals = scene.simulation.stop_time, {}
+    for name in inputs_of(scene):
+        # who checks loads takes the force at the tip as it is given
+        if not draw.chance(0.4) or name.startswith("tip"):
+            continue
+        joint = int(name[6 : name.index("]")]) - 1
+        size = draw.real(0.1, 1.0) if "target" in name else abs(torques[joint])
+        start, duration = stop * draw.real(0.0, 0.6), stop * draw.power(0.01, 0.5)
+        signals[f"drive_{len(signals)}"] = {
+            "input": [name],
+            **draw.one(
+                (
+                    {"form": "constant", "value": size},
+                    {"form": "sine", "amplitude": size, "frequency": draw.power(1.0, 100.0) / stop}
+                    | {"start": start, "rise": duration * draw.chance(0.5), "phase": draw.real(0.0, 6.0)},
+                    {"form": "ramp", "final": size, "start": start, "duration": duration}
+                    | {"shape": draw.one(("smooth", "linear", "trapezoid"))},
+                    {"form": "steps", "times": [0.0, start + 1e-3 * stop], "values": [0.0, size]},
+                )
+            ),
+        }
+    return with_values(scene, {("signals",): signals})
+
+
+def signalled_of(seed: int) -> Scene:
+    """A chain whose inputs signals drive, with all that chains with drives have."""
+    return signalled(driven_of(seed), Draw(seed, 11))
+
+
+_KINDS: dict[int, Callable[[int], Scene]] = {
+    0: upright,
+    SLANTED: lambda seed: slanted(upright(seed), Draw(seed, 2)),
+    SPRUNG: lambda seed: sprung(upright(seed), Draw(seed, 3)),
+    FOLDED: lambda seed: folded(fold(seed), Draw(seed, 5)),
+    TAUT: lambda seed: taut(upright(seed), Draw(seed, 3)),
+    UNEVEN: lambda seed: uneven(upright(seed), Draw(seed, 6)),
+    LONG: long,
+    HARSH: harsh,
+    STOPPED: stopped_of,
+    RUBBED: rubbed_of,
+    DRIVEN: driven_of,
+    SIGNALLED: signalled_of,
+}

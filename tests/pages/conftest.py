@@ -1,0 +1,160 @@
+"""A Chromium for the tests of the pages, and the kernel in it without its page."""
+
+import base64
+import json
+from functools import cache
+
+import numpy as np
+import pytest
+
+from chain_impact import explore, load_scene
+from chain_impact.compilation.library import browser_module
+from chain_impact.pages.explore import TOML, WORKER, contents, packed
+from chain_impact.pages.recorded import program, text_of
+from tests.tiers import CHROMIUM
+
+DESK, PHONE, ON_ITS_SIDE = (
+    {"width": width, "height": height} for width, height in ((1366, 768), (390, 844), (844, 390))
+)
+
+RUN = """async ({ module, file, kit, values, stop, step }) => {
+  const scene = sceneOf({ file, kit });
+  const kernel = await Kernel.load(await compiled(module), scene);
+  const times = rowTimes(stop, step);
+  const run = runThrough(kernel.run(values, times, scene.columns));
+  const text = (arrays) => arrays.map((array) => {
+    const bytes = new Uint8Array(array.buffer);
+    let signs = "";
+    for (let k = 0; k < bytes.length; k += 4096) signs += String.fromCharCode(...bytes.subarray(k, k + 4096));
+    return btoa(signs);
+  });
+  const impacts = run.impacts.map((impact) =>
+    Object.fromEntries(Object.entries(impact).map(([name, value]) => [name, String(value)])));
+  return { ...run, impacts, time: text([run.time]), columns: text(run.columns), names: scene.columns };
+}"""
+
+
+SCENE = ("unpacked", "changes", "signals", "scene_file", "model")
+"""The modules that make a scene of a file, beside those of the worker."""
+COMPILED = """
+const modules = new Map();
+async function compiled(text) {
+  if (!modules.has(text)) modules.set(text, await WebAssembly.compile(await unpacked(text)));
+  return modules.get(text);
+}
+const sceneOf = ({ file, kit }) => describe(kit, complete(file, kit), []);"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    from playwright.sync_api import sync_playwright  # the quick tier does without it
+
+    with sync_playwright() as playwright:
+        # In a container there is no sandbox for root, and the page is our own. Without the other switches,
+        # Chromium tells a script of its memory that it is 10 MB, whatever it is.
+        told = ["--enable-precise-memory-info", "--js-flags=--expose-gc"]
+        started = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", *told])
+        yield started
+        started.close()
+
+
+@pytest.fixture(scope="session")
+def address(tmp_path_factory):
+    path = tmp_path_factory.mktemp("explore") / "box.html"
+    explore("four_link_box", path)
+    return path.as_uri()
+
+
+@pytest.fixture
+def open_page(browser):
+    """Open a page, which must not complain, nor ask for anything; its clock may be ``stopped``."""
+    said, opened, local = [], [], ["data:", "blob:"]
+
+    def open_page(address, begins=True, stopped=False, **options):
+        page = browser.new_page(**{"viewport": DESK, "reduced_motion": "reduce", **options})
+        opened.append(page)
+        local.append(address.split("#")[0])
+        if stopped:
+            page.clock.install(time=0)
+        page.on("console", lambda message: said.append(message.text))
+        page.on("pageerror", lambda error: said.append(str(error)))
+        page.on("request", lambda request: said.append(request.url))
+        page.goto(address)
+        if stopped:
+            page.clock.pause_at(60)
+        elif begins:
+            page.wait_for_function("performance.getEntriesByName('first-frame').length === 1")
+        return page
+
+    yield open_page
+    for page in opened:
+        page.close()
+    assert [text for text in said if not text.startswith(tuple(local))] == []
+
+
+@pytest.fixture
+def show(open_page, address, tmp_path):
+    """Open the page that simulates: the box with four links, or a scene with other values."""
+
+    def show(model="", changes=None, hash_="", **options):
+        if not model:
+            return open_page(address + hash_, **options)
+        path = tmp_path / f"{model}.html"
+        explore(load_scene(model).with_values(changes or {}), path)
+        return open_page(path.as_uri(), **options)
+
+    return show
+
+
+def until(page, condition):
+    """Wait for a condition that the page works out."""
+    page.wait_for_function(condition)
+
+
+def until_told(page, text, where="subtitle"):
+    """Wait for a text in an element of the page."""
+    until(page, f"document.getElementById({where!r}).textContent.includes({json.dumps(text)})")
+
+
+@pytest.fixture(scope="module")
+def worker(browser):
+    """A page with the worker's program, but for the worker itself; ``compiled`` makes a module of a text."""
+    page = browser.new_page()
+    toml = f"const TOML = {{}}; (function (exports) {{ {text_of(TOML)} }})(TOML);"
+    page.set_content(f"<script>{program((*WORKER[:-1], *SCENE))}{COMPILED}{toml}</script>")
+    yield page
+    page.close()
+
+
+@pytest.fixture(scope="module")
+def kernel(worker):
+    """Run a scene in a browser: its columns by name, its impacts, and the rest of what the kernel found."""
+
+    def run(scene, values=None):
+        times = {"stop": scene.simulation.stop_time, "step": scene.simulation.step_size}
+        module = packed_module(scene.contact.law_file)
+        given = {"module": module, "values": values or {}, **page_contents(scene), **times}
+        result = worker.evaluate(RUN, given)
+        columns = {}
+        for one, text in zip(result.pop("names"), result["columns"], strict=True):
+            numbers = bits(text)
+            columns[one["name"]] = numbers.view(np.float64).astype(int) if one["integer"] else numbers
+        return {**result, "time": bits(result["time"][0]), "columns": columns}
+
+    return run
+
+
+def page_contents(scene):
+    """What a page has of a scene: the contents of its file, and what it knows of all scenes."""
+    return json.loads(json.dumps(contents(scene, [])))
+
+
+@cache
+def packed_module(law_file=""):
+    """The module for a browser, as the page has it."""
+    return packed(browser_module(law_file=law_file).read_bytes())
+
+
+def bits(text):
+    """The numbers of a typed array, as whole numbers: their bits."""
+    return np.frombuffer(base64.b64decode(text), np.int64)

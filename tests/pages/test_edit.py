@@ -1,0 +1,490 @@
+"""Scenes that the page makes itself: of files that are opened, and of what is edited in its dialog."""
+
+import json
+import re
+import tomllib
+from copy import deepcopy
+
+import numpy as np
+import pytest
+import tomlkit
+
+from chain_impact import SceneError, load_scene, model_names, simulate
+from chain_impact.scene.models import scene_path
+from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
+from chain_impact.scene.signals import with_inputs
+from chain_impact.variables.model import Model
+from tests.helpers import random_scenes
+from tests.pages.conftest import page_contents, until, until_told
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+
+RECORD = """([kit, text, contents]) => {
+  const file = complete(text ? TOML.parse(text) : contents, kit);
+  const { record, parameters, columns, still } = describe(kit, file, []);
+  const words = [...new BigInt64Array(record.buffer)].map(String);
+  return { words, columns: columns.map(({ name, word, unit }) => [name, word, unit]), still,
+    parameters: parameters.map(({ name, word, start }) => [name, word, String(start)]) };
+}"""
+
+
+def made(worker, scene, text="", contents=None):
+    """What the page makes of the text of a file, or of its contents."""
+    return worker.evaluate(RECORD, [page_contents(scene)["kit"], text, contents])
+
+
+def assert_as_python(found, scene):
+    """The record, the parameters and the outputs are those of the FMU."""
+    model = Model(scene)
+    record = model.new_instance([])
+    np.testing.assert_array_equal([int(word) for word in found["words"]], record.view(np.int64))
+    columns = [[one.name, model.word(one), one.unit] for one in model.outputs]
+    assert found["columns"] == columns
+    inputs = [one for one in model.inputs if one.place[0] != "motion"]
+    assert found["still"] == [one.name for one in model.inputs if one not in inputs]
+    known = [
+        [one.name, model.table_row(one)[-1], float(model.start_text(one))]
+        for one in (*model.parameters, *inputs)
+    ]
+    times = [[name, -1, scene.values[name]] for name in ("simulation.stop_time", "simulation.step_size")]
+    assert [[name, word, float(start)] for name, word, start in found["parameters"]] == known + times
+
+
+@pytest.mark.parametrize("model", model_names())
+def test_the_file_of_every_model_makes_the_record_of_its_scene(worker, model):
+    """With its counts of links, angles in degrees and of joints, normals and defaults."""
+    text = scene_path(model).read_text(encoding="utf-8")
+    scene = load_scene(model)
+    assert_as_python(made(worker, scene, text), scene)
+
+
+@pytest.mark.parametrize("seed", range(100))
+def test_the_contents_of_a_random_scene_make_its_record(worker, seed):
+    scene = random_scenes.scene(seed)
+    assert_as_python(made(worker, scene, contents=scene_to_dict(scene)), scene)
+
+
+WRITTEN = """
+name = "Written"
+chain = { base = "pinned", links = [
+  { count = 2, length = 0.5, mass = 1, joint_friction = 0.1, joint_torque_limit = 3.0 },
+  { length = 0.4, mass = 0.5, inertia = 0.01, joint_min = "-90 deg", joint_max = 1.5, joint_armature = 0.002 }
+] }
+walls = [
+  { name = "ramp", point = [0, -2], normal = [0.3, 1] },
+  { name = "side", point = [2, 0], angle = "90 deg" },
+]
+[box]
+y_max = 5
+[contact]
+points = [2, 3]
+friction = 0.2
+wall = { ramp = { stiffness = 1e7, restitution = 0.4 }, y_max = { static_friction = 0.9 } }
+[stops]
+model = "flores"
+restitution = 0.6
+[inputs]
+joint_torques = true
+joint_targets = true
+tip_force = true
+base_motion = true
+wall_motion = true
+[initial]
+joint_angles = ["-77.7 deg", 0.1, 0.2]
+[outputs]
+loads = true
+impacts = 3
+links = false
+"""
+
+
+def test_a_file_with_everything_makes_the_record_of_its_scene(worker):
+    scene = parse_scene(WRITTEN, "written.toml")
+    assert_as_python(made(worker, scene, WRITTEN), scene)
+
+
+@pytest.mark.parametrize("seed", range(0, 40, 4))
+def test_signals_of_a_random_scene_are_in_its_record(worker, seed):
+    scene = random_scenes.scene(random_scenes.SIGNALLED + seed)
+    assert_as_python(made(worker, scene, contents=scene_to_dict(scene)), scene)
+
+
+def test_the_page_has_the_tables_of_its_scene_and_no_others(worker, tmp_path):
+    (tmp_path / "ways.csv").write_text("time,base.vx,base.y\n0.0,0,0\n0.2,0.1,0.02\n0.5,0,0.01\n")
+    scene = with_inputs(load_scene("shaken_pendulum").with_values({("signals",): {}}), tmp_path / "ways.csv")
+    contents = page_contents(scene)["file"]
+    assert contents["signals"]["inputs"]["file"] == "ways.csv"
+    assert_as_python(made(worker, scene, contents=contents), scene)
+    for key, other in (("file", "roads.csv"), ("interpolation", "linear"), ("period", 0.5)):
+        changed = deepcopy(contents)
+        changed["signals"]["inputs"][key] = other
+        with pytest.raises(Exception, match=r"signals.inputs.file = .* the page does not have this table"):
+            made(worker, scene, contents=changed)
+
+
+SHAKE = {"input": ["base.y"], "form": "sine", "amplitude": 0.01, "frequency": 20.0}
+STEPS = {"input": "base.ax", "form": "steps", "times": [0.0], "values": [1.0]}
+STRANGE_SIGNALS = [
+    (SHAKE | {"value": 1.0}, 'signals.own.value must be left out: form = "sine" has amplitude'),
+    ({"input": ["base.x"], "form": "ramp", "final": 1.0}, "signals.own.duration is missing"),
+    (SHAKE | {"input": ["joint[1].torque"]}, "is no input of the scene; it has base.x, "),
+    (SHAKE | {"input": ["base.vy"]}, "must be driven by one signal only: signals.shake drives base.y"),
+    (STEPS | {"input": ["base.ax", "base.x"]}, "inputs of one unit: base.ax is in m/s2, base.x in m"),
+    (STEPS | {"input": ["base.ax", "base.ax"]}, "signals.own drives base.x"),
+    (STEPS | {"times": [0.0, 0.1]}, "must be of one length > 0, not 2 and 1"),
+    (STEPS | {"times": [0.1, 0.1], "values": [1.0, 2.0]}, "signals.own.times[2] = 0.1 must be > 0.1"),
+]
+
+
+@pytest.mark.parametrize(("signal", "sentence"), STRANGE_SIGNALS, ids=lambda case: str(case)[:40])
+def test_a_signal_that_cannot_be_is_refused(worker, signal, sentence):
+    scene = load_scene("shaken_pendulum")
+    contents = scene_to_dict(scene)
+    contents["signals"]["own"] = signal
+    with pytest.raises(Exception, match=re.escape(sentence)):
+        made(worker, scene, contents=contents)
+
+
+BODIES = {
+    "box": """
+name = "Brick"
+[[chain.links]]
+length = 0.5
+mass = 1.0
+shape = "box"
+height = 0.2
+center_of_mass_offset = 0.01
+points = [{ x = 0.6, radius = 0.03, name = "tip" }, { x = 0.0 }]
+[box]
+y_min = 0.0
+[contact]
+points = []
+radius = 0.01
+friction = 0.3
+[initial]
+position = [0.0, 0.5]
+angles = ["30 deg"]
+[outputs]
+loads = true
+impacts = 2
+""",
+    "foot": """
+name = "Foot"
+walls = [{ name = "ramp", point = [0, -2], angle = 0.1 }]
+[chain]
+base = "pinned"
+links = [
+  { length = 0.4, mass = 1.0, joint_min = -3.0, points = [{ x = 0.0 }, { x = 0.2, y = 0.1 }] },
+  { length = 0.1, mass = 0.2, points = [{ x = -0.05, y = -0.05, name = "heel" }] },
+]
+[contact]
+wall = { ramp = { friction = 0.2 } }
+[initial]
+joint_angles = [-1.0, 0.5]
+""",
+    "cart": """
+name = "Cart"
+[chain]
+base = "slider"
+links = [{ length = 0.5, mass = 0.5, joint_max = 3.0, points = [{ x = 0.0, radius = 0.1 }] }]
+[chain.slider]
+angle = "90 deg"
+mass = 2.0
+friction = 3.0
+stiffness = 10.0
+rest_position = 0.1
+min = -0.5
+max = 1.0
+force_limit = 50.0
+[box]
+x_min = -3.0
+y_min = -2.0
+[initial]
+angles = [-1.0]
+slider_velocity = 0.4
+[inputs]
+slider_force = true
+wall_motion = ["y_min"]
+[outputs]
+loads = true
+""",
+    "driven cart": """
+name = "Driven"
+chain = { base = "slider", links = [{ length = 0.5, mass = 0.5 }] }
+contact = { points = [] }
+inputs = { joint_targets = true }
+initial = { angles = [-1.0] }
+""",
+}
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_a_file_with_bodies_makes_the_record_of_its_scene(worker, body):
+    scene = parse_scene(BODIES[body], "bodies.toml")
+    assert_as_python(made(worker, scene, BODIES[body]), scene)
+    assert_as_python(made(worker, scene, contents=scene_to_dict(scene)), scene)
+
+
+@pytest.mark.parametrize("part", ["points", "contacts", "energies", "solver"])
+def test_outputs_that_are_not_asked_for_are_not_there(worker, part):
+    scene = load_scene("sliding_rod").with_values({f"outputs.{part}": False, "outputs.impacts": 0})
+    assert_as_python(made(worker, scene, contents=scene_to_dict(scene)), scene)
+
+
+def changed(path, value):
+    """The contents of the file with everything, with a value at a path changed, or without it for None."""
+    contents = deepcopy(tomllib.loads(WRITTEN))
+    *parents, last = path
+    table = contents
+    for step in parents:
+        table = table[step]
+    if value is None:
+        del table[last]
+    else:
+        table[last] = value
+    return contents
+
+
+REFUSED = [
+    (("chain", "links", 0, "lenght"), 1.0, "chain.links[1].lenght is unknown"),
+    (("contact", "toString"), 1.0, "contact.toString is unknown"),
+    (("chain", "links", 1, "mass"), -1.0, "chain.links[2].mass = -1 must be a finite number > 0 [kg]"),
+    (("chain", "links", 0, "count"), 1000, "chain.links are 1001, must be at most 1000"),
+    (("chain", "links"), [], "chain.links has 0 entries, must have 1 to 1000"),
+    (("chain", "links"), None, "chain.links is missing (links from base to tip)"),
+    (("chain", "base"), "free", "inputs.base_motion = true must be false for a free base"),
+    (("contact", "model"), "hert", 'contact.model = "hert" must be one of'),
+    (("contact", "points"), [3, 4], "contact.points holds 4, must hold 1 to 3, each once"),
+    (("contact", "wall", "slope"), {"friction": 0.1}, 'contact.wall.slope = "slope" is no wall of the scene'),
+    (("contact", "law_file"), "mine.py", "this page has no compiler"),
+    (("inputs", "wall_motion"), ["slope"], 'inputs.wall_motion = "slope" is no wall of the scene'),
+    (("inputs", "tip_force"), "yes", 'inputs.tip_force = "yes" must be true or false'),
+    (("initial", "joint_angles"), [0.0], "initial.joint_angles has 1 values, must have 3"),
+    (("initial", "angles"), [0.0] * 3, "initial has both angles and joint_angles"),
+    (("initial", "joint_angles"), None, "initial.angles is missing"),
+    (("initial", "velocity"), [1.0, 0.0], "initial.velocity must be zero for a pinned base"),
+    (("walls", 1, "name"), "ramp", 'walls[2].name = "ramp" must be none of'),
+    (("walls", 0, "angle"), 0.0, "wall.ramp must have one of angle and normal"),
+    (("walls", 0, "point"), [0.0], "walls[1].point has 1 values, must have 2"),
+    (("gravity",), "9.81", 'gravity = "9.81" must be a list'),
+    (("name",), "two words", 'name = "two words" must be letters, digits and _'),
+]
+
+
+@pytest.mark.parametrize(("path", "value", "told"), REFUSED, ids=[told for *_, told in REFUSED])
+def test_contents_that_cannot_be_are_refused_with_the_key_and_what_is_allowed(worker, path, value, told):
+    contents = changed(path, value)
+    with pytest.raises(SceneError):
+        scene_from_dict(contents, "written.toml")
+    found = worker.evaluate(
+        """([kit, contents]) => {
+          try {
+            complete(contents, kit);
+            return "";
+          } catch (error) {
+            return error instanceof RangeError ? error.message : error.stack;
+          }
+        }""",
+        [page_contents(load_scene("rod_drop"))["kit"], contents],
+    )
+    assert told in found
+
+
+# --- the dialog --------------------------------------------------------------------------------------------
+
+
+def downloaded(page, tmp_path):
+    """Return the scene of the file that the page saves."""
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Export…").click()
+    assert page.locator("#export-text").inner_text() == "The command needs the scene file: save it first."
+    assert page.locator("#command").input_value().startswith("chain-impact simulate FourLinkBox.toml")
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Scene file", exact=True).click()
+    waiting.value.save_as(tmp_path / "edited.toml")
+    page.keyboard.press("Escape")
+    return load_scene(tmp_path / "edited.toml")
+
+
+def assert_same_motion(page, scene):
+    """The page has the numbers of `simulate` for the scene that it saves."""
+    columns, count = page.evaluate(
+        """async () => {
+          const { columns, impacts } = await chainImpact.simulate();
+          const lists = Object.entries(columns).map(([name, [...all]]) => [name, all]);
+          return [Object.fromEntries(lists), impacts.length];
+        }"""
+    )
+    result = simulate(scene)
+    assert count == len(result.impacts)
+    assert list(columns) == list(result.columns)
+    for name, column in result.columns.items():
+        np.testing.assert_array_equal(columns[name], column, name)
+
+
+def edit(page, name, text):
+    field = page.locator("#edit").get_by_role("textbox", name=name)
+    field.fill(text)
+    field.press("Enter")
+
+
+def refusal(page):
+    return page.locator("#edit-text").inner_text()
+
+
+def test_links_walls_and_stops_are_added_and_removed_and_the_page_has_the_numbers_of_simulate(show, tmp_path):
+    page = show()
+    page.get_by_role("slider", name="Restitution").press("ArrowLeft")
+    restitution = page.evaluate("chainImpact.parameters['contact.restitution']")
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Add a link").click()
+    until_told(page, "5 links")
+    edit(page, "link[5].length", "0.2")
+    edit(page, "link[3].joint_max", "80 deg")
+    edit(page, "box.x_min", "")
+    page.get_by_role("button", name="Add a wall").click()
+    edit(page, "wall.wall1.angle", "-0.2")
+    assert refusal(page) == ""
+    scene = downloaded(page, tmp_path)
+    assert (len(scene.chain.links), scene.chain.links[4].length) == (5, 0.2)
+    assert scene.chain.links[2].joint_max == pytest.approx(np.radians(80))
+    assert scene.box.x_min is None
+    assert [wall.name for wall in scene.walls] == ["wall1"]
+    assert scene.contact.restitution == float(restitution) != 0.7  # the change from before the edit is in it
+    assert_same_motion(page, scene)
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Remove wall wall1").click()
+    page.get_by_role("button", name="Remove link 1").click()
+    edit(page, "link[2].joint_max", "")
+    page.get_by_role("combobox", name="Base").select_option("pinned")
+    until_told(page, "4 links")
+    scene = downloaded(page, tmp_path)
+    assert (scene.chain.base, scene.walls, scene.stops.exponent) == ("pinned", (), None)
+    assert_same_motion(page, scene)
+
+
+def test_points_behind_a_removed_link_are_still_those_that_can_touch(show, tmp_path):
+    page = show()
+    contents = scene_to_dict(load_scene("four_link_box").with_values({"contact.points": [1, 2, 4]}))
+    page.evaluate(DROP, ["listed.toml", tomlkit.dumps(contents)])
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Remove link 2").click()
+    until_told(page, "3 links")
+    scene = downloaded(page, tmp_path)
+    assert scene.contact.points == (1, 3)
+    assert_same_motion(page, scene)
+
+
+def test_a_value_that_cannot_be_is_told_and_changes_nothing(show):
+    page = show()
+    before = page.evaluate("chainImpact.parameters")
+    page.get_by_role("button", name="Edit…").click()
+    edit(page, "link[2].mass", "heavy")
+    assert refusal(page) == 'Not taken: chain.links[2].mass = "heavy" must be a finite number > 0 [kg].'
+    assert page.evaluate("chainImpact.parameters") == before
+    edit(page, "link[2].mass", "3")
+    until(page, "chainImpact.parameters['link[2].mass'] === '3'")
+    page.get_by_role("button", name="Back to the scene of this page").click()
+    assert page.evaluate("chainImpact.parameters") == before
+
+
+DROP = """([name, text]) => {
+  const data = new DataTransfer();
+  data.items.add(new File([text], name));
+  document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
+}"""
+
+
+def test_a_dropped_file_is_the_scene_of_the_page_with_its_own_knobs_link_and_map(show, open_page, address):
+    page = show()
+    text = scene_path("sliding_rod").read_text(encoding="utf-8")
+    page.evaluate(DROP, ["sliding_rod.toml", text])
+    scene = load_scene("sliding_rod")
+    until_told(page, f"{len(simulate(scene).impacts)} impact")
+    assert page.locator("h1").inner_text() == "SlidingRod" == page.evaluate("chainImpact.scene")
+    assert page.locator("#description").inner_text() == scene.description
+    assert page.get_by_role("slider", name="Friction at y_min", exact=True).is_visible()
+    assert page.get_by_role("button", name="Reset all").is_hidden()
+    assert_same_motion(page, scene)
+    page.get_by_role("button", name="Map…").click()
+    names = page.locator("#map-x-name option").all_inner_texts()
+    assert "wall.ramp.friction" in names
+    assert "link[2].mass" not in names
+    page.keyboard.press("Escape")
+    page.get_by_role("slider", name="Gravity, y").press("ArrowRight")
+    until(page, "location.hash.includes('gravity.y')")
+    other = open_page(address + page.evaluate("location.hash"))
+    until_told(other, "1 link,")
+    assert other.evaluate("chainImpact.parameters") == page.evaluate("chainImpact.parameters")
+    other.evaluate("location.hash = ''")
+    until_told(other, "4 links")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("name = 'Rod'\nmass = ", "not valid TOML: "),
+        ("name = 'Rod'\n", "chain.links is missing (links from base to tip)."),
+        (json.dumps({"links": 4}), "(at line 1)."),
+    ],
+)
+def test_a_dropped_file_that_is_no_scene_is_told_and_changes_nothing(show, text, told):
+    page = show()
+    before = page.evaluate("chainImpact.parameters")
+    page.evaluate(DROP, ["rod.toml", text])
+    until_told(page, "rod.toml cannot be opened: ", "edit-text")
+    assert told in refusal(page)
+    assert page.evaluate("chainImpact.parameters") == before
+
+
+def test_a_dropped_file_that_cannot_be_read_is_told(show):
+    page = show()
+    page.evaluate("() => { File.prototype.text = () => Promise.reject(new Error('it is a folder')); }")
+    page.evaluate(DROP, ["models", ""])
+    until_told(page, "models cannot be opened: it is a folder.", "edit-text")
+
+
+def test_dropped_text_is_left_to_the_field_that_it_falls_on(show):
+    page = show()
+    taken = page.evaluate("""() => {
+      const data = new DataTransfer();
+      data.setData("text/plain", "0.5");
+      const drop = new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true });
+      return !document.body.dispatchEvent(drop);
+    }""")
+    assert not taken
+
+
+def test_bodies_and_sliders_are_edited_and_points_are_dragged(show, tmp_path):
+    page = show()
+    page.get_by_role("button", name="Edit…").click()
+    edit(page, "link[1].height", "0.1")
+    edit(page, "link[2].center_of_mass_offset", "0.03")
+    page.get_by_role("button", name="Add a point of a link").click()
+    edit(page, "point[9].name", "heel")
+    edit(page, "point[9].link", "2")
+    edit(page, "point[9].y", "0.08")
+    edit(page, "point[9].link", "7")
+    assert refusal(page) == "Not taken: the link of a point = 7 must be 1 to 4."
+    scene = downloaded(page, tmp_path)
+    heel = scene.chain.sites[4]
+    assert [scene.chain.links[0].shape, heel[0], heel[1].y, heel[1].name] == ["box", 1, 0.08, "heel"]
+    assert scene.chain.links[1].center_of_mass_offset == 0.03
+    assert_same_motion(page, scene)
+    grip = page.get_by_role("button", name="Point 9: arrow keys move it on its link")
+    grip.press("Shift+ArrowUp")
+    moved = page.evaluate("chainImpact.parameters['link[2].point[1].y']")
+    assert moved != 0.08
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Remove point 9").click()
+    edit(page, "link[1].height", "")
+    page.get_by_role("combobox", name="Base").select_option("slider")
+    edit(page, "slider.max", "0.2")
+    edit(page, "slider.angle", "0.5")
+    scene = downloaded(page, tmp_path)
+    assert (scene.chain.base, scene.chain.slider.max, scene.chain.sites) == ("slider", 0.2, ())
+    assert_same_motion(page, scene)
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("combobox", name="Base").select_option("free")
+    assert downloaded(page, tmp_path).chain.slider is None

@@ -1,0 +1,342 @@
+"""The page's worker: the bits of `simulate()` and `sweep()`, the frames of an animation, what it refuses."""
+
+import numpy as np
+import pytest
+
+from chain_impact import SceneError, SimulationError, load_scene, model_names, simulate, sweep
+from chain_impact.kernel import status
+from chain_impact.recording.impacts import LOG_DTYPE
+from chain_impact.recording.view import framed, pin_mark, radius_of
+from chain_impact.scene.signals import with_inputs
+from chain_impact.studies.animate import record_slowly
+from tests.compilation.test_browser import SINH
+from tests.helpers.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
+from tests.helpers.stops import knee
+from tests.pages.conftest import bits, packed_module, page_contents
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+
+
+CHANGES = [
+    (
+        "four_link_box",
+        {"contact.restitution": 0.5, "contact.stiffness": 1e6, "gravity.y": -3.0, "gravity.x": 2.34},
+    ),
+    ("four_link_box", {"contact.model": "flores", "contact.exponent": 1.5, "solver.tolerance": 1e-6}),
+    ("four_link_box", {"contact.model": "newton_impact", "contact.restitution": 0.4}),
+    ("four_link_box", {"link[2].length": 0.4, "link[2].mass": 2.0, "link[3].inertia": 0.05}),
+    ("four_link_box", {"initial.x": 0.9, "initial.angle[2]": 1.0, "initial.vy": -2.0, "initial.vx": 0.0}),
+    ("four_link_box", {"box.x_max": 2.6, "box.y_min": -0.3, "solver.method": "implicit"}),
+    ("four_link_box", {"contact.exponent": 1.25, "contact.model": "lankarani_nikravesh"}),
+    ("ramp", {"wall.ramp.angle": -0.5, "wall.ramp.y": 0.1, "gravity.x": 1.0}),
+    ("sliding_rod", {"contact.friction": 0.35, "wall.ramp.friction": 0.05}),
+    ("kneed_leg", {"stop.stiffness": 1e4, "stop.restitution": 0.8, "link[3].joint_max": 0.05}),
+    ("thrown_brick", {"link[1].length": 0.3, "link[1].height": 0.15, "link[1].mass": 3.0}),
+    (
+        "bouncing_table",
+        {"signal.table.amplitude": 0.004, "signal.table.rise": 0.2, "signal.table.phase": 1.0},
+    ),
+    ("stick_slip_belt", {"signal.belt.value": 0.05, "signal.press.duration": 0.15}),
+    ("steel_bar", {"contact.radius": 1e-5, "link[2].joint_damping": 0.1}),
+]
+
+
+def assert_same_bits(found, result):
+    np.testing.assert_array_equal(found["time"], result.time.view(np.int64), "time")
+    columns = result.columns
+    assert list(found["columns"]) == list(columns)
+    for name, column in columns.items():
+        np.testing.assert_array_equal(found["columns"][name], column.copy().view(np.int64), name)
+    assert found["statistics"] == result.statistics
+    assert len(found["impacts"]) == len(result.impacts)
+    for here, there in zip(found["impacts"], result.impacts, strict=True):
+        for name in LOG_DTYPE.names:
+            np.testing.assert_equal(float(here[name]), float(there[name]), name)
+
+
+@pytest.mark.parametrize("model", model_names())
+def test_every_output_of_every_model_has_the_bits_of_simulate(kernel, model):
+    scene = load_scene(model)
+    assert_same_bits(kernel(scene), simulate(scene))
+
+
+@pytest.mark.parametrize("changes", PARAMETER_CHANGES, ids=str)
+def test_what_the_scene_derives_follows_changed_parameters(kernel, changes):
+    assert_same_bits(kernel(finger(), changes), simulate(edited(FINGER, changes)))
+
+
+@pytest.mark.parametrize(("model", "changes"), CHANGES)
+def test_changed_parameters_give_the_bits_of_the_changed_scene(kernel, model, changes):
+    """The page sets words of the record, and the kernel derives the rest; Python makes another record."""
+    scene = load_scene(model)
+    changed = scene.with_values(changes)
+    values = {name: numbers(changed).get((name, value), value) for name, value in changes.items()}
+    assert_same_bits(kernel(scene, values), simulate(changed))
+
+
+def test_a_table_drives_the_page_to_the_bits_of_simulate(kernel, tmp_path):
+    (tmp_path / "ways.csv").write_text("time,base.vx,base.y\n0.0,0,0\n0.2,0.1,0.02\n0.5,0,0.01\n")
+    scene = load_scene("shaken_pendulum").with_values({("signals",): {}, ("simulation", "stop_time"): 0.7})
+    scene = with_inputs(scene, tmp_path / "ways.csv")
+    assert_same_bits(kernel(scene), simulate(scene))
+
+
+@pytest.mark.parametrize("stop_time", [0.406, 1.69])
+def test_a_contact_that_lasts_at_the_end_is_that_of_simulate(kernel, stop_time):
+    """At a stop and at a wall."""
+    scene = knee(**{"simulation.stop_time": stop_time})
+    result = simulate(scene)
+    assert np.isnan(result.impacts["end"][-1])
+    assert_same_bits(kernel(scene), result)
+
+
+def numbers(scene):
+    """Return the choices among the values of a scene, as their numbers in the FMU."""
+    laws = {("contact.model", name): k for k, name in enumerate(scene.law_names, 1)}
+    return laws | {("solver.method", name): k for k, name in enumerate(("auto", "explicit", "implicit"), 1)}
+
+
+def test_a_run_that_fails_tells_the_same_status_time_and_rows(kernel):
+    scene = load_scene("four_link_box")
+    with pytest.raises(SimulationError) as caught:
+        simulate(scene.with_values({"solver.work_limit": 2000.0}))
+    found = kernel(scene, {"solver.work_limit": 2000.0})
+    assert (found["status"], found["reached"]) == (caught.value.status, caught.value.time)
+    assert 0 < len(found["time"]) < 2001
+    assert_same_bits(found, caught.value.result)
+
+
+def test_a_start_that_cannot_be_has_a_status_and_no_rows(kernel):
+    found = kernel(load_scene("four_link_box"), {"initial.y": -5.0})
+    assert found["status"] == 4
+    assert len(found["time"]) == 0
+    assert found["impacts"] == []
+
+
+def test_a_thousand_runs_leave_the_module_as_large_as_it_was(worker):
+    """It does not allocate: runs of one scene, with and without rows, and studies of it."""
+    scene = page_contents(load_scene("four_link_box"))
+    before, after, same = worker.evaluate(
+        """async ([module, contents]) => {
+          const scene = sceneOf(contents);
+          const kernel = await Kernel.load(await compiled(module), scene);
+          const times = rowTimes(0.6, 0.01);
+          const asked = [["contact.restitution"], Float64Array.of(0.5, 0.7), Float64Array.of(0.5, 0.6)];
+          const study = () => runThrough(kernel.runEach({}, ...asked, [scene.layout.status]));
+          const values = (k) => ({ "contact.restitution": 0.3 + k / 2000 });
+          const once = (k) => runThrough(kernel.run(values(k), times, scene.columns.slice(0, 3)));
+          const size = () => kernel.exports.memory.buffer.byteLength;
+          study();
+          const [first, before] = [once(500), size()];
+          for (let k = 0; k < 1000; k += 1) if (k % 50) once(k); else study();
+          return [before, size(), String(first.columns) === String(once(500).columns)];
+        }""",
+        [packed_module(), scene],
+    )
+    assert before == after < 4e6
+    assert same
+
+
+def test_a_law_of_ones_own_gives_the_numbers_of_simulate(kernel, tmp_path):
+    """Its hyperbolic sine is not that of the machine's C library: some last digits differ."""
+    (tmp_path / "mine.py").write_text(SINH)
+    scene = load_scene("rod_drop").with_values(
+        {"contact.law_file": str(tmp_path / "mine.py"), "contact.model": "mine"}
+    )
+    found, known = kernel(scene), simulate(scene)
+    assert len(found["impacts"]) == len(known.impacts) > 0
+    for name in ("point[1].x", "point[1].y", "energy.total"):
+        np.testing.assert_allclose(found["columns"][name].view(float), known[name], rtol=1e-7, atol=1e-9)
+    for here, there in zip(found["impacts"], known.impacts, strict=True):
+        assert float(here["peak_force"]) == pytest.approx(there["peak_force"], rel=1e-7)
+    other = simulate(load_scene("rod_drop"))
+    assert abs(other["point[1].y"] - known["point[1].y"]).max() > 1e-4  # by another law it is another motion
+
+
+# --- studies, and what the page works out itself: frames, view, what follows from what ---------------------
+
+
+RUN_EACH = """async ([module, contents, names, grid, stops, outputs]) => {
+  const scene = sceneOf(contents);
+  const words = outputs.map((name) => scene.columns.find((one) => one.name === name).word);
+  const kernel = await Kernel.load(await compiled(module), scene);
+  const given = [Float64Array.from(grid), Float64Array.from(stops), words];
+  const found = runThrough(kernel.runEach({ "link[2].mass": 1.2 }, names, ...given));
+  const after = runThrough(kernel.run({}, rowTimes(0.1, 0.01), scene.columns.slice(0, 1))).columns[0].length;
+  return [btoa(String.fromCharCode(...new Uint8Array(found.buffer))), after];
+}"""
+
+
+def test_the_runs_of_a_map_have_the_bits_of_a_sweep(worker):
+    scene = load_scene("four_link_box").with_values({"simulation.stop_time": 1.2})
+    varied = {"contact.restitution": np.linspace(0.2, 0.9, 9), "initial.angle[1]": np.linspace(0.1, 0.7, 9)}
+    outputs = ["energy.total", "impact.last_time", "point[4].x", "impact.count"]
+    known = sweep(scene.with_values({"link[2].mass": 1.2}), varied, outputs=outputs).table
+    grid = np.column_stack([known[name] for name in varied])
+    stops = [1.2] * len(grid)
+    study = [packed_module(), page_contents(scene), list(varied), grid.ravel().tolist(), stops, outputs]
+    text, rows_after = worker.evaluate(RUN_EACH, study)
+    found = bits(text).reshape(len(grid), len(outputs))
+    for place, name in enumerate(outputs):
+        column = np.ascontiguousarray(known[name])
+        np.testing.assert_array_equal(found[:, place], column.view(np.int64), name)
+    assert rows_after == 11  # the memory has grown, and other runs go on as before
+
+
+@pytest.fixture(scope="module")
+def motions(worker):
+    """The motion that the page's worker makes of a scene."""
+
+    def run(scene):
+        return worker.evaluate(
+            """async ([text, contents]) => {
+              const scene = sceneOf(contents);
+              const kernel = await Kernel.load(await compiled(text), scene);
+              const { parts, status } = runThrough(motion(kernel, {}));
+              const { time, view, anchor, pin, energies, forces, stops, radius, peakForce, loads } = parts;
+              return { status, time: [...time], view, anchor, pin, energies: Object.keys(energies), radius,
+                loads: loads.map(({ joint, x, y }) => [joint, Math.min(...x), Math.max(...y)]),
+                stops, peakForce, forces: forces.map(({ point, wall }) => [point, wall]) };
+            }""",
+            [packed_module(), page_contents(scene)],
+        )
+
+    return run
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        load_scene(name)
+        for name in ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "sliding_rod", "bouncing_ball")
+    ]
+    + [knee(), load_scene("pinned_arm").with_values({"name": "Loads", "outputs.loads": True})],
+    ids=lambda scene: scene.name,
+)
+def test_the_page_shows_what_an_animation_shows(motions, scene):
+    found, known = motions(scene), record_slowly(scene)
+    radius = radius_of(known)
+    view, anchor = framed(known.points, known.walls, radius, pinned=known.pinned)
+    size = np.ptp(view, axis=0).max()
+    np.testing.assert_allclose(found["view"], view, atol=0.01 * size)
+    assert found["anchor"] == anchor.tolist()
+    lines = pin_mark(known.points) if known.pinned else []
+    for here, there in zip(found["pin"], lines, strict=True):
+        np.testing.assert_allclose(here, there, atol=0.01 * size)
+    assert set(found["energies"]) == {name for name, energy in known.energies.items() if energy.any()}
+    forces = {(one.point, one.wall) for one in known.touches if one.force is not None and one.force.any()}
+    assert {(point, wall) for point, wall in found["forces"]} == forces
+    loads = [(joint, *force.min(axis=0)[:1], *force.max(axis=0)[1:]) for joint, force in known.loads.items()]
+    np.testing.assert_allclose(found["loads"], loads, rtol=0.02)
+    assert found["radius"] == pytest.approx(radius, abs=1e-9)
+    assert [one["joint"] for one in found["stops"]] == list(known.stops)
+    # of walls only: moments of stops are drawn on a scale of their own
+    peak = known.impacts["peak_force"][~known.at_stops].max(initial=0.0)
+    assert found["peakForce"] == pytest.approx(peak, rel=1e-3, abs=1e-200)
+    assert (found["time"][0], found["time"][-1]) == (known.time[0], known.time[-1])
+    assert (np.diff(found["time"]) > 0).all()
+    assert 0.5 < len(found["time"]) / len(known.time) < 2.0
+
+
+def begun(worker, scene, changes):
+    """The sentence with which the page refuses changes of a scene; else the status of the run's start."""
+    return worker.evaluate(
+        """async ([text, contents, changes]) => {
+          const scene = sceneOf(contents);
+          const kernel = await Kernel.load(await compiled(text), scene);
+          let values;
+          try {
+            values = new Changes(scene).with(changes);
+          } catch (error) {
+            if (!(error instanceof RangeError)) throw error;
+            return error.message;
+          }
+          return runThrough(kernel.run(values, [0, 0.01], [])).status;
+        }""",
+        [packed_module(), page_contents(scene), changes],
+    )
+
+
+@pytest.mark.parametrize(
+    ("model", "changes", "expected"),
+    [
+        ("four_link_box", {"box.x_max": 0.0}, "box.x_max = 0 must be > "),
+        ("four_link_box", {"box.y_max": 0.02, "box.y_min": 0.01}, status.STARTS_INSIDE_WALL),
+        ("four_link_box", {"contact.radius": 1.6}, "box.x_max = 3 must be > 3.2 [m]"),
+        (
+            "four_link_box",
+            {"contact.model": "flores", "contact.restitution": 0.0},
+            status.RESTITUTION_NOT_ALLOWED,
+        ),
+        ("four_link_box", {"contact.model": "tsuji", "contact.exponent": 1.2}, status.EXPONENT_NOT_ALLOWED),
+        ("four_link_box", {"initial.x": 0.1, "initial.angle[1]": 3.0}, status.STARTS_INSIDE_WALL),
+        ("four_link_box", {f"link[{k}].inertia": 0.0 for k in range(1, 5)}, status.MASS_MATRIX_SINGULAR),
+        ("kneed_leg", {"link[3].joint_max": -3.0}, "link[3].joint_max = -3 must be > "),
+        ("kneed_leg", {"initial.angle[3]": 3.0}, status.STARTS_INSIDE_WALL),
+        ("sliding_rod", {"wall.y_min.static_friction": 0.01}, "static_friction = 0.01 must be >= 0.3"),
+        ("sliding_rod", {"contact.model": "newton_impact"}, status.FRICTION_WITH_RIGID_WALLS),
+        ("ramp", {"wall.ramp.y": 5.0}, status.STARTS_INSIDE_WALL),
+    ],
+)
+def test_parameters_that_do_not_go_together_are_refused_as_by_a_scene(worker, model, changes, expected):
+    """By the page, before it simulates, or else by the kernel, with a status."""
+    scene = load_scene(model)
+    if model == "kneed_leg":
+        scene = scene.with_values({"link[3].joint_min": -2.9})
+    with pytest.raises((SceneError, SimulationError)):
+        simulate(scene.with_values(changes))
+    found = begun(worker, scene, changes)
+    assert expected in found if isinstance(expected, str) else expected == found
+
+
+def test_a_value_is_not_set_back_where_it_does_not_go_with_another(worker):
+    fault, values = worker.evaluate(
+        """(contents) => {
+          const changes = new Changes(sceneOf(contents));
+          changes.set({ "box.x_min": -5, "box.x_max": -1 });
+          try {
+            changes.reset("box.x_min");
+          } catch (error) {
+            return [error.message, changes.values];
+          }
+        }""",
+        page_contents(load_scene("four_link_box")),
+    )
+    assert fault == "box.x_max = -1 must be > 0 [m], which is x_min + 2 contact.radius"
+    assert values == {"box.x_min": -5, "box.x_max": -1}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"link[1].length": 0.6, "link[2].mass": 0.2},
+        {"contact.restitution": 0.45, "contact.exponent": 1.25},
+        {"link[1].length": 0.6, "link[1].inertia": 0.02, "stop.restitution": 0.9, "contact.restitution": 0.4},
+        {"link[1].length": 0.6, "link[1].center_of_mass": 0.25},  # as it would be in the scene
+    ],
+    ids=str,
+)
+def test_what_follows_from_others_is_shown_as_in_the_edited_file(worker, changes):
+    """And follows them again once it is set back."""
+    expected = edited(FINGER, changes)
+    shown, text, back, starts = worker.evaluate(
+        """([contents, given]) => {
+          const scene = sceneOf(contents);
+          const changes = new Changes(scene);
+          changes.set(given);
+          const names = scene.parameters.map(({ name }) => name);
+          const all = () => Object.fromEntries(names.map((name) => [name, changes.valueOf(name)]));
+          const [shown, text] = [all(), changes.texts().map(([name]) => name)];
+          for (const name of Object.keys(given)) changes.reset(name);
+          return [shown, text, all(), changes.starts];
+        }""",
+        [page_contents(finger()), changes],
+    )
+    for name in ("center_of_mass", "inertia"):
+        for link in (1, 2, 3):
+            assert shown[f"link[{link}].{name}"] == expected.values[f"link[{link}].{name}"]
+    for name in ("stop.restitution", "stop.exponent"):
+        assert shown[name] == expected.values[name]
+    assert set(text) == set(changes)
+    assert back == starts

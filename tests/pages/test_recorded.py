@@ -1,0 +1,194 @@
+"""The pages: they stand alone and are small, hold what they are made of, and their parts are those of npm."""
+
+import base64
+import hashlib
+import json
+import re
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, model_names, simulate
+from chain_impact.pages import explore, recorded
+from chain_impact.pages.recorded import FRAGMENTS, MODULES, PAGE, data, page, program
+from chain_impact.studies.animate import record_slowly
+from tests.helpers.friction import pendulum, sled
+from tests.helpers.page_data import data_of
+from tests.helpers.stops import knee
+
+# file → version of its package of npm
+VENDORED = {"uPlot.iife.min.js": "1.6.32", "uPlot.min.css": "1.6.32", "uPlot.LICENSE": "1.6.32"}
+VENDORED |= {"svg.min.js": "3.2.8", "svg.LICENSE": "3.2.8"}
+VENDORED |= {"smol-toml.cjs": "1.9.1", "smol-toml.LICENSE": "1.9.1"}
+DIGESTS = {
+    "uPlot.iife.min.js": "19c8d4c6ad88929a79f4ae49d6f7161566dfd0ba3d15cc495e974f787eb78f1f",
+    "uPlot.min.css": "df630c6a8d6f8eeaff264b50f73ce5b114f646ffd9a0bb74f049b0a00135fa04",
+    "uPlot.LICENSE": "8f989229699b4fe2f1a0432d0e9edc338a8a911e250e2d1b01ecd770a5f5b1bd",
+    "svg.min.js": "90fc33bcba8181aa5e96e5c975da19f0912d7097a4ec9056ba130fc3ce328ec6",
+    "svg.LICENSE": "455113977c98c54dad8598e092b99aad6be0ed8c5c4a0722154acf4b21df4730",
+    "smol-toml.cjs": "f9029370259e9a43a2f3e64fa1d39e72f3598188380ace83a0abb8261fa33555",
+    "smol-toml.LICENSE": "fa5659948374d4f555594f47f6da073b40dc503e921aeeece30df4362b3051a5",
+}
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return record_slowly(load_scene("four_link_box"))
+
+
+def html(recording):
+    return page(recording, 1.0, 0.6)
+
+
+def unpacked(packed):
+    values = np.frombuffer(base64.b64decode(packed["values"]), "<u2")
+    return packed["low"] + (packed["high"] - packed["low"]) * values / 65535
+
+
+def rows_of(touch):
+    return np.frombuffer(base64.b64decode(touch["rows"]), "<u4")
+
+
+def test_the_page_needs_nothing_else(recording):
+    assert_alone(html(recording))
+
+
+def assert_alone(text):
+    """A page needs nothing else."""
+    others = re.sub(r"<script>.*?</script>", "", text, flags=re.DOTALL)  # without the libraries
+    assert not re.findall(r"""(?:src|href)=["'](?!data:)""", others)
+    assert not re.findall(r"@import|url\((?!data:)|\bfetch\(|XMLHttpRequest", others)
+    assert "{{" not in others
+
+
+def test_what_is_packed_is_the_recording(recording):
+    packed = json.loads(json.dumps(data(recording)))
+    time = np.frombuffer(base64.b64decode(packed["time"]), "<f8")
+    np.testing.assert_array_equal(time, recording.time)
+    for axis, name in enumerate("xy"):
+        points = unpacked(packed[name]).reshape(len(time), -1)
+        np.testing.assert_allclose(points, recording.points[:, :, axis], atol=5e-5)
+    np.testing.assert_allclose(unpacked(packed["energies"]["total"]), recording.energies["total"], atol=1e-3)
+    touches = {(one.point, one.wall): one.force for one in recording.touches}
+    for touch in packed["touches"]:
+        whole = np.zeros(len(time))
+        whole[rows_of(touch)] = unpacked(touch["force"])
+        np.testing.assert_allclose(whole, touches.pop((touch["point"], touch["wall"])), atol=0.5)
+    assert not any(force.any() for force in touches.values())
+    assert [one["onset"] for one in packed["impacts"]] == recording.impacts["onset"].tolist()
+    assert packed["touching"] == [[point, 0.0] for point in range(5)]
+    assert packed["pinned"] is False
+
+
+def test_friction_and_what_sticks():
+    found = data(record_slowly(sled()))
+    assert found["touches"][0]["friction"]["low"] < -2.0
+    assert found["touches"][0]["sticking"] == found["touches"][1]["sticking"]
+    joints = data(record_slowly(pendulum()))["touches"]
+    assert [(one["point"], one["wall"]) for one in joints] == [(1, ""), (2, "")]
+    assert [set(unpacked(one["sticking"])) for one in joints] == [{1.0}, {1.0}]
+
+
+def test_forces_in_joints():
+    recording = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
+    packed = {one["joint"]: [unpacked(one[axis]) for axis in "xy"] for one in data(recording)["loads"]}
+    assert packed.keys() == {1, 2}
+    for joint, force in packed.items():
+        known = np.transpose([recording[f"joint[{joint}].force.{axis}"] for axis in "xy"])
+        np.testing.assert_allclose(np.transpose(force), known, atol=0.01)
+
+
+def test_the_page_has_the_ranges_and_tells_stops_from_walls():
+    packed = data(simulate(knee()))
+    assert packed["stops"] == [{"joint": 2, "arc": (0.0, 2.0), "marks": [0.0, 2.0]}]
+    assert {one["wall"]: one["atStop"] for one in packed["impacts"]} == {"joint_min": True, "x_max": False}
+    first = packed["impacts"][0]
+    assert first["endSpeed"] == 0.5 * first["speed"]
+
+
+def test_ten_seconds_of_four_links_are_small():
+    scene = load_scene("four_link_box").with_values({"simulation.stop_time": 10.0})
+    assert len(html(record_slowly(scene))) < 1_500_000
+
+
+def test_of_very_many_rows_those_stay_that_are_shown_and_those_beside_impacts(monkeypatch):
+    monkeypatch.setattr(recorded, "MOST_ROWS", 1000)
+    whole = simulate("four_link_box", output_step=1e-5)
+    found = recorded.thinned(whole, 0.6)
+    assert len(found.time) < 0.2 * len(whole.time)
+    assert (found.time[[0, -1]] == whole.time[[0, -1]]).all()
+    assert found.impacts.tobytes() == whole.impacts.tobytes()
+    for moment in (*whole.impacts["onset"], *whole.impacts["end"]):
+        after = int(np.searchsorted(whole.time, moment))
+        assert np.isin(whole.time[after - 1 : after + 1], found.time).all()
+    # as motion and forces between the rows that stay are shown
+    hit = "contact[2].y_min.force"
+    assert np.diff(found.time).max() < 2.1 * np.ptp(whole.time) / 1000
+    assert found.columns[hit].max() > 0.9 * whole[hit].max()
+    rows = np.searchsorted(whole.time, found.time)
+    np.testing.assert_array_equal(found.points, whole.points[rows])
+    assert len(html(whole)) < 0.4 * len(html_of_all(whole, monkeypatch))
+
+
+def html_of_all(recording, monkeypatch):
+    monkeypatch.setattr(recorded, "MOST_ROWS", len(recording.time))
+    return html(recording)
+
+
+def test_a_recording_with_even_rows_has_a_page_too():
+    assert "PinnedArm" in html(simulate("pinned_arm"))
+
+
+def test_a_name_cannot_break_the_page(recording):
+    vars(recording)["name"] = name = "</script><b>&{{ data }}"
+    text = html(recording)
+    assert "&lt;/script&gt;&lt;b&gt;&amp;" in text
+    assert data_of(text)["name"] == name
+
+
+@pytest.mark.full("more cases", but=6)
+@pytest.mark.parametrize("model", model_names())
+def test_the_page_of_every_model_is_small_and_needs_nothing_else(model):
+    text = explore.page(load_scene(model), [model])
+    assert len(text.encode()) < 900_000
+    assert_alone(text)
+
+
+def test_a_law_has_a_sentence_with_its_range_and_source():
+    groups = data_of(explore.page(load_scene("rod_drop"), []))["kit"]["parameters"]
+    rows = {row["name"]: row for group in groups for row in group["rows"]}
+    found = dict(rows["contact.model"]["items"])
+    assert (
+        found["zhang_sharf"]
+        == "Exact for one contact on its own, for all e. Zhang & Sharf 2009, J Appl Mech 76:051002."
+    )
+
+
+@pytest.mark.parametrize(
+    "modules", [MODULES, explore.MODULES, explore.WORKER], ids=["recorded", "explore", "worker"]
+)
+def test_the_modules_are_one_program_and_import_what_stands_before_them(modules):
+    text = program(modules)
+    assert not re.search(r"^(import|export)\b", text, re.MULTILINE)
+    names = re.findall(r"^(?:const|let|class|(?:async )?function\*?) (\w+)", text, re.MULTILINE)
+    assert len(names) == len(set(names)), "two modules have a name in common, but are put into one"
+    for place, name in enumerate(modules):
+        text = PAGE.joinpath(f"{name}.js").read_text(encoding="utf-8")
+        used = re.findall(r'^import .* from "\./(\w+)\.js";$', text, re.MULTILINE)
+        assert set(used) <= set(modules[:place])
+        assert len(text.splitlines()) < 400
+
+
+def test_the_folder_holds_what_the_pages_are_made_of():
+    files = {file.name for file in PAGE.iterdir() if file.is_file()}
+    pages = {f"{name}.html" for name in ("recording", "explore", *FRAGMENTS)}
+    modules = {*MODULES, *explore.MODULES, *explore.WORKER}
+    assert files == {*pages, "style.css", "panels.css", "explore.css", *(f"{name}.js" for name in modules)}
+    assert {file.name for file in (PAGE / "vendor").iterdir()} == {*VENDORED, "README.md"}
+
+
+@pytest.mark.parametrize("name", VENDORED)
+def test_the_libraries_are_those_of_npm(name):
+    content = (PAGE / "vendor" / name).read_bytes()
+    assert hashlib.sha256(content).hexdigest() == DIGESTS[name]
+    assert VENDORED[name] in (PAGE / "vendor" / "README.md").read_text(encoding="utf-8")

@@ -1,0 +1,251 @@
+"""What stands on the screen and is taken by hand: grips, the room, the trace, small screens, fingers."""
+
+import re
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from tests.pages.conftest import ON_ITS_SIDE, PHONE, until, until_told
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+AT_REST = {"initial.velocity": (0.0, 0.0), "initial.angular_velocities": (0.0,) * 4}
+PLACES = """() => document.querySelector('.trace').getAttribute('points').trim().split(/\\s+/).map((place) =>
+  place.split(',').map(Number))"""
+STILL = "!document.body.classList.contains('computing')"
+
+
+def middle(page, grip):
+    """Where a grip is on the screen, as soon as it is there: a run that ends draws all of them anew."""
+    found = f"document.querySelector('[data-grip=\"{grip}\"]')"
+    until(page, f"{found} !== null")
+    box = page.evaluate(f"{found}.getBoundingClientRect().toJSON()")
+    return np.array([box["x"] + box["width"] / 2, box["y"] + box["height"] / 2])
+
+
+def parameters(page):
+    """Return name → value of all numbers among the parameters."""
+    texts = page.evaluate("Object.entries(chainImpact.parameters)")
+    return {name: float(text) for name, text in texts if re.fullmatch(r"[-+.\de]+", text)}
+
+
+def settle(page):
+    """Wait until what has been done is drawn, and the run that follows from it."""
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    until(page, STILL)
+
+
+# where a grip is, if nothing covers it
+REACHABLE = """(name) => {
+  const grip = document.querySelector(`[data-grip="${name}"]`), box = grip?.getBoundingClientRect();
+  const at = box && [box.x + box.width / 2, box.y + box.height / 2];
+  return at && document.elementFromPoint(...at)?.closest("[data-grip]") === grip && at;
+}"""
+
+
+def reachable(page, grip):
+    """Where a grip is on the screen, as soon as it can be taken: a late frame may move it, or cover it."""
+    return np.array(page.wait_for_function(REACHABLE, arg=grip).json_value())
+
+
+def drag(page, grip, by, origin=None):
+    """Drag a grip to some pixels from where it, or another origin, is; returns the parameters that follow."""
+    settle(page)  # a grip that is still drawn anew is not there to be taken
+    x, y = reachable(page, grip)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(*(middle(page, origin or grip) + by), steps=4)
+    page.mouse.up()
+    settle(page)
+    return parameters(page)
+
+
+@pytest.mark.parametrize(
+    ("grip", "by", "signs"),
+    [
+        ("joint 4", (-20, -60), {"initial.angle[4]": 1}),
+        ("joint 0", (15, 25), {"initial.x": 1, "initial.y": -1}),
+        ("wall y_min", (40, -30), {"box.y_min": 1}),
+        ("velocity 0", (30, -20), {"initial.vx": 1, "initial.vy": 1}),
+        ("velocity 4", (0, -25), {"initial.angular_velocity[4]": 1}),
+    ],
+)
+def test_what_is_dragged_changes_what_it_stands_for(show, grip, by, signs):
+    """A joint turns its link, the base takes the chain along, a wall moves along its normal."""
+    page, scene = show(), load_scene("four_link_box")
+    before = {name: value for name, value in parameters(page).items() if name in scene.values}
+    after = drag(page, grip, by)
+    changed = {name: after[name] - value for name, value in before.items() if after[name] != value}
+    assert {name: np.sign(change) for name, change in changed.items()} == signs
+    until_told(
+        page, f"{len(simulate(scene.with_values({name: after[name] for name in signs})).impacts)} impacts"
+    )
+
+
+def test_the_view_fits_again_when_a_wall_is_let_go(show):
+    page, aspect = show(), "document.querySelector('#view').style.getPropertyValue('--aspect')"
+    before = page.evaluate(aspect)
+    page.mouse.move(*middle(page, "wall x_max"))
+    page.mouse.down()
+    page.mouse.move(*(middle(page, "wall x_max") + np.array([30.0, 0.0])), steps=4)
+    settle(page)
+    assert page.evaluate(aspect) == before
+    page.mouse.up()
+    until(page, f"{aspect} !== '{before}'")
+
+
+def test_a_wall_beyond_the_view_has_its_grip_at_the_edge_and_is_dragged_into_it(show):
+    page = show("four_link_box", {"box.y_max": 40.0})
+    box = page.locator("#view").bounding_box()
+    x, y = reachable(page, "wall y_max")
+    assert box["y"] <= y <= box["y"] + 0.3 * box["height"]
+    assert abs(x - box["x"] - 0.5 * box["width"]) < 0.1 * box["width"]
+    assert 1.0 < drag(page, "wall y_max", (0, 10))["box.y_max"] < 10.0
+
+
+def test_joints_at_rest_are_given_velocities(show):
+    page = show("four_link_box", AT_REST)
+    for joint in range(5):
+        way = reachable(page, f"velocity {joint}") - middle(page, f"joint {joint}")
+        after = drag(page, f"velocity {joint}", 0.7 * way)
+        if joint == 0:
+            assert after["initial.vx"] < 0.0 < abs(after["initial.vy"])
+        else:
+            assert after[f"initial.angular_velocity[{joint}]"] > 0.0
+        page.get_by_role("button", name="Reset all").click()
+        settle(page)
+
+
+def test_an_arrow_that_is_dragged_ends_where_the_pointer_is_and_on_its_stem_the_joint_rests(show):
+    page = show("four_link_box", AT_REST)
+    x, y = middle(page, "velocity 0")
+    drag(page, "velocity 0", (-30.0, -60.0))
+    assert tuple(middle(page, "velocity 0")) == pytest.approx((x - 30.0, y - 60.0), abs=1.5)
+    after = drag(page, "velocity 0", 10.0, "joint 0")
+    assert (after["initial.vx"], after["initial.vy"]) == (0.0, 0.0)
+
+
+def test_there_are_handles_at_the_start_only_and_the_right_button_drags_nothing(show):
+    page = show()
+    before = parameters(page)
+    page.mouse.move(*middle(page, "joint 4"))
+    page.mouse.down(button="right")
+    page.mouse.move(*(middle(page, "joint 4") - (20, 60)))
+    page.mouse.up(button="right")
+    assert parameters(page) == before
+    assert page.locator("[data-grip]").count() > 9
+    page.keyboard.press("Shift+ArrowRight")
+    until(page, "document.querySelectorAll('[data-grip]').length === 0")
+    page.get_by_role("button", name="Set the start by hand").click()
+    until(page, "document.querySelectorAll('[data-grip]').length > 9")
+
+
+def test_a_closed_box_is_drawn_closed_unless_it_is_much_larger_than_the_motion(show):
+    page = show("four_link_box", {"box.x_min": -9.0, "box.y_max": 12.0})
+    walls = page.locator("#scene polyline.wall")
+    assert walls.count() == 2
+    page.evaluate("chainImpact.show({ 'box.x_min': 0, 'box.y_max': 2.5 })")
+    until(page, "document.querySelectorAll('#scene polyline.wall').length === 4")
+    view = page.locator("#view").bounding_box()
+    ends = walls.evaluate_all("lines => lines.flatMap((line) => [...line.points]).map(({ x, y }) => [x, y])")
+    assert np.min(ends) > 0.0
+    assert (np.max(ends, axis=0) < [view["width"], view["height"]]).all()
+
+
+def test_the_trace_has_corners_at_impacts_only(show):
+    """A rod that spins about its pin: with 5 turns in a second, it turns by 30° from frame to frame."""
+    spin = {"gravity": (0.0, 0.0), "initial.angular_velocities": (30.0,), "simulation.stop_time": 0.15}
+    page = show("simple_pendulum", spin)
+    page.locator("#scrub").press("End")
+    until(page, "document.getElementById('time').textContent === '0.15000 s'")
+    places = np.array(page.evaluate(PLACES))
+    centre = page.evaluate("""() => {
+      const joint = document.querySelector('.joint');
+      return [joint.cx.baseVal.value, joint.cy.baseVal.value];
+    }""")
+    middles = np.concatenate([places, 0.5 * (places[1:] + places[:-1])])
+    assert np.ptp(np.hypot(*(middles - centre).T)) < 0.5
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "kneed_leg"])
+def test_on_a_phone_on_its_side_all_of_the_chain_is_seen(show, model):
+    page = show(model, viewport=ON_ITS_SIDE)
+    lowest = page.locator("footer").bounding_box()["y"]
+    for k in range(len(load_scene(model).chain.links) + 1):
+        box = page.locator(f'[data-grip="joint {k}"]').bounding_box()
+        assert 0.0 < box["x"] < ON_ITS_SIDE["width"]
+        assert 0.0 < box["y"] < box["y"] + box["height"] < lowest
+
+
+# --- under a finger --------------------------------------------------------------------------------------
+
+
+def touch(page, kind, *points):
+    """Let fingers touch the screen at points; what they did before goes on."""
+    page.touches = getattr(page, "touches", None) or page.context.new_cdp_session(page)
+    given = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(points)]
+    page.touches.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": given})
+
+
+def angle(page, link=4):
+    return parameters(page)[f"initial.angle[{link}]"]
+
+
+def test_a_finger_drags_a_joint_does_not_scroll_and_a_second_one_does_not_take_it_away(show):
+    page = show(viewport=PHONE, has_touch=True)
+    first, second = middle(page, "joint 4"), middle(page, "joint 1")
+    lower = second + np.array([0, 40])
+    before = angle(page)
+    touch(page, "touchStart", first)
+    touch(page, "touchMove", first - (0, 20))
+    held, other = angle(page), angle(page, 1)
+    touch(page, "touchStart", first - (0, 20), second)
+    touch(page, "touchMove", first - (0, 20), lower)
+    assert (angle(page), angle(page, 1)) == (held, other)
+    touch(page, "touchMove", first - (0, 40), lower)
+    assert angle(page) > held
+    for k in range(2, 11):
+        touch(page, "touchMove", first - (3 * k, 6 * k), lower)
+        page.wait_for_timeout(10)
+    touch(page, "touchEnd")
+    assert angle(page) > before + 0.5
+    assert page.evaluate("scrollY") == 0
+
+
+def test_a_finger_reads_a_run_of_a_map_and_then_opens_it(show):
+    page = show(hash_="#simulation.stop_time=0.2", viewport=PHONE, has_touch=True)
+    page.get_by_role("button", name="Map…").click()
+    page.get_by_role("button", name="Simulate 41 × 41 runs").click()
+    page.locator("#map-text").get_by_text("1681 runs in").wait_for()
+    page.locator("#map-canvas").tap()
+    page.locator("#map-text").get_by_text("impact.count = ").wait_for()
+    assert page.locator("#map").is_visible()
+    page.locator("#map-canvas").tap()
+    page.locator("#map").wait_for(state="hidden")
+    assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.5"
+
+
+@pytest.mark.parametrize("size", [(1100, 640), (900, 640), (1366, 640), (1000, 1000)])
+def test_the_controls_cover_no_part_of_the_motion(show, size):
+    """Such as in the frame of a notebook."""
+    page = show(viewport=dict(zip(("width", "height"), size, strict=True)))
+    ends = "[document.getElementById('view').getBoundingClientRect().bottom, "
+    view, controls = page.evaluate(ends + "document.querySelector('footer').getBoundingClientRect().top]")
+    assert view <= controls
+
+
+SMALL = """(least) => [...document.querySelectorAll("input[type=range], #over, footer button")]
+  .filter((one) => one.offsetParent && one.getBoundingClientRect().height < least)
+  .map((one) => one.id || one.ariaLabel)"""
+
+
+def test_on_a_phone_controls_take_a_tenth_of_the_height_and_fingers_meet_them(show):
+    page = show(viewport=PHONE, has_touch=True)
+    assert (
+        page.evaluate("document.querySelector('footer').getBoundingClientRect().height / innerHeight") <= 0.1
+    )
+    assert page.evaluate(SMALL, 32) == []
+    page.locator("#loop").scroll_into_view_if_needed()  # beside the others, in the same line
+    page.locator("#loop").tap()
+    assert page.locator("#loop").is_checked()

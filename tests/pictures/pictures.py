@@ -1,0 +1,86 @@
+"""Recordings to draw, and the pictures of them."""
+
+import functools
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from chain_impact import IMPACT_DTYPE, load_scene, simulate
+from chain_impact.pictures.overview import SIZE, fill
+from chain_impact.recording.recording import Recording
+from chain_impact.scene.half_planes import half_planes
+from chain_impact.scene.scene import model_names
+from tests.scenarios.test_models import inputs_of
+
+WITHOUT_IMPACTS = {"shaken_pendulum", "simple_pendulum", "triple_pendulum"}
+_PAGES = {}
+MODELS = [name for name in model_names() if name not in WITHOUT_IMPACTS]
+
+
+@functools.cache
+def recorded(model):
+    """The recording of a model, driven as it is meant to be."""
+    return simulate(load_scene(model), inputs=inputs_of(model))
+
+
+def hit(time, point, wall, speed):
+    """An impact for ``swing``."""
+    return time, point, wall, speed
+
+
+def swing(impacts=(), walls=None, rows=50, slopes=None, parameters=None):
+    """A rod of 1 m that turns about the origin by half a turn, from the right to the left through y > 0.
+
+    The walls of the box and those at any angle as ``half_planes`` takes them.
+    """
+    time = np.linspace(0.0, 2.0, rows)
+    angle = np.pi / 2 * time
+    columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
+    columns |= {"point[1].x": np.cos(angle), "point[1].y": np.sin(angle), "link[1].angle": angle}
+    columns |= {f"energy.{name}": 2.0 + 0 * time for name in ("kinetic", "potential", "total")}
+    columns["energy.dissipated"] = 0.5 * time
+    room = half_planes(walls or {}, slopes or {})
+    table = np.zeros(len(impacts), IMPACT_DTYPE)
+    for row, (onset, point, wall, speed) in zip(table, impacts, strict=True):
+        row["onset"], row["point"], row["wall"] = onset, point, list(room).index(wall)
+        row["impact_speed"], row["end"] = speed, np.nan
+    return Recording("Swing", time, columns, table, room, tuple(room), parameters or {})
+
+
+@functools.cache
+def crowd(count=60):
+    """A swing with many impacts at three walls, some of them at nearly the same place and time."""
+    random = np.random.default_rng(1)
+    times = np.sort(random.uniform(0.0, 2.0, count))
+    kinds = random.choice(["y_min", "y_max", "x_max"], count)
+    speeds = random.uniform(0.0, 5.0, count)
+    hits = [
+        hit(float(t), int(k % 2), str(w), float(v))
+        for k, (t, w, v) in enumerate(zip(times, kinds, speeds, strict=True))
+    ]
+    return swing(hits, {"y_min": 0.0, "y_max": 1.0, "x_max": 1.0})
+
+
+def drawn(recording):
+    """The page with a recording, and its axes: motion, time, energy, impact speeds.
+
+    It is drawn once and then only looked at.
+    """
+    if id(recording) not in _PAGES:
+        page = Figure(figsize=SIZE, layout="constrained")
+        fill(page, recording)
+        page.draw_without_rendering()
+        _PAGES[id(recording)] = recording, page  # with the recording itself, so that no other takes its id
+    page = _PAGES[id(recording)][1]
+    return page, *page.axes
+
+
+def texts(axes):
+    """The texts inside the axes."""
+    return [text.get_text() for text in axes.texts]
+
+
+def boxes(axes):
+    """What the texts inside the axes cover, in pixels."""
+    return [Text.get_window_extent(text) for text in axes.texts]

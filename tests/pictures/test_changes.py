@@ -1,0 +1,163 @@
+"""The page with derivatives."""
+
+import re
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from chain_impact import UnknownNameError, simulate
+from chain_impact.pictures.changes import calm, fill_sensitivities
+from chain_impact.pictures.style import PALETTE
+from tests.helpers.problems import flat_rod
+from tests.helpers.stops import knee, struck_rod
+
+FEW = ("contact.restitution", "initial.angle[2]")
+
+
+def made(scene, names, **options):
+    return simulate(scene, sensitivities=names, **options)
+
+
+@pytest.fixture(scope="module")
+def swing():
+    return made("pinned_arm", FEW)
+
+
+def drawn(recording, *outputs):
+    page = Figure(figsize=(10.0, 5.4), layout="constrained")
+    fill_sensitivities(page, recording, outputs)
+    page.draw_without_rendering()
+    return page
+
+
+def said(page):
+    return [page.get_suptitle(), *(text.get_text() for text in page.texts)]
+
+
+def test_curves_are_the_changes(swing):
+    found = swing.sensitivities
+    *outputs, speeds = drawn(swing).axes
+    for axes, name in zip(outputs, ("point[2].x", "point[2].y", "energy.total"), strict=True):
+        curves = [line for line in axes.lines if len(line.get_xdata()) == len(swing.time)]
+        for line, changes in zip(curves, found.changes(name).T, strict=True):
+            assert np.array_equal(line.get_ydata(), changes)
+    dots = [line for line in speeds.lines if line.get_marker() == "o"]
+    assert len(swing.impacts) == 1
+    right = found.impact_changes("impact_speed")
+    assert [line.get_ydata().tolist() for line in dots] == right.T.tolist()
+
+
+def test_axes_have_units_and_impacts_are_marked(swing):
+    page = drawn(swing)
+    labels = [axes.get_ylabel() for axes in page.axes]
+    assert [re.findall(r"\[(\w+(?:/\w)?)\]$", label) for label in labels] == [["m"], ["m"], ["J"], ["m/s"]]
+    assert [axes.get_xlabel() for axes in page.axes] == ["", "", "time [s]", "time [s]"]
+    onsets = swing.impacts["onset"].tolist()
+    for axes in page.axes:
+        (lines,) = axes.collections
+        assert [path[0, 0] for path in lines.get_segments()] == onsets
+
+
+@pytest.mark.full("more cases", but=2)
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_outputs_that_are_asked_for(swing, count):
+    names = ["link[2].angle", "energy.kinetic", "point[1].vx", "point[1].y"][:count]
+    page = drawn(swing, *names)
+    assert [axes.get_ylabel().split()[2] for axes in page.axes] == [*names, "impact"]
+    bottom = [axes for axes in page.axes if axes.get_xlabel()]
+    assert len(bottom) == 2
+    assert all(axes.xaxis.get_tick_params()["labelbottom"] for axes in bottom)
+
+
+def test_an_output_that_is_not_there(swing):
+    with pytest.raises(UnknownNameError, match=r"point\[9\].x is no output of this result"):
+        drawn(swing, "point[9].x")
+
+
+def test_the_legend_says_what_is_changed_and_by_how_much(swing):
+    (legend,) = [axes.get_legend() for axes in drawn(swing).axes if axes.get_legend()]
+    assert [text.get_text() for text in legend.get_texts()] == [f"{name} + 1 %" for name in FEW]
+
+
+def test_of_many_parameters_the_most_important_have_colours():
+    recording = made("rod_drop", ("link[1].*", "initial.*", "contact.*", "box.*"), stop_time=0.6)
+    found, page = recording.sensitivities, drawn(recording)
+    count = len(found.parameters)
+    curves = [line for line in page.axes[1].lines if len(line.get_xdata()) == len(recording.time)]
+    colours = [line.get_color() for line in curves]
+    assert colours == [*PALETTE]
+    ranges = {name: np.ptp(recording.columns[name]) for name in ("point[1].x", "point[1].y", "energy.total")}
+    shares = [np.abs(found.changes(name)[calm(recording)]) / span for name, span in ranges.items()]
+    matter = np.max(shares, axis=(0, 1))
+    order = [name for _, name in sorted(zip(-matter, found.parameters, strict=True))]
+    told = [line.get_label().partition(" + ")[0] for line in curves]
+    assert {*told} == {*order[: len(PALETTE)]}
+    (band,) = [one for one in page.axes[1].collections if one.get_label()[:1].isdigit()]  # of the others
+    grey = found.changes("point[1].y")[:, [k for k, one in enumerate(found.parameters) if one not in told]]
+    ends = band.get_datalim(page.axes[1].transData).intervaly
+    np.testing.assert_allclose(ends, (np.nanmin(grey), np.nanmax(grey)))
+    (legend,) = [axes.get_legend() for axes in page.axes if axes.get_legend()]
+    *_, last = sorted(text.get_text() for text in legend.get_texts() if "others" in text.get_text())
+    assert last == f"{count - len(PALETTE)} others, most {order[len(PALETTE)]}"
+
+
+def test_nothing_changes_before_the_first_impact():
+    page = drawn(made("rod_drop", "contact.restitution", stop_time=0.3))
+    assert said(page)[0] == "RodDrop: changes with 1 parameter, to first order"
+    assert "no impact" in [text.get_text() for text in page.axes[-1].texts]
+
+
+def test_where_there_are_none_there_is_a_gap_and_the_reason():
+    recording = made(flat_rod(model="newton_impact"), "initial.vy")
+    page = drawn(recording)
+    (limit,) = recording.sensitivities.limits
+    assert limit in " ".join(page.get_supxlabel().split("\n"))
+    for axes in page.axes:
+        assert " no derivatives" in [text.get_text() for text in axes.texts]
+        (band,) = axes.patches
+        start = recording.time[np.isnan(recording.sensitivities.slopes).all(axis=(1, 2))][0]
+        assert band.get_x() == start
+        assert band.get_x() + band.get_width() == recording.time[-1]
+
+
+def test_a_scale_fits_what_is_outside_of_impacts(swing):
+    *_, energy, _ = drawn(swing).axes
+    changes, rows = swing.sensitivities.changes("energy.total"), calm(swing)
+    assert np.abs(changes).max() > 3.0 * np.abs(changes[rows]).max()
+    low, high = energy.get_ylim()
+    assert low <= changes[rows].min()
+    assert high >= changes[rows].max()
+    assert max(-low, high) < 0.5 * np.abs(changes).max()
+
+
+def test_a_scale_is_logarithmic_where_impacts_make_changes_grow():
+    recording = made("four_link_box", "contact.restitution")
+    assert {axes.get_yscale() for axes in drawn(recording, "point[4].x", "point[4].y").axes} == {"symlog"}
+    assert {axes.get_yscale() for axes in drawn(made("pinned_arm", "gravity.y")).axes} == {"linear"}
+
+
+def test_a_result_draws_itself(tmp_path):
+    result = simulate("rod_drop", stop_time=0.5, sensitivities=FEW[:1])
+    assert len(result.plot_sensitivities().axes) == 4
+    assert len(result.plot_sensitivities(outputs=["point[1].y"]).axes) == 2
+    assert result.plot_sensitivities(tmp_path / "rod.png") is None
+    narrow = result.plot_sensitivities(size=(84 / 25.4, 9.0))
+    assert len({axes.get_position().x0 for axes in narrow.axes}) == 1  # one below the other
+    assert (tmp_path / "rod.png").read_bytes().startswith(b"\x89PNG")
+    with pytest.raises(UnknownNameError, match=r"simulate\(scene, sensitivities=\[…\]\) makes them"):
+        simulate("rod_drop", stop_time=0.5).plot_sensitivities()
+
+
+@pytest.mark.parametrize(
+    ("scene", "label", "markers"),
+    [
+        (knee(), "change of impact speed [m/s]\n◆ at stops [rad/s]", {"o", "D"}),
+        (struck_rod("zhang_sharf", 0.3), "change of impact speed [rad/s]", {"D"}),
+    ],
+    ids=["walls and stops", "stops only"],
+)
+def test_changes_of_speeds_at_stops_have_their_own_unit(scene, label, markers):
+    speeds = drawn(made(scene, ["stop.restitution"]), "link[1].angle").axes[-1]
+    assert speeds.get_ylabel() == label
+    assert {line.get_marker() for line in speeds.lines} & {"o", "D"} == markers

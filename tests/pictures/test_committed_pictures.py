@@ -1,0 +1,32 @@
+"""The pictures of models in the docs are what the code draws: they keep what is written in them."""
+
+import re
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from chain_impact.pictures.style import words_of
+from chain_impact.scene.scene import model_names
+from tests.pictures.pictures import drawn, recorded
+
+IMAGES = Path(__file__).parents[3] / "docs" / "images"
+# drawn by programs of their own
+OTHERS = {"carried_arm", "controlled_arm", "golf_ball", "steel_bar", "triple_pendulum"}
+LEFT_OUT = "Impacts without room for their numbers"
+NUMBERS = re.compile(r"[\d, +]+")
+
+
+def lines(words):
+    """What is written in a picture, but the numbers of impacts, which are left out where there is no room."""
+    told = words["Description"].split("\n")
+    return [line for line in told if not NUMBERS.fullmatch(line) and not line.startswith(LEFT_OUT)]
+
+
+@pytest.mark.full("more cases", but=3)
+@pytest.mark.parametrize("model", sorted({*model_names()} - OTHERS))
+def test_the_picture_of_a_model_says_what_the_code_says(model):
+    now = words_of(drawn(recorded(model))[0])
+    with Image.open(IMAGES / f"{model}.png") as picture:
+        assert picture.text["Title"] == now["Title"]
+        assert lines(picture.text) == lines(now)

@@ -1,0 +1,70 @@
+"""Any outputs over time, drawn."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from chain_impact import UnknownNameError, simulate
+from chain_impact.recording.curves import CLOSE
+
+FORCES = "contact[*].y_min.force"
+
+
+@pytest.fixture(scope="module")
+def result():
+    return simulate("four_link_box", stop_time=0.6, output_step=0.01)
+
+
+def test_a_panel_for_each_unit_with_peaks_that_lie_between_rows(result):
+    page = result.plot(curves=[FORCES, "point[4].*", "impact.count"], size=(10.0, 9.0))
+    units = [axes.get_ylabel() for axes in page.axes]
+    assert units == ["force [N]", "[m]", "[m/s]", "[m/s2]", "count"]
+    forces, places = page.axes[:2]
+    peaks = [line.get_ydata().max() for line in forces.lines]
+    assert sorted(peaks)[-2:] == pytest.approx(sorted(result.impacts["peak_force"]), rel=1e-3)
+    assert result["contact[2].y_min.force"].max() < 0.99 * max(peaks)  # the rows miss it
+    (x, _) = places.lines
+    at_rows = np.isin(x.get_xdata(), result.time)
+    np.testing.assert_array_equal(x.get_ydata()[at_rows], result["point[4].x"])
+    assert [text.get_text() for text in places.get_legend().get_texts()] == ["point[4].x", "point[4].y"]
+    counts = page.axes[-1].lines[0]
+    assert counts.get_ydata()[-1] == len(result.impacts)
+
+
+def test_around_an_impact_time_is_that_after_its_onset(result):
+    page = result.plot(curves="contact[4].y_min.force", around=2, title=None)
+    (axes,) = page.axes
+    (line,) = axes.lines
+    time, force, impact = line.get_xdata(), line.get_ydata(), result.impacts[1]
+    assert len(time) >= CLOSE
+    lasting = 1e3 * (impact["end"] - impact["onset"])
+    assert (time[0], time[-1]) == pytest.approx((-0.5 * lasting, 2.0 * lasting))
+    assert (force[(time < 0.0) | (time > lasting)] == 0.0).all()
+    assert force.max() == pytest.approx(impact["peak_force"], rel=1e-4)
+    assert page.get_suptitle() == ""
+
+
+def test_a_title_of_ones_own_or_none(result):
+    assert result.plot(curves="energy.total", title="Mine").get_suptitle() == "Mine"
+    assert result.plot(title="Mine").get_suptitle() == "Mine"
+    assert result.plot(title=None).get_suptitle() == ""
+
+
+def test_curves_go_into_axes_that_are_there(result):
+    figure, grid = plt.subplots(2, 1)
+    assert result.plot(curves=["energy.*", FORCES], ax=grid) is grid
+    assert len(grid[0].lines) == 5
+    with pytest.raises(ValueError, match="there are 2 axes for 1 unit"):
+        result.plot(curves="energy.total", ax=grid)
+    plt.close(figure)
+
+
+def test_what_cannot_be_drawn_is_refused(result):
+    with pytest.raises(UnknownNameError, match="the nearest is"):
+        result.plot(curves="point[4].z")
+    with pytest.raises(ValueError, match="around = 3 must be 1 to 2"):
+        result.plot(curves=FORCES, around=3)
+    with pytest.raises(ValueError, match="only curves are drawn around an impact"):
+        result.plot(around=1)
+    with pytest.raises(ValueError, match="must be <= "):
+        result.plot(curves="*")

@@ -1,0 +1,172 @@
+"""Films: what their readers find in them."""
+
+import itertools
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+
+from chain_impact import Recording, load_scene, record_slowly
+from chain_impact.pictures.film import (
+    CHAIN,
+    ENERGIES,
+    FORCE,
+    LOAD,
+    RATES,
+    STYLE,
+    Film,
+    draw_frames,
+    force_text,
+    rate_text,
+    resolution,
+    write_film,
+)
+from chain_impact.recording.pacing import frame_times, slow_spans
+from tests.helpers.friction import pendulum, sled
+from tests.tiers import needs_interop
+
+SIZE = (320, 180)
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return record_slowly(load_scene("four_link_box").with_values({"simulation.stop_time": 0.52}))
+
+
+def film(recording, path, speed=1.0, size=SIZE, done=lambda _: None):
+    write_film(recording, path, speed=speed, impact_time=0.2, size=size, progress=done)
+
+
+def pictures(recording, *times):
+    return draw_frames(recording, np.array(times), np.ones(len(times)), SIZE, lambda _: None)
+
+
+def swing(y):
+    """Return a rod of 1 m that turns about the origin, without walls."""
+    time = np.linspace(0.0, 0.2, 5)
+    columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
+    columns |= {"point[1].x": np.cos(time), "point[1].y": y * np.sin(time)}
+    return Recording("Swing", time, columns)
+
+
+def coloured(picture, colour):
+    """Return how many pixels are about of a colour."""
+    wanted = 255 * np.array(mpl.colors.to_rgb(colour))
+    return int((abs(picture.astype(float) - wanted).max(axis=-1) < 8).sum())
+
+
+def test_a_gif_lasts_as_long_as_the_motion_on_the_screen(recording, tmp_path):
+    film(recording, tmp_path / "film.gif")
+    times, rate = frame_times(0.0, 0.52, slow_spans(recording), 0.2)
+    with Image.open(tmp_path / "film.gif") as shown:
+        assert shown.size == SIZE
+        durations = []
+        for frame in range(shown.n_frames):
+            shown.seek(frame)
+            durations.append(shown.info["duration"] / 1000)
+        assert sum(durations[:-1]) == pytest.approx(len(times) / rate, abs=0.1)
+        shown.seek(shown.n_frames // 2)
+        picture = np.asarray(shown.convert("RGB"))
+        assert coloured(picture, CHAIN) > 100
+        assert picture[2, SIZE[0] // 2].tolist() == [255, 255, 255]
+
+
+def test_positions_alone_make_a_film():
+    (picture,) = pictures(swing(1.0), 0.0)
+    assert coloured(picture, CHAIN) > 100
+    assert coloured(picture[:, SIZE[0] * 2 // 3 :], ENERGIES["total"]) < 50  # the clock, no empty axes
+
+
+def test_a_pinned_base_stands_on_ground(monkeypatch):
+    (with_mark,) = pictures(swing(-1.0), 0.0)
+    monkeypatch.setattr("chain_impact.pictures.film.pin_mark", lambda _: [])
+    (without,) = pictures(swing(-1.0), 0.0)
+    assert (abs(with_mark.astype(float) - without).max(axis=-1) > 100).sum() > 30
+
+
+def test_twice_the_speed_has_half_the_frames(recording, tmp_path):
+    counts = []
+    for speed in (1.0, 2.0):
+        film(recording, tmp_path / "film.gif", speed)
+        with Image.open(tmp_path / "film.gif") as shown:
+            counts.append(shown.n_frames)
+    assert counts[1] == pytest.approx(counts[0] / 2, abs=1.5)
+
+
+@needs_interop
+def test_an_mp4_is_a_film_that_a_decoder_reads(recording, tmp_path):
+    import av
+
+    done = []
+    film(recording, tmp_path / "film.mp4", size=(321, 181), done=done.append)
+    with av.open(str(tmp_path / "film.mp4")) as shown:
+        frames = [frame.to_ndarray(format="rgb24") for frame in shown.decode(video=0)]
+        assert shown.streams.video[0].average_rate == RATES[".mp4"]
+    assert frames[0].shape == (180, 320, 3)
+    assert len(frames) == len(done)
+    assert done[-1] == 1.0
+
+
+def test_an_arrow_is_there_while_there_is_a_force(recording):
+    (touch,) = (one for one in recording.touches if (one.point, one.wall) == (2, "y_min"))
+    peak = recording.time[touch.force.argmax()]
+    red = [coloured(picture[SIZE[1] // 4 :], FORCE) for picture in pictures(recording, 0.0, peak, 0.52)]
+    assert red[0] == 0
+    assert red[1] > 10
+    assert red[2] == 0
+
+
+def test_forces_in_joints_are_arrows_of_a_colour_of_their_own_with_a_key():
+    recording = record_slowly(load_scene("pinned_arm").with_values({"outputs.loads": True}))
+    sizes = sum(np.hypot(*force.T) for force in recording.loads.values())
+    key, arrows = 10, 60
+    for time, least, most in ((0.0, key, arrows), (recording.time[sizes.argmax()], arrows, 1000)):
+        (picture,) = pictures(recording, time)
+        assert least < coloured(picture, LOAD) < most
+    (picture,) = pictures(record_slowly("pinned_arm"), recording.time[sizes.argmax()])
+    assert coloured(picture, LOAD) == 0
+
+
+@pytest.mark.parametrize(
+    ("scene", "without", "with_mark"), [(sled, 0.5, 1.5), (pendulum, 0.2, 0.6)], ids=["contact", "joint"]
+)
+def test_there_is_more_in_the_colour_of_forces_where_something_sticks(scene, without, with_mark):
+    slides, sticks = pictures(record_slowly(scene()), without, with_mark)
+    assert coloured(sticks, FORCE) > coloured(slides, FORCE)
+
+
+@pytest.mark.parametrize("size", [(240, 180), (320, 240), (480, 270), (640, 360), (960, 540), (900, 300)])
+def test_no_text_runs_out_of_a_film(size):
+    """With dry friction there are most energies."""
+    recording = record_slowly(load_scene("sliding_rod").with_values({"simulation.stop_time": 0.1}))
+    with mpl.rc_context(STYLE):
+        dpi = resolution(size)
+        figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
+        page = Film(figure, recording, np.linspace(0.0, 0.1, 9))
+        list(page.show(4, 1e-4))
+        figure.draw_without_rendering()
+    shown = page.now.axes.get_legend().get_texts() if page.tells_energies else []
+    boxes = [text.get_window_extent() for text in [*figure.texts, *shown]]
+    assert page.tells_energies == (size[0] >= 480 and size[1] >= 270)
+    for box in boxes:
+        assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+        assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
+    for one, other in itertools.combinations(boxes, 2):
+        assert not one.overlaps(other)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(12345.0, "12.3 kN"), (999.4, "999 N"), (1.0, "1.00 N"), (0.0249, "24.9 mN")]
+)
+def test_forces_as_text(value, text):
+    assert force_text(value, "N") == text
+
+
+@pytest.mark.parametrize(
+    ("rate", "text"),
+    [(1.01, "real time"), (1 / 480, "480 × slower"), (1 / 3, "3 × slower"), (2.5, "2.5 × faster")],
+)
+def test_rates_as_text(rate, text):
+    assert rate_text(rate) == text

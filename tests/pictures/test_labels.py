@@ -1,0 +1,69 @@
+"""Labels stand beside their places, and none meets another, a line or a mark."""
+
+import itertools
+
+import pytest
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.labels import Ink, Label, listed, place_labels
+
+
+@pytest.fixture
+def axes():
+    return Figure(figsize=(4.0, 3.0), layout="constrained").add_subplot()
+
+
+def test_the_first_keeps_its_place_and_those_that_have_no_room_are_told(axes):
+    labels = [Label(str(k), (0.5 + 0.001 * k, 0.5)) for k in range(60)]
+    left = place_labels(axes, labels, Ink(axes.figure), fontsize=7)
+    shown = [text.get_text() for text in axes.texts]
+    assert shown[0] == "0"
+    assert 1 < len(shown) < 60
+    assert sorted([*shown, *(label.text for label in left)]) == sorted(map(str, range(60)))
+    for one, other in itertools.combinations([text.get_window_extent() for text in axes.texts], 2):
+        assert not one.overlaps(other)
+
+
+def test_a_label_turns_to_where_it_keeps_inside(axes):
+    assert (
+        place_labels(axes, [Label("wide label", (1.0, 0.5)), Label("high", (0.5, 1.0))], Ink(axes.figure))
+        == []
+    )
+    inside = axes.get_window_extent()
+    for text in axes.texts:
+        box = text.get_window_extent()
+        assert inside.x0 <= box.x0 <= box.x1 <= inside.x1
+        assert inside.y0 <= box.y0 <= box.y1 <= inside.y1
+
+
+def test_a_label_stands_on_the_side_it_is_meant_for(axes):
+    sides = [Label("left", (0.5, 0.2), (-1.0, 0.0)), Label("below", (0.5, 0.8), (0.0, -1.0))]
+    place_labels(axes, sides, Ink(axes.figure))
+    left, below = (text.get_window_extent() for text in axes.texts)
+    assert left.x1 < axes.transData.transform((0.5, 0.2))[0]
+    assert below.y1 < axes.transData.transform((0.5, 0.8))[1]
+
+
+def test_a_label_meets_no_line(axes):
+    axes.plot([0.0, 1.0], [0.55, 0.55], color="0.8", linewidth=1.0)
+    axes.set(ylim=(0.0, 1.0))
+    place_labels(axes, [Label("above", (0.5, 0.5))], Ink(axes.figure))
+    (text,) = axes.texts
+    y = axes.transData.transform((0.5, 0.55))[1]
+    box = text.get_window_extent()
+    assert box.y1 < y or box.y0 > y
+
+
+def test_a_line_leads_to_a_label_that_is_far_from_its_place(axes):
+    axes.plot([0.5], [0.5], "o", markersize=40.0)
+    label = [Label("1", (0.5, 0.5))]
+    assert place_labels(axes, label, Ink(axes.figure)) == label
+    assert place_labels(axes, label, Ink(axes.figure), lines=True) == []
+    assert axes.texts[0].arrow_patch is not None
+
+
+@pytest.mark.parametrize(
+    ("numbers", "expected"), [([3], "3"), ([9, 3, 8, 7, 3], "3, 7–9"), ([1, 2], "1, 2"), ([], "")]
+)
+def test_numbers_in_a_row_are_told_by_the_first_and_the_last(numbers, expected):
+    assert listed(numbers) == expected

@@ -1,0 +1,80 @@
+"""The headline of a picture says what happened, in numbers that are those of the recording."""
+
+import re
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.pictures.message import conditions, message
+from chain_impact.pictures.style import SEPARATOR
+from chain_impact.scene.scene import with_values
+from tests.helpers.stops import knee
+from tests.pictures.pictures import MODELS, hit, recorded, swing
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_numbers_are_those_of_the_recording(model):
+    recording = recorded(model)
+    said = message(recording)
+    assert said.startswith(recording.name + ": ")
+    found = re.search(r"(\d+) impact", said)
+    assert (int(found[1]) if found else 0) == recording.impact_count
+    assert f" in {recording.time[-1]:g} s" in said
+    columns = recording.columns
+    if found := re.search(r"([\d.]+) J dissipated", said):
+        assert float(found[1]) == pytest.approx(columns["energy.dissipated"][-1], rel=5e-3)
+    else:  # an elastic wall takes nothing
+        assert abs(columns["energy.dissipated"]).max() < 1e-9
+
+
+def test_nothing_is_said_of_energy_that_is_not_lost_or_not_known():
+    recording = swing()
+    recording.columns["energy.dissipated"] = np.zeros(50)
+    assert message(recording) == "Swing: no impacts in 2 s"
+    recording = swing()
+    del recording.columns["energy.dissipated"]
+    assert message(recording) == "Swing: no impacts in 2 s"
+
+
+def test_the_conditions_are_the_parameters_of_the_run():
+    changes = {
+        ("contact", "stiffness"): 2.145e10,
+        ("contact", "model"): "flores",
+        ("solver", "tolerance"): 1e-6,
+    }
+    scene = with_values(load_scene("rod_drop"), changes | {("simulation", "stop_time"): 0.1})
+    assert conditions(simulate(scene)).split(SEPARATOR) == [
+        "1 link",
+        "law flores",
+        "restitution e = 0.7",
+        "stiffness K = 2.145e10 N/m$^{1.5}$",
+        "method auto, tolerance 1e-6",
+    ]
+    assert "joint damping ≤ 0.02 N·m·s/rad" in conditions(recorded("pinned_arm"))
+    assert "radius 0.05 m" in conditions(recorded("ramp"))
+
+
+def test_an_impulse_has_no_stiffness():
+    known = recorded("rod_drop").parameters | {"contact.model": "newton_impact"}
+    assert "stiffness" not in conditions(swing(parameters=known))
+
+
+def test_without_parameters_only_the_links_are_known():
+    assert conditions(swing()) == "1 link"
+
+
+@pytest.mark.parametrize(("own", "told"), [(None, "stops e = 0.5"), ("flores", "stops law flores, e = 0.5")])
+def test_stops_have_their_restitution_and_a_law_of_their_own(own, told):
+    scene = knee(**({"stops.model": own} if own else {}))
+    assert told in conditions(simulate(scene, 0.5)).split(SEPARATOR)
+
+
+@pytest.mark.parametrize(
+    ("lost", "told"), [(0.5, ", 0.5 J dissipated"), (3.21e-5, ", 3.21e-05 J dissipated"), (1e-14, "")]
+)
+def test_a_small_loss_is_told_and_round_off_is_not(lost, told):
+    recording = swing([hit(1.0, 1, "y_max", 1.0)], {"y_max": 1.0})
+    total = np.linspace(1.0, 1.0 - lost, 50)
+    recording.columns.update({"energy.total": total, "energy.dissipated": 1.0 - total})
+    assert message(recording) == f"Swing: 1 impact in 2 s{told}"

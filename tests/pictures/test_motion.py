@@ -1,0 +1,120 @@
+"""The picture of the motion: its poses, its paths, and the numbers of the impacts."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.quiver import Quiver
+
+from chain_impact import load_scene, simulate
+from chain_impact.pictures import draw_chain
+from chain_impact.pictures.motion import STRONG, by_speed, strongest
+from tests.pictures.pictures import boxes, crowd, drawn, hit, recorded, swing, texts
+
+
+def poses(axes):
+    """Return the chains that are drawn strongly, as arrays (N+1, 2)."""
+    return [np.array(line.get_xydata()) for line in axes.lines if line.get_zorder() == 4]
+
+
+def ring_places(axes):
+    return np.concatenate([line.get_xydata() for line in axes.lines if line.get_markerfacecolor() == "none"])
+
+
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp"])
+def test_the_strong_poses_are_start_end_and_those_of_the_strongest_impacts(model):
+    recording = recorded(model)
+    _, motion, *_ = drawn(recording)
+    *at_impacts, start, end = poses(motion)
+    np.testing.assert_array_equal(start, recording.points[0])
+    np.testing.assert_array_equal(end, recording.points[-1])
+    assert len(at_impacts) == min(STRONG, len(recording.impacts))
+    hardest = np.sort(
+        recording.impacts[np.argsort(-recording.impacts["impact_speed"])[:STRONG]], order="onset"
+    )
+    for pose, impact in zip(at_impacts, hardest, strict=True):
+        place = pose[impact["point"]]
+        # the point touches the wall, but for its radius and the way between two communication points
+        gap = recording.wall_of(impact).clearance(*place) - recording.parameters["contact.radius"]
+        assert abs(gap) < 1.1e-3 * impact["impact_speed"]
+
+
+def test_every_impact_has_a_strong_pose_if_there_are_few():
+    recording = recorded("pinned_arm")
+    assert len(strongest(recording, STRONG)) == len(recording.impacts) == 1
+
+
+def test_a_pose_is_that_of_the_nearest_row_so_no_link_shrinks():
+    recording = swing(rows=3)
+    np.testing.assert_allclose(recording.pose_at(0.4), recording.points[0], atol=1e-15)
+
+
+def test_the_paths_of_all_points_are_there_and_that_of_the_tip_is_strongest():
+    recording = recorded("four_link_box")
+    _, motion, *_ = drawn(recording)
+    _, others, tip = motion.collections
+    for point, path in enumerate(others.get_segments()):
+        np.testing.assert_array_equal(path, recording.points[:, point])
+    ends = np.array(tip.get_segments())
+    np.testing.assert_array_equal(ends[:, 1], recording.points[1:, -1])
+    assert tip.get_linewidth()[0] > others.get_linewidth()[0]
+    assert others.get_alpha() < 0.5
+
+
+def test_a_chain_is_a_line_that_can_be_moved():
+    axes = Figure().add_subplot()
+    line = draw_chain(axes, np.array([[0.0, 0.0], [1.0, 2.0]]), color="red", linewidth=5.0)
+    assert line.get_color() == "red"
+    assert line.get_linewidth() == 5.0
+    assert axes.lines[0] is line
+    line.set_data(*np.array([[0.0, 1.0], [3.0, 4.0]]).T)
+    np.testing.assert_array_equal(line.get_xydata(), [[0.0, 1.0], [3.0, 4.0]])
+
+
+def test_impacts_are_ringed_where_the_point_was_and_numbered():
+    impacts = [hit(0.5, 1, "x_max", 3.0), hit(1.0, 1, "y_max", 2.0), hit(1.5, 0, "y_min", 1.0)]
+    s = np.sqrt(0.5)
+    walls = {"x_max": s, "y_max": 1.1, "y_min": 0.0}  # of the second, a point with a radius of 0.1 m
+    _, motion, *_ = drawn(swing(impacts, walls, rows=2001))
+    np.testing.assert_allclose(ring_places(motion), [[s, s], [0.0, 1.1], [0.0, 0.0]], atol=1e-6)
+    assert texts(motion) == ["1", "2", "3"]
+
+
+@pytest.mark.full("takes long")
+def test_impacts_at_one_place_share_a_ring_that_names_the_strongest():
+    walls = {"y_min": 0.0, "y_max": 1.0}
+    floor = [hit(time, 0, "y_min", time) for time in (0.5, 0.51, 1.0, 1.5)]
+    _, motion, *_ = drawn(swing([*floor[:2], hit(0.9, 1, "y_max", 9.0)], walls))
+    assert texts(motion) == ["3", "1, 2"]
+    _, motion, *_ = drawn(swing(floor, walls))
+    assert texts(motion) == ["3, 4 +2"]
+
+
+@pytest.mark.full("more cases", but=3)
+@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp", "crowd"])
+def test_numbers_stand_off_the_rings(model):
+    recording = crowd() if model == "crowd" else recorded(model)
+    _, motion, *_ = drawn(recording)
+    rings = motion.transData.transform(ring_places(motion))
+    for box in boxes(motion):
+        assert not any(box.contains(*ring) for ring in rings)
+
+
+def test_the_largest_force_in_each_joint_is_an_arrow_where_the_joint_was_then():
+    recording = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
+    _, motion, *_ = drawn(recording)
+    (arrows,) = (one for one in motion.collections if isinstance(one, Quiver))
+    peaks = [recording[f"joint[{joint}].peak_force"][-1] for joint in (1, 2)]
+    assert np.hypot(arrows.U, arrows.V) == pytest.approx(peaks)
+    np.testing.assert_array_equal(arrows.XY[0], [0.0, 0.0])
+    row = np.hypot(*recording.loads[2].T).argmax()
+    np.testing.assert_array_equal(arrows.XY[1], recording.points[row, 1])
+    assert arrows.V[1] / arrows.U[1] == pytest.approx(recording.loads[2][row, 1] / recording.loads[2][row, 0])
+    assert motion.get_legend().get_texts()[-1].get_text() == "joint forces, ≤ 670 N"
+
+
+def test_the_hardest_impact_is_numbered():
+    for recording in (recorded("four_link_box"), crowd()):
+        _, motion, *_ = drawn(recording)
+        number = str(by_speed(recording)[0] + 1)
+        assert any(number in text.replace(",", " ").split() for text in texts(motion))

@@ -1,0 +1,130 @@
+"""Walls and a base that move, in the picture of a motion."""
+
+import functools
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+
+from chain_impact import simulate
+from chain_impact.pictures.motion import colour_of_time
+from chain_impact.pictures.room import AT_TIMES_COLOUR
+from chain_impact.scene.scene import scene_from_dict
+from tests.pictures.pictures import drawn
+
+START, SPEED = 0.45, 0.3  # m, m/s: the wall comes from the right to the left
+
+
+@functools.cache
+def ram(box=START, way=None):
+    """Return a double pendulum that swings away from a wall, which follows it."""
+    scene = scene_from_dict(
+        {
+            "name": "Ram",
+            "chain": {"base": "pinned", "links": [{"count": 2, "length": 0.4, "mass": 1.0}]},
+            "box": {"x_max": box},
+            "inputs": {"wall_motion": True},
+            "initial": {"angles": ["-60 deg", "-60 deg"]},
+            "simulation": {"stop_time": 1.0},
+        },
+        "ram",
+    )
+    return simulate(scene, inputs={"wall.x_max.displacement": way or (lambda t: SPEED * t)}, output_step=2e-3)
+
+
+def upright_lines(axes, x):
+    """Return the colours of lines from the bottom to the top of the axes at a place."""
+    found = []
+    for lines in axes.collections:
+        for line, colour in zip(lines.get_segments(), lines.get_colors().repeat(99, axis=0), strict=False):
+            if len(line) > 1 and np.abs(line[:, 0] - x).max() < 1e-9 and np.ptp(line[:, 1]) > 0.5:
+                found.append(to_hex(colour))
+    return found
+
+
+@pytest.mark.parametrize("row", [0, -1])
+def test_a_wall_that_moves_is_where_it_starts_and_ends_in_the_colours_of_time(row):
+    recording = ram()
+    _, motion, *_ = drawn(recording)
+    at = START - recording["wall.x_max.position"][row]
+    assert to_hex(colour_of_time(recording)(recording.time[row])) in upright_lines(motion, at)
+    left, right = motion.get_xlim()
+    assert left < at < right
+
+
+def test_the_wall_that_was_hit_is_there():
+    recording = ram(way=lambda t: 0.2 * (1.0 - np.cos(3.0 * np.pi * t)))
+    (onset,) = recording.impacts["onset"]
+    _, motion, *_ = drawn(recording)
+    at = START - np.interp(onset, recording.time, recording["wall.x_max.position"])
+    assert START - 0.4 < at < START
+    assert to_hex(colour_of_time(recording)(onset)) in upright_lines(motion, at)
+
+
+def test_the_chain_stands_in_what_is_free_at_its_time():
+    """White is free all the time, pale what is free at times: no pose is in the grey beyond."""
+    recording = ram()
+    _, motion, *_ = drawn(recording)
+    at_times, always = (
+        next(one for one in motion.patches if to_hex(one.get_facecolor()) == to_hex(colour))
+        for colour in (AT_TIMES_COLOUR, "white")
+    )
+    assert at_times.get_xy()[:, 0].max() == pytest.approx(START)
+    assert always.get_xy()[:, 0].max() == pytest.approx(START - SPEED)
+    assert recording.points[0, :, 0].max() > START - SPEED  # it would stand beyond the wall at its end
+    assert recording.points[..., 0].max() < START
+
+
+def test_a_wall_has_a_trace_from_its_start_to_its_end():
+    recording = ram()
+    _, motion, *_ = drawn(recording)
+    traces = [
+        pieces
+        for lines in motion.collections
+        if len(pieces := np.array([line for line in lines.get_segments() if len(line) == 2])) > 100
+        and np.ptp(pieces[..., 1]) < 1e-9
+    ]
+    (trace,) = traces
+    assert trace[0, 0, 0] == pytest.approx(START)
+    assert trace[-1, 1, 0] == pytest.approx(START - SPEED)
+
+
+def test_a_wall_that_comes_from_far_is_in_view_where_it_starts():
+    """As long as it is not farther than the motion is wide; a wall that stays there is not."""
+    _, motion, *_ = drawn(ram(box=0.7, way=lambda t: 0.5 * t))
+    assert motion.get_xlim()[1] > 0.7
+    _, motion, *_ = drawn(ram(box=0.7, way=lambda t: 0.0 * t))
+    assert motion.get_xlim()[1] < 0.7
+
+
+def marks(axes):
+    """Return the lines of ground marks: those of the support have four corners."""
+    return [
+        (line, to_hex(colour))
+        for lines in axes.collections
+        for line, colour in zip(lines.get_segments(), lines.get_colors().repeat(99, axis=0), strict=False)
+        if len(line) == 4
+    ]
+
+
+def test_a_base_that_moves_has_its_mark_at_the_start_and_at_the_end():
+    scene = ram().scene.with_values({"inputs.base_motion": True, "inputs.wall_motion": False})
+    way = {"base.x": lambda t: 0.3 * t, "base.y": lambda t: -0.1 * t}
+    recording = simulate(scene, inputs=way, output_step=2e-3)
+    assert recording.pinned
+    _, motion, *_ = drawn(recording)
+    shade = colour_of_time(recording)
+    places = {(*line[0].round(9).tolist(), colour) for line, colour in marks(motion)}
+    assert (0.0, 0.0, to_hex(shade(0.0))) in places
+    assert (0.3, -0.1, to_hex(shade(1.0))) in places
+    assert len(places) > 5  # faint ones between
+    view = mpl.transforms.Bbox(np.transpose([motion.get_xlim(), motion.get_ylim()]))
+    assert all(view.contains(*corner) for line, _ in marks(motion) for corner in line)
+
+
+def test_a_free_base_that_rests_is_not_pinned():
+    scene = ram().scene.with_values({"chain.base": "free", "inputs.wall_motion": False, "gravity": [0, 0]})
+    recording = simulate(scene)
+    assert not recording.pinned
+    assert marks(drawn(recording)[1]) == []

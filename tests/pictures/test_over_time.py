@@ -1,0 +1,90 @@
+"""The pictures over time: energies, and the speeds of the impacts."""
+
+import re
+
+import numpy as np
+import pytest
+
+from chain_impact.pictures.over_time import TOLD, point_groups
+from chain_impact.pictures.style import GREY
+from tests.pictures.pictures import MODELS, drawn, hit, recorded, swing, texts
+
+
+@pytest.mark.full("more cases", but=3)
+@pytest.mark.parametrize("model", MODELS)
+def test_every_impact_is_in_the_picture(model):
+    recording = recorded(model)
+    _, _, _, energy, speeds, *_ = drawn(recording)
+    lines = [path for item in speeds.collections for path in item.get_segments()]
+    stems = [line for line in lines if np.ptp(line[:, 0]) == 0.0]
+    expected = sorted(recording.impacts[["onset", "impact_speed"]].tolist())
+    assert sorted(tuple(stem[1]) for stem in stems) == expected
+    (lines,) = energy.collections
+    assert [path[0, 0] for path in lines.get_segments()] == recording.impacts["onset"].tolist()
+
+
+@pytest.mark.full("more cases", but=2)
+@pytest.mark.parametrize("model", MODELS)
+def test_a_number_stands_near_its_impact_and_counts_in_time(model):
+    recording = recorded(model)
+    speeds = drawn(recording)[4]
+    for text in speeds.texts:
+        impact = recording.impacts[int(text.get_text()) - 1]
+        assert text.xy == (impact["onset"], impact["impact_speed"])
+        box, place = text.get_window_extent(), speeds.transData.transform(text.xy)
+        assert np.hypot(*(0.5 * (box.min + box.max) - place)) < 20.0  # pixels
+
+
+def test_the_hardest_impacts_are_numbered_first():
+    impacts = [hit(1.0 + 1e-4 * k, 1, "y_max", speed) for k, speed in enumerate((1.0, 1.01, 5.0))]
+    *_, speeds = drawn(swing(impacts, {"y_max": 1.0}))
+    assert texts(speeds)[0] == "3"
+
+
+def test_all_that_is_measured_names_its_unit():
+    _, motion, clock, energy, speeds = drawn(recorded("pinned_arm"))
+    names = [motion.get_xlabel(), motion.get_ylabel(), clock.get_xlabel(), energy.get_ylabel()]
+    assert [re.findall(r"\[(.*)\]", name) for name in names] == [["m"], ["m"], ["s"], ["J"]]
+    assert speeds.get_ylabel() == "impact speed [m/s]"
+
+
+def test_energy_from_inputs_is_drawn_if_there_is_any():
+    _, _, _, energy, _ = drawn(recorded("pinned_arm"))
+    assert "supplied" not in energy.get_legend_handles_labels()[1]
+    recording = swing()
+    recording.columns["energy.supplied"] = np.ones(50)
+    _, _, _, energy, _ = drawn(recording)
+    assert energy.get_legend_handles_labels()[1][-1] == "supplied"
+
+
+def test_many_points_are_not_told_apart_by_colour():
+    hits = [hit(0.1 * k, k, "y_min", float(k)) for k in range(15)]
+    groups = point_groups(swing(hits, {"y_min": 0.0}))
+    names = [name for name, _, _ in groups]
+    assert names == ["others", *(f"point {k}" for k in range(15 - TOLD + 1, 15))]
+    assert groups[0][1] == GREY
+    assert len({colour for _, colour, _ in groups}) == len(groups)
+    assert sorted(np.concatenate([found for _, _, found in groups])) == list(range(15))
+    few = point_groups(swing(hits[:3], {"y_min": 0.0}))
+    assert [name for name, _, _ in few] == ["point 0", "point 1", "point 2"]
+
+
+def test_without_impacts_the_panel_says_so():
+    *_, speeds = drawn(swing())
+    assert texts(speeds) == ["no impact"]
+
+
+def test_a_contact_that_lasts_has_a_band_to_its_end():
+    recording = recorded("sliding_rod")
+    axes = drawn(recording)[0].axes
+    (speeds,) = (one for one in axes if one.get_label() == "impacts")
+    bands = [line for lines in speeds.collections for line in lines.get_segments() if np.ptp(line[:, 1]) == 0]
+    bands = {(round(float(x0), 9), round(float(x1), 9)) for (x0, _), (x1, _) in bands}
+    expected = {
+        (round(float(row["onset"]), 9), round(float(np.nan_to_num(row["end"], nan=recording.time[-1])), 9))
+        for row in recording.impacts
+    }
+    long = {(onset, end) for onset, end in expected if end - onset > 0.02 * recording.time[-1]}
+    assert long
+    assert long <= bands <= expected
+    assert "in contact" in [text.get_text() for text in speeds.get_legend().get_texts()]

@@ -1,0 +1,281 @@
+"""The page with a recording: its files, its headline, and that nothing hides anything else."""
+
+import itertools
+import re
+
+import matplotlib as mpl
+import matplotlib.style
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from chain_impact.pictures import plot
+from chain_impact.pictures.labels import Ink
+from chain_impact.pictures.style import styled
+from chain_impact.recording.recording import Recording
+from chain_impact.scene.models import model_names
+from tests.pictures.pictures import MODELS, boxes, crowd, drawn, recorded, swing
+
+BEGINNINGS = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF"}
+PICTURES = [*MODELS, "sixty impacts"]
+WIDTHS = [width / 25.4 for width in (84, 120, 190)]  # inches
+COLOURS = 10  # the most that a picture tells apart
+
+
+def picture(name):
+    return crowd() if name == "sixty impacts" else recorded(name)
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.parametrize("suffix", BEGINNINGS)
+def test_the_suffix_says_which_kind_of_file(tmp_path, suffix):
+    path = tmp_path / f"swing{suffix}"
+    plot(swing(), path)
+    assert path.read_bytes().startswith(BEGINNINGS[suffix])
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_picture_that_fails_leaves_the_old_one_alone(tmp_path, monkeypatch):
+    def savefig(_, path, **__):
+        path.write_text("half of it")
+        raise MemoryError
+
+    path = tmp_path / "swing.png"
+    path.write_text("old")
+    monkeypatch.setattr(Figure, "savefig", savefig)
+    with pytest.raises(MemoryError):
+        plot(swing(), path)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_settings_of_matplotlib_are_left_alone(tmp_path):
+    before = dict(mpl.rcParams)
+    plot(swing(), tmp_path / "swing.png")
+    assert dict(mpl.rcParams) == before
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.parametrize("name", PICTURES)
+def test_labels_never_overlap(name):
+    page, *panels = drawn(picture(name))
+    motion, _, energy, speeds, *_ = panels
+    for axes in panels:
+        inside = axes.get_window_extent()
+        for one, other in itertools.combinations(boxes(axes), 2):
+            assert not one.overlaps(other)
+        for box in boxes(axes):
+            assert inside.x0 <= box.x0 <= box.x1 <= inside.x1
+            assert inside.y0 <= box.y0 <= box.y1 <= inside.y1
+    outside = [axes.get_legend().get_window_extent() for axes in (motion, energy, *panels[3:])]
+    outside += [axis.label.get_window_extent() for axes in panels for axis in (axes.xaxis, axes.yaxis)]
+    outside += [text.get_window_extent() for text in page.texts]
+    for box in outside:
+        assert not any(box.overlaps(axes.get_window_extent()) for axes in panels)
+        assert page.bbox.x0 <= box.x0 <= box.x1 <= page.bbox.x1
+        assert page.bbox.y0 <= box.y0 <= box.y1 <= page.bbox.y1
+    for one, other in itertools.combinations([box for box in outside if box.width], 2):
+        assert not one.overlaps(other)
+    assert boxes(motion) or any("in the motion" in text.get_text() for text in page.texts)
+    # the only impact of the belt is at the edge
+    assert len(boxes(speeds)) > 0 or name == "stick_slip_belt"
+
+
+@pytest.mark.full("more cases", but=2)
+@pytest.mark.parametrize("name", PICTURES)
+def test_a_picture_has_few_colours_besides_those_of_time(name):
+    _, _, _, energy, speeds, *_ = drawn(picture(name))
+    for axes in (energy, speeds):
+        colours = {to_hex(line.get_color()) for line in axes.lines}
+        colours |= {to_hex(colour) for item in axes.collections for colour in item.get_edgecolor()}
+        assert 0 < len(colours) <= COLOURS
+
+
+@pytest.mark.full("more cases", but=2)
+@pytest.mark.parametrize("name", ["four_link_box", "rod_drop", "pinned_arm"])
+def test_the_motion_fills_its_panel(name):
+    """It is nearly as high as the panels beside it, or takes two fifths of the page's width."""
+    page, motion, clock, energy, _ = drawn(recorded(name))
+    box = motion.get_window_extent()
+    height = energy.get_window_extent().y1 - clock.get_window_extent().y0
+    assert box.width > 0.4 * page.bbox.width or box.height > 0.85 * height
+
+
+def test_the_headline_has_the_message_and_the_conditions():
+    page, *_ = drawn(recorded("four_link_box"))
+    message, conditions = (text.get_text() for text in page.texts)
+    assert message.startswith("FourLinkBox: 14 impacts in 2 s, ")
+    assert "zhang_sharf" in conditions
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.parametrize("rows", [1, 2])
+def test_a_simulation_that_stopped_at_once_has_a_picture(tmp_path, rows):
+    recording = swing(rows=2)
+    columns = {name: column[:rows] for name, column in recording.columns.items()}
+    plot(Recording("Stopped", recording.time[:rows], columns), tmp_path / "stopped.png")
+    assert (tmp_path / "stopped.png").stat().st_size > 0
+
+
+def test_the_colours_of_the_motion_are_those_of_the_axis_of_time():
+    _, motion, clock, _, _ = drawn(swing(rows=201))
+    strip = clock.images[0]
+    path = next(item for item in motion.collections if item.get_label() == "tip")
+    for row, time in ((0, 0.005), (70, 0.705), (199, 1.995)):
+        shade = strip.cmap(strip.norm(strip.get_array()[0, round(time / 2.0 * 255)]))
+        np.testing.assert_allclose(path.get_colors()[row], shade, atol=0.02)
+    assert strip.get_extent() == [0.0, 2.0, 0, 1]
+
+
+@styled()
+def told(page):
+    """Return all texts of a page, and what they cover."""
+    page.draw_without_rendering()
+    hidden = {
+        id(text)
+        for axes in page.axes
+        for axis in (axes.xaxis, axes.yaxis)
+        for tick in {*axis.get_major_ticks(), *axis.get_minor_ticks()} - {*axis._update_ticks()}
+        for text in (tick.label1, tick.label2)
+    }
+    texts = [text for text in page.findobj(Text) if text.get_visible() and id(text) not in hidden]
+    return [(text.get_text(), Text.get_window_extent(text)) for text in texts if text.get_text().strip()]
+
+
+def check_texts(page):
+    """No text is beyond the page, or on another."""
+    texts = told(page)
+    for text, box in texts:
+        assert min(box.x0, box.y0, page.bbox.x1 - box.x1, page.bbox.y1 - box.y1) > -0.5, text
+    for (one, box), (other, another) in itertools.combinations(texts, 2):
+        assert not box.padded(-0.5).overlaps(another), (one, other)
+
+
+def check_rules(page):
+    """Legends are no wider than their axes, and all axes have numbers; on a narrow page heads are low."""
+    for axes in page.axes:
+        inside = axes.get_window_extent()
+        if legend := axes.get_legend():
+            assert legend.get_window_extent().width <= inside.width + 0.5
+        for axis in () if axes.get_label() == "time" else (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            ticks = [tick for tick in axis.get_major_ticks() if tick.label1.get_visible()]
+            assert len([tick for tick in ticks if low <= tick.get_loc() <= high]) >= 3 or (
+                axes.get_label() == "friction" and axis is axes.yaxis  # which has names
+            )
+    if page.get_figwidth() < 4.0:
+        legends = [legend for axes in page.axes if (legend := axes.get_legend())]
+        heads = [item.get_window_extent().height for item in (page._suptitle, *legends)]
+        rubs = any(axes.get_label() == "friction" for axes in page.axes)  # whose names make panels narrower
+        assert sum(heads) <= (0.19 if rubs else 0.15) * page.bbox.height
+    check_ink(page)
+
+
+@styled()
+def check_ink(page):
+    """No text within axes is on a line or a mark."""
+    inside = [text for axes in page.axes for text in axes.texts]
+    boxes = [Text.get_window_extent(text) for text in inside]  # without the lines that lead to them
+    for text in inside:
+        text.set_visible(False)
+    ink = Ink(page)
+    for text, box in zip(inside, boxes, strict=True):
+        assert ink.take(box.min, box.max), text.get_text()
+        text.set_visible(True)
+
+
+@pytest.mark.full("more cases", but=3)
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("model", ["sliding_rod", *model_names()])
+def test_texts_fit_a_page_of_any_width(model, width):
+    """84, 120 and 190 mm, as journals have them: laid out anew, not scaled."""
+    height = {"thrown_brick": 6.75, "sphere_on_wall": 7.25}.get(model, 6.5)  # what these need
+    page = recorded(model).plot(size=(width, height))
+    assert tuple(page.get_size_inches()) == (width, height)
+    motion, *others = (axes.get_position(original=True) for axes in page.axes)
+    assert all((one.x0 >= motion.x1) == (width >= 6.0) for one in others)
+    check_texts(page)
+    check_rules(page)
+
+
+def test_a_page_that_is_too_low_is_refused_and_one_as_high_as_told_is_drawn():
+    result = recorded("sliding_rod")
+    with pytest.raises(ValueError, match=r"^size = \(6, 3\) must be at least [\d.]+ high") as refused:
+        result.plot(size=(6.0, 3.0))
+    least = float(re.search(r"at least ([\d.]+)", str(refused.value))[1])
+    check_texts(result.plot(size=(6.0, least)))
+
+
+def test_fonts_follow_the_settings_of_matplotlib():
+    with mpl.rc_context({"font.size": 7.0, "figure.titlesize": 8.0, "font.family": "serif"}):
+        page = recorded("rod_drop").plot(size=(4.7, 6.0))
+        check_texts(page)
+    assert page._suptitle.get_fontsize() == 8.0
+    axes = page.axes[0]
+    assert axes.xaxis.label.get_fontsize() == 7.0
+    assert axes.xaxis.label.get_fontfamily() == ["serif"]
+
+
+def test_files_have_text_and_no_type_3_fonts(tmp_path):
+    """Whether the package writes them, or the user of a figure."""
+    result = recorded("rod_drop")
+    for name in ("own", "users"):
+        result.plot(tmp_path / "own.pdf")
+        result.plot(tmp_path / "own.svg")
+        for suffix in ("pdf", "svg"):
+            result.plot().savefig(tmp_path / f"users.{suffix}")
+        assert b"/Type3" not in (tmp_path / f"{name}.pdf").read_bytes()
+        assert "energy [J]</text>" in (tmp_path / f"{name}.svg").read_text(encoding="utf-8")
+
+
+def test_panels_are_drawn_into_axes_that_are_there():
+    result, page = recorded("sliding_rod"), Figure()
+    axes = page.subplots(1, 2)
+    assert result.plot(panels=["impacts", "energy"], ax=axes) is axes
+    assert [one.get_ylabel() for one in axes] == ["energy [J]", "impact speed [m/s]"]
+    assert [one.get_xlabel().partition(";")[0] for one in axes] == ["time [s]"] * 2
+    one = page.add_subplot()
+    assert result.plot(ax=one) is one
+    assert one.get_xlabel() == "x [m]"
+
+
+def test_axes_of_a_dark_style_have_texts_and_a_total_that_can_be_seen():
+    with matplotlib.style.context("dark_background"):
+        axes = Figure().add_subplot()
+        recorded("rod_drop").plot(kind="energy", ax=axes)
+    assert {to_hex(text.get_color()) for text in axes.get_legend().get_texts()} == {"#ffffff"}
+    total = next(line for line in axes.lines if line.get_label() == "total")
+    assert to_hex(total.get_color()) == "#ffffff"
+    (rest,) = axes.patches
+    assert max(rest.get_facecolor()[:3]) < 0.2  # shaded, not white
+
+
+def test_a_kind_is_the_only_panel_and_axes_are_called_as_panels():
+    result = recorded("sliding_rod")
+    for page in (result.plot(kind="energy"), result.plot(panels="energy")):
+        assert {axes.get_label() for axes in page.axes} == {"time", "energy"}
+
+
+def test_panels_are_chosen():
+    page = recorded("sliding_rod").plot(size=(4.0, 3.0), panels=["energy", "friction"])
+    assert [axes.get_ylabel() for axes in page.axes] == ["", "energy\n[J]", ""]
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ({"panels": ["speed"]}, "'speed' is no panel; must be of motion, energy, impacts, friction"),
+        ({"kind": "speed"}, "'speed' is no panel"),
+        ({"kind": "energy", "panels": "motion"}, "one of them must be left out"),
+        ({"panels": ["energy", "motion"], "ax": Figure().add_subplot()}, "1 axes for 2 panels"),
+        ({"ax": Figure().add_subplot(), "size": (4.0, 4.0)}, "ax: axes that are there have their size"),
+        ({"size": (1.0, 5.0)}, "must be width and height in inches, each at least 2"),
+        ({"size": 5.0}, "must be width and height in inches"),
+        ({"size": (float("nan"), 3.0)}, "must be width and height in inches"),
+    ],
+)
+def test_a_page_that_cannot_be_is_refused(options, expected):
+    with pytest.raises(ValueError, match=expected):
+        recorded("rod_drop").plot(**options)

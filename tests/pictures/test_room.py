@@ -1,0 +1,113 @@
+"""The walls, the free side of them, and what is in view."""
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from chain_impact.scene.names import SLIDER_STOPS, STOPS
+from tests.pictures.pictures import MODELS, drawn, recorded, swing
+
+
+def wall_lines(axes):
+    """The end points of the lines of the walls, (2, 2) each: they alone have no marker and no label."""
+    lines = (line for line in axes.lines if line.get_marker() == "None")
+    return [np.array(line.get_xydata()) for line in lines]
+
+
+@pytest.mark.full("more cases", but=2)
+@pytest.mark.parametrize("model", MODELS)
+def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
+    recording = recorded(model)
+    _, motion, *_ = drawn(recording)
+    (low, high) = np.transpose([motion.get_xlim(), motion.get_ylim()])
+    assert np.all(recording.points > low)
+    assert np.all(recording.points < high)
+    assert motion.get_aspect() == 1.0
+    spans = np.ptp(recording.all_points, axis=(0, 1))
+    axis = int(np.argmax(spans))
+    assert spans[axis] > 0.7 * (high - low)[axis]
+
+
+@pytest.mark.full("more cases", but=2)
+@pytest.mark.parametrize("model", MODELS)
+def test_every_wall_near_the_motion_is_a_line_at_its_place(model):
+    recording = recorded(model)
+    _, motion, *_ = drawn(recording)
+    ends = wall_lines(motion)
+    # walls that move are drawn in their own way (test_moving.py), ends of a slider's line with the line
+    others = {*STOPS, *SLIDER_STOPS, *recording.moved_walls}
+    hit = {recording.wall_names[wall] for wall in recording.impacts["wall"]} - others
+    assert len(hit) <= len(ends) <= len(recording.walls)
+    for name in hit:
+        moved = recording.columns.get(f"wall.{name}.position", np.zeros(1))[-1]
+        gaps = [max(abs(recording.walls[name].clearance(*end) - moved) for end in line) for line in ends]
+        assert min(gaps) < 1e-12, name
+
+
+def test_walls_end_where_they_meet():
+    _, motion, *_ = drawn(recorded("four_link_box"))
+    corners = {tuple((end + 0.0).round(12) + 0.0) for line in wall_lines(motion) for end in line}
+    assert (3.0, 0.0) in corners  # the floor and the right wall; the others are far from the motion
+    assert len(corners) == 3
+    # those of the ramp meet at the origin, and its top and its stop end where the picture does
+    _, motion, *_ = drawn(recorded("ramp"))
+    view = [
+        (value, axis) for axis, ends in enumerate((motion.get_xlim(), motion.get_ylim())) for value in ends
+    ]
+    ends = np.concatenate(wall_lines(motion))
+    met = np.abs(ends).max(axis=1) < 1e-12
+    assert met.sum() == 2
+    assert all(min(abs(end[axis] - value) for value, axis in view) < 1e-12 for end in ends[~met])
+
+
+def test_the_room_is_white_and_all_beyond_it_grey():
+    """Three walls, one of them at a slant, and a fourth that is hidden behind the others."""
+    walls = {"y_min": -0.2, "x_max": 1.1}
+    slopes = {"slope": (-0.9, 0.0, -1.0), "hidden": (-2.4, 0.0, -1.0)}
+    recording = swing(walls=walls, slopes=slopes)
+    _, motion, *_ = drawn(recording)
+    assert len(wall_lines(motion)) == 3
+    (room,) = motion.patches
+    assert mpl.colors.to_hex(room.get_facecolor()) == "#ffffff"
+    assert mpl.colors.to_hex(motion.get_facecolor()) != "#ffffff"
+    outline, random = room.get_path(), np.random.default_rng(1)
+    for place in random.uniform(
+        (motion.get_xlim()[0], motion.get_ylim()[0]), (motion.get_xlim()[1], motion.get_ylim()[1]), (200, 2)
+    ):
+        inside = min(wall.clearance(*place) for wall in recording.walls.values()) > 0.0
+        assert outline.contains_point(place) == inside
+
+
+def test_what_moves_beyond_a_wall_is_in_view():
+    """Points that are not candidates pass through walls."""
+    _, motion, *_ = drawn(swing(walls={"y_max": 0.4}))
+    assert motion.get_ylim()[1] > 1.0
+    np.testing.assert_allclose(wall_lines(motion)[0][:, 1], 0.4, rtol=0, atol=1e-12)
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.parametrize("angle", np.linspace(-3.0, 3.0, 7))
+def test_a_wall_at_any_angle_is_seen_from_both_sides(angle):
+    """A band beyond it is in view."""
+    foot = np.array([0.0, 0.5]) + 0.8 * np.array([np.sin(angle), -np.cos(angle)])
+    recording = swing(slopes={"slope": (*foot, angle)})
+    _, motion, *_ = drawn(recording)
+    (line,) = wall_lines(motion)
+    view = [(x, y) for x in motion.get_xlim() for y in motion.get_ylim()]
+    gaps = [recording.walls["slope"].clearance(*corner) for corner in view]
+    assert np.ptp(line, axis=0).max() > 0.5
+    assert min(gaps) < -0.1 < 0.1 < max(gaps)
+
+
+def test_a_pinned_base_stands_on_ground_in_view_and_a_free_one_does_not():
+    def marks(model):
+        _, motion, *_ = drawn(recorded(model))
+        found = [lines for lines in motion.collections if lines.get_zorder() == 3]
+        return motion, [line for lines in found for line in lines.get_segments()]
+
+    assert marks("four_link_box")[1] == []
+    motion, lines = marks("pinned_arm")
+    places = np.concatenate(lines)
+    assert places[0].tolist() == [0.0, 0.0]
+    assert (places[:, 1] >= 0.0).all()  # the arm hangs
+    assert places[:, 1].max() < motion.get_ylim()[1]

@@ -1,0 +1,72 @@
+"""The look of all pictures: colours that can be told apart, and a headline over the panels."""
+
+import pytest
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.style import SEPARATOR, headline, number
+
+
+@pytest.mark.parametrize("conditions", ["", "4 links"])
+def test_the_headline_leaves_the_panels_room(conditions):
+    page = Figure(figsize=(6.0, 4.0), layout="constrained")
+    axes = page.add_subplot()
+    headline(page, "What it says", conditions)
+    page.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in page.texts if text.get_text()]
+    assert not any(box.overlaps(axes.get_tightbbox()) for box in boxes)
+    assert all(page.bbox.contains(*corner) for box in boxes for corner in box.corners())
+    if conditions:
+        assert boxes[1].y1 <= boxes[0].y0 + 2.0
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(1e8, "1e8"), (2.145e10, "2.145e10"), (1e-10, "1e-10"), (0.7, "0.7"), (30.0, "30"), (1e5, "1e5")],
+)
+def test_numbers_without_zeros_that_say_nothing(value, text):
+    assert number(value) == text
+
+
+LONG = [
+    "4 links",
+    "joint friction ≤ 0.02 N·m",
+    "law zhang_sharf",
+    "stiffness K = 1e8 N/m$^{1.5}$",
+    "friction µ = 0.3 (static 0.4), 0.1 (static 0.2) at y_min, 0.5 (static 0.6) at ramp",
+    "stops law newton_impact, e = 0.5",
+    "method auto, tolerance 1e-8",
+]
+
+
+def single_line(page):
+    """Return the height of a line of conditions."""
+    return page.text(0.0, 0.5, "K", fontsize="small").get_window_extent().height
+
+
+@pytest.mark.parametrize("width", [4.0, 6.0, 10.0])
+def test_a_headline_and_its_conditions_are_broken_into_lines_that_fit_the_page(width):
+    page = Figure(figsize=(width, 5.0), layout="constrained")
+    axes = page.subplots()
+    headline(
+        page,
+        "Box: 14 impacts, 82 % of the energy dissipated, 12 % of it by dry friction",
+        SEPARATOR.join(LONG),
+    )
+    page.draw_without_rendering()
+    message, conditions = page.texts
+    boxes = [text.get_window_extent() for text in (message, conditions)]
+    for box in boxes:
+        assert page.bbox.x0 <= box.x0 < box.x1 <= page.bbox.x1
+    below, above = boxes[1].y1, boxes[0].y0
+    if width < 6.0:  # the conditions are at the foot
+        assert below < axes.get_tightbbox().y0
+    else:
+        assert axes.get_tightbbox().y1 < boxes[1].y0
+        assert below < above
+    assert boxes[1].height > 1.5 * single_line(page)
+
+
+def test_what_fits_stays_in_a_line():
+    page = Figure(figsize=(10.0, 5.0))
+    headline(page, "Box: 14 impacts", SEPARATOR.join(LONG[:3]))
+    assert [text.get_text() for text in page.texts] == ["Box: 14 impacts", SEPARATOR.join(LONG[:3])]

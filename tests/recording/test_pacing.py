@@ -1,0 +1,74 @@
+"""The pace of an animation: slow through impacts, real time elsewhere, as measured on the screen."""
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.recording.pacing import FRAME_RATE, LONGEST, RAMP, SHORTEST, frame_rate, frame_times, rate
+from chain_impact.studies.animate import record_slowly
+
+
+def seen(times, per_second, start, end):
+    """Seconds on the screen between two simulated times."""
+    frames = np.interp([start, end], times, np.arange(len(times)))
+    return np.diff(frames)[0] / per_second
+
+
+@pytest.mark.parametrize("duration", [2e-4, 1e-3, 2e-2])
+@pytest.mark.parametrize("impact_time", [0.2, 0.6])
+def test_an_impact_takes_its_time_on_the_screen(duration, impact_time):
+    span = (0.7, 0.7 + duration)
+    times, per_second = frame_times(0.0, 2.0, [span], impact_time)
+    assert seen(times, per_second, *span) == pytest.approx(impact_time, rel=0.03)
+
+
+def test_the_slowing_down_takes_the_logarithm_of_how_slow_it_is():
+    """∫ dt / (r + t/τ) from 0 to τ (1 − r) = −τ ln r."""
+    duration, impact_time = 1e-3, 0.6
+    times, per_second = frame_times(0.0, 2.0, [(0.7, 0.7 + duration)], impact_time)
+    least = duration / impact_time
+    expected = -RAMP * np.log(least)
+    assert seen(times, per_second, 0.7 - RAMP * (1 - least), 0.7) == pytest.approx(expected, rel=0.02)
+
+
+def test_far_from_impacts_it_is_real_time():
+    times, per_second = frame_times(0.0, 2.0, [(0.7, 0.701)])
+    assert seen(times, per_second, 1.0, 2.0) == pytest.approx(1.0, rel=1e-3)
+    assert per_second == pytest.approx(FRAME_RATE, rel=0.01)
+
+
+@pytest.mark.parametrize(("spans", "impact_time"), [([], 0.6), ([(0.7, 0.701)], 0.0)])
+def test_without_impacts_or_slow_motion_the_frames_are_even(spans, impact_time):
+    times, per_second = frame_times(0.5, 2.0, spans, impact_time)
+    np.testing.assert_allclose(np.diff(times), 1.0 / per_second)
+    assert (times[0], times[-1]) == (0.5, 2.0)
+
+
+def test_a_contact_without_duration_and_one_that_lasts_are_slowed_for_a_while():
+    for span, shown in (((0.7, 0.7), SHORTEST), ((0.7, 1.9), LONGEST)):
+        times, per_second = frame_times(0.0, 2.0, [span])
+        assert seen(times, per_second, 0.7, 0.7 + shown) == pytest.approx(0.6, rel=0.1)
+
+
+def test_frames_increase_and_are_no_more_than_allowed():
+    spans = [(0.1 * k, 0.1 * k + 1e-3) for k in range(1, 90)]
+    times, per_second = frame_times(0.0, 10.0, spans, most=500)
+    assert len(times) == 500
+    assert per_second < FRAME_RATE
+    assert (np.diff(times) > 0.0).all()
+
+
+def test_of_two_impacts_the_slower_rate_holds():
+    time = np.array([0.5, 0.5005])
+    assert (rate(time, [(0.5, 0.501), (0.49, 0.6)], 0.5) == rate(time, [(0.5, 0.501)], 0.5)).all()
+
+
+def test_a_sine_that_drives_an_input_has_sixteen_frames_in_a_period():
+    scene = load_scene("shaken_pendulum").with_values({"simulation.stop_time": 0.2})
+    assert frame_rate(simulate(scene)) == 16 * 40.0
+    assert frame_rate(simulate(scene.with_values({"signal.shake.frequency_rate": -600.0}))) == 16 * 80.0
+    assert frame_rate(simulate("simple_pendulum")) == FRAME_RATE
+    recorded = record_slowly(scene)
+    # the base goes through all of its way, not through what 60 frames in a second meet of it
+    assert np.ptp(recorded["point[0].y"]) == pytest.approx(0.02, rel=0.02)
+    assert len(recorded.time) == 2 + 0.2 * 640

@@ -1,0 +1,166 @@
+"""Recordings: columns to numbers and back, and files that are whole or not there."""
+
+import csv
+import os
+
+import numpy as np
+import pytest
+
+from chain_impact import Recording, simulate
+from chain_impact.recording.impacts import impacts_shown
+from chain_impact.system import written_whole
+
+# each digit, the ends of the range, a negative zero and what is no number at all
+AWKWARD = [0.1 + 0.2, 1 / 3, 5e-324, 1.7976931348623157e308, -0.0, np.nan, np.inf, -1e-300]
+
+
+def recording(columns=None, time=None):
+    time = np.arange(len(AWKWARD)) * 0.1 if time is None else np.asarray(time)
+    return Recording("Test", time, columns or {})
+
+
+def read(path):
+    with path.open(newline="") as file:
+        names, *rows = csv.reader(file)
+    return names, np.array(rows, dtype=float).T
+
+
+def test_csv_has_time_and_the_columns_in_their_order(tmp_path):
+    columns = {name: np.zeros(8) for name in ("point[0].x", "energy.total", "a,b")}
+    recording(columns).save_csv(tmp_path / "out.csv")
+    names, _ = read(tmp_path / "out.csv")
+    assert names == ["time", "point[0].x", "energy.total", "a,b"]
+
+
+def test_csv_keeps_every_bit_of_the_numbers(tmp_path):
+    given = recording({"awkward": np.array(AWKWARD), "count": np.arange(8, dtype=np.int32)})
+    given.save_csv(tmp_path / "out.csv")
+    _, (time, awkward, count) = read(tmp_path / "out.csv")
+    assert time.tobytes() == given.time.tobytes()
+    assert awkward.tobytes() == np.array(AWKWARD).tobytes()
+    assert count.tolist() == list(range(8))
+    assert ",3\r\n" in (tmp_path / "out.csv").read_bytes().decode()  # an integer looks like one
+
+
+def test_a_failed_csv_leaves_the_old_one_alone(tmp_path):
+    path = tmp_path / "out.csv"
+    path.write_text("old")
+    with pytest.raises(ValueError, match="shorter"):
+        recording({"short": np.zeros(3)}).save_csv(path)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_file_appears_only_when_it_is_whole(tmp_path):
+    path = tmp_path / "out.txt"
+    with written_whole(path) as fresh:
+        fresh.write_text("half")
+        assert not path.exists()
+        assert fresh.suffix == ".txt"  # by which matplotlib chooses the format
+    assert path.read_text() == "half"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_who_reads_the_old_file_goes_on_reading_it(tmp_path):
+    path = tmp_path / "out.txt"
+    path.write_text("old")
+    with path.open() as reader:
+        with written_whole(path) as fresh:
+            fresh.write_text("new")
+        assert reader.read() == "old"
+    assert path.read_text() == "new"
+
+
+def test_a_file_has_the_mode_of_any_other(tmp_path):
+    (tmp_path / "plain").write_text("")
+    with written_whole(tmp_path / "whole") as fresh:
+        fresh.write_text("")
+    assert (tmp_path / "whole").stat().st_mode == (tmp_path / "plain").stat().st_mode
+
+
+def test_what_is_no_plain_file_is_written_through(tmp_path):
+    """Replacing /dev/null or /dev/stdout would be a nasty surprise."""
+    target, link, pipe = tmp_path / "target", tmp_path / "link", tmp_path / "pipe"
+    target.write_text("old")
+    link.symlink_to(target)
+    os.mkfifo(pipe)
+    with written_whole(link) as fresh:
+        fresh.write_text("new")
+    assert link.is_symlink()
+    assert target.read_text() == "new"
+    with written_whole(pipe) as fresh:
+        assert fresh == pipe
+
+
+@pytest.mark.parametrize("place", ["missing/out.csv", "file/out.csv", "folder"])
+def test_a_place_that_cannot_be_written_is_named(tmp_path, place):
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(OSError, match="director") as caught:  # is one, is none, or there is none
+        recording().save_csv(tmp_path / place)
+    assert caught.value.filename == str(tmp_path / place)
+    assert caught.value.strerror
+
+
+def test_points_gather_the_columns_of_all_points():
+    columns = {f"point[{k}].{axis}": np.full(2, 10.0 * k + (axis == "y")) for k in range(11) for axis in "xy"}
+    columns |= {"point[0].vx": np.zeros(2), "energy.total": np.zeros(2)}
+    points = recording(columns, [0.0, 1.0]).points
+    assert points.shape == (2, 11, 2)
+    assert points[1, 10].tolist() == [100.0, 101.0]
+
+
+def test_a_place_between_two_rows_is_interpolated():
+    columns = {"point[0].x": np.array([0.0, 4.0]), "point[0].y": np.array([2.0, 0.0])}
+    assert recording(columns, [1.0, 2.0]).point_at(0, 1.25).tolist() == [1.0, 1.5]
+
+
+def shown(rows):
+    """Return onset, point, wall and speed of impacts, by rows of count, time, point, wall and speed."""
+    names = ("count", "last_time", "last_point", "last_wall", "last_speed")
+    columns = {f"impact.{name}": np.array(column) for name, column in zip(names, zip(*rows), strict=True)}  # noqa: B905
+    found = impacts_shown(columns)
+    for name in ("end", "peak_force", "max_penetration", "impulse"):
+        assert np.isnan(found[name]).all()
+    return found[["onset", "point", "wall", "impact_speed"]].tolist()
+
+
+NONE, FIRST, SECOND = (0, 0.0, -1, 0, 0.0), (1, 0.15, 4, 3, 2.5), (2, 0.35, 0, 1, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("rows", "impacts"),
+    [
+        ([NONE, NONE, FIRST, FIRST, SECOND, SECOND], [(0.15, 4, 2, 2.5), (0.35, 0, 0, 0.5)]),
+        ([NONE, (3, 0.19, 2, 4, 1.0)], [(0.19, 2, 3, 1.0)]),  # of several between two rows, the last is known
+        ([(1, 0.0, 0, 2, 1.0)], [(0.0, 0, 1, 1.0)]),  # at the start
+        ([NONE] * 3, []),
+    ],
+)
+def test_impacts_are_where_the_count_goes_up(rows, impacts):
+    assert shown(rows) == impacts
+
+
+SCENES = ("four_link_box", "kneed_leg", "sliding_rod", "ramp")
+
+
+@pytest.mark.parametrize("model", SCENES)
+def test_the_arrays_of_a_result_are_those_of_its_columns(model):
+    result = simulate(model, 0.6, output_step=0.01)
+    named = Recording(model, result.time, result.columns)
+    np.testing.assert_array_equal(named.points, result.points)
+    assert named.energies.keys() == result.energies.keys()
+    for name, energy in result.energies.items():
+        np.testing.assert_array_equal(named.energies[name], energy)
+    places = {(one.point, one.wall): one for one in named.touches}
+    assert len(places) == len(result.touches) == len(named.touches)
+    for one in result.touches:
+        for name in ("force", "penetration", "rate", "friction", "sticking"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(places[one.point, one.wall], name))
+
+
+def test_arrays_of_a_part_of_the_outputs():
+    result = simulate("four_link_box", 0.6, output=["point[*].x", "point[*].y", "contact[2].*"])
+    assert result.points.shape[1:] == (5, 2)
+    assert {one.point for one in result.touches} == {2}
+    assert result.energies == {}

@@ -1,0 +1,177 @@
+"""The phases of dry friction: from a log of changes, from outputs, in results and on the screen."""
+
+import math
+
+import numpy as np
+
+from chain_impact import Chain, simulate
+from chain_impact.cli.screen import stick_slip_table
+from chain_impact.recording.csv_file import read_csv
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import (
+    CHANGE_DTYPE,
+    STICK_SLIP_DTYPE,
+    phase_cells,
+    phases_from,
+    phases_of,
+)
+from tests.helpers.friction import pendulum, sled, thrown
+
+WALLS = ("x_min", "x_max", "y_min", "y_max", "slope")
+
+
+def changes(*rows):
+    return np.array([*rows], CHANGE_DTYPE)
+
+
+def test_a_phase_lasts_until_the_next_change_of_its_own_contact():
+    log = changes((0.1, 2, 4, 1), (0.15, 0, 4, -1), (0.2, 2, 4, 0), (0.4, 2, 4, 2), (0.5, 2, 4, 0))
+    found = phases_of(log)
+    assert found["point"].tolist() == [2, 0, 2, 2]
+    assert found["start"].tolist() == [0.1, 0.15, 0.2, 0.5]
+    np.testing.assert_array_equal(found["end"], [0.2, np.nan, 0.4, np.nan])
+    assert found["mode"].tolist() == [1, -1, 0, 0]
+    assert set(found["wall"]) == {4}
+
+
+def test_phases_of_no_length_and_of_no_change_are_none():
+    log = changes((0.1, 1, -1, 1), (0.1, 1, -1, 0), (0.3, 1, -1, 0), (0.4, 1, -1, 2))
+    assert phases_of(log).tolist() == [(1, -1, 0.1, 0.4, 0)]
+    assert len(phases_of(changes())) == 0
+
+
+def test_the_words_of_a_phase():
+    rows = np.array([(2, 4, 0.1, 0.25, -1), (3, -1, 0.5, np.nan, 0)], STICK_SLIP_DTYPE)
+    assert phase_cells(rows[0], WALLS, {2: "heel"}) == (
+        "0.100000",
+        "0.250000",
+        "point 2 (heel) at slope",
+        "slip -",
+    )
+    assert phase_cells(rows[1], WALLS, {}) == ("0.500000", "", "joint 3", "stick")
+
+
+def test_each_contact_with_friction_has_its_phases_from_its_onset_to_its_end():
+    result = simulate("sliding_rod", output_step=math.inf)
+    for impact in result.impacts:
+        own = result.stick_slip[
+            (result.stick_slip["point"] == impact["point"]) & (result.stick_slip["wall"] == impact["wall"])
+        ]
+        of_impact = own[own["start"] >= impact["onset"]]
+        assert of_impact["start"][0] == impact["onset"]
+        if np.isnan(impact["end"]):
+            assert np.isnan(own["end"][-1])
+        else:
+            assert impact["end"] in own["end"]
+
+
+def test_a_log_that_fills_is_collected_in_time():
+    """Modes change more often than the log has room for, within a step of the rows."""
+    result = simulate(thrown(), output_step=math.inf)
+    own = result.stick_slip[result.stick_slip["wall"] == -1]
+    assert len(result.stick_slip) > 30
+    assert own["start"][0] == 0.0
+    np.testing.assert_array_equal(own["start"][1:], own["end"][:-1])
+    rows = simulate(thrown(), output_step=1e-3).stick_slip
+    assert rows.tobytes() == result.stick_slip.tobytes()
+
+
+def test_a_result_has_them_as_a_table_and_in_words():
+    result = simulate(pendulum(), output_step=math.inf)
+    table = result.stick_slip_table()
+    assert list(table.columns) == list(STICK_SLIP_DTYPE.names)
+    assert table.index.tolist() == list(range(1, len(result.stick_slip) + 1))
+    assert table["mode"].tolist()[:2] == ["slip -", "slip +"]
+    assert set(table["wall"]) == {""}
+    assert table.attrs["units"] == {"start": "s", "end": "s"}
+    sticking = sum(table["mode"] == "stick")
+    assert f"friction {sticking} phases of sticking, {len(table) - sticking} of sliding" in repr(result)
+    last = result.stick_slip[-1]
+    assert f"sticks at the end: joint 2 since {result.stick_slip[-3]['start']:.6f} s" in repr(result)
+    assert f"joint 1 since {last['start']:.6f} s" in repr(result)
+    assert "sticks at the end" in result._repr_html_()
+
+
+def test_a_result_without_friction_has_none_and_says_nothing():
+    result = simulate("rod_drop", 0.1)
+    assert (len(result.stick_slip), result.stick_slip.dtype) == (0, STICK_SLIP_DTYPE)
+    assert "friction" not in repr(result)
+    assert list(stick_slip_table(result)) == []
+
+
+def test_the_phases_alternate_with_the_outputs():
+    result = simulate(pendulum(), output_step=0.001)
+    for joint in (1, 2):
+        own = result.stick_slip[result.stick_slip["point"] == joint]
+        np.testing.assert_array_equal(own["start"][1:], own["end"][:-1])
+        for phase in own:
+            inside = (result.time > phase["start"]) & ~(result.time >= phase["end"])
+            assert (result[f"joint[{joint}].sticking"][inside] == (phase["mode"] == 0)).all()
+            moment = result[f"joint[{joint}].friction_moment"][inside]
+            if phase["mode"]:
+                assert (np.sign(moment) == -phase["mode"]).all()
+
+
+def test_what_an_fmu_shows_of_contacts():
+    time = np.arange(6.0)
+    columns = {
+        **{f"contact[1].{wall}.force": np.ones(6) for wall in ("slope", "elsewhere")},
+        "contact[1].slope.friction_force": np.array([0.0, -2.0, -2.0, 1.0, 0.0, 0.0]),
+        "contact[1].slope.sticking": np.array([0.0, 0.0, 1.0, 1.0, 0.0, 0.0]),
+        "contact[1].elsewhere.friction_force": np.ones(6),
+        "contact[1].elsewhere.sticking": np.ones(6),
+        "joint[2].sticking": np.ones(6),
+    }
+    found = phases_from(time, Recording("Test", time, columns).touches, WALLS)
+    assert found.tolist() == [(1, 4, 1.0, 2.0, 1), (1, 4, 2.0, 4.0, 0)]
+
+
+def test_a_table_of_outputs_has_them_again(tmp_path):
+    result = simulate(sled(), output_step=0.01)
+    recording = result
+    recording.save_csv(tmp_path / "sled.csv")
+    again = read_csv(tmp_path / "sled.csv", sled())
+    sticking = again.stick_slip[again.stick_slip["mode"] == 0]
+    assert sticking["point"].tolist() == [0, 1]
+    exact = result.stick_slip[result.stick_slip["mode"] == 0]["start"]
+    np.testing.assert_allclose(sticking["start"], exact, atol=0.01)
+
+
+def test_the_screen_shows_the_first_ones():
+    result = simulate(pendulum(), output_step=0.5)
+    (table,) = stick_slip_table(result)
+    assert (table.row_count, [column.header for column in table.columns][2]) == (
+        len(result.stick_slip),
+        "dry friction",
+    )
+    count = 4 * len(result.stick_slip)
+    vars(result)["stick_slip"] = np.concatenate([result.stick_slip] * 4)
+    table, more = stick_slip_table(result)
+    assert table.row_count == 20
+    assert more == f"and {count - 20} more phases of dry friction"
+
+
+# --- a chain that is stepped by hand -----------------------------------------------------------------------
+
+
+def test_a_chain_has_the_phases_of_a_simulation_in_any_steps():
+    result, chain = simulate(pendulum(), 1.5), Chain(pendulum())
+    assert chain.stick_slip["start"].tolist() == [0.0, 0.0]
+    for k in range(1, 301):
+        chain.step_to(0.005 * k)
+    assert chain.stick_slip.tobytes() == result.stick_slip.tobytes()
+
+
+def test_a_restored_chain_has_the_phases_so_far():
+    chain = Chain(pendulum())
+    chain.step_to(0.9)
+    state, then = chain.save(), chain.stick_slip
+    chain.step_to(2.0)
+    later = chain.stick_slip
+    assert len(later) > len(then) > 2
+    chain.restore(state)
+    assert chain.stick_slip.tobytes() == then.tobytes()
+    chain.step_to(2.0)
+    assert chain.stick_slip.tobytes() == later.tobytes()
+    chain.reset()
+    assert len(chain.stick_slip) == 2

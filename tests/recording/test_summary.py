@@ -1,0 +1,47 @@
+"""The lines on a result; most of them test_result.py checks."""
+
+import numpy as np
+from rich.table import Table
+
+from chain_impact import simulate
+from chain_impact.cli import screen
+from chain_impact.recording.summary import FEW, LISTED, energy_lines
+from chain_impact.recording.text import plural
+from tests.helpers.problems import dropped_ball
+
+
+def test_the_plural():
+    assert [plural(n, "row") for n in (0, 1, 2)] == ["0 rows", "1 row", "2 rows"]
+
+
+def test_energy_that_was_not_recorded_has_no_lines():
+    assert list(energy_lines({"total": np.ones(2)})) == []
+
+
+def test_energy_supplied_is_in_the_ledger():
+    columns = {"total": [1.0, 3.0], "dissipated": [0.0, 0.5], "supplied": [0.0, 2.25]}
+    lines = list(energy_lines({name: np.array(values) for name, values in columns.items()}))
+    assert lines == [
+        "energy   1 J at the start + 2.25 J supplied = 3 J left + 0.5 J dissipated",
+        "balance  off by at most 2.5e-01 J: an energy check, no bound on positions or times",
+    ]
+
+
+def test_a_long_list_of_impacts_ends_with_how_many_more():
+    scene, _ = dropped_ball(1e-3, stop_time=1.0, model="hertz", stiffness=1e10)
+    result = simulate(scene)
+    more = len(result.impacts) - LISTED
+    assert more > 1
+    assert result._repr_html_().count("<tr>") == 1 + LISTED
+    assert f"… and {more} more impacts" in result._repr_html_()
+    lines = repr(result).splitlines()
+    assert lines[FEW + 1].split()[0] == str(FEW)
+    assert lines[FEW + 2] == f"… and {len(result.impacts) - FEW} more impacts"
+    printed = list(screen.summary(result))
+    assert [len(part.rows) for part in printed if isinstance(part, Table)] == [LISTED]
+    assert f"… and {more} more impacts; --impacts FILE writes all" in printed
+
+
+def test_a_force_below_a_million_newtons_has_no_exponent():
+    lines = repr(simulate("four_link_box", stop_time=0.55)).splitlines()
+    assert [line.split()[6] for line in lines if line.split()[:1] == ["1"]] == ["19100"]

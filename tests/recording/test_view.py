@@ -1,0 +1,78 @@
+"""What is to be seen of a motion."""
+
+import numpy as np
+import pytest
+
+from chain_impact.recording.view import NEAR, PIN, pin_mark, seen
+from chain_impact.scene.half_planes import half_planes
+
+SQUARE = np.array([[[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]])
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.1, 0.9 * 2.0 * NEAR])
+def test_a_wall_that_is_near_is_in_view(gap):
+    view, near = seen(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
+    assert len(near) == 1
+    assert view.tolist() == [[0.0, 0.0], [2.0 + gap, 2.0]]
+
+
+@pytest.mark.parametrize("gap", [1.1 * 2.0 * NEAR, -2.1])
+def test_a_wall_far_from_the_motion_is_not(gap):
+    view, near = seen(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
+    assert near == {}
+    assert view.tolist() == [[0.0, 0.0], [2.0, 2.0]]
+
+
+def test_the_radius_is_seen():
+    view, _ = seen(SQUARE, {}, radius=0.5)
+    assert view.tolist() == [[-0.5, -0.5], [2.5, 2.5]]
+
+
+def test_a_wall_at_a_slant_is_seen_where_it_is_nearest():
+    view, near = seen(SQUARE, half_planes({}, {"ramp": (0.0, -0.2, -np.pi / 4)}))
+    assert len(near) == 1
+    assert (view[0] < 0.0).all()
+    assert abs(near["ramp"].clearance(*view[0])) < 1e-12
+
+
+def hanging(angles, side=-1.0):
+    """Return a rod of 1 m at (1, 2), below it or above, shape (T, 2, 2)."""
+    base = np.array([1.0, 2.0])
+    return np.array([[base, base + np.array([np.sin(a), side * np.cos(a)])] for a in angles])
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_pinned_base_has_a_ground_mark_away_from_the_chain_and_in_view(side):
+    points = hanging([-0.5, 0.0, 0.5], side)
+    lines = np.concatenate(pin_mark(points))
+    assert lines[0].tolist() == [1.0, 2.0]
+    heights = -side * (lines[:, 1] - 2.0)
+    assert heights.min() == 0.0
+    assert heights.max() == pytest.approx(PIN * 1.0)
+    view, _ = seen(points, {}, pinned=True)
+    assert (lines >= view[0]).all()
+    assert (lines <= view[1]).all()
+
+
+def test_the_ground_mark_of_a_base_that_moves_is_in_view_all_the_time():
+    way = np.array([[[0.0, 0.0]], [[3.0, 1.0]], [[1.0, 4.0]]])
+    points = hanging([-0.5, 0.0, 0.5]) + way
+    view, _ = seen(points, {}, pinned=True)
+    lines = np.concatenate([np.concatenate(pin_mark(points)) + one for one in way[:, 0]])
+    assert (lines >= view[0]).all()
+    assert (lines <= view[1]).all()
+
+
+@pytest.mark.parametrize(("far", "whole"), [(1.9, True), (2.1, False)])
+def test_a_closed_room_is_seen_whole_where_it_is_asked_for_and_not_far_larger_than_the_motion(far, whole):
+    walls = half_planes({"x_min": -0.1, "x_max": 2.1, "y_min": -0.1}, {"roof": (0.0, 2.0 + far, np.pi)})
+    view, near = seen(SQUARE, walls, room=1.0)
+    assert len(near) == (4 if whole else 3)
+    np.testing.assert_allclose(view, [[-0.1, -0.1], [2.1, 2.0 + far if whole else 2.0]], atol=1e-12)
+
+
+def test_a_room_that_is_open_on_a_side_is_not_closed():
+    walls = half_planes({"x_min": -0.1, "x_max": 3.0, "y_min": -1.0}, {})
+    view, near = seen(SQUARE, walls, room=1.0)
+    assert len(near) == 1
+    assert view.tolist() == [[-0.1, 0.0], [2.0, 2.0]]

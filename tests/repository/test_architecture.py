@@ -1,0 +1,122 @@
+"""The arrows of the architecture, kept by the imports themselves; import-linter keeps the layers."""
+
+import ast
+import graphlib
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+from tests import helpers
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "fmu_src" / "chain_impact"
+SLAVE = ROOT / "fmu_src" / "slave.py"
+MODULES = sorted(PACKAGE.rglob("*.py"))
+LONGEST = 400  # lines of a file
+FILES = {
+    ".".join(file.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__"): file
+    for file in MODULES
+}
+"""Dotted name → file."""
+
+
+def nodes(file):
+    return ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+
+
+def imported(file):
+    """Yield the names of all modules that a file imports, wherever in it."""
+    for node in nodes(file):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield "." * node.level + (node.module or "")
+
+
+def others(file, allowed):
+    """What a file imports besides."""
+    return [m for m in imported(file) if not any(m == one or m.startswith(f"{one}.") for one in allowed)]
+
+
+def test_the_kernel_imports_numbers_numpy_and_itself_only_and_the_slave_the_standard_library():
+    allowed = ("dataclasses", "fractions", "math", "numpy", "chain_impact.kernel")
+    found = {file.name: others(file, allowed) for file in (PACKAGE / "kernel").rglob("*.py")}
+    found[SLAVE.name] = others(SLAVE, (*sys.stdlib_module_names, "pythonfmu"))
+    assert {name: modules for name, modules in found.items() if modules} == {}
+
+
+def needs(file):
+    """Yield the modules of the package that a file imports, for types, too."""
+    for node in nodes(file):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            for alias in node.names:
+                inner = f"{node.module}.{alias.name}"
+                yield inner if inner in FILES else node.module
+
+
+def test_no_files_need_each_other_not_even_for_types():
+    """All but the list of the package's public names, which imports what is public."""
+    found = {
+        name: set(needs(file)) - {"chain_impact"} for name, file in FILES.items() if name != "chain_impact"
+    }
+    graphlib.TopologicalSorter(found).prepare()  # or raises an error with the circle
+
+
+def test_only_the_lowering_imports_numba():
+    """So that who has ready kernels needs no compiler."""
+    compilers = ("numba", "llvmlite")
+    users = {file.stem for file in MODULES if len(others(file, compilers)) < len([*imported(file)])}
+    of_lowering = {"collecting", "dual_numbers", "entry_points", "functions", "law", "record_type"}
+    assert users == {"lower", *of_lowering}
+
+
+def test_it_can_be_imported_where_it_is_not_installed():
+    """As where its wheel is built: the kernel is lowered there, before there is a version."""
+    program = f"import sys; sys.path.insert(0, {str(PACKAGE.parent)!r})\n" + (
+        "from importlib import metadata\n"
+        "distribution = metadata.Distribution.from_name\n"
+        "def others(name):\n"
+        "    if name == 'chain-impact':\n"
+        "        raise metadata.PackageNotFoundError(name)\n"
+        "    return distribution(name)\n"
+        "metadata.Distribution.from_name = others\n"
+        "import chain_impact\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def redirections(file):
+    """The names in a file by which the streams or the working folder of the whole process are changed."""
+    calls, streams = {"redirect_stdout", "redirect_stderr", "chdir", "fchdir", "dup2"}, {"stdout", "stderr"}
+    for node in nodes(file):
+        if isinstance(node, ast.ImportFrom):
+            yield from {alias.name for alias in node.names} & calls
+        elif isinstance(node, ast.Attribute):
+            yield from {node.attr} & (calls if isinstance(node.ctx, ast.Load) else streams)
+
+
+def test_files_are_short_and_redirect_nothing_of_the_process():
+    """As the caller may have other threads."""
+    files = [*MODULES, SLAVE]
+    assert [file.name for file in files if len(file.read_text("utf-8").splitlines()) >= LONGEST] == []
+    assert {file.name: found for file in files if (found := [*redirections(file)])} == {}
+
+
+def test_every_module_stands_in_a_layer():
+    """So that import-linter sees it."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    rooms, *_ = settings["tool"]["importlinter"]["contracts"]
+    layers = {name for layer in rooms["layers"] for name in layer.split(" | ")}
+    top = {file.stem if file.name != "__init__.py" else file.parent.name for file in PACKAGE.glob("*.py")}
+    top |= {folder.parent.name for folder in PACKAGE.glob("*/__init__.py")}
+    assert {name for name in top - {PACKAGE.name} if f"chain_impact.{name}" not in layers} == set()
+
+
+def test_each_helper_of_the_tests_is_listed_once():
+    listed = re.findall(r"\w+", "".join(re.findall(r"^    (.*)", helpers.__doc__, re.MULTILINE)))
+    files = {file.stem for file in Path(helpers.__file__).parent.glob("*.py")} - {"__init__"}
+    assert files <= set(listed)
+    assert max(listed.count(name) for name in files) <= 2  # a name may be a word, too

@@ -1,0 +1,188 @@
+"""The benchmarks go with the present package, as far as that shows without running one."""
+
+import ast
+import importlib
+import json
+import math
+import os
+import re
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from scipy.io import savemat
+
+import chain_impact
+from chain_impact.pictures.style import STYLE
+from tests.helpers.coulomb_impact import Strike, stiff_limit
+from tests.helpers.reference import exact_damping_factor
+
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+FILES = sorted([*BENCHMARKS.glob("*.py"), *BENCHMARKS.glob("peers/*.py")])
+
+
+def names_of(module):
+    """What a module defines or imports at its top level, by its source; of the package, what it exports."""
+    names = set(chain_impact.__all__) if module == "chain_impact" else set()
+    for node in ast.parse(Path(find_spec(module).origin).read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            names |= {alias.asname or alias.name for alias in node.names}
+        elif isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names.add(node.name)
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            names |= {found.id for found in ast.walk(node) if isinstance(found, ast.Name)}
+    return names
+
+
+def test_what_benchmarks_import_is_there():
+    asked = {
+        (file.name, node.module, alias.name)
+        for file in FILES
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in ("chain_impact", "tests")
+        for alias in node.names
+    }
+    found = {module: names_of(module) for _, module, _ in asked}
+    assert [one for one in asked if one[2] not in found[one[1]] and not find_spec(".".join(one[1:]))] == []
+
+
+@pytest.fixture(scope="module")
+def charts():
+    """Imports a module of the benchmarks by its name; leaves path, modules and environment as they were."""
+    environment, modules = dict(os.environ), set(sys.modules)
+    sys.path.insert(0, str(BENCHMARKS))
+
+    def load(name):
+        module = importlib.import_module(name)
+        os.environ.clear()  # common.py sets what numba compiles for
+        os.environ.update(environment)
+        return module
+
+    yield load
+    sys.path.remove(str(BENCHMARKS))
+    for name in set(sys.modules) - modules:
+        if BENCHMARKS in Path(getattr(sys.modules[name], "__file__", None) or "/").parents:
+            del sys.modules[name]
+
+
+# --- the charts of the docs, drawn from the stored figures --------------------------------------------------
+
+
+def stored(name):
+    return json.loads((BENCHMARKS / "results" / f"{name}.json").read_text(encoding="utf-8"))
+
+
+def message(module, record):
+    with mpl.rc_context(STYLE):
+        page = Figure(figsize=getattr(module, "SIZE", (9.5, 5.0)), layout="constrained")
+        module.draw(page, record)
+        page.draw_without_rendering()
+    return page.get_suptitle() or page.texts[0].get_text(), page
+
+
+@pytest.mark.full("more cases, which need compilers", but=1)
+@pytest.mark.parametrize("name", ["work_precision", "stability", "fidelity", "friction", "rest"])
+def test_a_chart_is_drawn_with_a_message(charts, name):
+    assert re.search(r"\d", message(charts(name), stored(name))[0])
+
+
+def test_a_peer_without_a_time_is_a_gap(charts):
+    module, record = charts("work_precision"), stored("work_precision")
+    results = record["results"]
+    for row in results["rows"]:
+        if row["name"] == "CVODE Adams" or row["setting"] == module.DEFAULT:
+            row.pop("seconds", None)
+    results["at equal error"] = module.at_equal_error(results["rows"])
+    del results["start-up [s]"]["CVODE Adams"]
+    assert not [row for row in results["at equal error"] if "CVODE Adams" in row["times as long"]]
+    assert "nothing to compare with" in message(module, record)[0]
+
+
+# --- measured impacts ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def impacts(charts, tmp_path):
+    """The module, and a function that writes made-up trials in the form of the data set and reads them."""
+    module = charts("measured_impacts")
+
+    def made(restitution, friction, count=8):
+        rng = np.random.default_rng(7)
+        arm = np.stack([rng.uniform(-0.01, 0.01, count), rng.uniform(-0.035, -0.025, count)], axis=1)
+        before = rng.uniform([-1.0, -3.0, -20.0], [1.0, -2.0, 20.0], (count, 3))
+        inverse, after = np.diag([1.0, 1.0, module.GYRATION**-2]) / module.MASS, before.copy()
+        for k, (across, up) in enumerate(arm):
+            rows = np.array([[0.0, 1.0, across], [1.0, 0.0, -up]])
+            w, (normal, along) = rows @ inverse @ rows.T, rows @ before[k]
+            strike = Strike(w[0, 0], w[0, 1], w[1, 1], -normal, along, friction)
+            end = stiff_limit(strike, exact_damping_factor(restitution))
+            after[k] += inverse @ rows.T @ [end.normal, end.tangential]
+        states = {
+            f"states_{name}": np.hstack([0.0 * v, v * [-1, 1, 1]])
+            for name, v in (("i", before), ("f", after))
+        }
+        ones = np.ones(count)
+        places = {
+            "n": np.stack([0 * ones, ones, arm[:, 0]], 1),
+            "d": np.stack([ones, 0 * ones, -arm[:, 1]], 1),
+        }
+        savemat(tmp_path / "data_ellipse.mat", {"data": states | places})
+        return module.read(tmp_path)
+
+    return module, made
+
+
+def test_restitution_and_friction_of_made_up_impacts_are_found_again(impacts):
+    module, made = impacts
+    trials = made(0.7, 0.15)
+    found = module.fitted(module.ellipse(), trials[::2])
+    assert found.values == pytest.approx({"contact.restitution": 0.7, "contact.friction": 0.15}, rel=5e-3)
+    assert module.errors(trials[1::2], module.predicted(found.scene, trials[1::2])).max() < 5e-3
+
+
+def test_a_stiff_spring_along_the_wall_comes_to_a_rigid_elastic_impact(impacts):
+    module, made = impacts
+    trials = made(1.0, 0.2)
+    assert module.errors(trials, module.compliant(trials, 1.0, 0.2, 100.0)).max() < 0.05
+    assert module.errors(trials, module.compliant(trials, 1.0, 0.2, 1.0)).max() > 0.1
+
+
+def test_the_measured_impacts_support_no_compliance_along_the_wall():
+    rows = stored("measured_impacts")["results"]["odd trials"]
+    medians = {name: row["median"] for name, row in rows.items() if "median" in row}
+    assert (
+        min(medians[name] for name in medians if name.startswith("compliance")) > 0.9 * medians["zhang_sharf"]
+    )
+
+
+# --- the measured arm ---------------------------------------------------------------------------------------
+
+
+def test_the_friction_of_a_made_up_arm_is_found_again(charts, tmp_path):
+    module = charts("measured_arm")
+    true = {"link[1].joint_friction": 0.2, "link[2].joint_friction": 0.1, "link[2].joint_damping": 0.02}
+    true |= {"link[1].center_of_mass": 0.15, "link[2].center_of_mass": 0.2}
+    torques = {
+        "joint[1].torque": lambda t: math.sin(5 * t),
+        "joint[2].torque": lambda t: 0.6 * math.cos(7 * t),
+    }
+    scene = module.arm().with_values(true)
+    run = chain_impact.simulate(scene, stop_time=4.0, output_step=2e-3, inputs=torques)
+    first, second = run["link[1].angle"] + math.pi / 2, run["link[2].angle"] - run["link[1].angle"]
+    drives = [[drive(time) for time in run.time] for drive in torques.values()]
+    columns = np.stack([run.time, first, second, *drives], axis=1)
+    names = "time,pos_meas1,pos_meas2,tau_meas1,tau_meas2"
+    np.savetxt(tmp_path / "run.csv", columns, delimiter=",", header=names, comments="")
+    found, _ = module.fitted(module.read(tmp_path / "run.csv"), dry=True)
+    for name, value in true.items():
+        assert found[name]["value"] == pytest.approx(value, rel=0.05), name
+
+
+def test_dry_friction_predicts_the_measured_arm_better():
+    results = stored("measured_arm")["results"]
+    dry, viscous = (one["rms, unseen"] for one in results.values())
+    assert dry < 0.5 * viscous

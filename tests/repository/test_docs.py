@@ -1,0 +1,260 @@
+"""What users read: the commands parse, the snippets run, the tables are complete."""
+
+import json
+import os
+import re
+import shlex
+import sys
+import tomllib
+from pathlib import Path
+from typing import NamedTuple
+
+import build_site
+import generate
+import pytest
+import try_it
+
+from chain_impact import cli
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.record.instance import instance_dtype
+from chain_impact.scene.models import model_names
+from chain_impact.scene.scene import scene_keys
+from tests.helpers.processes import Processes
+
+ROOT = Path(__file__).parents[2]
+NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+MADE = {try_it.PAGE, *(notebook.with_suffix(".md") for notebook in NOTEBOOKS)}  # by the build of the site
+DOCS = sorted(page for page in (ROOT / "docs").rglob("*.md") if page not in MADE)
+PAGES = [*ROOT.glob("*.md"), *(ROOT / "models").glob("*.md"), *DOCS]
+PAGES.sort(key=lambda page: (page != ROOT / "README.md", page))  # the first one is in the quick tier
+# what a page may ask a reader to run, besides scripts of the repository
+KNOWN = re.compile(
+    r"(\.venv/bin/)?(chain-impact|python -m pytest|pip|ruff|mypy|lint-imports)\b"
+    r"|(apt-get|uv|source|python3 -m venv)\b"
+)
+
+
+def parametrized(pages):
+    return pytest.mark.parametrize("page", pages, ids=lambda page: str(page.relative_to(ROOT)))
+
+
+class Block(NamedTuple):
+    """A fenced block: its language, the file that it is, and its text."""
+
+    language: str
+    title: str
+    text: str
+
+
+def fenced(page):
+    found = re.finditer(
+        r"^```(\w*)(?: title=\"([^\"\n]*)\")?\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S
+    )
+    return [Block(one[1], one[2] or "", one[3].rstrip("\n")) for one in found]
+
+
+def blocks(page, language):
+    """Return the fenced blocks of a page in a language."""
+    return [block.text for block in fenced(page) if block.language == language]
+
+
+def commands(page):
+    """The arguments of every chain-impact command of a page: in sh blocks, and in code within the text."""
+    text = page.read_text(encoding="utf-8")
+    lines = [line for block in blocks(page, "sh") for line in block.splitlines()]
+    lines += re.findall(r"`((?:python build_fmu\.py|chain-impact) [^`\n]+)`", text)
+    for line in lines:
+        for part in line.split(" && "):
+            _, program, arguments = re.match(r"(\S*/)?(\S+ build_fmu\.py|\S+)(.*)", part).groups()
+            if program == "chain-impact":
+                yield shlex.split(arguments)
+            elif program.endswith("build_fmu.py"):
+                yield ["build", *shlex.split(arguments)]
+
+
+def test_version_and_number_of_laws_are_right():
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        project = tomllib.load(file)["project"]
+    lines = (ROOT / "CITATION.cff").read_text(encoding="utf-8").splitlines()
+    assert {f"{name}: {project[key]}" for name, key in CITED.items()} <= {*lines}
+    for page in ("README.md", "docs/index.md", "CITATION.cff"):
+        counts = re.findall(r"\b(\d+) (?:contact )?laws\b", (ROOT / page).read_text(encoding="utf-8"))
+        assert counts == [str(len(CONTACT_LAWS))]
+
+
+CITED = {"title": "name", "license": "license", "version": "version"}
+
+
+def test_commands_parse_links_lead_to_files_and_tables_are_up_to_date():
+    wrong, count = [], 0
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for arguments in commands(page):
+            cli.parser().parse_args(arguments)
+            count += 1
+        links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text)
+        files = {target: page.parent / target for target in links}
+        wrong += [
+            (page.name, target) for target, file in files.items() if not (file.exists() or file in MADE)
+        ]
+        wrong += [(page.name, command) for command in others(page) if not is_known(command)]
+        if page in DOCS and text != generate.filled(text):
+            wrong.append((page.name, "run: python docs/generate.py"))
+    assert wrong == []
+    assert count > 10
+    names = {found[1] for page in DOCS for found in generate.BLOCK.finditer(page.read_text(encoding="utf-8"))}
+    assert names == generate.TABLES.keys()
+
+
+def others(page):
+    """What a page asks a reader to run, a command each."""
+    for line in "\n".join(blocks(page, "sh")).splitlines():
+        yield from line.partition("  #")[0].split(" && ")
+
+
+def is_known(command):
+    """Return whether it is a program of KNOWN or a script of the repository."""
+    script = re.match(r"(?:\.venv/bin/)?python (?:([\w/]+)\.py|-m (tests\.\w+))\b", command)
+    if script:
+        return (ROOT / f"{script[1] or script[2].replace('.', '/')}.py").is_file()
+    return KNOWN.match(re.sub(r"^(?:[A-Z_]+=\S+ )+", "", command))
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """Run Python in a folder: (exit code, standard output, standard error)."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "fmu_src"), "MPLBACKEND": "Agg", "PYTHONUTF8": "1"}
+    printed = tmp_path_factory.mktemp("printed")
+    processes = Processes(printed, ROOT / "tests", sys.executable, "-W", "error", env=environment)
+    yield lambda folder, *arguments: processes.call(["", "program", [str(folder), *arguments]], "reader")
+    processes.end()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, run):
+    """A folder with the models and FMUs; the first command of the README makes build/FourLinkBox.fmu."""
+    folder = tmp_path_factory.mktemp("reader")
+    (folder / "docs" / "images").mkdir(parents=True)
+    (folder / "models").symlink_to(ROOT / "models")
+    for arguments in ((), ("--target", "native", "-o", "build/native"), ("--fmi", "3", "-o", "build/fmi3")):
+        code, _, errors = run(folder, "-m", "chain_impact.cli", "build", *arguments)
+        assert code == 0, errors
+    return folder
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    """The commands that have drawn a picture of the docs."""
+    return set()
+
+
+def chain_impact(line):
+    """Return the arguments of a line that runs chain-impact; None for any other line."""
+    found = re.search(r"(chain-impact|build_fmu\.py) (.*)", line.partition("  #")[0])
+    if found and found[1] == "build_fmu.py":
+        return ["build", *shlex.split(found[2])]
+    return shlex.split(found[2]) if found else None
+
+
+def lines_of(text):
+    return [line.rstrip() for line in text.strip().splitlines()]
+
+
+@pytest.mark.full("needs compilers and other tools", but=1)
+@parametrized([page for page in PAGES if any(block.language in ("sh", "python") for block in fenced(page))])
+def test_a_page_runs_from_top_to_bottom(page, folder, run, drawn):
+    """Files are written, programs and commands run, in a folder like a reader's; the output is as shown.
+
+    A picture of the docs that stands on several pages is drawn once.
+    """
+    printed = ""
+    for language, title, text in fenced(page):
+        if title == "printed":
+            assert lines_of(printed) == lines_of(text)
+        elif title:
+            (folder / title).write_text(text, encoding="utf-8")
+        elif language == "python":
+            # as a program of its own, as a reader would
+            (folder / "snippet.py").write_text(text, encoding="utf-8")
+            code, printed, errors = run(folder, "snippet.py")
+            assert code == 0, f"{text}\n{errors}"
+        elif language == "sh":
+            for line in text.splitlines():
+                if (arguments := chain_impact(line)) is not None and line not in drawn:
+                    drawn |= {line} if "docs/images/" in line else set()
+                    code, printed, errors = run(folder, "-m", "chain_impact.cli", *arguments)
+                    assert code == 0, f"{line}\n{errors}"
+
+
+def test_notebooks_are_committed_without_outputs():
+    assert len(NOTEBOOKS) >= 5
+    for notebook in NOTEBOOKS:
+        cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+        code = [cell for cell in cells if cell["cell_type"] == "code"]
+        assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
+
+
+def test_the_fields_and_the_code_that_the_computation_page_names_exist():
+    text = (ROOT / "docs" / "computation.md").read_text(encoding="utf-8")
+    parts = "model|contact|law|inputs|step|work|touch|candidate|search|implicit|rigid|output"
+    fields = re.findall(rf"`((?:{parts})(?:\.\w+)+)`", text)
+    assert len(fields) > 15
+    for field in fields:
+        dtype = instance_dtype(2, 3)
+        for name in field.split("."):
+            dtype = dtype.base[name]
+    files = set(re.findall(r"`(kernel/[\w/]+\.py)`", text))
+    assert len(files) > 10
+    assert all((ROOT / "fmu_src" / "chain_impact" / file).is_file() for file in files)
+
+
+def test_the_scene_reference_has_every_key():
+    text = generate.scene_reference()
+    for key, entry in scene_keys():
+        if "default" in entry.metadata and not key.endswith(
+            ("links", "walls", ".wall", ".slider", "signals")
+        ):
+            assert f"`{key.rpartition('.')[2]}`" in text, key
+
+
+def test_the_glossary_explains_its_words_on_all_pages(tmp_path, monkeypatch):
+    monkeypatch.setattr(build_site, "WORDS", tmp_path / "words.txt")
+    build_site.write_words()
+    lines = (tmp_path / "words.txt").read_text(encoding="utf-8").splitlines()
+    assert "*[onset]: the moment at which a contact begins" in lines
+    assert all(re.fullmatch(r"\*\[[\w -]+\]: [^\\*`\[]{10,}( \[.*\])?", line) for line in lines)
+    assert len(lines) > 20
+
+
+def test_the_page_to_try_has_every_model_and_links_to_its_page(tmp_path, monkeypatch):
+    monkeypatch.setattr(try_it, "PAGE", tmp_path / "try_it.md")
+    try_it.write_page()
+    text = (tmp_path / "try_it.md").read_text(encoding="utf-8")
+    found = re.findall(r'<a href="try/(\w+)\.html" target="try">', text)
+    assert found[0] == "four_link_box"
+    assert sorted(found) == sorted(model_names())
+    for model in found:
+        assert f'<a href="models/{model}.html">' in text
+        assert (ROOT / "docs" / "models" / f"{model}.md").is_file()
+
+
+def test_the_start_page_of_the_site_opens_with_a_page_that_simulates():
+    film = '<p><img alt="Four links" src="images/four_link_box.gif" /></p>'
+    assert try_it.begin_with_page(f"<h1>chain-impact</h1>{film}") == f"<h1>chain-impact</h1>{try_it.FRAME}"
+    with pytest.raises(RuntimeError, match=r"^the start page has 0 films"):
+        try_it.begin_with_page("<h1>chain-impact</h1>")
+
+
+def test_pictures_of_the_gallery_lead_to_the_pages_that_simulate_and_names_to_the_pages_of_models():
+    source = (ROOT / "docs" / "models" / "index.md").read_text(encoding="utf-8")
+    pictures = re.findall(
+        r"\]\(\.\./images/(\w+)\.png\)\{[^}]*\}\]\((\w+)\.md\)<br>\[`(\w+)`\]\((\w+)\.md\)", source
+    )
+    assert sorted(pictures) == [(name,) * 4 for name in sorted(model_names())]
+    link = '<a href="{0}.html"><img src="{0}.png" /></a><br /><a href="{0}.html"><code>{0}</code></a>'
+    led = try_it.lead_to_simulations("".join(link.format(name) for name in model_names()))
+    for name in model_names():
+        assert f'<a href="../try/{name}.html"><img src="{name}.png" />' in led
+        assert f'<a href="{name}.html"><code>{name}</code>' in led
+    with pytest.raises(RuntimeError, match=r"^1 pictures of \d+ models have a link$"):
+        try_it.lead_to_simulations(link.format("whip"))

@@ -1,0 +1,80 @@
+"""Names that other people's files use: they may be added to, never removed or changed.
+
+These are the keys of scenes, variables of FMUs, contact laws, commands and options, and what is exported. All
+else may change until version 1.0. ``public_api.txt`` has them; ``python tests/repository/test_public_api.py``
+adds new ones.
+"""
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+import chain_impact
+from chain_impact import cli
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.scene.scene import load_scene, model_names, scene_from_dict, scene_keys
+from chain_impact.variables.model import Model
+
+FILE = Path(__file__).with_name("public_api.txt")
+BODIES = {
+    "name": "Cart",
+    "chain": {
+        "base": "slider",
+        "slider": {"min": -1.0, "max": 1.0, "force_limit": 9.0, "friction": 1.0},
+        "links": [
+            {"length": 1.0, "mass": 1.0, "center_of_mass_offset": 0.1, "points": [{"x": 0.5, "y": 0.1}]},
+        ],
+    },
+    "box": {"y_min": -9.0},
+    "contact": {"points": []},
+    "initial": {"angles": [0.0]},
+    "inputs": {"slider_force": True},
+    "outputs": {"loads": True},
+}
+"""What no model has: a slider, and a link that is more than a line."""
+DRIVES = {"link[2].joint_armature": 0.1, "link[2].joint_torque_limit": 9.0, "inputs.joint_targets": True}
+"""What no model has."""
+HINT = "run: python tests/repository/test_public_api.py"
+
+
+def command_line():
+    verbs = next(a.choices for a in cli.parser()._actions if isinstance(a, argparse._SubParsersAction))
+    for verb, parser in verbs.items():
+        yield f"command: {verb}"
+        for action in parser._actions:
+            yield from (f"command: {verb} {option}" for option in action.option_strings)
+
+
+def names():
+    """Yield every public name, a line each."""
+    yield from (f"python: {name}" for name in chain_impact.__all__)
+    yield from (f"scene key: {key}" for key, entry in scene_keys())
+    yield from (f"contact law: {law.number} {law.id}" for law in CONTACT_LAWS.values())
+    yield from command_line()
+    driven = load_scene("pinned_arm").with_values(DRIVES)
+    cart = scene_from_dict(BODIES, "cart")
+    following = cart.with_values({"inputs.joint_targets": True})
+    for scene in (*map(load_scene, model_names()), driven, cart, following):
+        kinds = {re.sub(r"\[\d+\]", "[i]", variable.name) for variable in Model(scene).variables}
+        yield from (f"FMU variable: {kind}" for kind in kinds)
+
+
+def test_nothing_public_is_removed_or_changed_and_every_name_is_listed():
+    listed, found = set(FILE.read_text(encoding="utf-8").splitlines()), set(names())
+    assert listed - found == set(), "removed or changed"
+    assert found - listed == set(), f"new: {HINT}"
+
+
+def main() -> int:
+    """Add the new names to the file; refuse to take any away."""
+    listed = set(FILE.read_text(encoding="utf-8").splitlines()) if FILE.exists() else set()
+    if gone := sorted(listed - set(names())):
+        print("removed or changed, not written:", *gone, sep="\n", file=sys.stderr)
+        return 1
+    FILE.write_text("".join(f"{name}\n" for name in sorted(set(names()))), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

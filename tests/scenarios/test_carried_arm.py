@@ -1,0 +1,66 @@
+"""The co-simulation of an arm and the carriage that it hangs from: impulses one way, motion the other."""
+
+import csv
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from chain_impact.scene.models import models_folder
+from tests.helpers import driven
+from tests.tiers import needs_interop
+
+START = [-2.4, -2.1]  # rad
+IMPACT = 0.49  # s, before the tip hits the wall
+
+
+def co_simulated(folder, *arguments):
+    """Return the columns that the model's script gives, in a process of its own."""
+    script = models_folder() / "carried_arm" / "co_simulation.py"
+    subprocess.run([sys.executable, script, "-o", folder, *arguments], check=True, capture_output=True)
+    with (folder / "CarriedArm.csv").open(newline="") as file:
+        names, *rows = csv.reader(file)
+    return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+
+
+@pytest.mark.full("builds two FMUs")
+@pytest.mark.parametrize("target", ["native", "pythonfmu"])
+def test_the_error_before_the_impact_is_proportional_to_the_step(target, tmp_path):
+    """Against carriage and arm as one system."""
+    errors = []
+    for step in ("1e-3", "5e-4"):
+        columns = co_simulated(tmp_path, "--target", target, "--step", step)
+        rows = columns["time"] < IMPACT
+        exact = driven.carried(columns["time"][rows], START)
+        errors.append(np.abs(columns["base.x"][rows] - exact[:, 0]).max())
+    assert errors[0] < 1.5e-4
+    assert errors[1] == pytest.approx(0.5 * errors[0], rel=0.1)
+
+
+@pytest.mark.full("builds two FMUs")
+def test_no_impulse_is_lost_between_communication_points(tmp_path):
+    """What the joint and the wall give is what the momentum of the arm changes by, impacts included."""
+    columns = co_simulated(tmp_path, "--plot", tmp_path / "carriage.png")
+    assert (tmp_path / "carriage.png").stat().st_size > 10_000
+    momentum = sum(
+        0.5 * mass * (columns[f"point[{k}].vx"] + columns[f"point[{k + 1}].vx"])
+        for k, (_, mass, _) in enumerate(driven.ARM)
+    )
+    given = columns["joint[1].impulse.x"] + columns["contact[2].x_max.impulse"] * -1.0
+    assert columns["impact.count"][-1] >= 1
+    np.testing.assert_allclose(momentum - momentum[0], given, rtol=0, atol=1e-8)
+    # the carriage has been given the same, but for what its last step did not know yet
+    mass, spring, damper = driven.CARRIAGE
+    step = columns["time"][1]
+    resisted = np.cumsum(spring * columns["base.x"] + damper * columns["base.vx"]) * step
+    lost = mass * columns["base.vx"] + resisted + columns["joint[1].impulse.x"]
+    assert np.abs(lost[-200:]).max() < 0.02 * np.abs(columns["joint[1].impulse.x"]).max()
+
+
+@needs_interop
+@pytest.mark.parametrize("master", ["libcosim", "ecos"])
+def test_another_master_has_the_same_results(master, tmp_path):
+    ours, theirs = (co_simulated(tmp_path, "--master", name) for name in ("fmpy", master))
+    for name in ("base.x", "link[2].angle", "joint[1].impulse.x"):
+        np.testing.assert_allclose(theirs[name], ours[name], rtol=0, atol=1e-6, err_msg=name)

@@ -1,0 +1,109 @@
+"""The co-simulation of the arm and its controller, two FMUs with a master of fixed steps."""
+
+import csv
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.scene.models import models_folder
+from chain_impact.variables.model import Model
+from tests.scenarios.test_models import table
+from tests.tiers import needs_interop
+
+MODEL = "controlled_arm"
+SCENE = load_scene(MODEL)
+TORQUES = [variable.name for variable in Model(SCENE).inputs]
+
+
+def co_simulated(folder, *arguments):
+    """Return the columns that the model's script gives, in a process of its own, and its time."""
+    script = models_folder() / MODEL / "co_simulation.py"
+    subprocess.run([sys.executable, script, "-o", folder, *arguments], check=True, capture_output=True)
+    assert (folder / "ControlledArm.png").stat().st_size > 10_000
+    with (folder / "ControlledArm.csv").open(newline="") as file:
+        names, *rows = csv.reader(file)
+    columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+    return columns.pop("time"), columns
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """The co-simulations that have been asked for: (target, master) → time and columns."""
+    done = {}
+
+    def get(target, master):
+        if (target, master) not in done:
+            folder = tmp_path_factory.mktemp("co_simulation")
+            done[target, master] = co_simulated(folder, "--target", target, "--master", master)
+        return done[target, master]
+
+    return get
+
+
+@pytest.fixture(
+    params=[("native", "fmpy"), ("pythonfmu", "fmpy"), ("native", "libcosim"), ("native", "ecos")]
+)
+def run(request, runs):
+    """A co-simulation: either kind of FMU, and each of the masters."""
+    return runs(*request.param)
+
+
+def replayed(time, columns):
+    """Return the outputs of ``simulate`` under the torques of a co-simulation."""
+    result = simulate(SCENE, inputs={name: (time, columns[name]) for name in TORQUES})
+    np.testing.assert_array_equal(result.time, time)
+    return Model(SCENE).series(result.outputs)
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.parametrize("target", ["native", "pythonfmu"])
+def test_simulate_replays_an_fmu_that_stepped_between_the_same_times(runs, target):
+    """Every output to the last bit; the master of fmpy makes its steps so that they have no round-off."""
+    time, columns = runs(target, "fmpy")
+    replay = replayed(time, columns)
+    reals = {v.name for v in Model(SCENE).variables if v.place[0] == "output"}
+    assert set(replay) == reals
+    for name, values in replay.items():
+        np.testing.assert_array_equal(columns[name], values, err_msg=name)
+
+
+def differences(columns, others):
+    """Return the largest difference of each kind of output: end of its name → difference."""
+    return {
+        kind: max(np.abs(columns[name] - others[name]).max() for name in columns if name.endswith(kind))
+        for kind in ("].x", "].y", "].vx", "].vy", ".angle", ".angular_velocity", ".torque", ".force")
+    }
+
+
+@needs_interop
+@pytest.mark.parametrize("master", ["libcosim", "ecos"])
+def test_every_master_finds_the_same(runs, master):
+    """Their communication points differ by round-off, and the solver's tolerance of 1e-8 does the rest."""
+    (time, columns), (other_time, others) = runs("native", "fmpy"), runs("native", master)
+    assert list(columns) == list(others)
+    np.testing.assert_array_equal(time, other_time)
+    bounds = {"].x": 1e-9, "].y": 1e-9, ".angle": 1e-9, ".force": 1e-5}  # m, rad, N
+    for kind, difference in differences(columns, others).items():
+        assert difference < bounds.get(kind, 1e-7), kind
+    # the start, too, which libcosim's observer tells apart
+    assert [values[0] for values in columns.values()] == [values[0] for values in others.values()]
+
+
+@pytest.mark.full("takes long")
+def test_a_step_that_a_master_cannot_count_is_refused(tmp_path):
+    with pytest.raises(subprocess.CalledProcessError) as caught:
+        co_simulated(tmp_path, "--master", "libcosim", "--step", str(2.0**-10))
+    assert b"a step of 0.0009765625 s is no whole number" in caught.value.stderr
+
+
+@pytest.mark.full("takes long")
+def test_the_stored_inputs_are_those_of_the_co_simulation(run):
+    time, columns = run
+    stored_time, stored = table(MODEL, "inputs.csv")
+    np.testing.assert_allclose(time, stored_time, rtol=0, atol=1e-12)
+    assert list(stored) == TORQUES
+    for name in TORQUES:
+        np.testing.assert_allclose(columns[name], stored[name], rtol=0, atol=1e-6)

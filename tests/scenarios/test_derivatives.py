@@ -1,0 +1,687 @@
+"""Motions and derivatives of the kernel against the independent model, closed forms and what is conserved.
+
+The independent model (tests/helpers/derivatives.py) gives both. Every law, every kind of parameter, stops,
+and dry friction that slides and sticks.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from chain_impact import Chain, simulate
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.simulation.derivatives import DifferentiatedRun
+from chain_impact.simulation.reasons import REASONS, REASONS_OF_FRICTION
+from tests.helpers.derivative_scenes import (
+    AT_STOPS,
+    Case,
+    differences,
+    exact,
+    off,
+    pinned_chain,
+    pressed_tip,
+    six_impacts,
+    size_of,
+    sprung_chain,
+    state_names,
+    stopped_chain,
+    struck_twice,
+    table,
+    thrown_on_a_slope,
+)
+from tests.helpers.derivatives import FIELDS, differentiate
+from tests.helpers.friction_derivative_scenes import SLOPE, driven, dry_joints, puck, swinging, thrown
+from tests.helpers.problems import ball, flat_rod, rod
+
+ENERGIES = ("energy.total", "energy.dissipated")
+STIFFNESS = "contact.stiffness"
+EXACT = 1e-8  # the error to reach at the tolerance 1e-12
+# of a state where more is not reached: contacts that overlap have no variable of their own in which their
+# force is smooth, the f(e) of Kuwabara and Kono is a root of a numerical solution, and where implicit steps
+# are chosen, or friction drops as sticking ends
+STATES = {
+    "sprung": 2e-8,
+    "stop with wall": 2e-6,
+    "kuwabara_kono": 3e-8,
+    "driven": 2e-8,
+    "swings, static": 2e-8,
+}
+# of impacts: likewise, and the top of a force that peaks right after the onset is found by parabolas
+IMPACTS = {
+    "sprung": 1e-7,
+    "pressed": 1e-7,
+    "stop with wall": 2e-6,
+    "kelvin_voigt": 1e-7,
+    "stop, kelvin_voigt": 1e-7,
+    "kuwabara_kono": 3e-8,
+    "stop, kuwabara_kono": 1e-6,
+    "ye": 3e-7,
+    "flores": 3e-7,
+}
+# the laws that take the inertia of the joint, and two that do not
+AT_A_STOP = ("hertz", "flores", "kelvin_voigt", "tsuji", "jankowski", "kuwabara_kono")
+OF_ALL_KINDS = {
+    "sprung": sprung_chain(),
+    "pinned": pinned_chain(),
+    "pressed": pressed_tip(),
+    "rigid": pinned_chain("newton_impact"),
+}
+SMOOTH = {
+    **OF_ALL_KINDS,
+    "six": six_impacts(),
+    **AT_STOPS,
+    **{f"stop, {law}": stopped_chain("zhang_sharf", law, (0.1, 0.2)) for law in AT_A_STOP},
+    **{law: struck_twice(law) for law in CONTACT_LAWS},
+}
+DRY = {
+    "slides back": puck(),
+    "stops on a slope": puck(friction=0.5),
+    "stops by static friction": puck(friction=0.3, static=0.5),
+    "stops, tsuji": puck("tsuji", friction=0.5),
+    "thrown, kelvin_voigt": thrown(2, "kelvin_voigt", stop=0.25),
+    "swings": swinging(),
+    "swings, static": swinging(static=0.5),
+    "swings, hertz": swinging(law="hertz"),
+    "driven": driven(),
+    "driven, flores": driven(law="flores"),
+    "two dry joints": dry_joints(2),
+    "three dry joints": dry_joints(3),
+    "four dry joints": dry_joints(4),
+    "thrown": thrown(2, stop=0.4),
+    "three thrown": thrown(3, stop=0.3),
+}
+CASES = SMOOTH | DRY
+# of states and impacts by implicit steps, which follow the tolerance less closely: in an impact the slopes of
+# the force are not smooth at its ends, and the order falls
+IMPLICIT = {
+    "sprung": (2e-7, 6e-7),
+    "pinned": (6e-6, 2e-5),
+    "pressed": (1e-8, 5e-7),
+    "stops on a slope": (1e-8, math.inf),
+    "swings": (1e-7, math.inf),
+    "driven": (1e-7, math.inf),
+    "two dry joints": (2e-8, math.inf),
+}
+# three links that hit a floor and a slope of two materials, with friction at them, or in joints, too
+THROWN = {
+    f"on a slope {seed}, {base}, {joints}": Case(
+        thrown_on_a_slope(seed, joints=joints, base=base), (), (0.2, 0.4, 0.6)
+    )
+    for seed, base in ((1, "free"), (2, "free"), (3, "pinned"), (4, "free"))
+    for joints in (False, True)
+    # in two of them both ends of a link stick that lies all but flat, which rigid bodies cannot do
+    if joints or seed in (1, 4)
+}
+OF_FRICTION = ("contact.friction", "contact.static_friction", "wall.y_min.friction", "link[2].joint_friction")
+
+
+def outputs_of(case):
+    supplied = ["energy.supplied"] if case.inputs else []
+    links = range(1, len(case.scene.chain.links) + 1)
+    rates = ["point[0].ax", "point[0].ay", *(f"link[{i}].angular_acceleration" for i in links)]
+    rubbed = [name for name in exact(case).values if "friction" in name]
+    return [*state_names(case.scene), *ENERGIES, *supplied, *rates, *rubbed]
+
+
+@cache
+def found(case, tolerance=1e-12, start=False, method="auto"):
+    """Return the kernel's answer at the case's times, and at 0 before them."""
+    scene = case.scene.with_values({"solver.tolerance": tolerance, "solver.method": method})
+    run = DifferentiatedRun(scene, case.parameters, outputs_of(case), inputs=case.inputs)
+    values = [case.value(name) for name in case.parameters]
+    times = np.array([0.0, *case.times] if start else case.times)
+    return run.run(np.array(values), times)
+
+
+def state_errors(case, answer):
+    """Relative errors of the state's derivatives, shape (T, P), and of the state, shape (T,)."""
+    names = state_names(case.scene)
+    right = exact(case)
+    values = np.stack([right.values[name] for name in names], 1)
+    slopes = np.stack([right.slopes[name] for name in names], 1)
+    count = len(names)
+    errors = [
+        [
+            off(answer.slopes[t, :count, k], slopes[t, :, k], values[t], size_of(case, parameter))
+            for k, parameter in enumerate(case.parameters)
+        ]
+        for t in range(len(case.times))
+    ]
+    of_run = np.abs(answer.values[:, :count] - values).max(1) / np.abs(values).max(1)
+    return np.array(errors), of_run
+
+
+def impact_errors(case, answer):
+    """Relative errors of the impacts' derivatives: (field, parameter) → error."""
+    right = exact(case)
+    errors = {}
+    for field in FIELDS:
+        finite = ~np.isinf(right.impacts[field])  # the peak force of a rigid impact is not
+        for k, parameter in enumerate(case.parameters if finite.any() else ()):
+            errors[field, parameter] = off(
+                answer.impact_slopes[field][finite, k],
+                right.impact_slopes[field][finite, k],
+                right.impacts[field][finite],
+                size_of(case, parameter),
+            )
+    return errors
+
+
+def worst(errors, names):
+    """What exceeds a bound, for the message."""
+    return {name: f"{error:.1e}" for name, error in zip(names, errors, strict=True)}
+
+
+# --- motions -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", CASES | THROWN)
+def test_a_motion_is_that_of_the_independent_model(name):
+    case = (CASES | THROWN)[name]
+    right = exact(case)
+    result = simulate(case.scene, tolerance=1e-13, inputs=case.inputs)
+    # six impacts make an error of the start 5000 times as large
+    bound = 3e-11 if name in SMOOTH and name != "six" and "kuwabara_kono" not in name else 1e-9
+    for field in ("point", "wall"):
+        assert np.array_equal(getattr(right, f"{field}s"), result.impacts[field])
+    assert len(right.points) or len(right.modes)
+    for field in FIELDS:
+        np.testing.assert_allclose(right.impacts[field], result.impacts[field], rtol=bound, err_msg=field)
+    rows = np.searchsorted(result.time, np.array(case.times) - 1e-9)
+    for output in (one for one in result.motion if not one.endswith("sticking")):
+        found, kind = result[output][rows], output.split(".")[-1]
+        # an acceleration or a force is as exact as the speed, over the time that a contact takes
+        largest = max(np.abs(right.values[output]).max(), 1.0)
+        fast = kind in ("ax", "ay", "force", "friction_force", "friction_moment", "angular_acceleration")
+        assert np.abs(found - right.values[output]).max() <= (100.0 if fast else 1.0) * bound * largest, (
+            output
+        )
+
+
+@pytest.mark.parametrize("name", DRY)
+def test_modes_of_friction_are_those_of_the_independent_model(name):
+    """Each change of a mode at the same time."""
+    case = DRY[name]
+    phases = simulate(case.scene, tolerance=1e-12, inputs=case.inputs).stick_slip
+    found = np.sort(phases["start"][phases["start"] <= case.times[-1]])
+    begun = [time for time, _, mode in exact(case).modes if mode != 2]
+    # a phase that begins with its contact has no row where that one does not stick before
+    assert len(found) >= 1
+    assert all(np.abs(np.array(begun) - time).min() < 1e-7 for time in found)
+
+
+# --- derivatives at a sharp tolerance ----------------------------------------------------------------------
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.parametrize("name", ["rigid", "stop, kelvin_voigt", "thrown, kelvin_voigt"])
+def test_a_kept_answer_is_that_of_the_model(name):
+    """But for rounding, which depends on the processor."""
+    case, kept = CASES[name], exact(CASES[name])
+    live = differentiate(case.scene, case.parameters, case.times, case.inputs, 1e-12)
+    assert live.points.tolist() == kept.points.tolist()
+    for kind in ("values", "slopes", "impacts", "impact_slopes"):
+        for key, found_now in getattr(live, kind).items():
+            value = getattr(kept, kind)[key]
+            scale = np.max(np.abs(value), initial=1e-6, where=np.isfinite(value))
+            np.testing.assert_allclose(found_now, value, rtol=1e-9, atol=1e-9 * scale)
+
+
+@pytest.mark.full("more cases", but=18)
+@pytest.mark.parametrize("name", [*list(SMOOTH)[:9], *DRY, *list(SMOOTH)[9:]])
+def test_a_state_is_differentiated_to_eight_digits(name):
+    case = CASES[name]
+    answer = found(case)
+    errors, _ = state_errors(case, answer)
+    assert answer.limits == ()
+    assert (errors.max(0) <= STATES.get(name, EXACT)).all(), worst(errors.max(0), case.parameters)
+
+
+@pytest.mark.full("more cases", but=6)
+@pytest.mark.parametrize("name", SMOOTH)
+def test_impacts_are_differentiated_to_eight_digits(name):
+    case = CASES[name]
+    answer, right = found(case), exact(case)
+    assert np.array_equal(answer.impacts["point"], right.points)
+    assert np.array_equal(answer.impacts["wall"], right.walls)
+    errors = {
+        key: error for key, error in impact_errors(case, answer).items() if error > IMPACTS.get(name, EXACT)
+    }
+    assert not errors
+
+
+@pytest.mark.parametrize("name", IMPLICIT)
+def test_implicit_steps_are_differentiated(name):
+    case, (of_states, of_impacts) = CASES[name], IMPLICIT[name]
+    answer = found(case, method="implicit")
+    errors, _ = state_errors(case, answer)
+    assert answer.limits == ()
+    assert (errors.max(0) <= of_states).all(), worst(errors.max(0), case.parameters)
+    assert max(impact_errors(case, answer).values(), default=0.0) <= of_impacts
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+def test_a_constant_of_a_joint_that_is_zero_may_vary(method):
+    """The run works nothing out for joints that do not resist."""
+    loose = {"link[2].joint_damping": 0.0, "link[2].joint_stiffness": 0.0, "link[2].joint_rest_angle": 0.0}
+    case = struck_twice("zhang_sharf")
+    parameters = ("link[2].joint_damping", "link[2].joint_stiffness")
+    case = Case(case.scene.with_values(loose), parameters, case.times)
+    errors, _ = state_errors(case, found(case, method=method))
+    assert errors.max() < (EXACT if method == "explicit" else 1e-6)
+
+
+@pytest.mark.parametrize(
+    "name", ["stops on a slope", "swings, static", "driven", "four dry joints", "thrown"]
+)
+def test_derivatives_of_forces_impulses_and_energy_of_friction(name):
+    """Relative to the largest effect that any parameter has on the output."""
+    case = CASES[name]
+    right, answer = exact(case), found(case)
+    units = np.array([size_of(case, parameter) for parameter in case.parameters])
+    for j, output in enumerate(outputs_of(case)):
+        if "friction" in output:
+            expected = right.slopes[output] * units
+            largest = max(np.abs(expected).max(), 1e-3)
+            assert np.abs(answer.slopes[:, j] * units - expected).max() < 1e-7 * largest, output
+
+
+@pytest.mark.full("more cases", but=5)
+@pytest.mark.parametrize(
+    "name", ["slides back", "stops by static friction", "swings, static", "driven", "pinned", "sprung"]
+)
+def test_derivatives_are_those_of_differences(name):
+    """A witness beside the complex steps: whole runs with other values."""
+    case = CASES[name]
+    right, names, tried = exact(case), state_names(case.scene), case.parameters
+    if name in DRY:
+        tried = [one for one in OF_FRICTION if one in case.parameters and case.value(one)]
+    positive = ("joint_damping", "joint_stiffness", "radius")
+    for parameter in tried:
+        if parameter.endswith(positive) and case.value(parameter) == 0.0:
+            continue  # it cannot be negative
+        k, by_state = case.parameters.index(parameter), differences(case, parameter)[0]
+        for t in range(len(case.times)):
+            expected = np.array([right.slopes[one][t, k] for one in names])
+            values = np.array([right.values[one][t] for one in names])
+            bound = 5e-5 if name == "sprung" else 1e-6  # where contacts overlap, runs are less smooth
+            assert off(by_state[t], expected, values, size_of(case, parameter)) < bound, parameter
+
+
+# --- at other tolerances ------------------------------------------------------------------------------------
+
+
+TOLERANCES = (1e-6, 1e-8, 1e-10)
+# Twice the errors of the worst parameter, at these tolerances. It is mostly the stiffness, on which a motion
+# depends so little that errors are large beside its derivative.
+BOUNDS = {
+    "six": (3e-3, 1.2e-5, 3e-7),
+    "sprung": (3e-4, 2e-5, 1.6e-6),
+    "zhang_sharf": (6e-5, 4e-7, 7e-8),
+    "hertz": (4e-5, 6e-6, 5e-8),
+    "newton_impact": (4e-5, 8e-8, 2e-9),
+    "pinned": (8e-4, 3e-6, 1.2e-7),
+}
+
+
+@pytest.mark.full("more cases", but=8)
+@pytest.mark.parametrize("name", BOUNDS)
+@pytest.mark.parametrize("which", range(len(TOLERANCES)))
+def test_derivatives_follow_the_tolerance(name, which):
+    case = CASES[name]
+    errors, _ = state_errors(case, found(case, TOLERANCES[which]))
+    assert (errors.max(0) <= BOUNDS[name][which]).all(), worst(errors.max(0), case.parameters)
+
+
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+def test_derivatives_are_as_exact_as_the_run(tolerance):
+    """Through six impacts, those by all but the stiffness."""
+    case = CASES["six"]
+    errors, of_run = state_errors(case, found(case, tolerance))
+    others = [error for error, name in zip(errors.max(0), case.parameters, strict=True) if name != STIFFNESS]
+    assert max(others) <= 10.0 * of_run.max()
+
+
+# --- closed forms ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tolerance", [1e-8, 1e-10])
+@pytest.mark.parametrize("name", ["slides back", "swings, static", "driven", "two dry joints"])
+def test_errors_with_friction_follow_the_tolerance(name, tolerance):
+    case = CASES[name]
+    assert state_errors(case, found(case, tolerance))[0].max() < 2e4 * tolerance
+
+
+def slopes_of_impacts(scene, parameters, time, outputs=("point[0].vy",)):
+    """Return values and slopes of the impacts until a time, and slopes of outputs then."""
+    run = DifferentiatedRun(scene.with_values({"solver.tolerance": 1e-12}), parameters, list(outputs))
+    answer = run.run(np.array([float(scene.values[name]) for name in parameters]), np.array([0.0, time]))
+    return answer.impacts, answer.impact_slopes, answer.slopes[1]
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.3, 1.5, 2.0])
+def test_the_power_of_any_law_of_the_family(exponent):
+    """By the exponent itself, δⁿ⁺¹ = (n+1) G m v²/K: dδ/dn = δ/(n+1) (1/(n+1) − ln δ)."""
+    scene = ball(1e-3, 2.0, model="flores", stiffness=1e6, exponent=exponent, restitution=0.5, stop_time=0.2)
+    value, slope, _ = slopes_of_impacts(scene, [STIFFNESS, "contact.exponent", "contact.restitution"], 0.2)
+    depth, slopes = value["max_penetration"][0], slope["max_penetration"][0]
+    np.testing.assert_allclose(slopes[0] * 1e6 / depth, -1 / (exponent + 1), rtol=1e-6)
+    by_exponent = depth / (exponent + 1) * (1 / (exponent + 1) - math.log(depth))
+    np.testing.assert_allclose(slopes[1], by_exponent, rtol=1e-6)
+    # λ(1+e′) = ln[(1+λ)/(1−λe′)] gives de′/dλ, with λ = 8(1−e)/(5e)
+    factor, rebound = 1.6, value["separation_speed"][0] / 2.0
+    by_factor = (1 / (1 + factor) + rebound / (1 - factor * rebound) - 1 - rebound) / (
+        factor - factor / (1 - factor * rebound)
+    )
+    found = slope["separation_speed"][0]
+    np.testing.assert_allclose(found[2], 2.0 * by_factor * -1.6 / 0.25, rtol=1e-6)
+    np.testing.assert_allclose(found[:2], 0.0, atol=1e-6)
+
+
+# --- conserved quantities -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["sprung", "pinned", "pressed", "six", "tsuji", "kelvin_voigt", "rigid"])
+def test_the_derivative_of_the_ledger_is_constant(name):
+    """d(total + dissipated − supplied)/dp is what it is at the start."""
+    case = CASES[name]
+    answer = found(case, start=True)
+    first = len(state_names(case.scene))
+    parts = answer.slopes[:, first:]
+    ledger = parts[:, 0] + parts[:, 1] - (parts[:, 2] if case.inputs else 0.0)
+    largest = np.maximum(np.abs(parts).max((0, 1)), 1e-30)
+    units = np.array([size_of(case, name) for name in case.parameters])
+    moved = np.abs(ledger - ledger[0]).max(0)
+    # an energy of 1 J over the parameter is the least that counts
+    assert (moved <= 1e-8 * np.maximum(largest, 1e-3 / units)).all(), worst(moved / largest, case.parameters)
+
+
+# --- where there is no derivative ---------------------------------------------------------------------------
+
+
+def slow_touch():
+    """Return a ball that arrives slower than contact.minimum_impact_speed, which is then its v₀."""
+    scene = ball(1e-4, 5e-4, stiffness=1e6, stop_time=0.3)
+    return Case(scene, ("contact.stiffness", "contact.restitution", "initial.vy"), (0.1, 0.3))
+
+
+def grazing():
+    """A rod that turns about its centre and touches the floor with its end for 10⁻⁷ m: 1/ġ is 300 s/m."""
+    scene = rod(0.5, 0.5 - math.sin(0.5) / 2 - 1e-7, 0.0, -10.0, stiffness=1e5, stop_time=0.3)
+    return Case(scene, ("contact.stiffness", "initial.y", "initial.angular_velocity[1]"), (0.05, 0.3))
+
+
+@pytest.mark.parametrize("make", [slow_touch, grazing])
+def test_a_derivative_is_right_or_not_there(make):
+    """From an impact on at which it cannot be trusted it is NaN, and a sentence says why."""
+    case = make()
+    answer, right = found(case), exact(case)
+    assert len(right.points) == 1
+    names = state_names(case.scene)
+    slopes = np.stack([right.slopes[name] for name in names], 1)
+    given = answer.slopes[:, : len(names)]
+    assert not np.isnan(given[0]).any()
+    missing = np.isnan(given[1])
+    assert missing.any() == bool(answer.limits)
+    largest = np.maximum(
+        np.abs(slopes[1]).max(0), 1e-3 / np.array([size_of(case, p) for p in case.parameters])
+    )
+    assert ((np.abs(given[1] - slopes[1]) <= 1e-5 * largest) | missing).all()
+
+
+def test_simultaneous_rigid_impacts_have_no_derivative():
+    scene = flat_rod(model="newton_impact").with_values({"solver.tolerance": 1e-10})
+    run = DifferentiatedRun(scene, ["contact.restitution", "initial.y"], ["point[0].vy", "link[1].angle"])
+    answer = run.run(np.array([scene.contact.restitution, scene.initial.position[1]]), np.array([5e-4, 0.01]))
+    assert np.isfinite(answer.values).all()
+    assert np.isfinite(answer.slopes[0]).all()
+    assert np.isnan(answer.slopes[1]).all()
+    assert len(answer.limits) == 1
+    assert "impact" in answer.limits[0]
+
+
+# --- simulate() ---------------------------------------------------------------------------------------------
+
+
+def test_simulate_tells_the_same():
+    case = CASES["six"]
+    scene = case.scene.with_values({"solver.tolerance": 1e-10})
+    plain = simulate(scene)
+    result = simulate(scene, sensitivities=list(case.parameters))
+    assert plain.outputs.tobytes() == result.outputs.tobytes()
+    assert plain.impacts.tobytes() == result.impacts.tobytes()
+    assert result.sensitivity_limits == ()
+    right = exact(case)
+    rows = [3, 6, 9, 12]
+    for parameter in ("contact.stiffness", "link[2].mass", "initial.angle[3]"):
+        k, unit = case.parameters.index(parameter), size_of(case, parameter)
+        for name in ("point[4].x", "energy.dissipated", "contact[2].y_min.impulse"):
+            slopes = result.sensitivity(name, parameter)
+            assert slopes.shape == result.time.shape
+            assert off(slopes[rows], right.slopes[name][:, k], right.values[name], unit) < 1e-6
+        for field in FIELDS:
+            slopes = result.impact_sensitivity(field, parameter)
+            assert off(slopes, right.impact_slopes[field][:, k], right.impacts[field], unit) < 1e-6
+
+
+# --- where a mode is open -----------------------------------------------------------------------------------
+
+
+def sloping(friction: float) -> Case:
+    """A puck that stops on its slope when it no longer bounces; friction over the tangent of the slope."""
+    case = puck(friction=friction * np.tan(SLOPE))
+    start = {"initial.vx": 4.0 * np.cos(SLOPE), "initial.vy": 4.0 * np.sin(SLOPE) - 0.25}
+    scene = case.scene.with_values(start | {"contact.restitution": 0.4, "simulation.stop_time": 0.8})
+    return replace(case, scene=scene)
+
+
+def dry_link(friction: float) -> Case:
+    """Return a level pendulum at rest with dry friction [N·m] in its joint."""
+    scene = table(
+        [{"length": 0.4, "mass": 0.5, "joint_friction": friction}],
+        base="pinned",
+        initial={"angles": [0.0]},
+        simulation={"stop_time": 0.1, "step_size": 0.01},
+    )
+    return Case(scene, (), (0.1,))
+
+
+def limits(case: Case, parameters=("contact.stiffness",)):
+    result = simulate(case.scene, inputs=case.inputs, sensitivities=list(parameters))
+    return result.sensitivity_limits, result
+
+
+def test_each_reason_has_a_sentence():
+    assert not set(REASONS) & set(REASONS_OF_FRICTION)
+    assert sorted({**REASONS, **REASONS_OF_FRICTION}) == list(range(1, 11))
+
+
+@pytest.mark.parametrize(("share", "given"), [(1.0, False), (1.001, True), (0.999, True)])
+def test_a_puck_that_stops_where_it_is_at_the_limit(share, given):
+    """µ = tan α: it stays with more friction and slides back with less; a stiffness changes neither."""
+    assert limits(sloping(share))[0] == ()
+    told, result = limits(sloping(share), ["contact.friction"])
+    slopes = result.sensitivity("point[0].x", "contact.friction")
+    assert np.isfinite(slopes[-1]) == given
+    assert (told == ()) == given
+    if not given:
+        (sentence,) = told
+        assert "the dry friction of point 0 at slope: " in sentence
+        assert REASONS_OF_FRICTION[7] in sentence
+
+
+def test_a_joint_at_its_limit_at_the_start():
+    """A pendulum at rest whose weight has just the moment of its friction."""
+    moment = 0.5 * 9.81 * 0.2
+    names = ("link[1].joint_friction",)
+    told, result = limits(dry_link(moment), names)
+    assert "from t = 0 s on, the dry friction of joint 1: " in told[0]
+    assert np.isnan(result.sensitivity("link[1].angle", "link[1].joint_friction")).all()
+    for change in (0.99, 1.01):
+        assert limits(dry_link(change * moment), names)[0] == ()
+
+
+def test_a_friction_that_is_zero():
+    """It could only be more: from the first contact on there is no derivative with respect to it."""
+    with_two = table(
+        [{"length": 0.4, "mass": 0.8}],
+        box={"y_min": 0.0, "x_max": 2.0},
+        contact={"points": [0], "wall": {"y_min": {"friction": 0.0}, "x_max": {"friction": 0.3}}},
+        initial={"position": [0.0, 1e-3], "angles": [-0.3], "velocity": [0.1, -0.3]},
+        simulation={"stop_time": 0.01, "step_size": 1e-3},
+    )
+    told, result = limits(Case(with_two, (), (0.01,)), ["wall.y_min.friction"])
+    assert "the dry friction of point 0 at y_min: " + REASONS_OF_FRICTION[9] in told[0]
+    assert np.isnan(result.sensitivity("point[0].x", "wall.y_min.friction")[-1])
+    assert limits(Case(with_two, (), (0.01,)), ["wall.x_max.friction"])[0] == ()
+
+
+@pytest.mark.parametrize(("friction", "given"), [(0.35, False), (0.9, True)])
+def test_a_contact_that_begins_without_sliding(friction, given):
+    """A small speed is stopped soon; where the point slides all the same, only if it is backward."""
+    still = {"initial.vx": 0.0, "contact.friction": friction, "simulation.stop_time": 0.1}
+    scene = swinging().scene.with_values(still | {"solver.tolerance": 1e-12})
+    told, result = limits(Case(scene, (), (0.1,)), ["initial.vx"])
+    names, change, onset = ("point[0].x", "point[0].y", "link[1].angle"), 1e-8, result.impacts["onset"][0]
+    slopes = [result.sensitivity(name, "initial.vx")[-1] for name in names]
+    by_change = [
+        [(simulate(scene.with_values({"initial.vx": by}))[name] - result[name])[-1] / by for name in names]
+        for by in (change, -change)
+    ]
+    if given:
+        assert told == ()
+        np.testing.assert_allclose(by_change, [slopes] * 2, rtol=2e-2)
+    else:
+        assert f"from t = {onset:.7f}" in told[0]
+        assert " s on, the dry friction of point 0 at y_min: " in told[0]
+        assert REASONS_OF_FRICTION[10] in told[0]
+        assert np.isnan(slopes).all()
+        assert by_change[0][0] == pytest.approx(0.1, rel=1e-3)
+        assert by_change[1][0] < 0.08
+    assert limits(Case(scene, (), (0.1,)), ["contact.stiffness"])[0] == ()
+
+
+@pytest.mark.parametrize(("moment", "given"), [(0.5, False), (1.5, True)])
+def test_a_joint_that_is_released_at_rest(moment, given):
+    """Its weight has a moment of 0.98 N·m: a friction above that stops a small speed, one below does not."""
+    case = dry_link(moment)
+    told, _ = limits(case, ["initial.angular_velocity[1]"])
+    assert (told == ()) == given
+    assert given or "from t = 0 s on, the dry friction of joint 1: " + REASONS_OF_FRICTION[10] in told[0]
+    assert limits(case, ["link[1].joint_friction", "link[1].mass"])[0] == ()
+
+
+@pytest.mark.parametrize("links", [1, 2])
+def test_a_joint_friction_that_is_zero(links):
+    """It could only be more, in each of the blocks of directions."""
+    case = dry_joints(2)
+    names = [
+        *(f"initial.angle[{i}]" for i in (1, 2)),
+        "link[1].mass",
+        "gravity.y",
+        f"link[{links}].joint_friction",
+    ]
+    run = DifferentiatedRun(case.scene, names, ["link[1].angle"], inputs=case.inputs)
+    values = np.array([case.value(name) for name in names])
+    values[-1] = 0.0
+    answer = run.run(values, np.array([0.0, 0.2]))
+    (told,) = answer.limits
+    assert f"from t = 0 s on, the dry friction of joint {links}: {REASONS_OF_FRICTION[9]}" in told
+    assert np.isnan(answer.slopes[1]).all()
+
+
+@pytest.mark.full("more cases", but=5)
+@pytest.mark.parametrize("early", [1e-3, 1e-7])
+@pytest.mark.parametrize("name", ["stops on a slope", "swings, static", "two dry joints"])
+def test_a_change_of_a_parameter_just_before_a_mode_ends_changes_nothing_else(name, early):
+    """The end of the mode has been found already, beyond the communication point, and is found once more."""
+    case = DRY[name]
+    scene = case.scene.with_values({"solver.tolerance": 1e-10, "outputs.sensitivities": ["gravity.y"]})
+    nothing = {"joint[2].torque": 1e-15}
+    if not case.inputs:
+        nothing = {"contact.friction": (1.0 + 1e-13) * scene.values["contact.friction"]}
+    changes = simulate(scene, inputs=case.inputs).stick_slip["start"]
+    end, output = case.times[-1], "sensitivity.gravity.y.link[1].angle"
+    for change in changes[(changes > 0.01) & (changes < end)]:
+        chains = Chain(scene), Chain(scene)
+        for k, chain in enumerate(chains):
+            chain.set(case.inputs)
+            chain.step(change - early)
+            if k:
+                chain.set(nothing)
+            chain.step(end - (change - early))
+        whole, broken = (chain.stick_slip for chain in chains)
+        assert len(whole) == len(broken)
+        np.testing.assert_allclose(broken["start"], whole["start"], atol=1e-8)
+        slopes = [chain.get(output) for chain in chains]
+        assert slopes[1] == pytest.approx(slopes[0], rel=1e-5)
+
+
+def symmetric(**initial: float) -> Case:
+    """Three links without gravity, whose outer ones turn towards each other: both dry joints stop at once."""
+    dry = {"length": 0.3, "mass": 0.5, "joint_friction": 0.2}
+    scene = table(
+        [{"length": 0.3, "mass": 0.5}, dry, dry],
+        gravity=[0.0, 0.0],
+        initial={"angles": [-0.5, 0.0, 0.5], "angular_velocities": [-2.0, 0.0, 2.0]},
+        simulation={"stop_time": 0.4, "step_size": 0.01},
+    )
+    return Case(scene.with_values(initial) if initial else scene, (), (0.4,))
+
+
+def test_two_joints_that_stop_at_one_moment():
+    """What treats both alike has a derivative, what makes one of them stop first has none."""
+    told, result = limits(symmetric(), ["link[2].mass"])
+    stops = result.stick_slip["start"][result.stick_slip["mode"] == 0]
+    assert len(stops) == 2
+    assert abs(stops[1] - stops[0]) < 1e-9
+    assert told == ()
+    told, result = limits(symmetric(), ["initial.angular_velocity[1]"])
+    assert REASONS_OF_FRICTION[8] in told[0]
+    assert "the dry friction of joint " in told[0]
+    assert np.isnan(result.sensitivity("link[1].angle", "initial.angular_velocity[1]")[-1])
+    apart = symmetric(**{"initial.angular_velocity[1]": -2.01})
+    assert limits(apart, ["initial.angular_velocity[1]"])[0] == ()
+
+
+@pytest.mark.parametrize(("less", "given"), [(1e-6, False), (1e-2, True)])
+def test_a_joint_that_stops_slowly(less, given):
+    """A torque almost as large as the friction of the joint: ω falls by its share that is ``less``."""
+    friction, inertia = 0.5, 0.5 * 0.4**2 / 3.0
+    values = {"gravity": (0.0, 0.0), "inputs.joint_torques": True, "simulation.stop_time": 0.2}
+    values["initial.angular_velocities"] = (0.1 * less * friction / inertia,)
+    case = Case(
+        dry_link(friction).scene.with_values(values), (), (0.2,), {"joint[1].torque": (1.0 - less) * friction}
+    )
+    told, result = limits(case, ["link[1].joint_friction"])
+    assert result.stick_slip["start"][-1] == pytest.approx(0.1, rel=1e-6)
+    assert (told == ()) == given
+    if not given:
+        assert f"the dry friction of joint 1: {REASONS_OF_FRICTION[6]}" in told[0]
+
+
+def test_a_chain_that_lies_flat():
+    """All points stop at once and for one reason: derivatives go on."""
+    link = {"length": 0.3, "mass": 0.5}
+    scene = table(
+        [link, link | {"joint_damping": 0.05}],
+        box={"y_min": 0.0},
+        contact={"stiffness": 2e4, "restitution": 0.2, "friction": 0.3},
+        initial={"position": [0.0, 2e-3], "angles": [0.01, 0.015], "velocity": [2.0, -0.3]},
+        simulation={"stop_time": 0.9, "step_size": 0.01},
+    )
+    parameters = ("contact.friction", "initial.vx", "gravity.y", "link[2].mass")
+    case = Case(scene, parameters, (0.5, 0.9))
+    told, result = limits(case, parameters)
+    assert told == ()
+    assert [result[f"contact[{k}].y_min.sticking"][-1] for k in range(3)] == [1.0] * 3
+    for parameter in ("contact.friction", "initial.vx"):
+        found = result.sensitivity("point[0].x", parameter)[-1]
+        by_runs = differences(case, parameter)[0][-1][0]
+        assert found == pytest.approx(by_runs, rel=1e-4)
+        assert abs(result.sensitivity("point[0].vx", parameter)[-1]) < 1e-6

@@ -1,0 +1,238 @@
+"""Scenes that are hard on the search for events, the count of work and the energy balance."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact import simulate
+from chain_impact.kernel.status import OK, TOO_MUCH_WORK
+from chain_impact.scene.scene import scene_from_dict, with_values
+from chain_impact.simulation.instance import Instance, SimulationError
+from tests.helpers.kernel_calls import advance, advance_awhile, initialize
+from tests.helpers.random_scenes import scene as random_scene
+from tests.helpers.reference import balance
+from tests.helpers.turned import turned
+
+
+def chain(count, initial, *, gravity=(0.0, -9.81), link=None, length=0.5, **tables):
+    """Equal links of 1 kg, above the floor unless a box is given."""
+    table = {
+        "name": "Chain",
+        "gravity": list(gravity),
+        "chain": {"links": [{"length": length, "mass": 1.0, **(link or {})}] * count},
+        "box": {"y_min": 0.0},
+        "initial": initial,
+        **tables,
+    }
+    return scene_from_dict(table, "chain")
+
+
+def work(instance):
+    """Return all that is counted against solver.work_limit."""
+    record = instance.record
+    return int(record["statistics"]["rhs_evaluations"] + record["limits"]["other_work"])
+
+
+# --- gliding along a wall, at no distance ------------------------------------------------------------------
+
+
+HANGING = [-math.pi / 2] * 4
+WALL = {"x_min": 0.0, "y_min": -1e3}
+
+
+@pytest.mark.parametrize("gravity", [(0.0, -9.81), (0.0, -1000.0), (0.0, 0.0)])
+@pytest.mark.parametrize("law", ["zhang_sharf", "newton_impact"])
+def test_a_chain_flush_with_a_wall_falls_along_it_as_one_millimetre_away(law, gravity):
+    costs = []
+    for gap in (0.0, 1e-3):
+        start = {"position": [gap, 2.4], "angles": HANGING, "velocity": [0.0, -1.0]}
+        instance = Instance(chain(4, start, box=WALL, gravity=gravity, contact={"model": law}))
+        assert instance.advance(1.0) == OK
+        assert instance.record["impact"]["count"] == 0
+        costs.append(work(instance))
+    assert costs[0] <= 3 * costs[1]
+
+
+@pytest.mark.parametrize("turn", [0.7, 1.3, -2.0])
+@pytest.mark.parametrize("gravity", [(0.0, -9.81), (0.0, -1000.0), (0.0, 0.0)])
+@pytest.mark.parametrize("law", ["zhang_sharf", "newton_impact"])
+def test_a_chain_flush_with_a_wall_at_a_slant_falls_along_it_at_little_cost(law, gravity, turn):
+    """Round-off makes its points touch the wall and leave it, some times."""
+    start = {"position": [0.0, 2.4], "angles": HANGING, "velocity": [0.0, -1.0]}
+    scene = chain(4, start, box=WALL, gravity=gravity, contact={"model": law})
+    instance = Instance(turned(scene, turn))
+    assert instance.advance(1.0) == OK
+    assert work(instance) < 1000
+
+
+# --- loose tolerances --------------------------------------------------------------------------------------
+
+
+def thrown(seed, count, damping, tolerance):
+    """Return a chain with damped joints that is thrown onto the floor, spinning."""
+    rng = np.random.default_rng(seed)
+    length = 0.5 if count == 2 else 0.3
+    start = {
+        "position": [0.0, length * count * 1.05],
+        "angles": list(rng.uniform(-0.3, 3.4, count)),
+        "angular_velocities": list(rng.normal(0.0, 8.0, count)),
+        "velocity": list(rng.normal(0.0, 3.0, 2)),
+    }
+    link, solver = {"joint_damping": damping}, {"tolerance": tolerance}
+    return chain(count, start, link=link, solver=solver, contact={"stiffness": 1e8}, length=length)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_no_tolerance_makes_energy_of_damped_joints(seed):
+    """At a loose tolerance positions and speeds of a step contradict each other by millimetres."""
+    count, damping, tolerance = [(2, 1.0, 1e-2), (10, 1000.0, 4e-3), (10, 1000.0, 1e-3)][seed % 3]
+    result = simulate(thrown(seed, count, damping, tolerance), stop_time=0.6)
+    assert balance(result) < 10 * tolerance
+    ended = result.impacts[np.isfinite(result.impacts["end"])]
+    assert (result.impacts["impact_speed"] >= 0.0).all()
+    assert (ended["separation_speed"] >= 0.0).all()
+
+
+def test_a_point_is_not_latched_deep_in_a_wall():
+    """It is 8 mm deep at the end of a step, by its position, and has not moved there, by its speed."""
+    start = {
+        "position": [0.0, 0.5230660473858592],
+        "angles": [3.067928601106657, 2.7314651993312498],
+        "angular_velocities": [-4.0684225728589185, 4.793214702481997],
+        "velocity": [-0.646789204280724, -0.9128523793815926],
+    }
+    solver, contact = {"tolerance": 1e-2}, {"stiffness": 1e8}
+    scene = chain(2, start, link={"joint_damping": 1.0}, solver=solver, contact=contact)
+    result = simulate(scene, stop_time=0.6)
+    assert balance(result) < 0.01
+    assert result.outputs["penetration"].max() < 2e-3
+
+
+# --- rigid walls -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("floor", [1e-9, 1e-6, 1e-3])
+@pytest.mark.parametrize("restitution", [0.0, 1e-6, 0.3])
+def test_a_point_that_leaves_a_rigid_wall_is_no_impact(restitution, floor):
+    start = {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]}
+    contact = {"model": "newton_impact", "restitution": restitution, "minimum_impact_speed": floor}
+    for damping in (0.0, 5.0):
+        scene = chain(3, start, link={"joint_damping": damping}, contact=contact)
+        result = simulate(scene, stop_time=2.0)
+        assert (result.impacts["impact_speed"] >= 0.0).all()
+        assert balance(result) < 1e-6
+
+
+# --- all work counts ---------------------------------------------------------------------------------------
+
+
+def test_the_search_for_events_counts_as_work():
+    """A limit that the evaluations keep, but not the looks at the points of a long heap."""
+    start = {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]}
+    scene = chain(3, start, contact={"model": "newton_impact", "restitution": 0.9})
+    instance = Instance(scene)
+    assert instance.advance(1.0) == OK
+    evaluations = int(instance.record["statistics"]["rhs_evaluations"])
+    assert work(instance) > evaluations + 40
+    with pytest.raises(SimulationError) as caught:
+        simulate(with_values(scene, {("solver", "work_limit"): float(evaluations)}), stop_time=1.0)
+    assert caught.value.status == TOO_MUCH_WORK
+
+
+def test_a_search_that_is_given_up_ends_the_run():
+    """Also in a step that is as long as the window of the limit; else the floor would be missed."""
+    scene = chain(1, {"position": [0.0, 4.0], "angles": [0.0]}, solver={"work_limit": 14.0})
+    with pytest.raises(SimulationError) as caught:
+        simulate(scene, stop_time=1.0)
+    assert caught.value.status == TOO_MUCH_WORK
+
+
+@pytest.mark.full("takes long")
+def test_a_long_call_returns_in_between():
+    """So that Python can look after Ctrl-C; the result is the same."""
+    start = {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]}
+    scene = chain(3, start, solver={"method": "explicit"}, contact={"stiffness": 1e12, "restitution": 0.2})
+    instance, paused = Instance(scene), 0
+    while advance_awhile(instance, 25.0):
+        paused += 1
+    whole = Instance(scene)
+    assert advance(whole, 25.0) == OK
+    assert paused > 0
+    assert instance.record["step"].tobytes() == whole.record["step"].tobytes()
+
+
+# --- forces that jump --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+def test_the_first_stage_after_an_onset_has_the_force_that_jumps_there(method):
+    """Kelvin and Voigt's begins at c v₀. The other end of the rod is in contact already."""
+    start = {"position": [0.0, 0.01], "angles": [1e-3], "velocity": [0.0, -1.0]}
+    contact = {"model": "kelvin_voigt", "exponent": 1.0, "stiffness": 1e4, "restitution": 0.5}
+    instance = Instance(chain(1, start, contact=contact, solver={"method": method}))
+    record = instance.record
+    while record["impact"]["count"] < 2:
+        assert instance.advance(math.nextafter(record["step"]["end"], math.inf)) == OK
+    assert record["touch"]["active_count"] == 2
+    used = record["work"]["rate_start"].copy()
+    record["step"]["time"] = record["step"]["start"]
+    instance.observe()
+    output = record["output"]
+    expected = [*output["point_acceleration"][0], *output["angular_acceleration"]]
+    np.testing.assert_allclose(used[3:6], expected, rtol=1e-9, atol=1e-9)
+
+
+# --- looks, restarts and late starts -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [54, 106, 1000026, 1000162])
+def test_a_simulation_may_start_late(seed):
+    """Where a step of a picosecond cannot be told from none."""
+    instance, stop = Instance(random_scene(seed)), random_scene(seed).simulation.stop_time
+    assert initialize(instance, 1e4) == OK
+    assert instance.advance(1e4 + stop) == OK
+
+
+def test_restarts_do_not_add_up_to_a_drift_of_the_energy():
+    """What an input that is set drops of the last step changes nothing."""
+    scene = chain(
+        4,
+        {
+            "position": [0.0, 3.0],
+            "angles": [0.35, -0.5, 0.8, -0.2],
+            "angular_velocities": [1.0, -2.0, 1.5, -1.0],
+        },
+        inputs={"joint_torques": True},
+        contact={"points": []},
+        solver={"tolerance": 1e-4, "method": "implicit"},
+    )
+    instance = Instance(scene)
+    inputs = instance.record["given"]
+    for k in range(20000):
+        inputs["joint_torque"][3], inputs["changed"] = 1e-3 * math.sin(5e-5 * k), 1
+        assert instance.advance(1e-5 * (k + 1)) == OK
+    record = instance.record["balance"]
+    assert abs(record["at_end"] - record["reference"]) < 5.0 * record["least_allowed"]
+
+
+@pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e10])
+def test_a_new_stiffness_in_an_impact_is_a_change_of_energy_and_no_error(stiffness):
+    instance = Instance(chain(1, {"position": [0.0, 0.2], "angles": [0.5]}))
+    while instance.record["touch"]["active_count"] == 0:
+        assert instance.advance(instance.time + 1e-4) == OK
+    instance.record["given"]["stiffness"], instance.record["given"]["changed"] = stiffness, 1
+    assert instance.advance(instance.time + 0.3) == OK
+
+
+def test_far_from_the_origin_round_off_is_no_drift():
+    """The potential energy is a difference of large numbers there."""
+    scene = chain(
+        3,
+        {"position": [1e6, 1e6 + 1.0], "angles": [0.3, -0.5, 0.7], "angular_velocities": [1.0, -2.0, 1.0]},
+        gravity=(6.9, -6.9),
+        box={"y_min": 1e6 - 10.0},
+        solver={"tolerance": 1e-10},
+    )
+    result = simulate(scene, stop_time=0.4)
+    assert result.statistics["steps"] + result.statistics["rejected_steps"] < 200

@@ -1,0 +1,82 @@
+"""Grazes: a point that goes behind a wall by a little, or all but reaches it, for motions in closed form.
+
+How far it gets is known, and so is by how much the run errs there: the same run without the wall tells. An
+impact that goes deeper than that error has to be found, and a point that stays further away has none. Laws of
+force leave out what is less than HARMLESS of a link length deep, a picometre.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.forces.contact_law import HARMLESS
+from chain_impact.kernel.status import OK
+from chain_impact.simulation.instance import Instance
+from tests.helpers.problems import build, contact_table
+
+pytestmark = pytest.mark.full("takes long")
+
+CASES = 500  # of each motion
+ROUND_OFF = 2e-14  # m, of positions of some metres
+JUDGED = {"thrown": 0.95, "spinning": 0.6}  # of the cases, at least: those in which the run errs by less
+FAR = 100.0  # m, a wall out of reach
+LAWS = ("hertz", "newton_impact", "kuwabara_kono")
+
+
+def instance(law):
+    """Return a free rod whose tip may touch a wall above it."""
+    table = contact_table(points=[1], model=law)
+    start = {"position": [0.0, 0.0], "angles": [0.5]}
+    return Instance(build("Graze", [{"length": 1.0, "mass": 1.0}], start, {"y_max": FAR}, table))
+
+
+def set_motion(record, random, motion):
+    """Draw a motion for a rod; return when its tip is highest [s], and how high it is then [m]."""
+    length, speed = random.uniform(0.3, 2.0), random.uniform(1.0, 9.0)
+    gravity, spin = (random.uniform(1.0, 20.0), 0.0) if motion == "thrown" else (0.0, speed)
+    angle, drift = random.uniform(-1.4, 1.2), random.uniform(-3.0, 3.0)
+    middle = 0.5 * length * np.array([math.cos(angle), math.sin(angle)])
+    if motion == "thrown":
+        # it does not turn: the tip goes along a parabola
+        velocity, top = [drift, speed], speed / gravity
+        height = length * math.sin(angle) + 0.5 * speed * top
+    else:
+        # it turns about its middle, which goes along the wall
+        velocity, top = [drift + spin * middle[1], -spin * middle[0]], (0.5 * math.pi - angle) / spin
+        height = middle[1] + 0.5 * length
+    mass = random.uniform(0.1, 3.0)
+    record["model"]["gravity"] = 0.0, -gravity
+    record["model"]["length"], record["model"]["mass"] = length, mass
+    record["initial"]["velocity"], record["initial"]["angular_velocity"] = velocity, spin
+    record["initial"]["angle"] = angle
+    record["solver"]["tolerance"] = 10.0 ** random.uniform(-12.0, -3.0)
+    return top, height
+
+
+def run(rod, wall, time):
+    """Run to a time [s] with the wall at a height [m]; return how high the tip is [m], and its hits."""
+    rod.record["model"]["wall"][3] = wall
+    rod.initialize()
+    assert rod.advance(time) == OK
+    rod.observe()
+    return float(rod.record["output"]["point_position"][1, 1]), int(rod.record["impact"]["count"])
+
+
+@pytest.mark.parametrize("motion", ["thrown", "spinning"])
+def test_every_graze_is_found_and_no_other(motion):
+    random, clear = np.random.default_rng(len(motion)), 0
+    rods = {law: instance(law) for law in LAWS}
+    for case in range(CASES):
+        law = LAWS[case % len(LAWS)]
+        rod = rods[law]
+        top, height = set_motion(rod.record, random, motion)
+        error = abs(run(rod, FAR, top)[0] - height) + ROUND_OFF
+        depth = random.choice([-1.0, 1.0]) * 10.0 ** random.uniform(-12.0, -3.0)
+        _, hits = run(rod, height - depth, 1.2 * top)
+        if depth > 0.0 and law != "newton_impact":
+            error += HARMLESS * float(rod.record["model"]["length"][0])
+        if abs(depth) > error:
+            clear += 1
+            assert (hits > 0) == (depth > 0.0), (case, law, depth, error)
+    assert clear >= JUDGED[motion] * CASES

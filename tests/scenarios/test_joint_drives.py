@@ -1,0 +1,481 @@
+"""Drives in joints: armatures, servos that follow targets, limits of torque: closed forms and textbook."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact import Chain, SceneError, load_scene, simulate
+from chain_impact.scene.scene import with_values
+from tests.helpers.driven_chain import DrivenChain
+from tests.helpers.problems import build
+from tests.helpers.reference import balance
+
+ROD = {"length": 0.8, "mass": 1.5}
+INERTIA = 1.5 * 0.8**2 / 3  # kg·m² about the pin
+TOLERANCE = 1e-12
+
+
+def driven(links, initial, *, base="pinned", **more):
+    """Return a chain in free space."""
+    return build("Driven", links, initial, {}, {"points": []}, base=base, tolerance=TOLERANCE, **more)
+
+
+def random_chain(count, base, *, limits=False, **more):
+    rng = np.random.default_rng([count, len(base)])
+    links = [
+        {
+            "length": rng.uniform(0.2, 1.0),
+            "mass": rng.uniform(0.5, 2.0),
+            "joint_stiffness": rng.uniform(1.0, 20.0),
+            "joint_damping": rng.uniform(0.0, 0.1),
+            "joint_armature": rng.uniform(0.0, 0.5),
+            **({"joint_torque_limit": rng.uniform(1.0, 8.0)} if limits else {}),
+        }
+        for _ in range(count)
+    ]
+    angles, spins = rng.uniform(-1.0, 1.0, count), rng.uniform(-3.0, 3.0, count)
+    initial = {"angles": list(angles), "angular_velocities": list(spins)}
+    return driven(links, initial, base=base, gravity=9.81, **more)
+
+
+# --- armatures ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("armature", [1e-3, 0.7, 50.0])
+def test_an_armature_adds_to_the_inertia_about_the_pin(armature):
+    link = ROD | {"joint_stiffness": 12.0, "joint_armature": armature}
+    result = simulate(driven([link], {"angles": [0.7], "angular_velocities": [1.5]}))
+    pace = math.sqrt(12.0 / (INERTIA + armature))
+    exact = 0.7 * np.cos(pace * result.time) + 1.5 / pace * np.sin(pace * result.time)
+    np.testing.assert_allclose(result.angles[:, 0], exact, rtol=0, atol=1e-10)
+    assert balance(result) < 1e-10
+    kinetic = 0.5 * (INERTIA + armature) * result.angular_velocities[:, 0] ** 2
+    np.testing.assert_allclose(result.energy["kinetic"], kinetic, rtol=1e-13)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_a_chain_with_armatures_moves_as_the_textbook_says(count, base):
+    scene = random_chain(count, base)
+    book, chain = DrivenChain(scene), Chain(scene)
+    alpha = [chain.get(f"link[{i}].angular_acceleration") for i in range(1, count + 1)]
+    np.testing.assert_allclose(alpha, book.rate(book.start)[count + 4 :], rtol=1e-12, atol=1e-12)
+    result, exact = simulate(scene), book.reached(1.0)
+    end = result.outputs[-1]
+    found = [*end["point_position"][0], *end["angle"], *end["point_velocity"][0], *end["angular_velocity"]]
+    np.testing.assert_allclose(found, exact[:-1], rtol=0, atol=1e-10)
+    assert balance(result) < 1e-10
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_the_implicit_method_has_the_armatures_in_its_mass_matrix(base):
+    """Else its iteration would converge slowly, or not: the armatures exceed the inertias of the links."""
+    scene = with_values(random_chain(3, base), {f"link[{i}].joint_armature": 5.0 for i in (1, 2, 3)})
+    scene = with_values(scene, {f"link[{i}].joint_stiffness": 1e7 for i in (1, 2, 3)})
+    scene = with_values(scene, {f"link[{i}].joint_damping": 1e4 for i in (1, 2, 3)})
+    implicit, explicit = (
+        simulate(scene, method=method, tolerance=1e-8, stop_time=0.02) for method in ("implicit", "explicit")
+    )
+    assert np.abs(implicit.angles - explicit.angles).max() < 1e-7
+    assert implicit.statistics["rhs_evaluations"] < 20 * implicit.statistics["implicit_steps"]
+
+
+def test_a_rigid_wall_meets_the_mass_of_links_and_armatures():
+    """Newton's impact of the tip, M Δ = Jᵀ p with p = (1 + e) u/(J M⁻¹ Jᵀ), by the textbook's matrices."""
+    links = [ROD | {"joint_armature": 0.4}, ROD | {"joint_armature": 2.0}]
+    initial = {"angles": [0.3, -1.0], "angular_velocities": [-1.0, -2.0]}
+    contact = {"model": "newton_impact", "restitution": 0.6, "points": [2]}
+    height = 0.8 * (math.sin(0.3) + math.sin(-1.0)) - 1e-3
+    scene = build("Rigid", links, initial, {"y_min": height}, contact, base="pinned", tolerance=TOLERANCE)
+    found = simulate(scene, stop_time=0.1).impacts[0]
+    run = simulate(scene, stop_time=found["onset"], output_step=found["onset"])
+    book, angle = DrivenChain(scene), run.angles[-1]
+    matrix, _ = book.assemble(angle, np.zeros(2))
+    row = book.jacobian(angle, 2)[1]
+    mass = 1.0 / (row @ book.answer(matrix, row))
+    assert found["effective_mass"] == pytest.approx(mass, rel=1e-9)
+    after = simulate(scene, stop_time=2.0 * found["onset"])
+    assert balance(after) < 1e-9
+
+
+@pytest.mark.parametrize("law", ["hertz", "newton_impact"])
+def test_a_stop_meets_the_inertia_of_link_and_armature(law):
+    link = ROD | {"joint_armature": 0.7, "joint_max": 0.5}
+    stops = {"model": law, "stiffness": 1e5, "exponent": 1.5, "restitution": 1.0}
+    result = simulate(driven([link], {"angles": [0.0], "angular_velocities": [2.0]}, stops=stops))
+    (found,), inertia = result.impacts, INERTIA + 0.7
+    assert found["effective_mass"] == pytest.approx(inertia, rel=1e-14)
+    assert found["impulse"] == pytest.approx(2.0 * 2.0 * inertia, rel=1e-11)
+    depth = 0.0 if law == "newton_impact" else (2.5 * 0.5 * inertia * 2.0**2 / 1e5) ** 0.4
+    assert found["max_penetration"] == pytest.approx(depth, rel=1e-11)
+    assert balance(result) < 1e-10
+
+
+def test_a_held_chain_has_the_moments_of_its_armatures():
+    """A tip slides along a rigid floor: constraint forces with armatures keep it there, and the energy."""
+    links = [ROD | {"joint_armature": 0.4}, ROD | {"joint_armature": 2.0, "joint_friction": 0.1}]
+    initial = {"angles": [0.6, -0.6], "angular_velocities": [0.0, 0.0]}
+    contact = {"model": "newton_impact", "points": [2], "restitution": 0.0}
+    scene = build(
+        "Held", links, initial, {"y_min": 0.0}, contact, base="pinned", tolerance=1e-10, gravity=9.81
+    )
+    result = simulate(scene, stop_time=0.3)
+    assert np.abs(result.points[:, 2, 1]).max() < 1e-10
+    assert result["contact[2].y_min.force"][1:].min() > 0.0
+    assert np.ptp(result.angles[:, 0]) > 0.04
+    assert balance(result) < 1e-8
+
+
+def differences(scene, parameter, output, step=1e-3, **more):
+    """Return the derivative of an output over time by central differences of order 6."""
+    value, weights = scene.values[parameter], {1: 45.0, 2: -9.0, 3: 1.0}
+    total = 0.0
+    for k, weight in weights.items():
+        up, down = (
+            simulate(with_values(scene, {parameter: value + sign * k * step}), **more)[output]
+            for sign in (1.0, -1.0)
+        )
+        total = total + weight * (up - down)
+    return total / (60.0 * step)
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+def test_derivatives_with_respect_to_an_armature_are_those_of_differences(method):
+    scene = random_chain(3, "free")
+    name = "link[2].joint_armature"
+    result = simulate(scene, sensitivities=[name], method=method, tolerance=1e-10, stop_time=0.5)
+    exact = differences(scene, name, "point[3].x", tolerance=1e-12, stop_time=0.5)
+    found = result.sensitivity("point[3].x", name)
+    assert np.abs(found - exact).max() < 1e-8 * np.abs(exact).max() * (1 if method == "explicit" else 100)
+
+
+@pytest.mark.parametrize(("value", "part"), [(-1e-9, ">= 0"), (math.nan, "finite"), ("1", "number")])
+def test_an_armature_is_a_number_that_is_not_negative(value, part):
+    with pytest.raises(SceneError, match=rf"link\[1\].joint_armature.*{part}"):
+        driven([ROD | {"joint_armature": value}], {})
+
+
+# --- servos ------------------------------------------------------------------------------------------------
+
+
+STIFFNESS, DAMPING, ARMATURE = 12.0, 0.8, 0.3
+SERVO = {"joint_stiffness": STIFFNESS, "joint_damping": DAMPING, "joint_armature": ARMATURE}
+FOLLOWS = {"inputs": {"joint_targets": True}}
+
+
+def one_servo(**changes):
+    """Return a rod at a pin, without gravity."""
+    return driven([ROD | SERVO | changes], {"angles": [0.7], "angular_velocities": [1.5]}, **FOLLOWS)
+
+
+def decaying(time, angle, speed):
+    """(I + I_a) φ̈ + c φ̇ + k φ = 0 from an angle and its rate."""
+    decay = DAMPING / 2 / (INERTIA + ARMATURE)
+    pace = math.sqrt(STIFFNESS / (INERTIA + ARMATURE) - decay**2)
+    waves = angle * np.cos(pace * time) + (speed + decay * angle) / pace * np.sin(pace * time)
+    return np.exp(-decay * time) * waves
+
+
+@pytest.mark.parametrize("method", ["auto", "explicit", "implicit"])
+def test_a_servo_swings_to_its_target_as_the_damped_oscillator(method):
+    """The target velocity shifts the angle at which it comes to rest by c φ̇_t/k."""
+    targets = {"joint[1].target_angle": 1.3, "joint[1].target_velocity": 0.4}
+    tolerance = 1e-8 if method == "implicit" else TOLERANCE
+    result = simulate(one_servo(), inputs=targets, method=method, tolerance=tolerance)
+    rest = 1.3 + DAMPING * 0.4 / STIFFNESS
+    exact = rest + decaying(result.time, 0.7 - rest, 1.5)
+    np.testing.assert_allclose(result.angles[:, 0], exact, rtol=0, atol=100 * tolerance)
+    assert balance(result) < 1e4 * tolerance
+    assert not result.energy["elastic"].any()
+    assert not result.energy["dissipated"].any()
+
+
+def test_a_servo_follows_a_sinusoidal_target_with_the_amplitude_and_phase_of_its_transfer_function():
+    """A (k + i c ω)/(k − J ω² + i c ω), and what decays from the start."""
+    pace, inertia = 3.0, INERTIA + ARMATURE
+    targets = {
+        "joint[1].target_angle": lambda t: math.sin(pace * t),
+        "joint[1].target_velocity": lambda t: pace * math.cos(pace * t),
+    }
+    result = simulate(one_servo(), inputs=targets)
+    drive = STIFFNESS + 1j * DAMPING * pace
+    transfer = drive / (drive - inertia * pace**2)
+    forced = (transfer * np.exp(1j * pace * result.time)).imag
+    exact = forced + decaying(result.time, 0.7 - forced[0], 1.5 - pace * transfer.real)
+    np.testing.assert_allclose(result.angles[:, 0], exact, rtol=0, atol=1e-9)
+    assert balance(result) < 1e-9
+
+
+def test_nothing_moves_without_targets():
+    """The rest angle is the start value of the target angle."""
+    scene = with_values(one_servo(joint_rest_angle=0.7), {"initial.angular_velocities": [0.0]})
+    chain = Chain(scene)
+    assert chain.get(["joint[1].target_angle", "joint[1].target_velocity"]).tolist() == [0.7, 0.0]
+    assert "link[1].joint_rest_angle" not in chain.names
+    result = simulate(scene)
+    assert (result.angles == 0.7).all()
+    with pytest.raises(SceneError, match="target angle takes its place"):
+        chain.set("link[1].joint_rest_angle", 0.1)
+
+
+def test_a_spring_that_is_no_servo_and_a_servo_with_constant_targets_move_alike():
+    scene = random_chain(3, "pinned")
+    servo = with_values(scene, {"inputs.joint_targets": True})
+    spring, follower = simulate(scene), simulate(servo)
+    np.testing.assert_allclose(follower.angles, spring.angles, rtol=0, atol=1e-11)
+    work = spring.energy["elastic"] - spring.energy["elastic"][0] + spring.energy["dissipated"]
+    np.testing.assert_allclose(-follower.energy["supplied"], work, rtol=0, atol=1e-9)
+
+
+def test_stiffness_and_damping_can_be_set_at_any_time():
+    """Each phase is the decay from the state before it; what is set and set back changes nothing."""
+    chain = Chain(one_servo(joint_stiffness=0.0, joint_damping=0.0, joint_rest_angle=0.2))
+    chain.step_to(0.5)
+    assert chain.get("link[1].angle") == pytest.approx(0.7 + 0.75, abs=1e-12)
+    chain.set({"link[1].joint_stiffness": STIFFNESS, "link[1].joint_damping": DAMPING})
+    state = chain.save()
+    chain.step_to(0.9)
+    assert chain.get("link[1].angle") == pytest.approx(0.2 + decaying(0.4, 1.25, 1.5), abs=1e-10)
+    end = chain.save()
+    chain.restore(state)
+    for time in (0.6, 0.75):
+        chain.step_to(time)
+        chain.set("link[1].joint_stiffness", 1.0)
+        chain.set("link[1].joint_stiffness", STIFFNESS)
+    chain.step_to(0.9)
+    again = Chain(chain.scene)
+    again.restore(end)
+    assert chain.get("link[1].angle") == again.get("link[1].angle")
+
+
+def test_without_targets_stiffness_and_damping_are_fixed():
+    chain = Chain(random_chain(2, "pinned"))
+    chain.step_to(0.1)
+    with pytest.raises(SceneError, match="fixed parameter"):
+        chain.set("link[2].joint_stiffness", 1.0)
+
+
+def test_a_stiff_servo_is_implicit_and_its_communication_step_does_not_matter():
+    scene = one_servo(joint_stiffness=1e8, joint_damping=1e5)
+    scene = with_values(scene, {"solver.tolerance": 1e-6, "initial.angular_velocities": [0.0]})
+    target = {"joint[1].target_angle": lambda t: 0.7 + 0.2 * math.sin(t) ** 2}
+    fine, coarse = (simulate(scene, inputs=target, output_step=step) for step in (1e-3, 0.1))
+    assert np.abs(fine.angles[:, 0] - 0.7 - 0.2 * np.sin(fine.time) ** 2).max() < 1e-3
+    np.testing.assert_allclose(fine.angles[::100], coarse.angles, rtol=0, atol=1e-15)
+    assert coarse.statistics["rhs_evaluations"] < 3000
+
+
+# --- limits of torque --------------------------------------------------------------------------------------
+
+
+def test_a_drive_at_its_limit_accelerates_evenly_and_then_swings():
+    """From φ₀ with M/J until k φ = M, then harmonically; below the limit again from the other side."""
+    link = ROD | {"joint_stiffness": STIFFNESS, "joint_torque_limit": 2.0}
+    result = simulate(driven([link], {"angles": [0.7]}), stop_time=0.5)
+    slack = 2.0 / STIFFNESS
+    until = math.sqrt(2.0 * (0.7 - slack) * INERTIA / 2.0)
+    speed, pace = 2.0 / INERTIA * until, math.sqrt(STIFFNESS / INERTIA)
+    after = result.time - until
+    swing = slack * np.cos(pace * after) - speed / pace * np.sin(pace * after)
+    exact = np.where(after < 0.0, 0.7 - result.time**2 / INERTIA, swing)
+    assert np.abs(exact[-1]) < slack
+    np.testing.assert_allclose(result.angles[:, 0], exact, rtol=0, atol=1e-11)
+    work = 0.5 * INERTIA * result.angular_velocities[:, 0] ** 2
+    np.testing.assert_allclose(result.energy["supplied"], work, rtol=0, atol=1e-11)
+    assert not result.energy["elastic"].any()
+
+
+def test_motor_and_servo_saturate_together():
+    link = ROD | SERVO | {"joint_torque_limit": 3.0}
+    scene = driven([link], {"angles": [0.0]}, inputs={"joint_targets": True, "joint_torques": True})
+    scene = with_values(scene, {"outputs.loads": True})
+    result = simulate(scene, inputs={"joint[1].torque": 7.0, "joint[1].target_angle": -5.0}, stop_time=0.1)
+    assert result["joint[1].moment"][0] == pytest.approx(-3.0 * INERTIA / (INERTIA + ARMATURE), rel=1e-14)
+    expected = -1.5 * result.time**2 / (INERTIA + ARMATURE)
+    np.testing.assert_allclose(result.angles[:, 0], expected, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+def test_a_target_that_moves_fast_while_the_drive_is_at_its_limit_is_followed(method):
+    """The torque is the limited one in every row: the steps are much longer than the swings of the target."""
+    limit, stiffness = 0.08, 22.0
+    link = ROD | {"joint_stiffness": stiffness, "joint_torque_limit": limit}
+    swing = {
+        "form": "sine",
+        "input": "joint[1].target_angle",
+        "mean": 0.6,
+        "amplitude": 1.0,
+        "frequency": 18.0,
+    }
+    scene = driven([link], {"angles": [0.0]}, **FOLLOWS, signals={"swing": swing})
+    result = simulate(scene, stop_time=1.0, output_step=1e-3, method=method, tolerance=1e-7)
+    wanted = stiffness * (result["joint[1].target_angle"] - result["joint[1].angle"])
+    torque = INERTIA * result["link[1].angular_acceleration"]
+    np.testing.assert_allclose(torque, np.clip(wanted, -limit, limit), rtol=0, atol=1e-5)
+
+
+def test_a_limit_of_zero_is_no_drive():
+    scene = random_chain(2, "pinned")
+    zero = with_values(scene, {f"link[{i}].joint_torque_limit": 0.0 for i in (1, 2)})
+    slack = {f"link[{i}].joint_{key}": 0.0 for i in (1, 2) for key in ("stiffness", "damping")}
+    free = simulate(with_values(scene, slack))
+    np.testing.assert_allclose(simulate(zero).angles, free.angles, rtol=0, atol=1e-12)
+
+
+def functions_of(scene, seed=5):
+    """Smooth inputs for all joints."""
+    rng, found = np.random.default_rng(seed), {}
+    for i in range(1 if scene.chain.base == "pinned" else 2, len(scene.chain.links) + 1):
+        size, pace = rng.uniform(0.2, 1.0), rng.uniform(2.0, 8.0)
+        found[f"joint[{i}].target_angle"] = lambda t, a=size, w=pace: a * math.sin(w * t)
+        found[f"joint[{i}].target_velocity"] = lambda t, a=size, w=pace: a * w * math.cos(w * t)
+        found[f"joint[{i}].torque"] = lambda t, a=size: a * math.cos(3.0 * t)
+    return found
+
+
+BOTH = {"inputs": {"joint_targets": True, "joint_torques": True}}
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+@pytest.mark.parametrize(("count", "base"), [(1, "pinned"), (4, "pinned"), (4, "free")])
+def test_a_chain_of_limited_servos_moves_as_the_textbook_says(count, base, method):
+    scene = random_chain(count, base, limits=True, **BOTH)
+    scene = with_values(scene, {f"link[{i + 1}].joint_stiffness": 40.0 for i in range(count)})
+    check_against_the_textbook(scene, 1.0, method, functions_of(scene))
+
+
+def test_the_arm_of_a_real_robot_moves_as_the_textbook_says_until_its_impact():
+    """All its drives reach their limits."""
+    check_against_the_textbook(load_scene("ur5e"), 0.2, "explicit")
+
+
+def check_against_the_textbook(scene, stop_time, method, inputs=None):
+    """Compare the state at an end [s], and the energy that the drives have supplied."""
+    exact = DrivenChain(scene, inputs).reached(stop_time)
+    tolerance = 1e-9 if method == "implicit" else TOLERANCE
+    result = simulate(scene, stop_time, inputs=inputs, method=method, tolerance=tolerance)
+    end = result.outputs[-1]
+    found = [*end["point_position"][0], *end["angle"], *end["point_velocity"][0], *end["angular_velocity"]]
+    np.testing.assert_allclose([*found, end["supplied"]], exact, rtol=0, atol=100 * tolerance)
+    assert balance(result) < 1e3 * tolerance
+
+
+VARIED = {
+    "link[2].joint_armature": 2e-4,
+    "link[2].joint_stiffness": 0.5,
+    "link[3].joint_damping": 1e-4,
+    "link[2].joint_torque_limit": 5e-3,
+    "joint[2].target_angle": 5e-4,
+    "joint[3].target_velocity": 5e-3,
+}
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+def test_derivatives_through_limits_are_those_of_differences(method):
+    scene = random_chain(3, "pinned", limits=True, **BOTH)
+    scene = with_values(scene, {f"link[{i}].joint_stiffness": 40.0 for i in (1, 2, 3)})
+    inputs = functions_of(scene)
+    tolerance = 1e-10 if method == "implicit" else TOLERANCE
+    result = simulate(scene, inputs=inputs, sensitivities=list(VARIED), method=method, tolerance=tolerance)
+    assert not result.sensitivity_limits
+    for name, step in VARIED.items():
+        exact = 0.0
+        for k, weight in {1: 45.0, 2: -9.0, 3: 1.0}.items():
+            for sign in (1.0, -1.0):
+                changed, more = scene, dict(inputs)
+                if name in inputs:
+                    more[name] = lambda t, by=sign * k * step, own=inputs[name]: own(t) + by
+                else:
+                    changed = with_values(scene, {name: scene.values[name] + sign * k * step})
+                run = simulate(changed, inputs=more, tolerance=1e-13)
+                exact = exact + sign * weight * run["point[3].x"] / (60.0 * step)
+        found = result.sensitivity("point[3].x", name)
+        # of implicit steps the times at which drives reach their limits carry the tolerance
+        allowed = 2e-7 if method == "implicit" else 1e-8
+        assert np.abs(found - exact).max() < allowed * np.abs(exact).max(), name
+
+
+def test_derivatives_hold_where_targets_and_stiffness_are_set_on_the_way():
+    """A derivative is that for a constant added to all values that are set."""
+    steps = {
+        "link[2].joint_stiffness": 0.05,
+        "link[2].joint_torque_limit": 1e-3,
+        "joint[1].target_angle": 1e-3,
+    }
+    scene = random_chain(2, "pinned", limits=True, **FOLLOWS)
+    stiff = {f"link[{i}].joint_stiffness": 40.0 for i in (1, 2)} | {"link[1].joint_torque_limit": 30.0}
+    scene = with_values(scene, stiff | {"outputs.sensitivities": list(steps)})
+
+    def end(name="", change=0.0):
+        chain = Chain(scene)
+        if name:
+            chain.set(name, chain.get(name) + change)
+        for time, given in ((0.2, {"joint[1].target_angle": 1.5}), (0.4, {"link[2].joint_stiffness": 60.0})):
+            chain.step_to(time)
+            chain.set({key: value + change * (key == name) for key, value in given.items()})
+        chain.step_to(0.7)
+        return chain
+
+    found = end()
+    for name, step in steps.items():
+        exact = 0.0
+        for k, weight in {1: 45.0, 2: -9.0, 3: 1.0}.items():
+            up, down = (end(name, sign * k * step).get("point[2].x") for sign in (1.0, -1.0))
+            exact += weight * (up - down) / (60.0 * step)
+        slope = found.get(f"sensitivity.{name}.point[2].x")
+        assert slope == pytest.approx(exact, rel=1e-7), name
+        assert abs(slope) > 1e-5
+
+
+def test_a_state_is_restored_bit_by_bit_while_a_drive_is_at_its_limit():
+    chain = Chain(random_chain(2, "pinned", limits=True, **FOLLOWS))
+    chain.set({"link[1].joint_stiffness": 200.0, "joint[1].target_angle": 2.0})
+    chain.step_to(0.05)
+    assert chain._instance.record["drive"]["mode"][0] != 0
+    state = chain.save()
+    chain.step_to(0.6)
+    first = chain.save()
+    chain.restore(state)
+    chain.step_to(0.6)
+    assert chain.save() == first
+
+
+def test_targets_need_their_key():
+    scene = random_chain(1, "pinned")
+    for name in ("joint[1].target_angle", "joint[1].target_velocity"):
+        with pytest.raises(SceneError, match="joint_targets"):
+            simulate(scene, inputs={name: 1.0})
+        with pytest.raises(SceneError, match="joint_targets"):
+            Chain(scene).set(name, 1.0)
+
+
+def test_an_accelerated_base_is_as_gravity_for_limited_servos_with_armatures():
+    scene = random_chain(3, "pinned", limits=True, **FOLLOWS)
+    scene = with_values(scene, {f"link[{i}].joint_stiffness": 40.0 for i in (1, 2, 3)})
+    inputs = {name: f for name, f in functions_of(scene).items() if "target" in name}
+    moved = with_values(scene, {"inputs.base_motion": True})
+    accelerated = simulate(moved, inputs=inputs | {"base.x": lambda t: 2.5 * t * t})
+    leaning = simulate(with_values(scene, {"gravity": [-5.0, scene.gravity[1]]}), inputs=inputs)
+    np.testing.assert_allclose(accelerated.angles, leaning.angles, rtol=0, atol=1e-10)
+    assert balance(accelerated) < 1e-9
+
+
+def test_loads_of_a_very_stiff_servo_are_as_accurate_as_the_docs_say():
+    scene = load_scene("pinned_arm")
+    links = range(1, len(scene.chain.links) + 1)
+    servo = {"joint_stiffness": 1e7, "joint_damping": 1e3, "joint_armature": 0.05}
+    changes = {f"link[{i}].{key}": value for i in links for key, value in servo.items()}
+    scene = with_values(scene, {"outputs.loads": True, "inputs.joint_targets": True, **changes})
+    angles = np.diff(scene.initial.angles, prepend=0.0)
+    inputs = {
+        f"joint[{i}].target_angle": lambda t, start=start: start + 0.3 * np.sin(7.0 * t)
+        for i, start in zip(links, angles, strict=True)
+    }
+    found, exact = (
+        simulate(scene, inputs=inputs, stop_time=0.3, output_step=1e-3, tolerance=tolerance)
+        for tolerance in (scene.solver.tolerance, 1e-12)
+    )
+    loads = [f"joint[{i}].{load}" for i in links for load in ("force.x", "force.y", "moment")]
+    off = [np.abs(found[name] - exact[name]).max() / np.abs(exact[name]).max() for name in loads]
+    assert 1e-6 < max(off) < 2e-5

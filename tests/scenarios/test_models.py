@@ -1,0 +1,222 @@
+"""The models: their reference results, checked by an integration that shares nothing with the kernel.
+
+``python -m tests.scenarios.test_models`` writes the reference results anew: every output of a model at a
+tolerance of 1e-12, each 0.02 s or more often, in models/<model>/reference.csv. Where a controller drives a
+model, the inputs that it has set in a co-simulation are written before, to models/<model>/inputs.csv. Where a
+base or a wall moves, tests/scenarios/test_driven_models.py has an independent model.
+"""
+
+import csv
+import functools
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from chain_impact import Recording, load_scene, simulate
+from chain_impact.scene.models import models_folder
+from chain_impact.scene.scene import SCENE_FILE, model_names
+from chain_impact.variables.model import Model
+from tests.helpers.derivative_scenes import Case, exact as kept_motion
+
+DOCS = Path(__file__).parents[2] / "docs" / "models"
+STEP = 0.02  # s, between two rows of a reference
+STEPS = {"sphere_on_wall": 6e-5, "steel_bar": 1e-4}  # s, where all is over in a few milliseconds
+# until when [s] the two integrations are compared, and within what [m, rad, s]: the four-link chain
+# amplifies an error of its start 2e4 times until 2 s; the rod comes to rest by ever more impacts
+INDEPENDENT = {
+    "arm_at_stop": (1.0, 1e-9),
+    "bouncing_ball": (4.0, 1e-9),
+    "carried_arm": (1.0, 1e-9),
+    "clattering_rod": (1.2, 1e-9),
+    "controlled_arm": (0.34, 1e-9),
+    "double_pendulum_wall": (2.5, 1e-9),
+    "elastic_ball": (4.0, 1e-9),
+    "elastic_floor": (4.0, 1e-9),
+    "falling_arm": (0.45, 1e-9),
+    "four_link_box": (2.0, 1e-6),
+    "golf_ball": (4.0, 1e-9),
+    "hopping_leg": (1.0, 1e-9),
+    "pinned_arm": (2.0, 1e-9),
+    "ramp": (1.5, 1e-9),
+    "rod_drop": (1.4, 1e-9),
+    "simple_pendulum": (4.0, 1e-9),
+    "sliding_rod": (2.0, 1e-9),
+    "sphere_on_wall": (0.012, 1e-9),
+    "steel_bar": (0.0008, 1e-9),
+    "thrown_pole": (1.45, 1e-9),
+    "triple_pendulum": (5.0, 1e-9),
+    "whip": (0.7, 1e-9),
+}
+# the independent model cannot let two contacts begin at one moment, as the ends of the rod do
+CHANGED = {"sliding_rod": {"initial.angle[1]": -0.43}}
+# until the end, of positions [m] and angles [rad], and of their rates: during contact 1e-8 s are 1e-4 m/s
+REGRESSION_ERROR = {
+    "arm_at_stop": (1e-8, 1e-6),
+    "bouncing_ball": (1e-9, 1e-8),
+    "bouncing_table": (1e-8, 1e-7),
+    "carried_arm": (1e-6, 1e-5),
+    "cart_pole": (1e-6, 1e-5),
+    "clattering_rod": (1e-6, 1e-5),
+    "controlled_arm": (1e-7, 1e-6),
+    "double_pendulum_wall": (1e-6, 1e-5),
+    "elastic_ball": (1e-8, 1e-7),
+    "elastic_floor": (1e-6, 1e-5),
+    "falling_arm": (1e-7, 1e-6),
+    "four_link_box": (1e-3, 1e-2),
+    "golf_ball": (1e-9, 1e-8),
+    "hopper": (1e-7, 1e-5),
+    "hopping_leg": (1e-7, 1e-6),
+    "kneed_leg": (1e-8, 1e-7),
+    "pinned_arm": (1e-7, 1e-6),
+    "ramp": (1e-6, 1e-5),
+    "rod_drop": (1e-6, 1e-3),
+    "rocking_block": (1e-6, 1e-4),
+    "shaken_pendulum": (1e-6, 1e-4),
+    "simple_pendulum": (1e-6, 1e-5),
+    "sliding_rod": (1e-8, 1e-6),
+    "sphere_on_wall": (1e-9, 1e-6),
+    "steel_bar": (1e-8, 1e-3),
+    "stick_slip_belt": (1e-7, 1e-5),
+    "thrown_brick": (1e-6, 1e-3),
+    "thrown_pole": (1e-6, 1e-4),
+    "triple_pendulum": (1e-6, 1e-5),
+    "ur5e": (1e-8, 1e-5),
+    "whip": (1e-7, 1e-3),
+}
+
+
+CO_SIMULATED = {
+    "controlled_arm": {"inputs.csv", "controller.py", "co_simulation.py", "masters.py"},
+    "carried_arm": {"carriage.py", "co_simulation.py"},
+    "cart_pole": {"balancer.py", "co_simulation.py"},
+}
+BODIES = {
+    "cart_pole",
+    "hopper",
+    "rocking_block",
+    "thrown_brick",
+}  # test_body_models.py, test_body_motions.py
+DRIVEN = {"bouncing_table", "shaken_pendulum", "stick_slip_belt"}
+CONVERTED = {"ur5e": {"ur5e.xml", "ur5e.LICENSE"}}
+MEASURED = {"golf_ball": {"measured.csv"}, "triple_pendulum": {"measured.csv", "measured.LICENSE"}}
+
+
+def compute_reference(model):
+    scene, inputs, step = load_scene(model), inputs_of(model), STEPS.get(model, STEP)
+    found = simulate(scene, output_step=step, tolerance=1e-12, method="explicit", inputs=inputs)
+    return Recording(found.name, found.time, found.motion)
+
+
+@functools.cache
+def table(model, file):
+    """Return the columns of one of the files of a model, and its time."""
+    with (models_folder() / model / file).open(newline="") as lines:
+        names, *rows = csv.reader(lines)
+    columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+    return columns.pop("time"), columns
+
+
+def reference(model):
+    """Return the columns of the stored reference, and its time."""
+    return table(model, "reference.csv")
+
+
+def inputs_of(model):
+    """What drives a model, as ``simulate`` takes it."""
+    if "inputs.csv" not in CO_SIMULATED.get(model, ()):
+        return {}
+    time, columns = table(model, "inputs.csv")
+    return {name: (time, values) for name, values in columns.items()}
+
+
+def coordinates(columns, links):
+    """Return positions and angles, and their rates, in two arrays (T, 2N + 2 + N)."""
+    points = [f"point[{k}].{{}}{axis}" for k in range(links + 1) for axis in "xy"]
+    turns = [f"link[{i}].{{}}" for i in range(1, links + 1)]
+    values = [name.format("") for name in points] + [name.format("angle") for name in turns]
+    rates = [name.format("v") for name in points] + [name.format("angular_velocity") for name in turns]
+    return tuple(np.stack([columns[name] for name in names], axis=-1) for names in (values, rates))
+
+
+def scale(name):
+    """How much more the error of an output is than that of a position or an angle, as speeds change fast."""
+    kind = name.rpartition(".")[2]
+    if kind in ("x", "y", "angle"):
+        return 1.0
+    return 1e5 if kind in ("ax", "ay", "angular_acceleration", "force") else 100.0
+
+
+def independent(model):
+    """Return rows of the reference until the two are compared, and there the independent motion."""
+    scene, until = load_scene(model).with_values(CHANGED.get(model, {})), INDEPENDENT[model][0]
+    time, _ = reference(model)
+    rows = np.flatnonzero(time <= until + 1e-9)
+    rows = rows[:: len(rows) // 25 + 1]
+    return scene, rows, kept_motion(Case(scene, (), tuple(time[rows]), inputs_of(model)), 1e-13)
+
+
+@pytest.mark.parametrize("model", sorted(set(model_names()) - BODIES - DRIVEN - {"kneed_leg", "ur5e"}))
+def test_the_reference_agrees_with_an_independent_integration(model):
+    """Every output but energies; the kneed leg has tests of its own, and so have the drives of the UR5e."""
+    scene, rows, exact = independent(model)
+    time, columns = reference(model)
+    if model in CHANGED:
+        columns = simulate(scene, output_step=STEP, tolerance=1e-12, method="explicit").motion
+    error, inputs = INDEPENDENT[model][1], inputs_of(model)
+    for name, values in exact.values.items():
+        if name in columns and not name.startswith("energy"):
+            assert columns[name][rows] == pytest.approx(values, abs=error * scale(name)), name
+    until = time[rows[-1]]
+    found = simulate(scene, stop_time=until, tolerance=1e-12, method="explicit", inputs=inputs).impacts
+    assert found["point"].tolist() == exact.points.tolist()
+    assert found["wall"].tolist() == exact.walls.tolist()
+    assert found["onset"] == pytest.approx(exact.impacts["onset"], abs=error)
+    assert found["impact_speed"] == pytest.approx(exact.impacts["impact_speed"], abs=100 * error)
+
+
+@pytest.mark.full("more cases", but=16)
+@pytest.mark.parametrize("model", model_names())
+def test_a_simulation_with_the_default_tolerance_agrees_with_the_reference(model):
+    scene = load_scene(model)
+    time, columns = reference(model)
+    fresh = simulate(scene, output_step=STEPS.get(model, STEP), inputs=inputs_of(model))
+    assert list(fresh.motion) == list(columns)
+    assert fresh.time == pytest.approx(time, abs=1e-12)
+    links = len(scene.chain.links)
+    found, expected = coordinates(fresh.columns, links), coordinates(columns, links)
+    for now, then, error in zip(found, expected, REGRESSION_ERROR[model], strict=True):
+        assert now == pytest.approx(then, abs=error)
+
+
+def test_every_model_has_its_files():
+    for model in model_names():
+        files = {file.name for file in (models_folder() / model).iterdir() if file.is_file()}
+        more = set().union(*(of.get(model, ()) for of in (CO_SIMULATED, CONVERTED, MEASURED)))
+        assert files == {SCENE_FILE, "reference.csv"} | more
+        assert (DOCS / f"{model}.md").is_file()
+
+
+def write_inputs(model):
+    """Co-simulate a model, and keep the inputs that its controller has set."""
+    folder = models_folder() / model
+    with tempfile.TemporaryDirectory() as scratch:
+        subprocess.run([sys.executable, folder / "co_simulation.py", "-o", scratch], check=True)
+        with Path(scratch, "ControlledArm.csv").open(encoding="utf-8", newline="") as file:
+            rows = list(csv.reader(file))
+    chosen = [
+        rows[0].index(name) for name in ("time", *(one.name for one in Model(load_scene(model)).inputs))
+    ]
+    with (folder / "inputs.csv").open("w", newline="") as file:
+        csv.writer(file).writerows([row[column] for column in chosen] for row in rows)
+
+
+if __name__ == "__main__":
+    for name, files in CO_SIMULATED.items():
+        if "inputs.csv" in files:
+            write_inputs(name)
+    for name in model_names():
+        compute_reference(name).save_csv(models_folder() / name / "reference.csv")

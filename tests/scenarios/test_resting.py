@@ -1,0 +1,39 @@
+"""Random scenes that come to rest go on to their ends, and nothing changes (tests/helpers/resting.py)."""
+
+import pytest
+
+from chain_impact.kernel.status import OK
+from tests.helpers.resting import KINDS, LONG, SHORT, run, scene
+
+# The change of the energy balance, over the energies, in the last quarter of a run that is at rest: it is
+# round-off, or a tenth of what the tolerance allows for one step.
+RESTS, SHARE = 1e-12, 0.1
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_chains_that_rest_go_on_to_rest(kind):
+    found = [run(kind, seed, SHORT) for seed in range(8)]
+    assert [one for one in found if one.status != OK] == []
+
+
+CHATTERED = {
+    "rigid_drop": (2, 113, 584, 2400),
+    "rigid_pendulum": (1611,),
+    "rod_on_slope": (1407,),
+    "sprung_stops": (22, 77, 934, 1717),
+}
+
+
+@pytest.mark.parametrize(("kind", "seed"), [(kind, seed) for kind in CHATTERED for seed in CHATTERED[kind]])
+def test_chains_that_chattered_come_to_rest(kind, seed):
+    """By impacts of rest in turn, by joints that stick at stops, and by interpolants of implicit steps."""
+    assert run(kind, seed, SHORT).status == OK
+
+
+@pytest.mark.parametrize("kind", ["pendulum", "double_pendulum", "rigid_pendulum"])
+def test_an_hour_of_rest_is_held(kind):
+    found = [run(kind, seed, LONG) for seed in range(20)]
+    assert [one for one in found if one.status != OK] == []
+    assert sum(one.rests for one in found) > 8
+    for one in found:
+        assert not one.rests or one.drift < RESTS + SHARE * scene(kind, one.seed).solver.tolerance

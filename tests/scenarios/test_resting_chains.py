@@ -1,0 +1,47 @@
+"""Where thrown chains come to rest, and how that depends on friction and on the throw."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from chain_impact import simulate
+from tests.helpers.resting_chains import FOUND, NAN, OPEN, PARAMETERS, WRONG, check, shares_left_open, thrown
+
+FEW, MANY = 4, 60
+MOST_OPEN = 1e-2  # of the largest derivative, that a run may leave open
+
+
+def test_chains_that_rest_have_derivatives():
+    found = Counter(verdict for seed in range(FEW) for verdict in check(seed))
+    assert found[WRONG] == 0
+    assert found[FOUND] >= 0.9 * (found[FOUND] + found[NAN])
+    assert found[FOUND] >= FEW
+
+
+@pytest.mark.full("more chains")
+def test_nine_in_ten_of_many_chains_that_rest_have_derivatives():
+    found = Counter(verdict for seed in range(FEW, FEW + MANY) for verdict in check(seed))
+    assert found[WRONG] == 0
+    assert found[FOUND] >= 0.9 * (found[FOUND] + found[NAN])
+    assert found[OPEN] < 0.2 * found[FOUND]
+
+
+def test_how_points_that_stick_share_friction_has_no_derivative_once_something_was_left_open():
+    found = 0
+    for seed in range(FEW):
+        run = simulate(thrown(seed), sensitivities=["contact.friction"])
+        place = run.sensitivity("point[0].x", "contact.friction")
+        impulses = [name for name in run.names if name.endswith("friction_impulse")]
+        shares = np.array([run.sensitivity(name, "contact.friction") for name in impulses])
+        split = np.isnan(shares).any(axis=0) & np.isfinite(place)
+        assert np.isnan(shares[:, split]).all()
+        found += split[-1]
+    assert found > 0
+
+
+def test_what_friction_leaves_open_is_told_as_a_part_of_the_largest_derivative():
+    runs = [simulate(thrown(seed), sensitivities=PARAMETERS) for seed in range(FEW)]
+    shares = [share for run in runs for share in shares_left_open(run)]
+    assert shares
+    assert all(1e-5 <= share <= MOST_OPEN for share in shares)

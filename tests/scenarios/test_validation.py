@@ -1,0 +1,51 @@
+"""Problems from the literature: our results against second solutions, and both against what was published."""
+
+from decimal import Decimal
+
+import pytest
+
+from chain_impact.scene.scene import model_names
+from tests.helpers import coulomb_literature, stored
+from tests.helpers.asked_elsewhere import QUESTIONS
+from tests.helpers.validation import PROBLEMS
+
+TIGHT = 1e-12
+
+
+@pytest.fixture(scope="module", params=PROBLEMS)
+def problem(request):
+    return PROBLEMS[request.param](TIGHT)
+
+
+@pytest.mark.full("more cases", but=1)
+def test_every_problem_is_a_model_or_a_scene_of_the_tests(problem):
+    name = problem.model
+    assert name in model_names() or hasattr(coulomb_literature, name) or hasattr(stored, name)
+    assert len(problem.figures) >= 2
+
+
+@pytest.mark.full("more cases", but=2)
+def test_our_result_is_that_of_the_second_solution(problem):
+    for figure in problem.figures:
+        assert figure.ours == pytest.approx(figure.independent, rel=0, abs=figure.held), figure.quantity
+
+
+@pytest.mark.full("more cases", but=2)
+def test_the_published_figures_differ_from_the_second_solution_as_documented(problem):
+    for figure in problem.figures:
+        if figure.published is None:
+            continue
+        off = abs(float(figure.published) - figure.independent)
+        assert off <= figure.published_error, figure.quantity
+        if figure.measured:  # it differs by what the model leaves out, and by the error of the measurement
+            assert not figure.inaccurate
+            continue
+        # one that is called inaccurate is off by more than its last digit, and by more than our result is
+        last_digit = 10.0 ** Decimal(figure.published).as_tuple().exponent
+        ours = abs(figure.ours - figure.independent)
+        assert figure.inaccurate == (off > 1.01 * last_digit and off > 10 * ours), figure.quantity
+
+
+@pytest.mark.parametrize("question", QUESTIONS, ids=lambda question: question.threads[0])
+def test_what_is_asked_elsewhere_has_its_closed_form(question):
+    assert question.ours() == pytest.approx(question.exact, rel=question.held, abs=question.held)
