@@ -26,9 +26,9 @@ def lower(module, what):
     module.write_text(what)
 
 
-def compile_part(text, compiled, platform, what, links):
+def compile_part(text, compiled, platform, what, sizes):
     assert text == what
-    compiled.write_text(f"{text} for {links}")
+    compiled.write_text(f"{text} for {sizes}")
 
 
 def link(parts, library, platform):

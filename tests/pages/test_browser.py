@@ -425,7 +425,7 @@ def test_on_a_phone_all_fits_the_width_and_the_controls_are_in_sight(show, viewp
     for name in ("Previous impact", "Play", "Next impact"):
         box = page.get_by_role("button", name=name, exact=True).bounding_box()
         assert box["y"] + box["height"] <= viewport["height"]
-        assert min(box["width"], box["height"]) >= 36
+        assert min(box["width"], box["height"]) >= 32
     assert count_of(pixels(page), LIGHT_CHAIN) > 150
 
 

@@ -17,7 +17,7 @@ from chain_impact import cli
 from chain_impact.extras import MissingExtraError
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep import pieces, sweep as module
+from chain_impact.studies.sweep import sweep as module, work
 from chain_impact.studies.sweep.dataset import MANIFEST
 from chain_impact.studies.sweep.design import grid, sampled
 from chain_impact.studies.sweep.sweep import sweep
@@ -117,7 +117,7 @@ def test_what_is_done_is_not_done_again(tmp_path, whole, monkeypatch):
     monkeypatch.setattr(module, "run_in_threads", spy)
     assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
     assert {path: path.stat().st_mtime_ns for path in files} == files
-    monkeypatch.setattr(pieces, "Runner", None)  # nor is a kernel, nor a scheduler, nor are files written
+    monkeypatch.setattr(work, "Runner", None)  # nor is a kernel, nor a scheduler, nor are files written
     monkeypatch.setattr(FileLock, "acquire", None)
     before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
     again = sweep(SCENE, VARY, path=folder, scheduler="tcp://127.0.0.1:9")

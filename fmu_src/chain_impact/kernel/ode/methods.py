@@ -43,7 +43,9 @@ RINGS, LASTS = 0.1, 20.0
 # The size of implicit steps over that of explicit ones, below which explicit ones advance farther for the
 # same work; and the hρ of implicit steps below which this holds, if the size of explicit ones is not known.
 LONGER, NOT_STIFF = 2.5, 5.0
-STABLE = 4.0  # hρ of the explicit step at the begin of a flight: two thirds of the stability limit
+# The largest hρ of explicit steps in contact, and of the first one in flight: two thirds of what is stable. A
+# longer step amplifies motions that are too small for the error control.
+STABLE = 4.0
 # The part of the explicit method's first step in an impact with which joints are compared. Explicit steps of
 # an impact cost so much less than implicit ones that only joints far stiffer than the contact favour implicit
 # steps.
@@ -61,31 +63,45 @@ def choose_method(d):
         begin_explicit(d)  # constraints by rigid walls are not stiff
     elif d.solver.method != AUTO:
         step.method = chosen(d.solver.method)
+        if touching and step.method == EXPLICIT:
+            keep_stable(d, stiffness_number(d, step.end - step.start))
     elif not (touching or d.model.resisting):
         begin_explicit(d)  # nothing is stiff
     elif step.end > step.start:  # not just re-initialized
-        step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0
+        z = stiffness_number(d, step.end - step.start) if step.method == EXPLICIT else 0.0
+        step.stiff_count = step.stiff_count + 1 if suggests_switch(d, z) else 0
         if step.stiff_count >= step.switch_hysteresis:
             step.stiff_count = 0
             if step.method == IMPLICIT:
                 # the switch did not pay: require more steps before the next one
                 step.switch_hysteresis *= 2
                 step.method = EXPLICIT
+                limit(d, step.next_size * STABLE / max(STABLE, stiffness_number(d, step.next_size)))
             else:
                 # the size of a step that an event or an input has truncated is no evidence
                 step.explicit_size = step.end - step.start if step.kept == 1.0 else 0.0
                 step.method = IMPLICIT
+        elif touching:
+            keep_stable(d, z)
 
 
-def suggests_switch(d):
-    """Return whether the next implicit step's size, or the last explicit one's, favours the other method."""
+def suggests_switch(d, z):
+    """Return whether the next implicit step's size, or the last explicit one's z = hρ, favours a switch."""
     step = d.step
     if step.method == IMPLICIT:
         if step.explicit_size > 0.0:
             return step.next_size < LONGER * step.explicit_size
         return stiffness_number(d, step.next_size) < NOT_STIFF
-    z = stiffness_number(d, step.end - step.start)
     return z > STIFF or (z > RINGS and contacts_last(d))
+
+
+def keep_stable(d, z):
+    """Limit the next explicit step in contact to a stable one, if the last one had z = hρ.
+
+    At rest the errors do not show that a step is too long: the end state is kept, but derivatives grow.
+    """
+    if z > 0.0:
+        limit(d, d.step.size * d.step.kept * STABLE / z)
 
 
 def contacts_last(d):
