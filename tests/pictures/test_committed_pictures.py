@@ -10,7 +10,7 @@ from chain_impact.pictures.style import words_of
 from chain_impact.scene.scene import model_names
 from tests.pictures.pictures import drawn, recorded
 
-IMAGES = Path(__file__).parents[3] / "docs" / "images"
+IMAGES = Path(__file__).parents[2] / "docs" / "images"
 # drawn by programs of their own
 OTHERS = {"carried_arm", "controlled_arm", "golf_ball", "steel_bar", "triple_pendulum"}
 LEFT_OUT = "Impacts without room for their numbers"
