@@ -24,7 +24,7 @@ def test_the_size_of_the_next_implicit_step_decides(longer, last):
     """The last one may be a first step after an event, or cut short by an input."""
     step = SimpleNamespace(method=IMPLICIT, explicit_size=2.0, start=1.0, end=1.0 + last)
     step.next_size = longer * methods.LONGER * step.explicit_size
-    assert suggests_switch(SimpleNamespace(step=step), 0.0) == (longer < 1.0)
+    assert suggests_switch(SimpleNamespace(step=step)) == (longer < 1.0)
 
 
 @pytest.mark.parametrize("damping", [100.0, 1e4])
@@ -160,7 +160,7 @@ def test_explicit_steps_suggest_a_switch_where_they_are_stiff(pressed, lasting):
     for number, right in rows:
         d.step.end = number / rate
         d.touch.onset[touched] = d.step.end - (1.1 if lasting else 0.9) * methods.LASTS * 1e-3
-        assert suggests_switch(d, number) == right
+        assert suggests_switch(d) == right
 
 
 def test_implicit_steps_do_where_nothing_is_known_and_they_are_not_stiff(pressed):
@@ -168,7 +168,7 @@ def test_implicit_steps_do_where_nothing_is_known_and_they_are_not_stiff(pressed
     d.step.method, d.step.explicit_size = IMPLICIT, 0.0
     for part in (0.99, 1.01):
         d.step.next_size = part * methods.NOT_STIFF / methods.fastest_contact(d)
-        assert suggests_switch(d, 0.0) == (part < 1.0)
+        assert suggests_switch(d) == (part < 1.0)
 
 
 def test_a_phase_begins_with_what_is_explicit_and_without_a_count(rng):

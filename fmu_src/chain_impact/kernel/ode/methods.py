@@ -25,6 +25,7 @@ from chain_impact.kernel.ode import collocation, explicit
 from chain_impact.kernel.ode.control import (
     AUTO,
     EXPLICIT,
+    GROW,
     IMPLICIT,
     at_onset,
     begin_trial,
@@ -64,44 +65,44 @@ def choose_method(d):
     elif d.solver.method != AUTO:
         step.method = chosen(d.solver.method)
         if touching and step.method == EXPLICIT:
-            keep_stable(d, stiffness_number(d, step.end - step.start))
+            keep_stable(d)
     elif not (touching or d.model.resisting):
         begin_explicit(d)  # nothing is stiff
     elif step.end > step.start:  # not just re-initialized
-        z = stiffness_number(d, step.end - step.start) if step.method == EXPLICIT else 0.0
-        step.stiff_count = step.stiff_count + 1 if suggests_switch(d, z) else 0
+        step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0
         if step.stiff_count >= step.switch_hysteresis:
             step.stiff_count = 0
             if step.method == IMPLICIT:
                 # the switch did not pay: require more steps before the next one
                 step.switch_hysteresis *= 2
                 step.method = EXPLICIT
-                limit(d, step.next_size * STABLE / max(STABLE, stiffness_number(d, step.next_size)))
+                keep_stable(d)
             else:
                 # the size of a step that an event or an input has truncated is no evidence
                 step.explicit_size = step.end - step.start if step.kept == 1.0 else 0.0
                 step.method = IMPLICIT
-        elif touching:
-            keep_stable(d, z)
+        elif step.stiff_count > 0 and step.method == EXPLICIT:
+            keep_stable(d)
 
 
-def suggests_switch(d, z):
-    """Return whether the next implicit step's size, or the last explicit one's z = hρ, favours a switch."""
+def suggests_switch(d):
+    """Return whether the next implicit step's size, or the last explicit one's, favours the other method."""
     step = d.step
     if step.method == IMPLICIT:
         if step.explicit_size > 0.0:
             return step.next_size < LONGER * step.explicit_size
         return stiffness_number(d, step.next_size) < NOT_STIFF
+    z = stiffness_number(d, step.end - step.start)
     return z > STIFF or (z > RINGS and contacts_last(d))
 
 
-def keep_stable(d, z):
-    """Limit the next explicit step in contact to a stable one, if the last one had z = hρ.
+def keep_stable(d):
+    """Limit the next explicit step in contacts, or beside stiff joints, to a stable one.
 
     At rest the errors do not show that a step is too long: the end state is kept, but derivatives grow.
     """
-    if z > 0.0:
-        limit(d, d.step.size * d.step.kept * STABLE / z)
+    z = stiffness_number(d, d.step.end - d.step.start)
+    limit(d, d.step.size * d.step.kept * STABLE / max(z, STABLE / GROW))
 
 
 def contacts_last(d):
