@@ -478,4 +478,4 @@ def test_loads_of_a_very_stiff_servo_are_as_accurate_as_the_docs_say():
     )
     loads = [f"joint[{i}].{load}" for i in links for load in ("force.x", "force.y", "moment")]
     off = [np.abs(found[name] - exact[name]).max() / np.abs(exact[name]).max() for name in loads]
-    assert 1e-6 < max(off) < 2e-5
+    assert 1e-7 < max(off) < 2e-6

@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from chain_impact import Chain, SceneError, simulate
-from chain_impact.scene.scene import load_scene, parse_scene
+from chain_impact.scene.scene import load_scene, parse_scene, scene_from_dict
 
 ARM = """
 name = "Arm"
@@ -330,3 +330,46 @@ def test_a_table_repeats_after_its_period(tmp_path):
     np.testing.assert_allclose(
         run["wall.table.belt_position"][[10, 20, 40, 55]], [0.0, 0.1, 0.2, 0.25], atol=1e-14
     )
+
+
+def pushed(frequency):
+    """A cart with dry friction, which a force exceeds twice in a period by a twentieth."""
+    table = {
+        "name": "Pushed",
+        "chain": {
+            "base": "slider",
+            "slider": {"mass": 1.0, "friction": 1.0},
+            "links": [{"length": 0.5, "mass": 0.1}],
+        },
+        "initial": {"angles": [-math.pi / 2]},
+        "contact": {"points": []},
+        "inputs": {"slider_force": True},
+        "signals": {
+            "push": {"input": "slider.force", "form": "sine", "amplitude": 1.05, "frequency": frequency}
+        },
+    }
+    return scene_from_dict(table, "pushed")
+
+
+@pytest.mark.parametrize("frequency", [1.0, 20.0, 50.0])
+def test_slips_between_the_stages_of_a_long_step_are_found(frequency):
+    run = simulate(pushed(frequency), 2.0)
+    # it sticks at first, and slips and sticks again in each half of a period
+    assert len(run.stick_slip) == 1 + 2 * 2 * 2.0 * frequency
+
+
+@pytest.mark.parametrize("frequency", [20.0, 30.0])
+def test_a_held_ball_that_is_pulled_briefly_leaves_the_floor_each_time(frequency):
+    table = {
+        "name": "Pulled",
+        "gravity": [0.0, -9.81],
+        "chain": {"links": [{"length": 0.1, "mass": 1.0, "center_of_mass": 0.0, "inertia": 0.004}]},
+        "box": {"y_min": 0.0},
+        "contact": {"model": "newton_impact", "restitution": 0.0, "points": [1]},
+        "initial": {"position": [0.0, 0.1], "angles": [-math.pi / 2]},
+        "inputs": {"tip_force": True},
+        "signals": {
+            "pull": {"input": "tip.force.y", "form": "sine", "amplitude": 10.0, "frequency": frequency}
+        },
+    }
+    assert len(simulate(scene_from_dict(table, "pulled"), 1.0).impacts) == 1 + frequency

@@ -47,7 +47,7 @@ from chain_impact.kernel.forces.contact_force import note_crossing
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.forces.holding import least_impulse, project_state
 from chain_impact.kernel.forces.inputs import ensure_inputs
-from chain_impact.kernel.ode.control import FAR_OFF, refuse
+from chain_impact.kernel.ode.control import FAR_OFF, accepted, refuse
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
@@ -233,7 +233,15 @@ def mark_pulling(d, _c, theta):
             mark(d, d.touch.active_index[k], RELEASE)
 
 
-find_release = search_for(least_force, may_pull, mark_pulling)
+def may_release(d, c):
+    """Suspect all held points in a step in which inputs turn by much: one may leave between the stages."""
+    return may_pull(d, c) or accepted(d)
+
+
+find_release = search_by_inputs(
+    search_for(least_force, may_pull, mark_pulling),
+    search_for(least_force, may_release, mark_pulling, samples=many_samples),
+)
 
 
 # ---- changes of the modes of dry friction -----------------------------------------------------------------
@@ -284,26 +292,23 @@ def has_come_near(d):
     The interpolant of a long implicit step has errors: it can show an end that a shorter step does not have.
     Without the condition of half the distance, such ends would follow each other without end.
     """
-    near = True
+    near = False
     for i in range(d.friction.count):
         e = d.element.index[i]
         if d.element.event[e]:
-            near = near and element_margin(d, e, 1.0) <= 0.5 * element_margin(d, e, 0.0)
+            near = near or element_margin(d, e, 1.0) <= 0.5 * element_margin(d, e, 0.0)
     locate_at(d, 1.0)
     return near
 
 
-def may_change(d, e):
-    """Return whether the mode of element e may end in a step in which inputs turn by much.
-
-    Sliding may end between the stages.
-    """
-    return d.element.mode[e] != STICKS or has_changed(d, e)
+def may_always_change(_d, _e):
+    """Suspect every element in a step in which inputs turn by much: a mode may end between the stages."""
+    return True
 
 
 find_mode_change = search_by_inputs(
     search_for(element_margin, has_changed, mark_changes, ELEMENTS),
-    search_for(element_margin, may_change, mark_changes, ELEMENTS, samples=many_samples),
+    search_for(element_margin, may_always_change, mark_changes, ELEMENTS, samples=many_samples),
 )
 
 

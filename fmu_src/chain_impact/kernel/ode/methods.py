@@ -25,7 +25,6 @@ from chain_impact.kernel.ode import collocation, explicit
 from chain_impact.kernel.ode.control import (
     AUTO,
     EXPLICIT,
-    GROW,
     IMPLICIT,
     at_onset,
     begin_trial,
@@ -97,12 +96,13 @@ def suggests_switch(d):
 
 
 def keep_stable(d):
-    """Limit the next explicit step in contacts, or beside stiff joints, to a stable one.
+    """Limit the next explicit step beside contacts or stiff joints to a stable one.
 
     At rest the errors do not show that a step is too long: the end state is kept, but derivatives grow.
     """
     z = stiffness_number(d, d.step.end - d.step.start)
-    limit(d, d.step.size * d.step.kept * STABLE / max(z, STABLE / GROW))
+    if z > 0.0:  # which is in proportion to the part of the last step that was kept
+        limit(d, d.step.size * d.step.kept * STABLE / z)
 
 
 def contacts_last(d):
