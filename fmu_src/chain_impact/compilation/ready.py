@@ -36,9 +36,9 @@ PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
 """Kind of library → the parts that are compiled and linked for it."""
 
 
-def has_compilers() -> bool:
-    """Return whether all compilers are installed."""
-    return all(find_spec(name) is not None for name in COMPILERS)
+def missing_compilers() -> list[str]:
+    """Return the compilers that are not installed."""
+    return [name for name in COMPILERS if find_spec(name) is None]
 
 
 def require_compilers(purpose: str) -> None:
@@ -47,8 +47,7 @@ def require_compilers(purpose: str) -> None:
     Raises:
         BuildError: when a compiler is missing; ``purpose`` begins the sentence.
     """
-    missing = [name for name in COMPILERS if find_spec(name) is None]
-    if missing:
+    if missing := missing_compilers():
         how = how_to_install("compiler")
         raise BuildError(f"{purpose} needs a compiler: {how} ({', '.join(missing)} missing)")
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import os
 import zlib
 from collections.abc import Sequence
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from chain_impact.compilation.library import browser_module
+from chain_impact.pages.encoding import encoded
 from chain_impact.pages.inline import InlinePage
 from chain_impact.pages.kit import kit
 from chain_impact.pages.recorded import (
@@ -111,7 +111,7 @@ def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
 def packed(content: bytes) -> str:
     """Return bytes as text for a page: compressed, as a browser can undo it."""
     compressor = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
-    return base64.b64encode(compressor.compress(content) + compressor.flush()).decode("ascii")
+    return encoded(compressor.compress(content) + compressor.flush())
 
 
 def _source(scene: SceneSource) -> str:

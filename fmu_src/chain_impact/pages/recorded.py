@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import html
 import json
 import math
@@ -13,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.pages.encoding import encoded
 from chain_impact.recording.joint_stops import JointRange
 from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
@@ -109,7 +109,7 @@ def data(recording: Recording) -> dict[str, Any]:
         "name": recording.name,
         "links": recording.link_count,
         "pointCount": points.shape[1],
-        "time": _base64(recording.time.astype("<f8")),
+        "time": encoded(recording.time.astype("<f8").tobytes()),
         "x": _packed(points[:, :, 0]),
         "y": _packed(points[:, :, 1]),
         "energies": {name: _packed(energy) for name, energy in recording.energies.items()},
@@ -194,18 +194,14 @@ def _touch(one: Touch) -> dict[str, Any] | None:
     columns = {"force": one.force, "depth": one.penetration}
     columns |= {"friction": one.friction, "sticking": one.sticking}
     packed = {name: _packed(column[rows]) for name, column in columns.items() if column is not None}
-    return {"point": one.point, "wall": one.wall, "rows": _base64(rows.astype("<u4")), **packed}
+    return {"point": one.point, "wall": one.wall, "rows": encoded(rows.astype("<u4").tobytes()), **packed}
 
 
 def _packed(values: np.ndarray) -> dict[str, Any]:
     """Return numbers in 16 bits: low + (high − low) · integer / 65535."""
     low, high = float(values.min()), float(values.max())
     integers = np.rint((values - low) * (FINEST / ((high - low) or 1.0)))
-    return {"low": low, "high": high, "values": _base64(integers.astype("<u2"))}
-
-
-def _base64(array: np.ndarray) -> str:
-    return base64.b64encode(array.tobytes()).decode("ascii")
+    return {"low": low, "high": high, "values": encoded(integers.astype("<u2").tobytes())}
 
 
 def text_of(name: str) -> str:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import base64
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from chain_impact.pages.encoding import encoded
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal import FORMS, SHAPES
 from chain_impact.scene.signals import KNOTS, OTHER, REQUIRED, driven_by
@@ -49,4 +49,4 @@ def _table(scene: Scene, name: str) -> dict[str, Any]:
 
 def _packed(numbers: np.ndarray) -> str:
     """Return numbers as text from which the page can read all their digits."""
-    return base64.b64encode(numbers.astype("<f8").tobytes()).decode("ascii")
+    return encoded(numbers.astype("<f8").tobytes())

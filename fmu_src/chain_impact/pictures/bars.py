@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.pictures.style import BLUE, GREY, INK, VERMILLION, WIDE, headline, styled
+from chain_impact.pictures.style import BLUE, GREY, INK, VERMILLION, headline, is_narrow, styled
 
 # inches: the width of the page, the space above and below the bars, and the height for a bar
 WIDTH, AROUND, BAR = 7.0, 1.4, 0.25
@@ -68,6 +68,6 @@ def fill_bars(
     low, high = min([0.0, *values]), max([0.0, *values])
     room = (high - low or 1.0) * NUMBER / (PART * page.get_figwidth())
     axes.set_xlim(low - (room if low < 0.0 else 0.0), high + (room if high > 0.0 else 0.0))
-    axes.xaxis.set_major_locator(MaxNLocator(6 if page.get_figwidth() >= WIDE else 3))
+    axes.xaxis.set_major_locator(MaxNLocator(3 if is_narrow(page) else 6))
     if not names:
         axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center", color=GREY)

@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.bands import MOST_GREY, fill_band
 from chain_impact.pictures.message import conditions
 from chain_impact.pictures.over_time import DOT, mark_impacts
 from chain_impact.pictures.style import (
@@ -20,9 +21,9 @@ from chain_impact.pictures.style import (
     INK,
     OUTSIDE_COLOUR,
     PALETTE,
-    WIDE,
     give_ticks,
     headline,
+    is_narrow,
     legend_at_foot,
     styled,
 )
@@ -31,7 +32,6 @@ from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import plural, speed_unit
 
 NOTHING = 1e-12  # smaller changes, as fractions of the range of an output, are round-off
-MOST_GREY, SOFT = 2, 0.45  # more grey curves are a band, which has this opacity
 STEEP = 30.0  # the axis is not linear if the largest change is so many times as large as a usual one
 Looks = list[dict[str, Any]]
 
@@ -49,7 +49,7 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
     parameters = plural(len(found.parameters), "parameter")
     headline(page, f"{recording.name}: changes with {parameters}, to first order", conditions(recording))
     looks = looks_of(found, relative)
-    across = 2 if page.get_figwidth() >= WIDE else 1
+    across = 1 if is_narrow(page) else 2
     grid = page.subplots(-(-(len(names) + 1) // across), across, sharex=True, squeeze=False).ravel()
     panels, rest = grid[: len(names) + 1], grid[len(names) + 1 :]
     for axes in rest:
@@ -121,10 +121,7 @@ def draw_changes(axes: Axes, recording: Recording, found: Sensitivities, output:
     changes = found.changes(output)
     grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
     if len(grey) > MOST_GREY:
-        known = np.ma.masked_invalid(changes[:, grey])
-        look = {"color": GREY, "alpha": SOFT, "linewidth": 0.0, "label": looks[grey[-1]]["label"]}
-        ends = known.min(axis=1).filled(np.nan), known.max(axis=1).filled(np.nan)
-        axes.fill_between(recording.time, *ends, **look)
+        fill_band(axes, recording.time, changes[:, grey].T, looks[grey[-1]]["label"])
     for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)

@@ -13,7 +13,7 @@ from chain_impact.pictures.message import write_head
 from chain_impact.pictures.over_time import mark_impacts
 from chain_impact.pictures.pages import settle
 from chain_impact.pictures.rest import shade_rests, shown_time
-from chain_impact.pictures.style import FULL, PALETTE, WIDE, give_ticks, styled
+from chain_impact.pictures.style import FULL, PALETTE, give_ticks, is_narrow, styled
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import plural
@@ -124,7 +124,7 @@ def axis_label(names: Sequence[str], unit: str) -> str:
 def name_curves(axes: Axes, count: int) -> None:
     """Name the curves beside their panel where there is room, else above it."""
     page = axes.get_figure(root=True)
-    if page is not None and page.get_figwidth() >= WIDE and count <= SIDE:
+    if page is not None and not is_narrow(page) and count <= SIDE:
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), handlelength=1.4)
         return
     legend_above(axes)

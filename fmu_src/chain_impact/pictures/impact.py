@@ -19,10 +19,10 @@ from chain_impact.pictures.style import (
     INK,
     SEPARATOR,
     VERMILLION,
-    WIDE,
     force_text,
     give_ticks,
     headline,
+    is_narrow,
     styled,
 )
 from chain_impact.recording.course import Course
@@ -47,7 +47,7 @@ def fill_impact(page: Figure, recording: Recording, number: int, course: Course)
     stop = recording.is_stop(impact["wall"])
     hit = f"{recording.toucher(impact)} hits {recording.wall_names[impact['wall']]}"
     headline(page, f"{recording.name}: {hit}, impact {number}", conditions(impact, course, stop))
-    if page.get_figwidth() >= WIDE:
+    if not is_narrow(page):
         grid = page.add_gridspec(3, 2)
         loop = page.add_subplot(grid[:, 1], label="loop")
     else:

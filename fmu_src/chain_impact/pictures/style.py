@@ -194,9 +194,7 @@ def broken(page: Figure, text: str) -> str:
 
 def write_foot(page: Figure, text: str) -> Text | None:
     """Write a text at the foot of a page, above other texts there; return None if the page is too low."""
-    width, height = page.get_size_inches()
-    engine = page.get_layout_engine()
-    low = engine.get()["rect"][1] if isinstance(engine, ConstrainedLayoutEngine) else 0.0
+    (width, height), low = page.get_size_inches(), _foot(page)
     look: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
     told = page.text(LEFT / width, low + 0.5 * GAP / height, broken(page, text), **look)
     room = (told.get_window_extent().height / page.dpi + GAP) / height
@@ -209,10 +207,15 @@ def write_foot(page: Figure, text: str) -> Text | None:
 
 def legend_at_foot(page: Figure, handles: Sequence[Any], **look: Any) -> None:
     """Put a legend for all axes below them, above other texts at the foot."""
-    engine = page.get_layout_engine()
-    low = engine.get()["rect"][1] if isinstance(engine, ConstrainedLayoutEngine) else 0.0
+    low = _foot(page)
     legend = page.legend(handles=list(handles), loc="lower center", bbox_to_anchor=(0.5, low), **look)
     _reserve(page, 0.0, low + legend.get_window_extent().height / page.bbox.height)
+
+
+def _foot(page: Figure) -> float:
+    """Return the height of the texts at the foot, as a part of the page's height."""
+    engine = page.get_layout_engine()
+    return float(engine.get()["rect"][1]) if isinstance(engine, ConstrainedLayoutEngine) else 0.0
 
 
 def _reserve(page: Figure, top: float, bottom: float) -> None:

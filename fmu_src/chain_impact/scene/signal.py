@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from chain_impact.kernel.chain.signals import smooth
 from chain_impact.scene.limits import NO_KEY, quantity
 
 FORMS = ("constant", "sine", "ramp", "steps", "table")
@@ -102,7 +103,7 @@ def _risen(part: float, shape: str | None = "smooth") -> float:
     if shape == "linear":
         return x
     if shape == "smooth":
-        return x * x * x * (10.0 + x * (6.0 * x - 15.0))
+        return float(smooth(x)[0])
     # a third of the time each: uniform acceleration, uniform speed, uniform deceleration
     if 2.0 * x > 1.0:
         return 1.0 - _risen(1.0 - x, shape)

@@ -17,14 +17,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.bands import MOST_GREY, fill_band
 from chain_impact.pictures.pages import check_alone, drawn
 from chain_impact.pictures.style import (
     GREY,
     PALETTE,
     SEPARATOR,
-    WIDE,
     give_ticks,
     headline,
+    is_narrow,
     legend_at_foot,
     number,
     styled,
@@ -35,8 +36,7 @@ from chain_impact.studies.law_runs import LawRuns
 
 SIZE = (11.0, 4.5)  # inches
 NAMED = 6  # number of laws with a colour
-MOST_GREY = 2  # grey curves; more are a band
-FINE, SOFT = 400, 0.45  # penetrations at which a band is known, and its opacity
+FINE = 400  # penetrations at which a band is known
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
 """Laws that are found in many programs and papers."""
 MILLI, KILO = 1e3, 1e-3
@@ -63,7 +63,7 @@ def plot_comparison(
 @styled()
 def fill(page: Figure, comparison: LawRuns) -> None:
     """Draw the two panels on an empty page."""
-    looks, narrow = looks_of(comparison), page.get_figwidth() < WIDE
+    looks, narrow = looks_of(comparison), is_narrow(page)
     headline(page, message(comparison), conditions(comparison, looks))
     loops, energy = page.subplots(*((2, 1) if narrow else (1, 2)))
     draw_loops(loops, comparison, looks)
@@ -211,14 +211,7 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
             order = np.argsort(depth[part], kind="stable")
             known = {"left": np.nan, "right": np.nan}
             branches.append(np.interp(depths, depth[part][order], force[part][order], **known))
-    low, high = extremes(branches)
-    axes.fill_between(MILLI * depths, KILO * low, KILO * high, color=GREY, alpha=SOFT, linewidth=0.0)
-
-
-def extremes(curves: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the smallest and the largest of some curves at each place; NaN where none has a value."""
-    known = np.ma.masked_invalid(curves)
-    return known.min(axis=0).filled(np.nan), known.max(axis=0).filled(np.nan)
+    fill_band(axes, MILLI * depths, KILO * np.array(branches))
 
 
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
@@ -228,8 +221,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     if results:
         time = max((result.time for result in results), key=len)
         curves = [np.interp(time, one.time, one.energy["total"], right=np.nan) for one in results]
-        look: dict[str, Any] = {"color": GREY, "alpha": SOFT, "linewidth": 0.0}
-        axes.fill_between(time, *extremes(curves), **look, label=band_label(comparison, band))
+        fill_band(axes, time, curves, band_label(comparison, band))
     for law, look in looks.items():
         result = comparison[law].result
         if result is not None and law not in band:

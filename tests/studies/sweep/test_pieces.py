@@ -118,7 +118,7 @@ def test_a_sweep_of_many_runs_asks_for_a_kernel_of_its_own(monkeypatch, runs, ow
 
     monkeypatch.setattr("chain_impact.studies.sweep.job.kernel_for", kernel_for)
     monkeypatch.setattr("chain_impact.studies.sweep.sweep.OWN_KERNEL_FROM", 10)
-    monkeypatch.setattr("chain_impact.studies.sweep.sweep.has_compilers", lambda: True)
+    monkeypatch.setattr("chain_impact.studies.sweep.sweep.missing_compilers", list)
     sweep(SCENE, {"contact.restitution": f"0.3:0.7:{runs}"})
     assert asked[0] == ((4, 20, 0, 0, 0, 0, 0, 0, 0, 0) if own else None)
 

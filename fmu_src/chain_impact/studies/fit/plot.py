@@ -26,8 +26,8 @@ from chain_impact.pictures.style import (
     PALE,
     PALETTE,
     SEPARATOR,
-    WIDE,
     headline,
+    is_narrow,
     number,
     styled,
 )
@@ -76,7 +76,7 @@ def plot_fit(
 def fill(page: Figure, fit: Estimates) -> None:
     """Draw all panels on an empty page."""
     names = list(fit.columns)[:MOST_PANELS]
-    across = 1 if len(names) == 1 or page.get_figwidth() < WIDE else 2
+    across = 1 if len(names) == 1 or is_narrow(page) else 2
     down = math.ceil(len(names) / across)
     results = [_model(fit, k) for k in range(len(fit.data))]
     grid = page.add_gridspec(down, across)

@@ -22,7 +22,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.pages import drawn
-from chain_impact.pictures.style import WIDE, give_ticks, headline, legend_at_foot, number, styled
+from chain_impact.pictures.style import give_ticks, headline, is_narrow, legend_at_foot, number, styled
 from chain_impact.recording.text import plural
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
@@ -192,7 +192,7 @@ def _quantities(found: Runs) -> list[Quantity]:
 
 def _panels(page: Figure, count: int, most: int = 2, *, sharey: bool = False) -> list[Axes]:
     """Return empty panels, at most ``most`` in a row, and one below the other on a narrow page."""
-    across = min(count, most) if page.get_figwidth() >= WIDE else 1
+    across = 1 if is_narrow(page) else min(count, most)
     grid = page.subplots(math.ceil(count / across), across, squeeze=False, sharey=sharey)
     panels = list(grid.flat)
     for unused in panels[count:]:
@@ -229,7 +229,7 @@ def _curves(
         _dress(axes, quantity, shown)
     if choice:
         handles, labels = panels[0].get_legend_handles_labels()
-        if page.get_figwidth() < WIDE:
+        if is_narrow(page):
             legend_at_foot(page, handles, title=choice.name, ncols=2)
         else:
             page.legend(handles, labels, loc="outside right center", title=choice.name)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.ready import has_compilers
+from chain_impact.compilation.ready import missing_compilers
 from chain_impact.progress import Progress, log, silent
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.cluster import run_on_cluster
@@ -104,7 +104,7 @@ def sweep(
             log.info("%s, %s are left", there, left)
         if target and not dataset:
             stack.enter_context(_interruptible(target, head, rows, done, design))
-        own = scheduler is None and left >= OWN_KERNEL_FROM and has_compilers()
+        own = scheduler is None and left >= OWN_KERNEL_FROM and not missing_compilers()
         work = Work(job, design, dataset.path.resolve() if dataset else None, own)
         if scheduler is None or not spans:
             pieces = run_in_threads(work, spans, threads)

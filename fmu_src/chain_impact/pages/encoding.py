@@ -1,0 +1,8 @@
+"""Bytes as text, which a page can hold."""
+
+import base64
+
+
+def encoded(content: bytes) -> str:
+    """Return bytes in base64."""
+    return base64.b64encode(content).decode("ascii")
