@@ -74,6 +74,8 @@ class BodyModel(ChainModel):
     ``motion`` knows neither the energy of drives nor walls that move.
     """
 
+    place_type = BodyPlace
+
     def __init__(self, scene: Scene, parameters: Sequence[str] = (), inputs: Inputs | None = None) -> None:
         super().__init__(scene, parameters, inputs)
         self.friction = BodyFriction(self)
@@ -155,14 +157,6 @@ class BodyModel(ChainModel):
             first = self.v.start
             y[:, first : first + 2] = self.line * self.value("initial.slider_velocity")[:, None]
         return y
-
-    def locate(self, y: np.ndarray) -> Place:
-        for state, place in self.recent:
-            if state is y:
-                return place
-        place = BodyPlace(self, y)
-        self.recent = [(y, place), *self.recent[:1]]
-        return place
 
     def answers(self, place: Place, columns: np.ndarray) -> np.ndarray:
         back = self.ways.swapaxes(1, 2)

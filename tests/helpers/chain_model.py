@@ -117,6 +117,8 @@ class ChainModel:
         inputs: by name.
     """
 
+    place_type = Place
+
     def __init__(self, scene: Scene, parameters: Sequence[str] = (), inputs: Inputs | None = None) -> None:
         self.scene, self.parameters, self.inputs = scene, list(parameters), dict(inputs or {})
         self.base = {k: v for k, v in scene.values.items() if isinstance(v, float | int)}
@@ -236,7 +238,7 @@ class ChainModel:
         for state, place in self.recent:
             if state is y:
                 return place
-        place = Place(self, y)
+        place = self.place_type(self, y)
         self.recent = [(y, place), *self.recent[:1]]
         return place
 
