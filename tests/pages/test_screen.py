@@ -16,8 +16,15 @@ PLACES = """() => document.querySelector('.trace').getAttribute('points').trim()
 STILL = "!document.body.classList.contains('computing')"
 
 
+def settle(page):
+    """Wait until what has been done is drawn, and the run that follows from it."""
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    until(page, STILL)
+
+
 def middle(page, grip):
-    """Where a grip is on the screen, as soon as it is there: a run that ends draws all of them anew."""
+    """Return where a grip is on the screen, once the page is still: the end of a run draws all grips again."""
+    settle(page)
     found = f"document.querySelector('[data-grip=\"{grip}\"]')"
     until(page, f"{found} !== null")
     box = page.evaluate(f"{found}.getBoundingClientRect().toJSON()")
@@ -30,12 +37,6 @@ def parameters(page):
     return {name: float(text) for name, text in texts if re.fullmatch(r"[-+.\de]+", text)}
 
 
-def settle(page):
-    """Wait until what has been done is drawn, and the run that follows from it."""
-    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-    until(page, STILL)
-
-
 # where a grip is, if nothing covers it
 REACHABLE = """(name) => {
   const grip = document.querySelector(`[data-grip="${name}"]`), box = grip?.getBoundingClientRect();
@@ -45,13 +46,13 @@ REACHABLE = """(name) => {
 
 
 def reachable(page, grip):
-    """Where a grip is on the screen, as soon as it can be taken: a late frame may move it, or cover it."""
+    """Return where a grip is on the screen, once the page is still and nothing covers the grip."""
+    settle(page)
     return np.array(page.wait_for_function(REACHABLE, arg=grip).json_value())
 
 
 def drag(page, grip, by, origin=None):
     """Drag a grip to some pixels from where it, or another origin, is; returns the parameters that follow."""
-    settle(page)  # a grip that is still drawn anew is not there to be taken
     x, y = reachable(page, grip)
     page.mouse.move(x, y)
     page.mouse.down()
