@@ -23,7 +23,7 @@ def settle(page):
 
 
 def middle(page, grip):
-    """Return where a grip is on the screen, once the page is still: the end of a run draws all grips again."""
+    """Return where a grip is on the screen, once the page is still: each run ends with all grips redrawn."""
     settle(page)
     found = f"document.querySelector('[data-grip=\"{grip}\"]')"
     until(page, f"{found} !== null")

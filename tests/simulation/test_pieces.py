@@ -47,6 +47,11 @@ def test_a_function_is_followed_with_few_pieces(name, accuracy):
         assert found == pytest.approx(function(time), abs=10.0 * max(accuracy, 1e-15) * 4.0)
 
 
+def test_an_interval_that_is_halved_untried_may_still_become_one_piece():
+    pulses = lambda t: sum(math.exp(-(((t - at) / 1.5e-3) ** 2)) for at in (0.05, 0.165, 0.35, 0.7))  # noqa: E731
+    assert len(follower(pulses, 1e-6).pieces(0.0, 1.0)) == 33
+
+
 def test_a_jump_is_found_where_it_is():
     function, _, _ = FUNCTIONS["jump"]
     held = joined_points(np.array([0.0, 1.0]), np.zeros((2, 1)), lines=False)

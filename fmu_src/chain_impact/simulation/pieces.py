@@ -206,7 +206,8 @@ class Follower:
         # number of fits that each function has prevented
         self._refused = np.zeros(len(self._scale), dtype=int)
         self._last: Piece | None = None
-        self._failed = math.inf  # [s] length of the last interval that was halved
+        # [s] length of the last interval that no piece fits, or hardly any
+        self._failed = math.inf
         self._count = 0  # number of pieces found so far
         # binary exponent of a length → the count below which it is not tried, and by how much that has grown
         self._again: dict[int, int] = {}
@@ -289,18 +290,19 @@ class Follower:
         simple = last is None or last.end != start or not last.powers[SIMPLE + 1 :].any()
         far = last is not None and end - start > FAR * (last.end - last.start)
         _, length = math.frexp(end - start)
-        far = far or (not simple and self._count < self._again.get(length, 0))
-        fitted = None if far else self._fitted(start, end)
+        vain = not simple and self._count < self._again.get(length, 0)
+        fitted = None if far or vain else self._fitted(start, end)
         if fitted is not None:
             self._count += 1
             self._patience[length] = 1
             yield fitted
             return
         if not far:
+            self._failed = end - start
+        if not far and not vain:
             self._patience[length] = min(2 * self._patience.get(length, 1), PATIENCE)
             self._again[length] = self._count + self._patience[length]
         before, after = (self._break(start, end) if simple and not far else None) or (middle, middle)
-        self._failed = end - start
         for part in itertools.pairwise((start, before, after, end)):
             if part[0] < part[1]:
                 yield from self._parted(*part)

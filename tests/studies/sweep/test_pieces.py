@@ -9,6 +9,8 @@ from concurrent.futures import CancelledError
 import numpy as np
 import pytest
 
+from chain_impact.compilation.errors import BuildError
+from chain_impact.kernel.status import OK
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation import instance
@@ -121,6 +123,22 @@ def test_a_sweep_of_many_runs_asks_for_a_kernel_of_its_own(monkeypatch, runs, ow
     monkeypatch.setattr("chain_impact.studies.sweep.sweep.missing_compilers", list)
     sweep(SCENE, {"contact.restitution": f"0.3:0.7:{runs}"})
     assert asked[0] == ((4, 20, 0, 0, 0, 0, 0, 0, 0, 0) if own else None)
+
+
+def test_a_sweep_goes_on_without_a_kernel_of_its_own_where_a_compiler_fails(monkeypatch, caplog):
+    def kernel_for(scene, *, derivatives, sizes):
+        if sizes:
+            raise BuildError("could not compile the kernel: zig said no")
+        return instance.kernel_for(scene, derivatives=derivatives)
+
+    monkeypatch.setattr("chain_impact.studies.sweep.job.kernel_for", kernel_for)
+    monkeypatch.setattr("chain_impact.studies.sweep.sweep.OWN_KERNEL_FROM", 10)
+    monkeypatch.setattr("chain_impact.studies.sweep.sweep.missing_compilers", list)
+    found = sweep(SCENE, {"contact.restitution": "0.3:0.7:40"}, threads=2)
+    assert (found["solver.status"] == OK).all()
+    (told,) = [one.getMessage() for one in caplog.records if one.levelname == "WARNING"]
+    assert "zig said no" in told
+    assert SCENE.name in told
 
 
 def test_who_stops_listening_gets_all_threads_back():

@@ -13,7 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import OK
+from chain_impact.progress import log
 from chain_impact.scene.names import SENSITIVITY, Place
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
@@ -109,6 +111,20 @@ def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequ
         tuple(variable.type for variable in variables),
         tuple(dict.fromkeys(outputs)),
     )
+
+
+def has_own_kernel(job: Job) -> bool:
+    """Return whether there is a kernel for the very sizes of the scene, which is compiled if need be.
+
+    Runs need none: a compiler that fails is a warning.
+    """
+    try:
+        Runner(job, own=True)
+    except BuildError as error:
+        name = job.scene.name
+        log.warning("%s: no kernel for its sizes, so the sweep takes longer: %s", name, error)
+        return False
+    return True
 
 
 class Runner:

@@ -15,7 +15,7 @@ from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.cluster import run_on_cluster
 from chain_impact.studies.sweep.dataset import kept, known_by
 from chain_impact.studies.sweep.design import Design, Sampling, check_size, grid, sampled, whole
-from chain_impact.studies.sweep.job import job_of
+from chain_impact.studies.sweep.job import has_own_kernel, job_of
 from chain_impact.studies.sweep.partial import keep, partial_path, take_up
 from chain_impact.studies.sweep.pieces import missing, run_in_threads
 from chain_impact.studies.sweep.table import Sweep, is_folder, table_path, write_table
@@ -104,7 +104,8 @@ def sweep(
             log.info("%s, %s are left", there, left)
         if target and not dataset:
             stack.enter_context(_interruptible(target, head, rows, done, design))
-        own = scheduler is None and left >= OWN_KERNEL_FROM and not missing_compilers()
+        many = scheduler is None and left >= OWN_KERNEL_FROM
+        own = many and not missing_compilers() and has_own_kernel(job)
         work = Work(job, design, dataset.path.resolve() if dataset else None, own)
         if scheduler is None or not spans:
             pieces = run_in_threads(work, spans, threads)
