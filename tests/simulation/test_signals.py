@@ -8,6 +8,7 @@ from scipy.interpolate import CubicSpline
 
 from chain_impact import Chain, SceneError, simulate
 from chain_impact.scene.scene import load_scene, parse_scene, scene_from_dict
+from chain_impact.scene.signal_values import value_at_start
 
 ARM = """
 name = "Arm"
@@ -155,16 +156,20 @@ def test_a_signal_moves_the_chain_as_the_same_function_in_python_does(name):
     np.testing.assert_allclose(run[one], [function(t) for t in before], rtol=0.0, atol=1e-10)
 
 
+def at_start(scene, one):
+    """Return the value of an input at the start, as the checks of a scene know it."""
+    return value_at_start(scene.signals["drive"], one, scene.simulation.stop_time)
+
+
 @pytest.mark.parametrize("name", FORMS)
 def test_the_checks_of_a_start_know_what_signals_make_of_it(name):
     one = FORMS[name][0]
     scene = driven(name)
-    assert scene.signals["drive"].at_start(one) == pytest.approx(simulate(scene, 1e-3)[one][0], abs=1e-15)
+    assert at_start(scene, one) == simulate(scene, 1e-3)[one][0]
     if name in ("smooth", "trapezoid", "chirp"):
         for start in (-0.02, -0.17, -1.0):  # it has begun before
             begun = scene.with_values({"signal.drive.start": start})
-            value = simulate(begun, 1e-3)[one][0]
-            assert begun.signals["drive"].at_start(one) == pytest.approx(value, abs=1e-14)
+            assert at_start(begun, one) == simulate(begun, 1e-3)[one][0]
 
 
 def test_a_base_and_a_wall_start_where_signals_have_them():
@@ -282,8 +287,14 @@ def test_the_checks_of_a_start_know_what_tables_make_of_it(tmp_path, interpolati
         columns = {"time": begin + np.array([0.0, 0.1, 0.2]), TORQUE: [1.0, 3.0, -2.0]}
         numbers = f'interpolation = "{interpolation}"\n' + (f"period = {period}" if period else "")
         scene = with_table(tmp_path, [TORQUE], columns, numbers)
-        (signal,) = scene.signals.values()
-        assert signal.at_start(TORQUE) == pytest.approx(simulate(scene, 1e-3)[TORQUE][0], abs=1e-13)
+        assert at_start(scene, TORQUE) == simulate(scene, 1e-3)[TORQUE][0]
+
+
+def test_a_wall_that_a_spline_moves_starts_where_the_spline_has_it(tmp_path):
+    # lines between the rows would put the table 2 cm above point 2
+    columns = {"time": [-0.3, -0.1, 0.1, 0.7], TABLE: [0.5, 0.16, 0.16, 0.5]}
+    scene = with_table(tmp_path, [TABLE], columns, "")
+    assert at_start(scene, TABLE) == simulate(scene, 0.01)[TABLE][0]
 
 
 @pytest.mark.parametrize("interpolation", ["hold", "linear"])

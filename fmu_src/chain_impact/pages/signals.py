@@ -10,8 +10,8 @@ import numpy as np
 from chain_impact.pages.encoding import encoded
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal import FORMS, SHAPES
-from chain_impact.scene.signals import KNOTS, OTHER, REQUIRED, driven_by
-from chain_impact.variables.driving import NUMBERS, table_of
+from chain_impact.scene.signal_values import KNOTS, NUMBERS, table_of
+from chain_impact.scene.signals import OTHER, REQUIRED, driven_by
 
 
 def kit_of_signals(scene: Scene) -> dict[str, Any]:
@@ -32,7 +32,7 @@ def _table(scene: Scene, name: str) -> dict[str, Any]:
     signal, columns = scene.signals[name], {}
     for one in driven_by(scene):
         if one.signal == name:
-            times, powers, gain = table_of(signal, one, scene.simulation.stop_time)
+            times, powers, gain = table_of(signal, one.input, one.order, scene.simulation.stop_time)
             columns[one.input] = {
                 "knots": len(times),
                 "times": _packed(times),

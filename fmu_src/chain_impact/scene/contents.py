@@ -15,6 +15,7 @@ from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.limits import NO_KEY, quantity
 from chain_impact.scene.names import STOPS, Place, point_label
 from chain_impact.scene.signal import Signal
+from chain_impact.scene.signal_values import value_at_start
 from chain_impact.scene.tables import (
     MODEL_NAME,
     XML_TEXT,
@@ -176,22 +177,22 @@ class Contents:
     def base_at_start(self) -> tuple[float, float]:
         """The position x, y of the base at the start [m]: where signals have it, if they drive it."""
         x, y = self.initial.position
-        driven = self._driven_at_start
-        return driven.get("base.x", x), driven.get("base.y", y)
+        return self._at_start("base.x", x), self._at_start("base.y", y)
 
     @property
     def walls_at_start(self) -> dict[str, HalfPlane]:
         """The free side of each wall at the start, by its name: where signals have it, if they drive it."""
-        driven = self._driven_at_start
         return {
-            name: replace(plane, offset=plane.offset + driven.get(f"wall.{name}.displacement", 0.0))
+            name: replace(plane, offset=plane.offset + self._at_start(f"wall.{name}.displacement", 0.0))
             for name, plane in self.half_planes.items()
         }
 
-    @property
-    def _driven_at_start(self) -> dict[str, float]:
-        """The values at the start of the inputs that signals drive, by their names."""
-        return {one: signal.at_start(one) for signal in self.signals.values() for one in signal.input}
+    def _at_start(self, name: str, otherwise: float) -> float:
+        """Return the value of an input at the start, which is ``otherwise`` unless a signal drives it."""
+        for signal in self.signals.values():
+            if name in signal.input:
+                return value_at_start(signal, name, self.simulation.stop_time)
+        return otherwise
 
     @property
     def point_names(self) -> dict[int, str]:

@@ -1,12 +1,7 @@
 """The table of the scene file for a signal: a dataclass whose fields are its keys, as in tables.py."""
 
-import math
-from bisect import bisect_right
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from chain_impact.kernel.chain.signals import smooth
 from chain_impact.scene.limits import NO_KEY, quantity
 
 FORMS = ("constant", "sine", "ramp", "steps", "table")
@@ -69,42 +64,3 @@ class Signal:
     )
     period: float | None = quantity("s", "time after which a table repeats", None, above=0.0)
     samples: Samples | None = field(default=None, metadata=NO_KEY)
-
-    def at_start(self, name: str) -> float:
-        """Return the value at t = 0 of an input that the signal drives.
-
-        The rows of a table are joined by lines there, also where a spline joins them.
-        """
-        if self.samples is not None:
-            values, times = self.samples.values(name), self.samples.times
-            lap = math.floor(-times[0] / self.period) * self.period if self.period else 0.0
-            if self.interpolation == "hold":
-                return values[max(0, bisect_right(times, -lap) - 1)]
-            return float(np.interp(0.0, times, values, period=self.period))
-        if self.times and self.values:
-            return self.values[max(0, bisect_right(self.times, 0.0) - 1)]
-        since = -(self.start or 0.0)
-        if self.form == "ramp":
-            initial, final = self.initial or 0.0, self.final or 0.0
-            return initial + (final - initial) * _risen(since / (self.duration or 1.0), self.shape)
-        if self.form == "sine":
-            size, s = (
-                (self.amplitude or 0.0) * (_risen(since / self.rise) if self.rise else 1.0),
-                max(since, 0.0),
-            )
-            turns = s * ((self.frequency or 0.0) + 0.5 * (self.frequency_rate or 0.0) * s)
-            return (self.mean or 0.0) + size * math.sin((self.phase or 0.0) + math.tau * turns)
-        return self.value or 0.0
-
-
-def _risen(part: float, shape: str | None = "smooth") -> float:
-    """Return how far a ramp has risen from 0 to 1 after a part of its duration."""
-    x = min(max(part, 0.0), 1.0)
-    if shape == "linear":
-        return x
-    if shape == "smooth":
-        return float(smooth(x)[0])
-    # a third of the time each: uniform acceleration, uniform speed, uniform deceleration
-    if 2.0 * x > 1.0:
-        return 1.0 - _risen(1.0 - x, shape)
-    return 2.25 * x * x if 3.0 * x < 1.0 else 1.5 * x - 0.25

@@ -8,16 +8,8 @@ from itertools import pairwise
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.signal import Samples, Signal
-from chain_impact.scene.signals import (
-    CLOSED,
-    family,
-    how_asked,
-    inputs_of,
-    is_closed,
-    is_motion,
-    joined_by,
-    unit_of,
-)
+from chain_impact.scene.signal_values import CLOSED, is_closed, is_motion, joined_by
+from chain_impact.scene.signals import family, how_asked, inputs_of, unit_of
 
 # smallest speed that counts as motion, as a part of a sine's largest speed; below it is round-off
 AT_REST = 1e-12

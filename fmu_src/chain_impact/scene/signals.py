@@ -16,6 +16,7 @@ from chain_impact.scene.contents import AnyScene, Contents
 from chain_impact.scene.names import AXES, input_asked, input_key, is_like, nearest
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.signal import FORMS, Samples, Signal
+from chain_impact.scene.signal_values import knots_of
 from chain_impact.scene.table_file import read_table, samples_of
 
 Numbers = tuple[float, ...]
@@ -35,8 +36,6 @@ OTHER: dict[str, dict[str, Any]] = {
     "table": {"interpolation": None, "period": None},
 }
 """Form → the keys that may be missing, and their defaults."""
-KNOTS = {"constant": 1, "sine": 3, "ramp": 3}
-"""Form → number of polynomials that it needs; a ramp in the shape of a trapezoid needs two more."""
 _UNITS = {
     "joint[{n}].torque": "N.m",
     "joint[{n}].target_angle": "rad",
@@ -53,10 +52,6 @@ _UNITS = {
     "wall.{name}.acceleration": "m/s2",
     "wall.{name}.belt_speed": "m/s",
 }
-
-
-# largest gap between the last row of a table and the end of its period, as a part of the period
-CLOSED = 1e-9
 
 
 class Driven(NamedTuple):
@@ -95,31 +90,6 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
     return tuple(sorted(found, key=lambda one: one.input.endswith("target_velocity")))
 
 
-def knots_of(signal: Signal) -> int:
-    """Return the number of polynomials that a signal needs for each input."""
-    if signal.form == "steps":
-        return len(signal.times or ())
-    if signal.samples is not None:
-        count = len(signal.samples.times)
-        return count - is_closed(signal) if signal.period else count + 1
-    return KNOTS[signal.form] + 2 * (signal.shape == "trapezoid")
-
-
-def joined_by(signal: Signal, driven: str) -> str:
-    """Return how the rows of a table for an input are joined: ``hold``, ``linear`` or ``spline``.
-
-    The default is as for samples in Python: a spline for the motion of base and walls, which must not jump.
-    """
-    return signal.interpolation or ("spline" if is_motion(driven) else "hold")
-
-
-def is_closed(signal: Signal) -> bool:
-    """Return whether the last row of a periodic table is one period after the first row, which it repeats."""
-    times = signal.samples.times if signal.samples else ()
-    last = times[-1] - times[0] - (signal.period or 0.0)
-    return abs(last) <= CLOSED * (signal.period or 0.0)
-
-
 def family(name: str) -> tuple[str, ...]:
     """Return an input's integrals, the input and its derivatives, in order; "" for one that is no input."""
     head, _, last = name.rpartition(".")
@@ -137,11 +107,6 @@ def family(name: str) -> tuple[str, ...]:
 def unit_of(name: str) -> str:
     """Return the unit of an input."""
     return next(unit for template, unit in _UNITS.items() if is_like(name, template))
-
-
-def is_motion(name: str) -> bool:
-    """Return whether an input moves the base or a wall, so that position and velocity must not jump."""
-    return name.startswith(("base.", "wall.")) and not name.endswith(".belt_speed")
 
 
 def with_signals(scene: AnyScene, folder: Path) -> AnyScene:

@@ -1,5 +1,5 @@
 // What drives inputs over time: which inputs each signal drives, what is in the record of it, and what is refused, as
-// `scene/signals.py` and `variables/driving.py` do it. The page has the tables of its own scene only.
+// `scene/signals.py` and `scene/signal_values.py` do it. The page has the tables of its own scene only.
 
 import { numbersIn } from "./unpacked.js";
 

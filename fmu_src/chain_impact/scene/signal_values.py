@@ -1,0 +1,154 @@
+"""The rows of signals in the record, and the values of signals at the start, as the kernel computes them.
+
+kernel/chain/signals.py has the fields of the record, and evaluates them.
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from chain_impact.kernel.chain.signals import derive_signals, signal_at
+from chain_impact.kernel.record.signals import knot_dtype, signal_dtype
+from chain_impact.scene.signal import FORMS, SHAPES, Signal
+
+NUMBERS = (
+    *("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
+    *("start", "rise", "initial", "final", "duration"),
+)
+"""The keys of signals that are numbers. The record has 0 for a key that a form does not have."""
+KNOTS = {"constant": 1, "sine": 3, "ramp": 3}
+"""Form → number of polynomials that it needs; a ramp in the shape of a trapezoid needs two more."""
+# largest gap between the last row of a table and the end of its period, as a part of the period
+CLOSED = 1e-9
+
+
+def value_at_start(signal: Signal, driven: str, stop: float) -> float:
+    """Return the value at t = 0 of an input that a signal drives, in a run until ``stop`` [s]."""
+    own, knot = np.zeros((), signal_dtype(1)), np.zeros((), knot_dtype(knots_of(signal)))
+    write_signal({"signal": own, "knot": knot}, 0, signal, driven, stop)
+    d = SimpleNamespace(signals=1, signal=_fields(own), knot=_fields(knot))
+    derive_signals(d, 0.0)
+    return float(signal_at(d, 0, 0.0)[0])
+
+
+def _fields(part: np.ndarray) -> SimpleNamespace:
+    """Return a part of a record with its fields as attributes, as the kernel reads them."""
+    return SimpleNamespace(**{name: part[name] for name in part.dtype.names or ()})
+
+
+def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> None:
+    """Write a signal to row j of a record that is all zeros but for the row's order and its first knot.
+
+    Args:
+        d: the parts ``signal`` and ``knot`` of the record.
+        j: the row.
+        signal: the signal.
+        driven: the input that the row drives.
+        stop: the end of the run [s].
+    """
+    own = d["signal"]
+    first, order = int(own["first"][j]), int(own["order"][j])
+    rows = slice(first, first + knots_of(signal))
+    own["form"][j], own["shape"][j] = FORMS.index(signal.form), SHAPES.index(signal.shape or SHAPES[0])
+    own["last"][j], own["segment"][j] = rows.stop - 1, first
+    for key in NUMBERS:
+        own[key][j] = getattr(signal, key) or 0.0
+    if signal.form == "steps":
+        d["knot"]["given_time"][rows], d["knot"]["given_value"][rows] = signal.times, signal.values
+    if signal.form == "table":
+        times, powers, own["gain"][j] = table_of(signal, driven, order, stop)
+        own["period"][j] = signal.period or 0.0
+        d["knot"]["time"][rows], d["knot"]["powers"][rows, : powers.shape[1]] = times, powers
+
+
+def knots_of(signal: Signal) -> int:
+    """Return the number of polynomials that a signal needs for each input."""
+    if signal.form == "steps":
+        return len(signal.times or ())
+    if signal.samples is not None:
+        count = len(signal.samples.times)
+        return count - is_closed(signal) if signal.period else count + 1
+    return KNOTS[signal.form] + 2 * (signal.shape == "trapezoid")
+
+
+def joined_by(signal: Signal, driven: str) -> str:
+    """Return how the rows of a table for an input are joined: ``hold``, ``linear`` or ``spline``.
+
+    The default is as for samples in Python: a spline for the motion of base and walls, which must not jump.
+    """
+    return signal.interpolation or ("spline" if is_motion(driven) else "hold")
+
+
+def is_closed(signal: Signal) -> bool:
+    """Return whether the last row of a periodic table is one period after the first row, which it repeats."""
+    times = signal.samples.times if signal.samples else ()
+    last = times[-1] - times[0] - (signal.period or 0.0)
+    return abs(last) <= CLOSED * (signal.period or 0.0)
+
+
+def is_motion(name: str) -> bool:
+    """Return whether an input moves the base or a wall, so that position and velocity must not jump."""
+    return name.startswith(("base.", "wall.")) and not name.endswith(".belt_speed")
+
+
+def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return the polynomials of a table for one input, integrated ``order`` times.
+
+    Args:
+        signal: the signal with the table.
+        driven: the input.
+        order: number of integrations.
+        stop: end of the run [s].
+
+    Returns:
+        The start of each polynomial, shape (R,) [s], the coefficients of the powers of the time since its
+        start, shape (R, P), and the growth of the last integral in a period.
+    """
+    assert signal.samples
+    at, values = np.array(signal.samples.times), np.array(signal.samples.values(driven))
+    period = signal.period
+    if period and not is_closed(signal):
+        at, values = np.append(at, at[0] + period), np.append(values, values[0])
+    powers = _interpolated(signal, driven, at, values, stop)
+    if not period:
+        # the first value holds before the table, and the last one from its own time on
+        held = np.zeros((2, powers.shape[1]))
+        held[:, 0] = values[[0, -1]]
+        at, powers = np.append(at[0], at), np.concatenate([held[:1], powers, held[1:]])
+    ends, gain = np.append(at[1:], at[-1]), 0.0
+    if period:
+        at, ends = at[:-1], at[1:]
+    for _ in range(order):
+        powers = np.insert(powers / np.arange(1.0, powers.shape[1] + 1.0), 0, 0.0, axis=1)
+        grown = np.cumsum(_at(powers, ends - at))
+        powers[1:, 0], gain = grown[:-1], float(grown[-1])
+        # the integral is 0 at the start of the run
+        k = int(np.clip(np.searchsorted(at, 0.0, side="right") - 1, 0, None))
+        powers[:, 0] -= _at(powers[[k]], np.array([-at[k]]))
+    return at, powers, gain if period else 0.0
+
+
+def _interpolated(signal: Signal, driven: str, at: np.ndarray, values: np.ndarray, stop: float) -> np.ndarray:
+    """Return the coefficients of the polynomials between rows, in rising powers of the time since the row."""
+    kind, moves = joined_by(signal, driven), is_motion(driven)
+    if kind == "hold" or len(at) == 1:
+        return values[:-1, np.newaxis]
+    if kind == "linear":
+        return np.stack([values[:-1], np.diff(values) / np.diff(at)], axis=1)
+    from scipy.interpolate import CubicSpline
+
+    # base and walls are at rest where the table does not last for the whole run
+    ends = ["clamped" if moves and inside else "not-a-knot" for inside in (at[0] > 0.0, at[-1] < stop)]
+    spline = CubicSpline(at, values, bc_type="periodic" if signal.period else tuple(ends))
+    return np.asarray(spline.c[::-1].T)
+
+
+def _at(powers: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return the values of polynomials, one argument for each."""
+    total = np.zeros(len(x))
+    for column in powers.T[::-1]:
+        total = total * x + column
+    return total
