@@ -23,7 +23,7 @@ def test_the_page_that_simulates_and_its_dialogs_are_clean(show, scheme):
     page.get_by_text("All parameters", exact=True).click()
     page.get_by_role("button", name="Pin").click()
     assert_clean(page, "list of parameters and a pinned motion")
-    for button in ("Edit…", "Map…", "Export…", "Help"):
+    for button in ("Edit…", "Map…", "Chart…", "Export…", "Help"):
         page.get_by_role("button", name=button).click()
         assert_clean(page, button)
         page.keyboard.press("Escape")

@@ -39,6 +39,7 @@ MODULES = (
         "ghosts",
         "handles",
         "outside",
+        "curve_choice",
     ),
     *("map_scales", "map", "edit", "explore"),
 )

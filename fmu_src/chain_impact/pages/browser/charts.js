@@ -1,15 +1,13 @@
 // The charts, by uPlot: energy over the whole time, and the force of one contact.
 
-import { make } from "./dom.js";
-import { durationText, forceText, unitText, unitsOf } from "./format.js";
-import { lastBefore } from "./recording.js";
+import { durationText, forceText, unitsOf } from "./format.js";
 
 const WIDTHS = { total: 2.4 };
 const AROUND = 0.35; // of a contact's duration, shown before and after it
-const MOMENT = 1e-3; // s, shown before and after an impact without a duration
+/** The time shown before and after an impact without a duration [s]. */
+export const MOMENT = 1e-3;
 const NO_FORCE = 1e-9; // N
 const NARROWEST = 48; // pixels, the least width of a vertical axis; most labels need no more
-const INPUT_COLOURS = 6; // of the style sheet
 const LABEL_MARGIN = 4; // pixels on the left of a label
 
 /** A colour of the style sheet. */
@@ -106,29 +104,49 @@ class Chart {
 }
 
 /** Quantities over the whole time, with their names and their values at the present time. */
-class TimeChart extends Chart {
+export class TimeChart extends Chart {
   names = [];
+  soft = false; // whether the axis begins at zero where that is near
 
   constructor(element, height, entries, seek) {
     super(element, height);
     Object.assign(this, { entries, seek });
   }
 
-  /** Make the plot of curves, each a name and a colour of the style sheet; `range` gives the ends of the axis, `hooks` draw more, ticks have some `space`. */
-  makeCurves(curves, data, { range, hooks = {}, space = 30 }) {
+  /** First and last time of the view [s]. */
+  get span() {
+    return [this.recording.start, this.recording.end];
+  }
+
+  /** Curves of the recordings to compare with: `places`, times and values, and `stroke`. */
+  get behind() {
+    return [];
+  }
+
+  /** Make the plot of curves, each a name, a colour of the style sheet, and where it has them dashes and `isStepped`; ticks have some `space`. */
+  makeCurves(curves, data, space = 30) {
     this.names = curves.map(({ name }) => name);
-    const series = curves.map(({ name, stroke }) => ({ stroke: () => colour(stroke), width: WIDTHS[name] ?? 1.6, points: { show: false } }));
+    const series = curves.map(({ name, stroke, dash, isStepped }) => ({
+      stroke: () => colour(stroke),
+      width: WIDTHS[name] ?? 1.6,
+      dash,
+      points: { show: false },
+      ...(isStepped && { paths: uPlot.paths.stepped({ align: 1 }) }),
+    }));
     this.make(
       {
         series: [{}, ...series],
-        scales: { x: { time: false, range: () => [this.recording.start, this.recording.end] }, y: { range } },
-        axes: [axis({ size: 26, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(6)} s`) }), axis({ size: labelledWidth, space })],
-        hooks: { drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)], ...hooks },
+        scales: { x: { time: false, range: () => this.span }, y: { range: (_, least, most) => this.#range(least, most) } },
+        axes: [axis({ size: 26, space: 64, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(6)} s`) }), axis({ size: labelledWidth, space })],
+        hooks: {
+          drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)],
+          draw: [(plot) => this.behind.forEach(({ places, stroke }) => drawCurve(plot, places, stroke))],
+        },
       },
       data,
     );
     this.entries.replaceChildren();
-    this.values = curves.map(({ name, stroke }) => [name, entryOf(this.entries, name, stroke)]);
+    this.values = curves.map(({ name, stroke, dash }) => [name, entryOf(this.entries, name, stroke, dash)]);
     const go = (event) => {
       const { left } = this.plot.over.getBoundingClientRect();
       this.seek(this.plot.posToVal(event.clientX - left, "x"));
@@ -139,39 +157,42 @@ class TimeChart extends Chart {
     });
     this.plot.over.addEventListener("pointermove", (event) => event.buttons && go(event));
   }
+
+  /** The ends of the axis: all curves in the view fit between them, also those behind. */
+  #range(least, most) {
+    const [from, to] = this.span;
+    let [low, high] = [least, most];
+    for (const { places: [times, values] } of this.behind) {
+      values.forEach((value, k) => {
+        if (times[k] < from || times[k] > to) return;
+        low = Math.min(low, value);
+        high = Math.max(high, value);
+      });
+    }
+    return uPlot.rangeNum(low, high, 0.1, this.soft);
+  }
 }
 
 /** All energies over the whole time. */
 export class EnergyChart extends TimeChart {
+  soft = true;
+
   constructor(element, energies, seek) {
     super(element, 180, energies, seek);
+  }
+
+  get behind() {
+    return this.others.map(({ recording: { time, energies }, colour: stroke }) => ({ places: [time, energies.total ?? []], stroke }));
   }
 
   show(recording) {
     const names = Object.keys(recording.energies);
     const data = [recording.time, ...Object.values(recording.energies)];
     this.recording = recording;
-    if (names.join() !== this.names.join()) this.#make(names, data);
+    if (names.join() !== this.names.join()) this.makeCurves(names.map((name) => ({ name, stroke: name })), data);
     else this.plot.setData(data);
     const largest = data.slice(1).reduce((most, values) => values.reduce((so, value) => Math.max(so, Math.abs(value)), most), 0);
     this.decimals = Math.min(Math.max(3 - Math.floor(Math.log10(largest || 1)), 0), 9);
-  }
-
-  #make(names, data) {
-    this.makeCurves(names.map((name) => ({ name, stroke: name })), data, {
-      range: (_, least, most) => this.#range(least, most),
-      hooks: {
-        draw: [(plot) => this.others.forEach(({ recording: { time, energies }, colour: stroke }) =>
-          drawCurve(plot, [time, energies.total ?? []], stroke))],
-      },
-    });
-  }
-
-  /** The ends of the axis: the energies, and the total ones of the others, fit between them. */
-  #range(least, most) {
-    const totals = this.others.flatMap(({ recording: { energies } }) => Array.from(energies.total ?? []));
-    const [low, high] = totals.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [least, most]);
-    return uPlot.rangeNum(low, high, 0.1, true);
   }
 
   compare(others) {
@@ -188,67 +209,14 @@ export class EnergyChart extends TimeChart {
 }
 
 /** An entry of a list: a name with a line in its colour, and the element for its present value, which is returned. */
-function entryOf(list, name, stroke) {
+function entryOf(list, name, stroke, dash) {
   const [entry, term, value] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));
   term.textContent = name;
+  term.style.setProperty("--line-style", dash ? (dash[0] > dash[1] ? "dashed" : "dotted") : "solid");
   term.style.setProperty("--colour", `var(--${stroke})`);
   entry.append(term, value);
   list.append(entry);
   return value;
-}
-
-/** What drives inputs of one unit over the whole time. */
-class InputChart extends TimeChart {
-  show(recording, curves) {
-    const data = [recording.inputs.time, ...curves.map(({ values }) => values)];
-    Object.assign(this, { recording, curves });
-    if (curves.map(({ name }) => name).join() === this.names.join()) this.plot.setData(data);
-    else this.makeCurves(curves, data, { range: (_, least, most) => uPlot.rangeNum(least, most, 0.1, false), space: 16 });
-  }
-
-  draw(time) {
-    this.mark(time);
-    const { time: times } = this.recording.inputs;
-    const row = Math.min(lastBefore(times, time), times.length - 2);
-    const share = Math.min(Math.max((time - times[row]) / (times[row + 1] - times[row]), 0), 1);
-    this.values.forEach(([, value], k) => {
-      const { values, unit } = this.curves[k];
-      const now = values[row] + share * (values[row + 1] - values[row]);
-      value.textContent = [Number(now.toPrecision(4)), unitText(unit)].join("\u202f");
-    });
-  }
-}
-
-/** What drives inputs, a chart for each unit. */
-export class InputCharts {
-  constructor(element, seek) {
-    Object.assign(this, { element, seek, charts: new Map() });
-  }
-
-  show(recording) {
-    this.recording = recording;
-    const { curves } = recording.inputs;
-    const units = [...new Set(curves.map(({ unit }) => unit))];
-    if (units.join() !== [...this.charts.keys()].join()) {
-      this.charts = new Map(units.map((unit) => [unit, this.#chartOf()]));
-      this.element.replaceChildren(...[...this.charts.values()].flatMap(({ element, entries }) => [element, entries]));
-    }
-    const coloured = curves.map((curve, k) => ({ ...curve, stroke: `input-${(k % INPUT_COLOURS) + 1}` }));
-    this.charts.forEach((chart, unit) => chart.show(recording, coloured.filter((curve) => curve.unit === unit)));
-  }
-
-  #chartOf() {
-    const [element, entries] = [make("div", { className: "chart input-chart" }), make("dl", { className: "entries" })];
-    element.setAttribute("role", "img");
-    element.setAttribute("aria-label", "Driven inputs over time; click to go to a time");
-    return new InputChart(element, 104, entries, this.seek);
-  }
-
-  compare() {}
-
-  draw(frame) {
-    this.charts.forEach((chart) => chart.draw(this.recording.timeAt(frame)));
-  }
 }
 
 /** A tick of a time axis in seconds or milliseconds, all ticks in the same unit. */

@@ -4,6 +4,7 @@ import { find, make } from "./dom.js";
 import { Player } from "./player.js";
 import { Recording } from "./recording.js";
 import { Changes } from "./changes.js";
+import { CurveChoice } from "./curve_choice.js";
 import { contentsIn, Editor } from "./edit.js";
 import { Engine } from "./engine.js";
 import { Ghosts } from "./ghosts.js";
@@ -33,6 +34,10 @@ const player = new Player(1);
 const ghosts = new Ghosts(player, find("pins"), find("pin-table"));
 const handles = new Handles(player, changes, find("scene"));
 player.further.push(ghosts, handles);
+const choice = new CurveChoice(changes, () => {
+  remember();
+  update();
+});
 
 /** The view before, if the next one is within it and not much smaller: a picture that keeps still. */
 function steady(next) {
@@ -80,7 +85,7 @@ async function update() {
   const text = changes.texts().map(([name, one]) => `${name} = ${one}`).join(", ");
   const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
   const result = await engine
-    .ask("motion", changes.values, { replaces: true }, (share) => find("stage").style.setProperty("--share", `${100 * share}%`))
+    .ask("motion", changes.values, { replaces: true, curves: choice.names }, (share) => find("stage").style.setProperty("--share", `${100 * share}%`))
     .catch((error) => ({ parts: null, fault: `The solver cannot work in this browser: ${error.message}.` }));
   clearTimeout(waiting);
   if (!result) return;
@@ -98,7 +103,7 @@ async function update() {
 
 /** The address of the page with the changes. */
 function address() {
-  const hash = hashOf(changes, opened);
+  const hash = hashOf(changes, { scene: opened, curves: choice.names.join() });
   return location.href.split("#")[0] + (hash && `#${hash}`);
 }
 
@@ -137,12 +142,14 @@ function showWords() {
 /** Take the scene and the changes of the address; what cannot be is told, and changes nothing. */
 function takeAddress() {
   try {
-    const { scene: text = "", ...given } = changesIn(location.hash);
+    const { scene: text = "", curves = "", ...given } = changesIn(location.hash);
     if (text !== opened) {
       if (text) open(contentsIn(text));
       else show(own, "");
     }
-    changes.replace(new Changes(changes.scene).with(given));
+    const values = new Changes(changes.scene).with(given);
+    choice.take(curves);
+    changes.replace(values);
   } catch (error) {
     notice = `The link cannot be used: ${error.message}.`;
     remember();

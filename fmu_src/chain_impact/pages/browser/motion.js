@@ -1,5 +1,5 @@
-// A motion to be shown, from two runs. The first finds the impacts, the second has rows at the frames, which are close in
-// time where it is shown slowly. Rows do not change the solution.
+// A motion to be shown, from two runs, and a third where outputs are chosen. The first finds the impacts, the second has
+// rows at the frames, which are close in time where it is shown slowly. Rows do not change the solution.
 
 import { bodiesOf, railOf } from "./bodies.js";
 import { contactsOf, framesOf, timesOf } from "./frames.js";
@@ -12,6 +12,7 @@ const PARTS = 100; // of the first run, between which it can be stopped
 const ROWS_OF_INPUTS = 2000; // of the first run where signals drive inputs
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
 const FRAMES_OF_A_PERIOD = 16; // of the fastest sine that drives an input, at least
+const [FOLLOWED, ROWS_OF_IMPACT] = [400, 50]; // impacts with more rows of chosen outputs, and how many
 const ALONE = 1e-3; // of the size of the motion: a smaller radius is not drawn
 
 /** The impacts of a run as a recording has them. */
@@ -49,8 +50,12 @@ function interleaved(each) {
   return found;
 }
 
-/** What a `Recording` is made of, and how the runs ended; it yields the share that is done. */
-export function* motion(kernel, values) {
+/**
+ * What a `Recording` is made of, and how the runs ended; it yields the share that is done.
+ *
+ * @param curves names of outputs that are wanted over time.
+ */
+export function* motion(kernel, values, { curves = [] } = {}) {
   const { scene } = kernel;
   const valueOf = (name) => {
     const parameter = kernel.parameters.get(name);
@@ -60,7 +65,9 @@ export function* motion(kernel, values) {
   const began = performance.now();
   const { driven } = scene;
   const firstTimes = driven.length ? unevenTimes(stop, ROWS_OF_INPUTS) : rowTimes(stop, stop / PARTS);
-  const first = yield* half(kernel.run(values, firstTimes, driven, Math.ceil(firstTimes.length / PARTS)), 0);
+  const chosen = scene.columns.filter(({ name }) => curves.includes(name));
+  const runs = chosen.length ? 3 : 2;
+  const first = yield* part(kernel.run(values, firstTimes, driven, Math.ceil(firstTimes.length / PARTS)), 0, runs);
   const spent = performance.now() - began;
   const end = first.status === 0 ? stop : Math.min(first.reached, stop);
   const { status, place, reached, statistics, impacts } = first;
@@ -73,7 +80,7 @@ export function* motion(kernel, values) {
   const { moved } = scene;
   const words = [...moved.map(({ word }) => word), ...points.flat(), ...Object.values(energies), ...ofTouches, ...loads.flatMap((force) => [force.x, force.y])]
     .filter((word) => word !== null);
-  const { time, columns } = yield* half(kernel.run(values, times, words.map((word) => ({ word }))), 0.5);
+  const { time, columns } = yield* part(kernel.run(values, times, words.map((word) => ({ word }))), 1, runs);
   if (time.length < 2) return { ...ending, parts: null };
   const column = (word) => (word === null ? undefined : columns[words.indexOf(word)]);
   const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
@@ -111,7 +118,21 @@ export function* motion(kernel, values) {
     pinned: scene.pinned,
   };
   const inputs = { time: first.time, curves: driven.map(({ name, unit }, k) => ({ name, unit, values: first.columns[k] })) };
-  return { ...ending, parts: { ...framesOf(rows, { times: time, frameRate }), inputs } };
+  const outputs = { time, curves: [] };
+  if (chosen.length) {
+    const found = yield* part(kernel.run(values, withImpacts(time, contacts), chosen), 2, runs);
+    outputs.time = found.time;
+    outputs.curves = chosen.map(({ name, unit, integer }, k) => ({ name, unit, integer, values: found.columns[k] }));
+  }
+  return { ...ending, parts: { ...framesOf(rows, { times: time, frameRate }), inputs, outputs } };
+}
+
+/** Times with more of them within impacts, which may be between two of them. */
+function withImpacts(times, contacts) {
+  const inside = contacts.slice(0, FOLLOWED).flatMap(({ onset, impactEnd }) =>
+    Array.from({ length: ROWS_OF_IMPACT }, (_, k) => onset + ((impactEnd - onset) * k) / (ROWS_OF_IMPACT - 1)));
+  const all = Float64Array.from([...times, ...inside.filter((time) => time < times.at(-1))]).sort();
+  return all.filter((time, k) => k === 0 || time > all[k - 1]);
 }
 
 /** How many frames there are in a second on the screen: so many that the sines that drive inputs are seen. */
@@ -131,10 +152,11 @@ function unevenTimes(stop, count) {
   return times;
 }
 
-function* half(run, from) {
+/** Go through one of several runs. */
+function* part(run, number, runs) {
   let step = run.next();
   while (!step.done) {
-    yield from + step.value / 2;
+    yield (number + step.value) / runs;
     step = run.next();
   }
   return step.value;

@@ -79,13 +79,16 @@ function tomlOf(value) {
   return JSON.stringify(value);
 }
 
-/** The changes as the part of an address after #, behind the text of the scene file if it is not the page's own. */
-export function hashOf(changes, opened = "") {
-  const texts = [...(opened ? [["scene", opened]] : []), ...changes.texts()];
+/**
+ * The changes as the part of an address after #, behind what else the page shows: `scene`, the text of the scene file if it
+ * is not the page's own, and `curves`, the names of the outputs in the chart.
+ */
+export function hashOf(changes, shown = {}) {
+  const texts = [...Object.entries(shown).filter(([, text]) => text), ...changes.texts()];
   return texts.map(([name, text]) => `${name}=${encodeURIComponent(text)}`).join("&");
 }
 
-/** The changes in an address: name → text; and `scene`, the text of a scene file. */
+/** What is in an address: name → text. */
 export function changesIn(hash) {
   const parts = hash.replace(/^#/, "").split("&").filter(Boolean).map((part) => part.split("="));
   return Object.fromEntries(parts.map(([name, text = ""]) => [decodeURIComponent(name), decodeURIComponent(text)]));

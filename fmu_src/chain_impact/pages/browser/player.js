@@ -1,8 +1,9 @@
 // The player: the parts of the page that show a recording, and the loop that draws them.
 
-import { EnergyChart, ForceChart, InputCharts } from "./charts.js";
+import { EnergyChart, ForceChart } from "./charts.js";
 import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
+import { CurveCharts } from "./curve_charts.js";
 import { find } from "./dom.js";
 import { rateText } from "./format.js";
 import { ImpactList, impactText } from "./impacts.js";
@@ -23,7 +24,9 @@ export class Player {
       [({ energies }) => Object.keys(energies).length > 0, find("energy").closest("section"),
         new EnergyChart(find("energy"), find("energies"), (time) => this.clock.seek(time))],
       [({ inputs }) => inputs?.curves.length > 0, find("inputs-over-time").closest("section"),
-        new InputCharts(find("inputs-over-time"), (time) => this.clock.seek(time))],
+        new CurveCharts(find("inputs-over-time"), (time) => this.clock.seek(time), { of: ({ inputs }) => inputs, label: "Driven inputs" })],
+      [({ outputs }) => outputs?.curves.length > 0, find("outputs-over-time").closest("section"),
+        new CurveCharts(find("outputs-over-time"), (time) => this.clock.seek(time), { of: ({ outputs }) => outputs, label: "Outputs", closer: find("closer") })],
       [({ forces }) => forces.length > 0, find("force").closest("section"),
         new ForceChart(find("force"), find("close-what"), find("over"))],
     ];

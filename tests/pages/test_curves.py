@@ -1,0 +1,93 @@
+"""The chart of outputs: what is chosen is drawn with the numbers of `simulate()`, and stays in the link."""
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from tests.pages.conftest import packed_module, page_contents, until
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+SHOWN = "[...document.querySelectorAll('#outputs-over-time dt')].map((term) => term.textContent)"
+MOTION = """async ({ module, file, kit, curves }) => {
+  const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
+  const { parts: { outputs, time } } = runThrough(motion(kernel, {}, { curves }));
+  return { frames: time.length, rows: outputs.time.length, names: outputs.curves.map(({ name }) => name),
+    most: outputs.curves.map(({ values }) => values.reduce((a, b) => Math.max(a, b))) }; }"""
+
+
+@pytest.fixture(scope="module")
+def result():
+    return simulate("four_link_box")
+
+
+def told(page, name):
+    """Return the value of an output beside its name, without its unit."""
+    row = page.locator("#outputs-over-time div").filter(has=page.get_by_text(name, exact=True))
+    return float(row.locator("dd").inner_text().split("\u202f")[0])
+
+
+def test_outputs_of_a_link_are_drawn_and_told_at_each_time(show, result):
+    page = show(hash_="#curves=point[4].*y,impact.count")
+    names = ["point[4].y", "point[4].vy", "point[4].ay", "impact.count"]
+    assert page.evaluate(SHOWN) == names
+    assert page.locator("#outputs-over-time canvas").count() == 4, "a chart for each unit"
+    page.locator("#scrub").fill("0.9")
+    until(page, "document.getElementById('time').textContent === '0.90000 s'")
+    for name in names:
+        known = np.interp(0.9, result.time, result[name])
+        assert told(page, name) == pytest.approx(known, abs=1e-3 * np.ptp(result[name]))
+
+
+def test_outputs_are_chosen_by_hand_and_go_into_the_link(show):
+    page = show()
+    assert page.locator("#outputs-over-time").is_hidden()
+    page.get_by_role("button", name="Chart…").click()
+    page.get_by_role("searchbox", name="Search the outputs").fill("4 y_min force")
+    page.get_by_role("checkbox", name="contact[4].y_min.force").check()
+    until(page, f"{SHOWN}.join() === 'contact[4].y_min.force'")
+    field = page.get_by_role("textbox", name="Names, with * for any text")
+    for text, sentence in (
+        ("point[9].x", "point[9].x is no output."),
+        ("x*", "no output is like x*."),
+        ("*", "must be at most 18."),
+    ):
+        field.fill(text)
+        field.press("Enter")
+        assert page.locator("#curves-text").inner_text().endswith(sentence)
+        assert page.evaluate(SHOWN) == ["contact[4].y_min.force"]
+    field.fill("energy.total, point[4].y")
+    field.press("Enter")
+    until(page, f"{SHOWN}.join() === 'point[4].y,energy.total'")
+    until(page, "decodeURIComponent(location.hash) === '#curves=energy.total,point[4].y'")
+    page.keyboard.press("Escape")
+    page.reload()
+    until(page, f"{SHOWN}.join() === 'point[4].y,energy.total'")
+
+
+def test_a_view_of_one_impact_has_its_peak_and_the_curve_of_a_pinned_motion(show, result):
+    page = show(hash_="#curves=contact[*].y_min.force")
+    page.get_by_role("button", name="Go to impact 1, ").click()
+    assert page.get_by_role("button", name="At impact").get_attribute("aria-pressed") == "false"
+    page.get_by_role("button", name="At impact").click()
+    impact = result.impacts[0]
+    charts = page.locator("#outputs-over-time .u-over").first
+    box = charts.bounding_box()
+    page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 10)
+    middle = (impact["onset"] + impact["end"]) / 2
+    until(
+        page, f"Math.abs(Number(document.getElementById('time').textContent.slice(0, 7)) - {middle}) < 5e-5"
+    )
+    assert 0.5 < told(page, "contact[2].y_min.force") / impact["peak_force"] < 1.0
+
+
+def test_the_kernel_gives_chosen_outputs_only_with_the_peaks_of_all_impacts(worker, result):
+    given = {"module": packed_module(), **page_contents(load_scene("four_link_box"))}
+    assert worker.evaluate(MOTION, {**given, "curves": []})["names"] == []
+    names = [f"contact[{point}].y_min.force" for point in range(5)]
+    found = worker.evaluate(MOTION, {**given, "curves": names})
+    assert found["names"] == names
+    floor = result.impacts[result.impacts["wall"] == result.scene.wall_names.index("y_min")]
+    peaks = [floor["peak_force"][floor["point"] == point].max(initial=0.0) for point in range(5)]
+    assert found["most"] == pytest.approx(peaks, rel=2e-3)
+    assert found["rows"] > found["frames"]
