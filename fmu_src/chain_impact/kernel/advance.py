@@ -1,9 +1,9 @@
 """Advance an instance in time: phases, step control, and the run-ahead to the communication point.
 
-The solver takes its own steps and runs ahead of the communication point, whose outputs are interpolated by
-the dense output; so the result does not depend on the communication step. An event at the end of a step
-(a contact begins or ends, a peak is passed) takes effect at the start of the next step, hence not before
-the communication point has passed it. ``d`` is the record of the instance (record/instance.py).
+The solver takes its own steps and runs ahead of the communication point. Outputs come from the dense output
+of a step, so the result does not depend on the communication step. An event at the end of a step (a contact
+begins or ends, a peak is passed) takes effect at the start of the next step, so not before the communication
+point has passed the event. ``d`` is the record of the instance (record/instance.py).
 """
 
 from chain_impact.kernel import hooks
@@ -85,21 +85,21 @@ from chain_impact.kernel.status import (
     work_exceeded,
 )
 
-# [s] Longest step. The error estimate of a chain in flight without spin is only round-off and gives no limit.
+# [s] The longest step. The error estimate of a chain in flight without spin is only round-off: no limit.
 LONGEST_STEP = 1.0
-# [s] Shortest step, far below the resolution of floating-point time except at t = 0. A run that needs a
-# shorter one ends.
+# [s] The shortest step, far below the resolution of floating-point time except at t = 0. A run ends if it
+# needs a shorter step.
 SHORTEST_STEP = 1e-18
 
 
 def advance(d, time, log_capacity, work):
-    """Bring the instance to ``time`` [s], not before its present time.
+    """Advance the instance to ``time`` [s], which must not be before the instance's present time.
 
     Returns:
-        A status. After a fault the instance stays at the last time it reached. The run can continue after
-        LOG_FULL when the finished contacts, for which the log has room for ``log_capacity``, and the changes
-        of dry friction have been collected. It can continue after PAUSED, which is returned when the work
-        since the start exceeds ``work`` evaluations.
+        A status. After a fault the instance stays at the last time it reached. LOG_FULL: the log has no room
+        for more than ``log_capacity`` finished contacts, or for more changes of dry friction; the run can
+        continue after the caller has collected them. PAUSED: the work since the start exceeds ``work``
+        evaluations; the run can continue.
     """
     status = reinit_if_changed(d, time)
     while status == OK and d.step.end < time:
@@ -114,19 +114,19 @@ def advance(d, time, log_capacity, work):
 
 
 def log_is_full(d, capacity):
-    """Return whether ``capacity`` contacts wait for collection, or the log of changes lacks room."""
+    """Return whether ``capacity`` contacts wait for collection, or the log of mode changes has no room."""
     if d.finished.count - d.finished.collected >= capacity:
         return True
     return capacity < UNLIMITED and d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements
 
 
 def advance_to_onset(d, time):
-    """Advance as ``advance`` does, without its bounds, but only to the first onset, which is not yet applied.
+    """Advance as ``advance`` does, but without limits on log and work, and only to the first onset.
 
-    An onset at the present time counts if it was not known before: a point may start at a wall.
+    The onset is not applied yet. An onset at the present time counts if it is new: a run may start at a wall.
 
     Returns:
-        A status; ONSET_DUE where contacts begin at the time reached.
+        A status; ONSET_DUE if contacts begin at the time that is reached.
     """
     status, fresh = reinit_if_changed(d, time), False
     while status == OK and d.step.end < time:
@@ -141,9 +141,9 @@ def advance_to_onset(d, time):
 
 
 def event_update(d):
-    """Apply the onsets at the communication point, with the present parameters; returns a status.
+    """Apply the onsets at the communication point, with the present parameters, and return a status.
 
-    The state right after the onsets is the start of the next step.
+    The next step starts in the state right after the onsets.
     """
     status = reinit_if_changed(d, d.step.time)
     while status == OK and onset_due(d):
@@ -154,12 +154,12 @@ def event_update(d):
 
 
 def onset_due(d):
-    """Return whether contacts begin at the communication point that have not been applied yet."""
+    """Return whether contacts begin at the communication point whose onsets are not applied yet."""
     return d.step.end == d.step.time and ends_in_onset(d)
 
 
 def reinit_if_changed(d, time):
-    """Re-initialize if an input or parameter has changed; moving parts go on to ``time`` [s].
+    """Re-initialize if an input or parameter has changed, and let moving parts follow up to ``time`` [s].
 
     Returns a status.
     """
@@ -182,7 +182,7 @@ def must_reinit(d):
 
 
 def advance_one_step(d):
-    """Take a step; after a fault, reset to the last time reached. Returns a status."""
+    """Take a step; after a fault, reset to the last time reached. Return a status."""
     set_status(d, take_step(d))
     if d.statistics.status == OK:
         hooks.on_step(d)
@@ -199,14 +199,14 @@ def set_output_time(d, time):
 
 
 def reinit(d):
-    """Re-initialize at the communication point, because an input or parameter changed; returns a status."""
+    """Re-initialize at the communication point, because an input or parameter changed. Return a status."""
     update_to_output_time(d)
-    control.rescale(d, time_rate_now(d, d.step.state_end))  # the size of the next step, in seconds
+    control.rescale(d, time_rate_now(d, d.step.state_end))  # the next size becomes a time in seconds
     reset_step(d, d.step.time, d.step.state_end)
     status = apply_pending_inputs(d)
     clear_loads(d)
     reinit_balance(d)
-    # the steps of a chain at rest are far too long for the motion that a new input may cause
+    # steps of a chain at rest are far too long for the motion that a new input may cause
     control.limit(d, first_size(d))
     if status == OK:
         hooks.on_reinit(d)
@@ -214,11 +214,11 @@ def reinit(d):
 
 
 def apply_pending_inputs(d):
-    """Apply the given inputs and parameters, and update the active set; invalid parameters change nothing.
+    """Apply the given inputs and parameters, and update the active set. Invalid parameters change nothing.
 
     Returns:
-        A status. While a point touches a wall, a law with penetration cannot change to a rigid one. If no
-        forces are found for the new values, these are applied all the same.
+        A status. While a point touches a wall, a law with penetration cannot change to a rigid law. If no
+        forces are found for the new values, the values are applied nevertheless.
     """
     clear_unsolved(d)
     apply_inputs(d)
@@ -230,19 +230,19 @@ def apply_pending_inputs(d):
 
 
 def latch_again(d):
-    """Latch again the values of active contacts that follow from a law that may have changed."""
+    """Latch again the values of active contacts that depend on their laws, which may have changed."""
     for k in range(d.touch.compliant_count):
         latch(d, d.touch.active_index[k])
 
 
 def apply_laws(d):
-    """Set latched values, held contacts, modes and sides of kinks for laws that may have changed."""
+    """Set latched values, held contacts, modes and sides of kinks after laws may have changed."""
     latch_again(d)
     renew_modes(d, belts_jump(d))
 
 
 def take_step(d):
-    """Take one accepted step, up to the first event in it; returns a status."""
+    """Take one accepted step, up to the first event in the step; return a status."""
     clear_unsolved(d)
     status = check_base(d) if d.channels > 0 else OK
     if d.signals > 0 and status == OK:
@@ -262,25 +262,25 @@ def take_step(d):
 
 
 def check_solved(d, status):
-    """Return FORCES_NOT_FOUND if the forces or modes at an event have not been found, else ``status``."""
+    """Return FORCES_NOT_FOUND if forces or modes at an event have not been found, else ``status``."""
     return FORCES_NOT_FOUND if status == OK and d.rigid.unsolved == UNSOLVED else status
 
 
 def find_step(d):
-    """Try steps of ever smaller size until one is accepted, up to its first event; returns a status."""
+    """Try ever smaller steps until a step is accepted, up to its first event; return a status."""
     wanted = min(d.step.next_size, LONGEST_STEP)
     limited = limit_to_piece(d, wanted)
     if d.signals > 0:
         limited = limit_to_segment(d, limited)
     h, grow = prepare(d, limited), control.GROW
     if limited < wanted:
-        # a step that was lengthened to pass the end of a contact must not pass the end of the piece
+        # a step that is lengthened to pass the end of a contact must not pass the end of the inputs' piece
         h = min(h, limited)
-    while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # a shorter step would be lost in the time
+    while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # h must exceed the resolution of time
         try_step(d, h)
         suggested = h * min(grow, control.factor(d))
         if control.accepted(d):
-            # the end of an input's piece says nothing about the step size
+            # a step that ends with a piece of the inputs does not show which size the errors allow
             control.propose(d, max(suggested, wanted) if limited < wanted and grow > 1.0 else suggested)
             return OK
         count_rejected_step(d)
@@ -291,7 +291,7 @@ def find_step(d):
 
 
 def try_step(d, h):
-    """Try a step of size h; if it is accepted, it becomes the last step, up to its first event."""
+    """Try a step of size h; if the step is accepted, it becomes the last step, up to its first event."""
     clear_stage_notes(d)
     attempt(d, h)
     if not control.accepted(d):
@@ -318,18 +318,19 @@ def try_step(d, h):
 def must_land(d, theta):
     """Return whether the last step must be repeated to end at the event at its fraction θ (−1: no event).
 
-    At the end of a contact and at its kink the force is not smooth, and the interpolant of a step across it
-        is less accurate than the step. The interpolant of an implicit step is less accurate everywhere except
-        at its ends, so such a step is repeated for every event. This includes events near its start: a point
-        that bounces lower and lower would otherwise fall faster than it has risen, and bounce without end.
+    The force of a contact is not smooth at its end and at its kink, so the interpolant of a step across this
+    point is less accurate than the step. The interpolant of an implicit step is less accurate everywhere
+    except at its ends, so an implicit step is repeated for every event. This includes events near the start
+    of the step: otherwise a point that bounces lower and lower would fall faster than it has risen, and
+    bounce without end.
     """
     return theta > 0.0 and (bends_force(d) or (d.step.last_method == IMPLICIT and theta < 1.0))
 
 
 def land(d, theta):
-    """Repeat the last step up to its fraction θ.
+    """Repeat the last step so that it ends at its fraction θ.
 
-    Return the fraction of the repeated step with the onsets, or −1.
+    Returns the fraction of the repeated step at which the onsets are, or −1.
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)
@@ -338,13 +339,13 @@ def land(d, theta):
         control.conclude(d, control.FAR_OFF, d.trial.cost_factor)
         return -1.0
     accept(d)
-    # the size of the next step follows from the error of the whole step
+    # the error of the whole step, not of the repeated part, determines the size of the next step
     control.conclude(d, error, d.trial.cost_factor)
     return onset_fraction(d)
 
 
 def begin_step(d):
-    """Apply the events at the end of the last step; returns their number."""
+    """Apply the events at the end of the last step; return the number of events."""
     events, kinked = apply_pending_events(d)
     if d.given.changed:
         apply_next_piece(d)
@@ -358,14 +359,14 @@ def begin_step(d):
     if events > 0 or d.balance.breaks != d.step.breaks:
         rebase_energy(d)
     if not kinked:
-        choose_method(d)  # a step that a kink cuts short is no evidence of stiffness
+        choose_method(d)  # a step that ends at a kink does not show whether the equations are stiff
     choose_variable(d, events > 0)
     set_first_stage(d)
     return events
 
 
 def apply_pending_events(d):
-    """Apply the events and set the rate after them; returns their number, and whether any is a kink."""
+    """Apply the events and set the rate after them; return their number, and whether any is a kink."""
     events = d.drive.event
     kinked = events > 0
     for c in range(d.candidates):

@@ -1,8 +1,8 @@
-"""The functions for callers of an instance; compilation/entry_points.py makes C functions of them.
+"""The functions that callers of an instance use; compilation/entry_points.py makes C functions of them.
 
-``sound`` checks that a record from outside, such as a restored state of an FMU, is safe to compute with:
-every number that the kernel uses as an index or as the number of iterations of a loop. Any other number may
-be wrong: it leads to a fault status, never to an access outside the record.
+``sound`` checks that a record from outside, such as a restored state of an FMU, is safe to compute with: it
+checks every number that the kernel uses as an index or as the number of iterations of a loop. Any other wrong
+number leads to a fault status, never to an access outside the record.
 """
 
 from chain_impact.kernel import hooks
@@ -49,7 +49,7 @@ from chain_impact.kernel.status import (
 def sound(d):
     """Return 1 if every index of the record is within bounds and the hooks' own indices are valid, else 0.
 
-    The caller must ensure that the sizes at the start of the record, such as the number of links, are right.
+    The caller must check the sizes at the start of the record, such as the number of links.
     """
     return 1 if within_bounds(d) and hooks.indices_valid(d) == 1 else 0
 
@@ -77,10 +77,10 @@ def within_bounds(d):
         fits = (
             fits
             and within(d.candidate.stop[c], -2, 2)
-            # a stop belongs to a joint, and joints count from 1
+            # a stop belongs to a joint, and the numbers of joints begin at 1
             and within(d.candidate.point[c], abs(d.candidate.stop[c]) % 2, d.links + d.sites)
             and within(d.candidate.place[c], 0, 2 * d.links + d.sites)
-            # stops have the numbers after those of the walls
+            # the numbers of stops follow the numbers of the walls
             and within(d.candidate.wall[c], 0, len(WALLS) + d.candidates - 1 + 2 * abs(d.candidate.stop[c]))
         )
         fits = fits and within(d.shift.channel[c], -1, max(-1, d.channels - 2))
@@ -109,7 +109,7 @@ def signals_within_bounds(d):
         fits = fits and within(own.first[j], 0, own.last[j]) and within(own.last[j], 0, d.knots - 1)
         fits = fits and within(own.segment[j], own.first[j], own.last[j])
         if fits:
-            # the indices of given knots, and the number of knots that a form needs
+            # number of given knots in the record, and number of knots that a form of signal needs
             given, needed = own.first[own.source[j]] + own.last[j] - own.first[j], 0
             if own.form[j] == SINE or own.form[j] == RAMP:
                 needed = 4 if own.shape[own.source[j]] == TRAPEZOID else 2
@@ -132,7 +132,7 @@ def friction_within_bounds(d):
 
 
 def least_law(d):
-    """Return the least number of a law: 0 before the start of a run and after a start that failed."""
+    """Return the least valid number of a law: 0 before the start of a run and after a start that failed."""
     started = d.model.size != 0.0 and d.statistics.status == OK
     return 1 if started or d.touch.active_count > 0 else 0
 
@@ -143,27 +143,28 @@ def within(number, least, most):
 
 
 def advance_to(d, time):
-    """Bring the instance to ``time`` [s]; returns a status.
+    """Advance the instance to ``time`` [s], and return a status.
 
-    If the caller does not collect the finished contacts, the oldest are overwritten.
+    New finished contacts overwrite the oldest ones that the caller has not collected.
     """
     return advance(d, time, UNLIMITED, UNLIMITED)
 
 
 def advance_awhile(d, time):
-    """Advance as ``advance_to``, but return PAUSED within a second of computing, to let the caller stop."""
+    """Advance as ``advance_to`` does, but return PAUSED after about a second, so that the caller can stop."""
     return advance(d, time, UNLIMITED, work_done(d) + work_of_a_call(d))
 
 
 def observe_now(d):
     """Fill the outputs with the values at the communication point.
 
-    New values that the run does not use yet are tried: the instance must be a copy of the running one, so
-    that outputs can be read at any time without changing the run.
+    If new values wait that the run does not use yet, the function computes the outputs with these values. The
+    instance must therefore be a copy of the running instance, so that a read of outputs does not change the
+    run.
 
     Returns:
-        The status of the run, or the status with which it could not continue with the new values. In the
-        second case other values may still be set before the next step, and the outputs do not change.
+        The status of the run, or the fault status that the new values cause. In the second case the outputs
+        do not change, and other values may still be set before the next step.
     """
     observe(d)
     status = d.statistics.status
@@ -171,15 +172,15 @@ def observe_now(d):
 
 
 def observe_trial(d):
-    """Apply the new values, and fill the outputs that they change at once; returns a status.
+    """Apply the new values, and fill the outputs that change at once. Return a status.
 
-    No run continues from here. After a fault all outputs stay unchanged.
+    No run can continue from the instance afterwards. After a fault all outputs stay unchanged.
     """
     counted = counted_work(d)
     keep_state(d)
     status = reinit(d)
     if status == OK:
-        # a rigid wall corrects the state at the start of a step
+        # a rigid wall corrects the state at the start of a step, so return to the state before the correction
         return_to_kept_state(d)
         refill_motion(d)
         hooks.on_observe_trial(d)
@@ -188,7 +189,7 @@ def observe_trial(d):
 
 
 def trajectory(d, words, times, spans, rows):
-    """Advance to each of the times [s] in turn, and fill one row for each with numbers of the record.
+    """Advance to each of the times [s] in turn, and fill a row of numbers of the record at each time.
 
     Args:
         d: the instance.
@@ -199,8 +200,8 @@ def trajectory(d, words, times, spans, rows):
         rows: result, shape (T, W).
 
     Returns:
-        The number of rows filled: fewer than requested after a fault, when the log of finished contacts is
-        full and has to be collected, or to return within a second of computing.
+        The number of rows filled. It is smaller than the number of times after a fault, when the log of
+        finished contacts is full, or when a second of computing is over.
     """
     log_capacity = len(d.finished.point) - d.candidates
     work = work_done(d) + work_of_a_call(d)
@@ -219,25 +220,25 @@ def trajectory(d, words, times, spans, rows):
 
 
 def run_each(d, words, places, values, stops, output_indices, rows, continuing):
-    """Run the instance once for each row of parameter values, each time from its start.
+    """Run the instance from its start once for each row of parameter values.
 
     A run does not depend on the runs before it: no run changes a parameter, and ``initialize`` sets
-        everything else.
+    everything else.
 
     Args:
         d: the instance.
         words: all numbers of the record (8 bytes each), shape (W,).
         places: indices of the words that vary, shape (K,).
-        values: their values in each run, shape (R, K).
+        values: the values of these words in each run, shape (R, K).
         stops: the end time of each run, shape (R,) [s].
         output_indices: indices of the words to return from the end of a run, shape (L,).
-        rows: result, shape (R, L): the requested words. After a fault the outputs among them are not those at
-            the end.
-        continuing: 1 if an earlier call has begun the first run, which now continues.
+        rows: result, shape (R, L): the requested words. After a fault, outputs among the words do not belong
+            to the end of the run.
+        continuing: 1 if an earlier call has begun the first run, which this call continues.
 
     Returns:
-        The number of complete runs. It is smaller than requested if the function returns after a second of
-        computing; the next run has then begun.
+        The number of complete runs. If the number is smaller than requested, a second of computing was over,
+        and the next run has begun.
     """
     work = work_of_a_call(d) + (work_done(d) if continuing else 0)
     for r in range(len(rows)):
@@ -254,7 +255,10 @@ def run_each(d, words, places, values, stops, output_indices, rows, continuing):
 
 
 def finish_run(d, stop, work):
-    """Advance to ``stop`` [s], and log the contacts that last there, for their peaks; returns a status."""
+    """Advance to ``stop`` [s], and log the contacts that last until then, for their peaks.
+
+    Return a status.
+    """
     log_capacity = len(d.finished.point) - d.candidates
     status = LOG_FULL
     allow_any_length(d)

@@ -1,4 +1,4 @@
-"""The equations of motion ẏ = f(y), which combine all parts of the model, and the energy that they keep.
+"""The equations of motion ẏ = f(y), which combine all parts of the model, and the energy balance.
 
 chain/state.py describes y.
 """
@@ -43,15 +43,15 @@ from chain_impact.kernel.rows.geometry import clearance
 def energy_balance(d, y):
     """Return the energy balance [J], constant in the exact motion, for the located points.
 
-    It is the kinetic, potential and elastic energy, plus the dissipated energy, minus the energy that inputs
-    supply.
+    The balance is the kinetic, potential and elastic energy, plus the dissipated energy, minus the energy
+    that inputs supply.
     """
     kinetic, potential = mechanical_energy(d, y)
     return kinetic + potential + other_energy(d, y)
 
 
 def other_energy(d, y):
-    """Return the energy balance without kinetic and potential energy [J], for the located points."""
+    """Return the energy balance [J] without kinetic and potential energy, for the located points."""
     return stored_energy(d, y) + y[dissipated_at(d.links)] - y[supplied_at(d.links)]
 
 
@@ -102,8 +102,8 @@ def rotor_energy(d, y):
 
 
 def state_rate(d, y, rate):
-    """Set rate = f(y), for the active contacts and the present inputs."""
-    # in free flight no point is located, no wall is moved and no force is evaluated
+    """Set rate = f(y), with the active contacts and the present inputs."""
+    # in free flight no force acts at a point, so no point is located and no wall is moved
     if d.touch.active_count > 0 or d.model.driven or d.friction.count > 0:
         locate_points(d, y)
         located_rate(d, y, rate)
@@ -120,9 +120,9 @@ def located_rate(d, y, rate):
 
 
 def told_rate(d, y, rate):
-    """Set the rate ẏ as ``located_rate`` does, with the forces of outputs: none continues beyond its kink.
+    """Set the rate ẏ as ``located_rate`` does, but with the true forces, which do not continue beyond a kink.
 
-    The dissipated power in ẏ leaves out the contacts.
+    The dissipated power in ẏ does not contain the contacts' part.
     """
     ensure_inputs(d, y)
     apply_told_contacts(d)
@@ -131,7 +131,7 @@ def told_rate(d, y, rate):
 
 
 def constrain(d, y, rate):
-    """Add the effects of constraints and of motions of base and walls to a rate ẏ that has none yet."""
+    """Add to a rate ẏ the effects of constraints and of given motions of base and walls."""
     if any_constraint(d):
         add_constraint_forces(d, y, rate)
     if d.channels > 0:
@@ -139,12 +139,12 @@ def constrain(d, y, rate):
 
 
 def free_rate(d, y, rate):
-    """Set rate = f(y), for the located points, without the forces of constraints."""
+    """Set rate = f(y) for the located points, without the forces of constraints."""
     loaded_rate(d, y, apply_contacts(d), rate)
 
 
 def loaded_rate(d, y, dissipated, rate):
-    """Set rate = f(y), for given loads; ``dissipated`` is the power [W] that the contacts dissipate."""
+    """Set rate = f(y) for the present loads; ``dissipated`` is the power [W] that the contacts dissipate."""
     n = d.links
     supplied = 0.0
     if d.model.resisting or d.model.driven or d.model.jointed:
@@ -169,7 +169,7 @@ def loaded_rate(d, y, dissipated, rate):
 
 
 def clear_stage_notes(d):
-    """Reset the records of a step's stages: crossings of kinks, forces not found, least forces, margins."""
+    """Clear the records of a step's stages: crossed kinks, forces not found, least forces and margins."""
     clear_unsolved(d)
     clear_crossings(d)
     clear_least_forces(d)
@@ -178,13 +178,13 @@ def clear_stage_notes(d):
 
 
 def joint_moments(d, y):
-    """Set the net joint moment on each link; return the power [W] dissipated and supplied.
+    """Set the net joint moment on each link; return the dissipated and the supplied power [W].
 
     The proximal joint of link i carries τ_i = u_i − c_i (ω_i − ω_{i−1}) − k_i φ_i: +τ_i on link i, −τ_i on
     link i − 1. A free base has no joint to carry τ_1. In a drive all power of τ_i is supplied.
     """
     dissipated = 0.0
-    # force on the tip
+    # the power of the force at the tip, the end of the last link
     tip = d.links
     supplied = d.inputs.tip_force[0] * d.work.velocity.x[tip] + d.inputs.tip_force[1] * d.work.velocity.y[tip]
     before = 0.0
@@ -214,7 +214,7 @@ def joint_moments(d, y):
 
 
 def add_place_moments(d):
-    """Add the moments of stops and dry friction, loads at the joints' places, to both links of each joint."""
+    """Add the moments of stops and dry friction, loads at joints' places, to both links of each joint."""
     for i in range(d.links):
         torque = d.model.size * d.work.load.x[d.links + 1 + i]
         d.work.moment[i] += torque
@@ -223,7 +223,7 @@ def add_place_moments(d):
 
 
 def add_spring_moments(d, y):
-    """Add the moments of springs that are no drives: −k_i φ_i on link i, and +k_i φ_i on link i − 1."""
+    """Add the moments of springs that belong to no drive: −k_i φ_i on link i, and +k_i φ_i on link i − 1."""
     for i in range(d.links):
         # −k (θ_i − θ_{i−1} − φ₀)
         torque = -elastic_stiffness(d, i) * stretch(d, y, i)

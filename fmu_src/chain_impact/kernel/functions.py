@@ -1,4 +1,4 @@
-"""Functions that are compiled in a special way: they clear memory, are inlined, or combine others."""
+"""Functions that the compiler treats specially: they clear memory, are inlined, or combine functions."""
 
 
 def clear(part):
@@ -7,13 +7,13 @@ def clear(part):
 
 
 def inlined(function):
-    """Mark a function that is compiled into its callers, so that the compiler knows its arguments."""
+    """Mark a function for inlining into its callers, so that the compiler knows the arguments."""
     function.inlined = True
     return function
 
 
 def dispatch(functions):
-    """Make a function of (number, …) that calls one of several functions, by its number from 0."""
+    """Return a function of (number, …) that calls the function with this number, from 0, in ``functions``."""
     first, others = functions[0], functions[1:]
     if not others:
         return lambda _number, *rest: first(*rest)
@@ -22,7 +22,7 @@ def dispatch(functions):
 
 
 def sequence(first, *others):
-    """Return a function that calls several functions, which return nothing, in turn with its arguments."""
+    """Return a function that calls several functions in turn with its arguments, and returns nothing."""
     if not others:
         return first
     rest = sequence(*others)

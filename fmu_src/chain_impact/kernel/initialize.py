@@ -1,4 +1,4 @@
-"""Initialization: checks the parameters, derives constants from them, and sets the initial state."""
+"""Initialization of a run: check the parameters, derive constants from them, and set the initial state."""
 
 import math
 
@@ -56,12 +56,13 @@ from chain_impact.kernel.status import (
     set_status,
 )
 
-# [m] depth in a wall at the start that still counts as touching: round-off of positions and sines
+# [m] the largest depth of a point in a wall at the start that counts as touching: round-off of positions and
+# sines
 OVERLAP = 1e-12
 
 
 def initialize(d, time):
-    """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
+    """Set the state at ``time`` [s] from the parameters and initial values, and return a status."""
     derive_chain(d)
     clear_run(d, time)
     if d.signals > 0:
@@ -99,7 +100,7 @@ def set_initial_state(d, y):
     """Set y to the state that the initial values describe."""
     n = d.links
     for j in range(2):
-        # a moving base has no part in the state
+        # the state does not contain the motion of a moving base
         y[j] = 0.0 if d.channels > 0 and d.model.base_moves else d.initial.position[j]
         y[velocity_at(n) + j] = d.initial.velocity[j]
     if d.slides:
@@ -115,7 +116,7 @@ def set_initial_state(d, y):
 def clear_run(d, time):
     """Clear the data of an earlier run, for a run that starts at ``time`` [s].
 
-    Large parts are not cleared as a whole, which would take a twentieth of the time of a short run.
+    Large parts of the record are not cleared, because this would take a twentieth of the time of a short run.
     """
     clear(d.step)
     clear(d.trial)
@@ -144,7 +145,8 @@ def derive_chain(d):
     """Derive the values that are not given, the recursion's constants, scales, and features of joints."""
     model = d.model
     d.stops.exponent = in_use(d.stops.given_exponent, d.contact.exponent)
-    model.middle = 0 if model.pinned else len(model.length) // 2  # as in `accelerations`
+    # the same choice of the middle joint as in `accelerations`
+    model.middle = 0 if model.pinned else len(model.length) // 2
     model.size, model.reach = 0.0, 0.0
     for i in range(len(model.length)):
         c = in_use(model.given_center_of_mass[i], middle(model.length[i]))
@@ -152,7 +154,7 @@ def derive_chain(d):
         inertia = inertia_of_box(model.mass[i], model.length[i], model.height[i])
         model.inertia[i] = in_use(model.given_inertia[i], inertia)
         model.center_of_mass_ratio[i] = c / model.length[i]
-        # I + m c²
+        # the inertia I + m c² about the proximal joint
         model.proximal_inertia[i] = model.inertia[i] + model.mass[i] * c * c
         rest = model.length[i] - c
         model.distal_inertia[i] = model.inertia[i] + model.mass[i] * rest * rest
@@ -187,14 +189,14 @@ def derive_chain(d):
 
 
 def derive_slider(d):
-    """Derive the direction of the slider's line, and whether its drive has a limit."""
+    """Derive the direction of the slider's line, and whether the slider's drive has a limit."""
     d.slider.ux, d.slider.uy = math.cos(d.slider.angle), math.sin(d.slider.angle)
     if d.slider.force_limit < math.inf:
         d.model.limited = 1
 
 
 def derive_sites(d):
-    """Derive the first site of each link, the arms of the sites over the link's length, and their reach."""
+    """Derive the first site of each link, and the sites' arms and reach."""
     before, s, model = 0.0, 0, d.model
     for i in range(d.links):
         model.first_site[i] = s
@@ -212,9 +214,9 @@ def derive_sites(d):
 
 
 def derive_resistance(d):
-    """Derive the resistance of joints by the dampers and springs in use.
+    """Derive whether joints resist with dampers or springs, and with how much, from the values in use.
 
-    At first no drive is at its limit.
+    The function assumes that no drive is at its limit.
     """
     clear_saturation(d)
     model = d.model
@@ -231,7 +233,7 @@ def derive_resistance(d):
 
 
 def check_parameters(d):
-    """Check the values on which divisions and loops depend, as an importer may set any value.
+    """Check the values that enter divisions and loops, because an importer may set any value.
 
     Returns a status.
     """
@@ -267,7 +269,7 @@ def slider_is_valid(d):
 
 
 def walls_are_finite(d):
-    """Return whether the places of the walls, and the radius of the points, are finite numbers."""
+    """Return whether the positions of the walls and the radius of the points are finite numbers."""
     total = d.contact.radius
     for w in range(len(d.model.wall)):
         total += d.model.wall[w]
@@ -277,7 +279,7 @@ def walls_are_finite(d):
 
 
 def check_stops(d):
-    """Check the parameters of the stops in joints; returns a status."""
+    """Check the parameters of the stops in joints, and return a status."""
     for value in (d.stops.exponent, d.stops.minimum_impact_speed):
         if not (value > 0.0 and math.isfinite(value)):
             return PARAMETER_OUT_OF_RANGE
@@ -288,7 +290,7 @@ def check_stops(d):
 
 
 def check_links(d):
-    """Check the parameters of the links and their joints; returns a status."""
+    """Check the parameters of the links and their joints, and return a status."""
     for i in range(d.links):
         for value in (d.model.length[i], d.model.mass[i]):
             if not (value > 0.0 and math.isfinite(value)):
@@ -316,13 +318,13 @@ def check_links(d):
 
 
 def first_size(d):
-    """Return a first step size [s] from the rotation of the links; the error control then adapts it."""
+    """Return a first step size [s], from how fast the links turn; the error control adapts the size later."""
     state_rate(d, d.step.state, d.work.rate_start)
     return in_flight(d, d.step.state, d.work.rate_start)
 
 
 def check_start(d):
-    """Refuse an initial state or energy that is not finite, and a point beyond a wall; returns a status."""
+    """Refuse a start that is not finite or has a point beyond a wall, and return a status."""
     locate_points(d, d.step.state)
     for j in range(len(d.work.y)):
         if not math.isfinite(d.step.state[j] + d.work.rate_start[j]):

@@ -1,4 +1,4 @@
-"""Loads: the forces and moments that the joints transmit, and those of the chain on each wall.
+"""Loads: the forces and moments that the joints transmit, and the forces and moments of the chain on walls.
 
 Newton's law for links i…N, with f_i the force of link i − 1 on link i, and F_k the forces at the points, is
 
@@ -9,13 +9,13 @@ a site on the site's link. Integrated over time, with p the momentum of these li
 
     ∫f_i dt = Δp − Σ m_j g Δt − Σ_{k≥i} ∫F_k dt,
 
-which includes the impulses of rigid walls. So the joints need no quadrature of their own. The peaks of |f_i|
-are found in the dense output of each step. An impulse of a rigid wall is no force and enters no peak. The
-largest force while a contact lasts comes from the steps in which the contact is active: it begins and ends at
+which includes the impulses of rigid walls. So the impulses in joints need no quadratures. The peaks of |f_i|
+are found in the dense output of each step. A peak does not include impulses of rigid walls. The largest force
+during a contact comes from the steps in which the contact is active, because a contact begins and ends at
 ends of steps.
 
-The record has a row for each joint, from 0 (the base's joint), and then a row for each wall. A scene that
-does not request loads has none.
+The record has a row for each joint, beginning with joint 0 at the base, and then a row for each wall. The
+record of a scene that does not request loads has no such rows.
 """
 
 import math
@@ -31,14 +31,14 @@ from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_poin
 from chain_impact.kernel.rows.geometry import WALLS, at_joint, lever, link_of, normal, tangent
 from chain_impact.kernel.status import counted_work, uncount_work
 
-# Number of intervals between the samples of joint forces in an explicit and in an implicit step; in an
-# implicit step the forces may rise and fall often.
+# The number of intervals between the samples of joint forces in an explicit step, and in an implicit step,
+# where the forces may rise and fall often.
 INTERVALS, IMPLICIT_INTERVALS = 8, 32
-NEARLY = 0.95  # a parabola through three samples estimates the square of a peak with at least this fraction
+NEARLY = 0.95  # the least fraction of a squared peak that a parabola through three samples finds
 
 
 def start_loads(d, time):
-    """Start at ``time`` [s] without peaks, in the state at the end of the last step."""
+    """Begin a run at ``time`` [s] without peaks, in the state at the end of the last step."""
     own = d.transmitted
     locate_points(d, d.step.state_end)
     own.start_time, own.seen_end = time, math.nan
@@ -48,7 +48,7 @@ def start_loads(d, time):
 
 
 def keep_tip_impulse(d, j, impulse):
-    """Keep component j of the impulse [N·s] of the tip's force since the start."""
+    """Store component j of the impulse [N·s] of the tip's force since the start."""
     d.transmitted.tip_impulse[j] = impulse
 
 
@@ -60,7 +60,7 @@ def link_momenta(d, x, y):
 
 
 def joint_forces(d, contact_force, friction_force, x, y):
-    """Set x and y to f_i [N] for the accelerated points, with forces of the active contacts, by candidate."""
+    """Set x and y to f_i [N] for the accelerated points, from forces of the active contacts, by candidate."""
     for i in range(d.links):
         ax, ay = at_center(d, d.work.acceleration, i)
         x[i] = d.model.mass[i] * (ax - d.model.gravity[0])
@@ -71,7 +71,7 @@ def joint_forces(d, contact_force, friction_force, x, y):
 
 
 def subtract_contact(d, c, along_normal, along_tangent, x, y):
-    """Subtract the force or impulse of candidate c from its link's need."""
+    """Subtract the force or impulse of candidate c from the need of the link on which it acts."""
     if d.candidate.stop[c] == 0:
         fx, fy = wall_force(d, c, along_normal, along_tangent)
         i = link_of(d, c)
@@ -80,7 +80,7 @@ def subtract_contact(d, c, along_normal, along_tangent, x, y):
 
 
 def sum_from_tip(d, at_tip, x, y):
-    """Turn the need of each link into the force of its joint, with a force or impulse at the tip."""
+    """Turn the need of each link into the force of its joint, with a force or impulse ``at_tip``."""
     x[d.links - 1] -= at_tip[0]
     y[d.links - 1] -= at_tip[1]
     for i in range(d.links - 2, -1, -1):
@@ -89,7 +89,7 @@ def sum_from_tip(d, at_tip, x, y):
 
 
 def wall_force(d, c, along_normal, along_tangent):
-    """Return the force [N] or impulse [N·s] of a wall on candidate c's point, from the arrays of all."""
+    """Return the force [N] or impulse [N·s] of a wall on candidate c's point, from two arrays."""
     _, nx, ny = normal(d, c)
     fx, fy = along_normal[c] * nx, along_normal[c] * ny
     if d.elements > 0:
@@ -100,10 +100,10 @@ def wall_force(d, c, along_normal, along_tangent):
 
 
 def fill_loads(d, y, rate):
-    """Fill the outputs of forces and moments, for the accelerated points, from the forces of the contacts.
+    """Fill the outputs of forces and moments from the forces of the contacts, for the accelerated points.
 
     The moment of a joint is the whole moment on its outer link: the torque of the drive minus the torque that
-    accelerates the armature. So each link obeys Euler's law with these moments.
+    accelerates the armature. With this definition each link obeys Euler's law.
     """
     out = d.output
     joint_forces(d, out.force, out.friction.force, out.load.x, out.load.y)
@@ -129,7 +129,7 @@ def fill_loads(d, y, rate):
 
 
 def fill_guide(d):
-    """Fill the outputs of the line's force and moment on the slider's carriage, from the loads of joint 1."""
+    """Fill the outputs of the line's force and moment on the slider's carriage, from the loads of joint 0."""
     out, own, gravity = d.output, d.slider, d.model.gravity
     # R = n·(f₁ − m g),  n = (−u_y, u_x); the carriage does not turn
     fx, fy = out.load.x[0] - own.mass * gravity[0], out.load.y[0] - own.mass * gravity[1]
@@ -137,7 +137,7 @@ def fill_guide(d):
 
 
 def load_wall(d, c):
-    """Add the force of candidate c on its wall, and its moment, to the outputs.
+    """Add the force of candidate c on its wall, and the moment of this force, to the outputs.
 
     The moment is about the wall's point; for a wall of the box it is about the origin.
     """
@@ -154,7 +154,7 @@ def load_wall(d, c):
 
 
 def fill_load_impulses(d):
-    """Fill the outputs of the impulses in joints at the communication point, for the located points."""
+    """Fill the outputs of impulses in joints at the communication point, for the located points."""
     out, own = d.output, d.transmitted
     x, y, lasted = out.load.impulse_x, out.load.impulse_y, d.step.time - own.start_time
     link_momenta(d, x, y)
@@ -167,9 +167,9 @@ def fill_load_impulses(d):
 
 
 def fill_load_peaks(d):
-    """Fill the outputs of the largest forces so far; afterwards the points are located elsewhere.
+    """Fill the outputs of the largest forces so far; afterwards the points are located at another time.
 
-    Most steps raise none of them: then their rows need no search of their own.
+    Most steps raise no peak; the rows of such a step need no search.
     """
     out, own, rises = d.output.load, d.transmitted, False
     if own.seen_breaks != d.step.breaks or own.seen_end != d.step.end:
@@ -187,9 +187,9 @@ def fill_load_peaks(d):
 
 
 def update_load_peaks(d):
-    """Update the largest forces in the joints over the last step, since the start and during each contact.
+    """Update the largest forces in the joints, since the start and during each contact, for the last step.
 
-    As for outputs, no work is counted.
+    As outputs, loads do not count as work.
     """
     own, touch, counted = d.transmitted, d.touch, counted_work(d)
     ensure_dense(d, OUTPUTS)
@@ -201,7 +201,7 @@ def update_load_peaks(d):
         for i in range(0 if d.model.pinned else 1, d.links):
             if own.top[i] > touch.joint_top[c]:
                 set_joint_top(d, c, own.top[i], i + 1)
-    # sets the forces, and the values that follow from them, to the end of the step
+    # this call leaves the forces, and the values that follow from them, at the end of the step
     load_joints_at(d, fraction(d, d.step.end))
     ensure_points(d)
     uncount_work(d, counted)
@@ -210,8 +210,8 @@ def update_load_peaks(d):
 def search_step(d):
     """Set ``transmitted.top`` to the largest |f|² [N²] in the last step.
 
-    If neither the largest one so far nor one during an active contact rises, the value is only known to be
-    less than these.
+    If neither the largest force so far nor the largest force during an active contact rises, the search may
+    end with a smaller value.
     """
     own, least = d.transmitted, math.inf
     for k in range(d.touch.active_count):
@@ -222,7 +222,7 @@ def search_step(d):
 
 
 def search_peaks(d, time):
-    """Raise ``transmitted.top`` to the largest |f|² [N²] of the last step until a ``time`` [s]."""
+    """Raise ``transmitted.top`` to the largest |f|² [N²] of the last step up to a ``time`` [s]."""
     own, end = d.transmitted, fraction(d, time)
     intervals = IMPLICIT_INTERVALS if d.step.last_method == IMPLICIT else INTERVALS
     for m in range(intervals + 1):
@@ -239,16 +239,16 @@ def search_peaks(d, time):
 
 
 def rises_between(left, top, right, highest):
-    """Return whether a value with these three samples may have a maximum between them above ``highest``."""
+    """Return whether a value with these three samples may have a maximum above ``highest`` between them."""
     bend = 2.0 * top - left - right
-    # the top of a parabola through the samples, which may lie between the outer two at the ends of a step
+    # The maximum of a parabola through the samples counts if it lies between the outer samples.
     if bend <= 0.0 or abs(right - left) > 2.0 * bend:
         return False
     return top + (right - left) ** 2 / (8.0 * bend) > NEARLY * highest
 
 
 def load_joints_at(d, theta):
-    """Find the forces in the joints at the fraction θ of the last step."""
+    """Compute the forces in the joints at the fraction θ of the last step."""
     y, rate = d.work.y, d.work.rate
     interpolate(d.step, theta, y)
     locate_points(d, y)
@@ -258,7 +258,7 @@ def load_joints_at(d, theta):
 
 
 def square_of_force(d, i):
-    """Return |f|² [N²] of the joint in row i, from the forces found last."""
+    """Return |f|² [N²] of the joint in row i, for the forces that were computed last."""
     return d.transmitted.x[i] * d.transmitted.x[i] + d.transmitted.y[i] * d.transmitted.y[i]
 
 

@@ -1,7 +1,7 @@
 """The outputs at the communication point.
 
-A value that an importer sets acts at once on accelerations, forces and sticking. It changes neither the state
-nor integrals, such as impulses: these outputs stay unchanged until the next step.
+A value that an importer sets acts at once on the outputs of accelerations, forces and sticking. Outputs of
+the state and of integrals, such as impulses, stay unchanged until the next step.
 """
 
 from chain_impact.kernel import hooks
@@ -23,16 +23,16 @@ from chain_impact.kernel.status import counted_work, uncount_work
 
 
 def observe(d):
-    """Fill the output record with the values at ``step.time``, and call the hook."""
+    """Fill the outputs with the values at ``step.time``, and call the hook."""
     fill_outputs(d)
     hooks.on_observe(d)
 
 
 def fill_outputs(d):
-    """Fill the output record with the values at ``step.time``.
+    """Fill the outputs with the values at ``step.time``.
 
     The active contacts belong to the step that contains this time: a later impact that the solver has already
-        found is not visible yet.
+    found is not visible yet.
     """
     counted, theta = counted_work(d), fraction(d, d.step.time)
     fill_motion(d, theta)
@@ -49,7 +49,7 @@ def fill_outputs(d):
 
 
 def refill_motion(d):
-    """Fill again the outputs that are no integrals over the time until ``step.time``."""
+    """Fill again the outputs that are not integrals over time, at ``step.time``."""
     counted = counted_work(d)
     fill_motion(d, fraction(d, d.step.time))
     if d.model.stopped:
@@ -63,8 +63,8 @@ def fill_motion(d, theta):
     interpolate(d.step, theta, y)
     locate_points(d, y)
     if d.channels > 0 and any_constraint(d):
-        # The interpolant meets constraints and prescribed motions only up to its error. Sticking elements
-        # share their load by the limits of friction in this state.
+        # The interpolant satisfies constraints and prescribed motions only up to its error. Sticking elements
+        # share their load in proportion to the limits of friction in this state.
         apply_told_contacts(d)
         project_state(d, y)
     told_rate(d, y, rate)
@@ -110,7 +110,7 @@ def fill_motion(d, theta):
 
 
 def fill_site(d, s):
-    """Fill the outputs of site s's motion, which come after those of the points 0…N."""
+    """Fill the outputs of the motion of site s; the sites come after the points 0…N."""
     out, work, k, place = d.output, d.work, d.links + 1 + s, site_place(d, s)
     out.point_position[k, 0], out.point_position[k, 1] = work.position.x[place], work.position.y[place]
     out.point_velocity[k, 0], out.point_velocity[k, 1] = work.velocity.x[place], work.velocity.y[place]
@@ -119,7 +119,7 @@ def fill_site(d, s):
 
 
 def fill_forces(d):
-    """Fill the outputs of contacts, without their impulses; the points are located, the rate is evaluated."""
+    """Fill the outputs of contacts, except impulses, for located points and an evaluated rate."""
     out = d.output
     for c in range(d.candidates):
         out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
@@ -134,7 +134,7 @@ def fill_forces(d):
 
 
 def fill_friction(d):
-    """Fill the outputs of dry friction, without its impulses and its energy."""
+    """Fill the outputs of dry friction, except impulses and energy."""
     own, out = d.friction, d.output.friction
     for e in range(d.elements):
         out.force[e], out.sticking[e] = 0.0, 0.0
@@ -145,19 +145,20 @@ def fill_friction(d):
         sticks = 1.0 if mode == STICKS else 0.0
         if e >= d.candidates:
             joint = joint_of(d, e)
-            arm = d.model.size if joint < d.links else 1.0  # a slider has a force, so its arm is 1
+            # friction on a slider is a force, so the lever arm is 1
+            arm = d.model.size if joint < d.links else 1.0
             out.joint_moment[joint], out.joint_sticking[joint] = arm * d.element.force[e], sticks
         else:
             out.sticking[e] = sticks
-            # −s µ F_n with the true normal force, which is not continued beyond the kink of its law
+            # −s µ F_n with the true normal force, which does not continue beyond the kink of the law
             sliding = -mode * d.law.friction[e] * d.output.force[e]
             out.force[e] = d.element.force[e] if mode == STICKS else sliding
 
 
 def fill_quadratures(d, theta):
-    """Fill impulses and the energy of dry friction at the fraction θ of the last step.
+    """Fill the outputs of impulses and of the energy of dry friction, at the fraction θ of the last step.
 
-    The impulse of the force at the tip is kept for the impulses in the joints.
+    The impulse of the force at the tip is stored for the impulses in the joints.
     """
     own = d.quadrature
     for i in range(len(own.total)):
@@ -167,7 +168,7 @@ def fill_quadratures(d, theta):
 
 
 def fill_quadrature(d, i, value):
-    """Fill the output of the quadrature at place i."""
+    """Fill the output of the quadrature with index i."""
     e = i - d.candidates
     if e < 0:
         d.output.impulse[i] = value
@@ -180,7 +181,7 @@ def fill_quadrature(d, i, value):
 
 
 def combine_forces(d):
-    """Turn the forces and depths of stops into moments [N·m] and angles [rad] of joints, at the first stop.
+    """Turn forces and depths of stops into moments [N·m] and angles [rad]; a joint's first stop holds both.
 
     A joint can touch only one of its two stops at a time; moments at joint_max are negative.
     """
@@ -198,7 +199,7 @@ def combine_forces(d):
 
 
 def combine_impulses(d):
-    """Turn the impulses of stops into impulses of joints [N·m·s], in the same way."""
+    """Turn impulses of stops into impulses of joints [N·m·s]; a joint's first stop holds them."""
     out = d.output
     for c in range(d.candidates):
         side = d.candidate.stop[c]
@@ -209,7 +210,7 @@ def combine_impulses(d):
 
 
 def first_stop(d, c):
-    """Return the first stop of the joint of candidate c, which is a stop: this one, or the one before it."""
+    """Return the first stop of the joint to which stop c belongs: c, or the candidate before c."""
     own = d.candidate
     second = c > 0 and own.stop[c] < 0 and own.stop[c - 1] > 0 and own.point[c - 1] == own.point[c]
     return c - 1 if second else c

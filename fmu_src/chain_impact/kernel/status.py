@@ -1,7 +1,7 @@
-"""Status codes, their sentences for users, and the bounds on work and events by which every run ends.
+"""Status codes, a sentence for users for each code, and the bounds on work and events that end every run.
 
-The unit of work is an evaluation of the right-hand side. Locating the points in the search for events costs
-about as much, and so does solving for the response of the chain to impulses.
+The unit of work is an evaluation of the right-hand side. One location of the points in the search for events
+costs about as much, and so does one solution for the response of the chain to impulses.
 """
 
 OK = 0
@@ -27,9 +27,9 @@ WALL_JUMPS = 19
 BASE_BEYOND_WALL = 20
 NO_ROOM = 21
 SIGNAL_JUMPS = 22
-LOG_FULL = -1  # no fault: collect the finished contacts, then continue
-PAUSED = -2  # no fault: the caller may continue
-ONSET_DUE = -3  # no fault: contacts begin at the time reached and are not yet applied
+LOG_FULL = -1  # no fault: the caller must collect the finished contacts, and may then continue
+PAUSED = -2  # no fault: the call has returned so that the caller can stop or continue
+ONSET_DUE = -3  # no fault: contacts begin at the time that was reached, and are not applied yet
 
 WITHOUT_FRICTION = (
     "Newton's law of impact together with Coulomb's law of friction can add energy, and the motion of a "
@@ -77,7 +77,7 @@ STATUS_TEXT = {
     SIGNAL_JUMPS: "a signal lets the velocity of the base or of a wall jump, which would be an impact of "
     "unknown strength: let it rise or begin smoothly",
 }
-# status → its name in the tables of sweeps, which is the constant's name
+# status → the name of this status in tables of sweeps: the constant's name in lower case
 STATUS_NAME = {code: name.lower() for name, code in globals().items() if name[0] != "_" and code in range(99)}
 LAST_STATUS = max(STATUS_TEXT)
 
@@ -89,42 +89,42 @@ def set_status(d, status):
 
 
 def refuse_candidate(d, c, status):
-    """Note that candidate c is the reason for a status, and return the status."""
+    """Record that candidate c is the reason for ``status``, and return this status."""
     d.fault.place = 1 + c
     return status
 
 
 def refuse_base(d, c, status):
-    """Note that the base at the wall of candidate c is the reason for a status, and return the status."""
+    """Record that the base, at the wall of candidate c, is the reason for ``status``; return the status."""
     d.fault.place = 1 + d.candidates + d.links + c
     return status
 
 
 def refuse_link(d, i, status):
-    """Note that link i, counted from 0, or its joint is the reason for a status, and return the status."""
+    """Record that link i, counted from 0, or its joint is the reason for ``status``; return this status."""
     d.fault.place = 1 + d.candidates + i
     return status
 
 
-UNLIMITED = 1 << 62  # number of evaluations that stands for no limit
-WORK_WINDOW = 1.0  # [s] simulated time for which `solver.work_limit` bounds the work
-# [s] simulated time whose allowed work a communication step of any length may take at most
+UNLIMITED = 1 << 62  # a number of evaluations that means: no limit
+WORK_WINDOW = 1.0  # [s] the simulated time in which `solver.work_limit` limits the work
+# [s] A communication step of any length may take the work that is allowed for this simulated time.
 LONGEST_CALL = 20.0
-# The number of evaluations times links after which a long call returns so that its caller can stop it: each
-# takes 20 to 30 ns, so Ctrl-C takes effect within a second.
+# The number of evaluations times links after which a long call returns, so that its caller can stop the run.
+# An evaluation takes 20 to 30 ns per link, so Ctrl-C takes effect within a second.
 CALL_WORK = 20_000_000
-# The number of contacts that a candidate may begin and end in EVENT_WINDOW [s]; more count as chattering that
-# never ends: in a bounce of a microsecond the point rises by only 1e-12 m.
+# The number of contacts that a candidate may begin and end in EVENT_WINDOW [s]. More contacts count as
+# chattering without end: in a bounce of a microsecond the point rises only 1e-12 m.
 EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
 
 
 def begin_windows(d, time):
-    """Begin the first windows of events and work at ``time`` [s], at which a run starts."""
+    """Begin the first windows of events and work at the start of a run, at ``time`` [s]."""
     d.limits.event_start, d.limits.work_start = time, time
 
 
 def count_step(d, implicit):
-    """Count an accepted step, and whether it is ``implicit``: 0 or 1."""
+    """Count an accepted step; ``implicit``: 1 if the step is implicit, else 0."""
     d.statistics.steps += 1
     d.statistics.implicit_steps += implicit
 
@@ -145,27 +145,30 @@ def count_evaluations(d, number):
 
 
 def count_other_work(d, number):
-    """Count work that costs about as much as ``number`` evaluations."""
+    """Count other work that costs about as much as ``number`` evaluations."""
     d.limits.other_work += number
 
 
 def counted_work(d):
-    """Return the evaluations and the other work so far, for ``uncount_work``."""
+    """Return the counts of evaluations and of other work, for a later ``uncount_work``."""
     return d.statistics.rhs_evaluations, d.limits.other_work
 
 
 def uncount_work(d, counted):
-    """Return to the counts of ``counted_work``: the work since then serves outputs only."""
+    """Reset the counts to ``counted``, from ``counted_work``: the work since then serves outputs only."""
     d.statistics.rhs_evaluations, d.limits.other_work = counted
 
 
 def work_exceeded(d):
-    """Return whether the work in a second of simulated time exceeds the limit; every long loop checks it."""
+    """Return whether the work exceeds the limit for a second of simulated time.
+
+    Every long loop calls this.
+    """
     return work_done(d) - d.limits.work_count > d.solver.work_limit * WORK_WINDOW
 
 
 def work_of_a_call(d):
-    """Return the work, in evaluations, after which a call returns so that its caller can stop: under 1 s."""
+    """Return the work, in evaluations, after which a call returns so that its caller can stop the run."""
     return CALL_WORK // (d.links + 1)
 
 
@@ -175,12 +178,12 @@ def begin_call(d):
 
 
 def allow_any_length(d):
-    """Lift the bound on a communication step, for callers that can stop the run between calls."""
+    """Remove the limit on a communication step, for callers that can stop the run between calls."""
     d.limits.call_count = UNLIMITED
 
 
 def check_work(d):
-    """Return TOO_MUCH_WORK or STEP_TOO_LONG if a second or a communication step takes too long, else OK."""
+    """Return TOO_MUCH_WORK or STEP_TOO_LONG if the work in a second or a call is too large, else OK."""
     limits = d.limits
     if work_exceeded(d):
         return TOO_MUCH_WORK
@@ -193,7 +196,7 @@ def check_work(d):
 
 
 def check_events(d, events):
-    """Return EVENT_STORM if ``events`` more exceed the limit of the present EVENT_WINDOW, else OK."""
+    """Return EVENT_STORM if ``events`` more events exceed the limit of the present EVENT_WINDOW, else OK."""
     limits = d.limits
     if d.step.end >= limits.event_start + EVENT_WINDOW:
         limits.event_start = d.step.end

@@ -54,8 +54,8 @@ class Pictured(Recording):
         """Draw motion, energy and impacts, or any outputs over time.
 
         The picture shows the rows of this result and nothing between them: with a coarse ``output_step`` a
-            path is straight from row to row. ``chain-impact simulate`` with ``--plot`` or ``--show``
-            simulates once more if there are fewer than 1000 rows.
+        path is straight from row to row. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates
+        once more if there are fewer than 1000 rows.
 
         Fonts follow matplotlib's settings and style sheets.
 

@@ -53,7 +53,7 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[Place, An
     """Return the scene with some numbers changed, as ``with_values`` makes it.
 
     Return None where ``with_values`` must read the whole scene: for other values, where a fault or a hint is
-        possible, and with the file of a law, which is read again.
+    possible, and with the file of a law, which is read again.
     """
     start, found = scene.initial, None if scene.contact.law_file else scene
     for name, given in changes.items():

@@ -210,8 +210,8 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
     """Return the validated scene with some values changed.
 
     A change is a name and its value: `{"link[1].mass": 2.0, "contact.model": "flores"}`. The name is the
-        FMU's name of the parameter, or the dotted key, which also names a whole list: `"initial.angles"`. A
-        contact law and a solver method may be given by their number in the FMU. A path can replace a name:
+    FMU's name of the parameter, or the dotted key, which also names a whole list: `"initial.angles"`. A
+    contact law and a solver method may be given by their number in the FMU. A path can replace a name:
     `("chain", "links", 0, "mass")`.
 
     None removes the key, so that its default holds. All other given values stay, and derived values follow

@@ -64,7 +64,7 @@ class Chain:
     """An instance of a scene that is stepped by hand.
 
     Names and rules are the same as in the FMU: until the first step, everything but outputs can be set; after
-        it, inputs and tunable parameters can be set. A value acts from the present time on, until it is set
+    it, inputs and tunable parameters can be set. A value acts from the present time on, until it is set
     again. The size of the steps does not change the solution. A fault raises a ``SimulationError``; then
     ``restore`` and ``reset`` return to an earlier state.
 

@@ -1,1 +1,1 @@
-"""The chain without contacts: its O(N) recursion, its kinematics, and the sines that both need."""
+"""The chain without contacts: the O(N) recursion, the kinematics, and the sines and cosines that both use."""

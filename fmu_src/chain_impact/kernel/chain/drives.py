@@ -2,12 +2,13 @@
 
     F = u − c (q̇ − q̇_t) − k (q − q_t)
 
-With targets q_t, q̇_t a drive is a servo. F may have a limit. Then a drive is in one of three modes, which
-only events change (events/saturation.py): 0 below the limit, ±1 at it in one direction.
+With targets q_t, q̇_t a drive is a servo. F may have a limit. A drive with a limit has a mode, which only
+events change (events/saturation.py): 0 while |F| is below the limit, 1 or −1 while F is at the positive or
+the negative limit.
 """
 
-# The largest excess that is round-off: over the limit of a drive; and over the forces whose difference is the
-# force of a spring.
+# EXCESS: the largest excess of F over the limit of a drive that is round-off, over the limit. ROUND_OFF: the
+# largest error of a spring's force that is round-off, over k (|q| + |q_t|).
 EXCESS, ROUND_OFF = 1e-12, 1e-14
 
 
@@ -17,21 +18,24 @@ def wanted_drive(motor, damping, rate, stiffness, stretch):
 
 
 def limited_drive(wanted, limit, mode):
-    """Return the force F of a drive from its force without a limit.
+    """Return the force F of a drive, from the force without a limit.
 
-    Beyond the end of a mode F continues smoothly, until an event ends the step there.
+    Where a mode ends, F continues smoothly until an event ends the step.
     """
     return wanted if mode == 0 else float(mode) * limit
 
 
 def drive_mode(wanted, limit):
-    """Return the mode of a drive from its force without a limit."""
+    """Return the mode of a drive, from the force without a limit."""
     if abs(wanted) > limit or limit == 0.0:
         return 1 if wanted > 0.0 else -1
     return 0
 
 
 def mode_excess(wanted, limit, mode, stiffness, size):
-    """Return the distance of a drive from the end of its mode, plus round-off; ``size`` is |q| + |q_t|."""
+    """Return how far a drive's force is from the end of the drive's mode, plus round-off.
+
+    ``size`` is |q| + |q_t|.
+    """
     margin = limit - abs(wanted) if mode == 0 else float(mode) * wanted - limit
     return margin + (EXCESS * limit + ROUND_OFF * stiffness * size)

@@ -1,43 +1,43 @@
-"""The inertia of a link where it is not given, and a check that the mass matrix is regular in every position.
+"""The inertia of a link without a given inertia, and a check that the mass matrix is always regular.
 
 When a scene is read, it derives some values from others, such as the inertia, and these values stay derived:
-a change of a length changes the centre of mass and the inertia with it. So the record has a place for the
-given value, which holds DERIVED if no value is given, and a place for the value in use. The kernel fills the
-latter at initialization or, for a value that can be set at any time, when such values are applied.
-``Chain.set`` and FMUs write a value into both places, for example into ``given_inertia`` and ``inertia``: it
-is given from then on, and can be read at once. Sweeps and the page write only the place of the given value,
-because they read nothing before the run. So a changed parameter gives the same results as an edited scene
-file, and a tangent instance has the derivatives of derived values.
+a change of a length changes the centre of mass and the inertia with it. So the record has a field for the
+given value, which holds DERIVED if no value is given, and a field for the value in use. The kernel sets the
+field in use at initialization. If the value can be set at any time, the kernel also sets the field in use
+when new values are applied. ``Chain.set`` and FMUs write a value into both fields, for example into
+``given_inertia`` and ``inertia``, so that the new value can be read at once. Sweeps and the page write only
+the field of the given value, because they read nothing before the run. So a changed parameter gives the same
+results as an edited scene file, and a tangent instance has the derivatives of derived values.
 
-The recursion never divides by zero if the mass matrix is regular. It is singular if the chain can move
-without kinetic energy: no centre of mass moves, and no link with an inertia turns. A link without inertia can
-turn about its centre of mass. This moves its proximal joint, unless the centre of mass lies there, and its
-distal joint, unless it lies there. A moving joint turns the next link, which must also be without inertia,
-and turn about its own centre of mass; this is possible while both links are on one line. So the motion
-continues along a sequence of links without inertia. It begins at a link whose proximal joint is the free base
-or coincides with the centre of mass, and it ends at a link whose distal joint is the tip or coincides with
-the centre of mass. If no sequence has such a beginning and such an end, every pivot of the recursion is
-positive, as in the elimination of a positive definite matrix.
+The recursion never divides by zero if the mass matrix is regular. The mass matrix is singular if the chain
+can move without kinetic energy: no centre of mass moves, and no link with an inertia turns. A link without
+inertia can turn about its centre of mass. This turn moves each joint of the link that does not coincide with
+the centre of mass. A moving joint turns the next link, which must also be without inertia, and turn about its
+own centre of mass. Both turns are possible while both links are on one line. So the motion continues along a
+sequence of links without inertia. It begins at a link whose proximal joint is the free base or coincides with
+the centre of mass, and it ends at a link whose distal joint is the tip or coincides with the centre of mass.
+If no sequence has such a beginning and such an end, every pivot of the recursion is positive, as in the
+elimination of a positive definite matrix.
 """
 
 DERIVED = -1.7976931348623157e308
-"""Stands in the place of a given value if no value is given.
+"""The number that replaces a given value if no value is given.
 
-It is the lowest number, which no link can have.
+DERIVED is the lowest double, which no link can have.
 """
 
 
 def in_use(given, derived):
-    """Return the given value, or the derived one if no value is given.
+    """Return the given value, or the derived value if no value is given.
 
-    In the second case the difference is 0. In a tangent instance it has the derivatives with respect to the
-    value itself.
+    If no value is given, the function adds ``given − DERIVED``, which is 0. In a tangent instance this term
+    has the derivatives with respect to the value itself.
     """
     return derived + (given - DERIVED) if given == DERIVED else given
 
 
 def middle(length):
-    """Return the centre of mass of a uniform rod of some length [m], from its end [m]."""
+    """Return the centre of mass [m] of a uniform rod, from its end, for the rod's ``length`` [m]."""
     return length / 2
 
 
@@ -54,7 +54,7 @@ def inertia_of_box(mass, length, height):
 
 
 def corner_of_box(number, length, height):
-    """Return the place of a corner of a box, along the link and to the left of it [m].
+    """Return the coordinates [m] of a corner of a box: along the link, and to the left of the link.
 
     Args:
         number: the number of the corner: 1 and 2 lie to the right, 3 and 4 to the left, 1 and 3 at the
@@ -65,15 +65,16 @@ def corner_of_box(number, length, height):
     return length if number % 2 == 0 else 0.0 * length, -0.5 * height if number <= 2 else 0.5 * height
 
 
-# The distance between a joint and a centre of mass, over the link's length, below which both coincide. The
-# inertia about the joint, which is proportional to its square, is then no more than round-off.
+# The largest distance between a joint and a centre of mass, over the link's length, at which both count as
+# one point. The inertia about the joint, which is proportional to the square of this distance, is then only
+# round-off.
 NEAR = 1e-8
 
 
 def loose_links(chain, free_base):
-    """Return the first and the last link that can move without kinetic energy in some position.
+    """Return the first and last link of a sequence that can move without kinetic energy in some position.
 
-    −1, −1 if none.
+    Returns −1, −1 if no such sequence exists.
 
     Args:
         chain: record with ``length`` [m], ``center_of_mass`` [m], ``center_of_mass_offset`` [m] and

@@ -1,13 +1,14 @@
-"""The springs and dampers of the joints, and the rates of the motions due to them.
+"""The springs and dampers of the joints, and the rates of the fast motions that they cause.
 
-A spring stores ½ k φ², φ = θ_i − θ_{i−1} − φ₀ from its rest angle φ₀. The angles of links include full turns,
-and so does φ. The base of a pinned chain has θ₀ = 0; a free base has no joint, no spring and no damper.
+A spring stores ½ k φ² with φ = θ_i − θ_{i−1} − φ₀, where φ₀ is the rest angle. The angles of links include
+full turns, and so does φ. The base of a pinned chain has θ₀ = 0; a free base has no joint, no spring and no
+damper.
 
-With targets the spring and the damper are a servo: φ₀, and the relative angular velocity at which the damper
-has no moment, are inputs. The torque of motor, spring and damper together may have a limit (drives.py).
+If targets are inputs, the spring and the damper are a servo: φ₀ is the target angle, and the damper has no
+moment at the target velocity. The torque of motor, spring and damper together may have a limit (drives.py).
 
 With C = Σ c_i g_i g_iᵀ, g_i the gradient of ω_i − ω_{i−1}, damped motions decay with the eigenvalues of
-M⁻¹ C. The largest is at least the rate of one joint whose damper is the only one,
+M⁻¹ C. The largest eigenvalue is at least the rate ρ_i of each joint if all other dampers are removed,
 
     ρ_i = c_i g_iᵀ M⁻¹ g_i,
 
@@ -32,12 +33,12 @@ from chain_impact.kernel.chain.state import ANGLES, omega_at
 
 
 def joint_damping(d, i):
-    """Return c_i [N·m·s/rad]; 0 at a free base, which has no joint, and while the torque is at its limit."""
+    """Return c_i [N·m·s/rad]; 0 while the torque is at its limit, and at a free base, which has no joint."""
     return d.inputs.joint_damping[i] if (i > 0 or d.model.pinned) and d.drive.mode[i] == 0 else 0.0
 
 
 def spring_stiffness(d, i):
-    """Return k_i [N·m/rad]; 0 at a free base, which has no joint, and while the torque is at its limit."""
+    """Return k_i [N·m/rad]; 0 while the torque is at its limit, and at a free base, which has no joint."""
     return d.inputs.joint_stiffness[i] if (i > 0 or d.model.pinned) and d.drive.mode[i] == 0 else 0.0
 
 
@@ -52,7 +53,7 @@ def joint_resistance(d, i, time):
 
 
 def resists(constant):
-    """Return whether a damping or stiffness of a joint has an effect, so that its terms are needed."""
+    """Return whether a damping or stiffness of a joint is not zero, so that its terms are needed."""
     return constant != 0.0
 
 
@@ -73,7 +74,7 @@ def elastic_stiffness(d, i):
 
 
 def spring_energy(d, y):
-    """Return the energy [J] stored in the springs."""
+    """Return the energy [J] stored in the springs of all joints."""
     energy = 0.0
     for i in range(d.links):
         angle = stretch(d, y, i)
@@ -92,14 +93,14 @@ def wanted_torque(d, y, i):
 
 
 def joint_torque(d, y, i):
-    """Return the torque [N·m] of motor, damper and spring in joint i, at the limit while the mode says so."""
+    """Return the torque [N·m] of motor, damper and spring in joint i; in a mode of ±1 it is the limit."""
     return limited_drive(wanted_torque(d, y, i), d.model.joint_torque_limit[i], d.drive.mode[i])
 
 
 def mode_margin(d, y):
-    """Return the least distance [N·m] of drives from the ends of their modes, plus round-off.
+    """Return the least distance [N·m] of drives' torques from the ends of their modes, plus round-off.
 
-    ∞ without an end.
+    Returns ∞ if no drive has a limit.
     """
     least = math.inf
     for i in range(d.links):
@@ -113,13 +114,13 @@ def mode_margin(d, y):
         size = abs(y[0]) + abs(y[1]) + abs(d.inputs.slider_target_position)
         limit, stiffness = d.slider.force_limit, d.slider.stiffness
         margin = mode_excess(wanted_force(d, y), limit, d.slider.mode, stiffness, size)
-        # the least of forces and moments, over the longest link
+        # a slider's force margin times the longest link, to compare it with moments
         least = min(least, margin * d.model.size)
     return least
 
 
 def joint_bound(d):
-    """Return an upper bound [1/s] on the rates of decay and oscillation by joints' dampers and springs."""
+    """Return an upper bound [1/s] on the rates of all motions that joints' dampers and springs cause."""
     damping, stiffness = 0.0, 0.0
     for i in range(d.links):
         c, k = joint_damping(d, i), spring_stiffness(d, i)
@@ -135,14 +136,14 @@ def joint_bound(d):
 
 
 def over(resistance, inertia):
-    """Return a resistance over an inertia, neither of them negative; 0/0 = 0."""
+    """Return ``resistance``/``inertia`` for two numbers that are not negative; 0/0 = 0."""
     if inertia > 0.0:
         return resistance / inertia
     return math.inf if resistance > 0.0 else 0.0
 
 
 def joint_rate(d, y):
-    """Return the largest of all ρ_i and ω_i [1/s] in state y, and store its link vectors in ``work.link``."""
+    """Return the largest of all ρ_i and ω_i [1/s] in state y; store the link vectors in ``work.link``."""
     link_vectors(d, y)
     work, fastest = d.work, 0.0
     no_impedance(d, work.impedance)

@@ -1,9 +1,9 @@
 """Kinematics of the chain: positions, velocities and accelerations of its points.
 
 Vectors of all places are records with ``x, y``, shape (2N+1+P,). The first N + 1 places are the points 0…N.
-The next N places belong to the joints 1…N, and scenes with stops use them: their x is the joint's own angle
-θ_i − θ_{i−1} at a lever arm, the longest link, and their y is 0. So all other modules treat a stop like a
-wall at a point. The last P places are the sites (chain/sites.py).
+The next N places belong to the joints 1…N and are used in scenes with stops or dry friction in joints: x is
+the joint's own angle θ_i − θ_{i−1} times a lever arm, the length of the longest link, and y is 0. So all
+other modules treat a stop like a wall at a point. The last P places are the sites (chain/sites.py).
 """
 
 import math
@@ -16,7 +16,7 @@ from chain_impact.kernel.functions import inlined
 
 
 def polar(radius, y, first, horizontal, vertical):
-    """Set r cos φ and r sin φ for each radius r and the angles φ in y, from index ``first`` on.
+    """Set r cos φ and r sin φ for each radius r; the angles φ are in y from index ``first`` on.
 
     All arrays are as long as ``radius``, shape (N,), or longer.
     """
@@ -26,9 +26,9 @@ def polar(radius, y, first, horizontal, vertical):
             horizontal[i] = radius[i] * math.cos(y[first + i])
             vertical[i] = radius[i] * math.sin(y[first + i])
         return
-    # the compiler knows that the results do not overwrite this copy …
+    # The copy lets the compiler know that the results do not overwrite the angles,
     copy(y, first, count, vertical)
-    # … so it uses vector instructions here
+    # so that the compiler uses vector instructions in this loop.
     for i in range(count):
         cosine, sine = cosine_and_sine(vertical[i])
         horizontal[i] = radius[i] * cosine
@@ -37,7 +37,7 @@ def polar(radius, y, first, horizontal, vertical):
 
 @inlined
 def copy(y, first, count, out):
-    """Copy ``count`` numbers of y, from index ``first`` on, in vectors.
+    """Copy ``count`` numbers of y, from index ``first`` on, with vector instructions.
 
     The copy is read as vectors, which is slow for a processor if the numbers were written one by one. All
     numbers of a group are read before the first is written, so the compiler moves a group as a vector.
@@ -62,9 +62,9 @@ def in_reach(y, first, count):
 
 
 def locate_points(d, y):
-    """Set positions [m] and velocities [m/s] of the points 0…N, and the link vectors, for the state y.
+    """Set positions [m] and velocities [m/s] of all places, and the link vectors, for the state y.
 
-    A moving base and moving walls are placed at the time of y.
+    A moving base and moving walls are moved to their positions at the time of y.
     """
     if d.channels > 0:
         move_with(d, y)
@@ -72,13 +72,13 @@ def locate_points(d, y):
 
 
 def locate_points_now(d, y):
-    """Locate points as ``locate_points`` does, with base and walls where they were moved to last."""
+    """Locate the points as ``locate_points`` does, without moving base and walls to the time of y."""
     link_vectors(d, y)
     place_points(d, y)
 
 
 def place_points(d, y):
-    """Locate points as ``locate_points`` does, for link vectors that are already set."""
+    """Locate the points as ``locate_points`` does, but with the present link vectors, base and walls."""
     n, link, position, velocity = d.links, d.work.link, d.work.position, d.work.velocity
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
@@ -101,7 +101,10 @@ def place_points(d, y):
 
 
 def place_joints(d, values, first, vectors):
-    """Set the vectors of the joints' places from values of the N links, which begin at index ``first``."""
+    """Set the vectors of the joints' places from values of the N links.
+
+    These values begin at index ``first``.
+    """
     before, size = 0.0, d.model.size
     for i in range(d.links):
         vectors.x[d.links + 1 + i] = size * (values[first + i] - before)
@@ -109,7 +112,7 @@ def place_joints(d, values, first, vectors):
 
 
 def accelerate_points(d, y, rate):
-    """Set the accelerations [m/s²] of the located points 0…N, for the state y and its rate."""
+    """Set the accelerations [m/s²] of all places, which must be located, for the state y and its rate."""
     n, link, acceleration = d.links, d.work.link, d.work.acceleration
     ax, ay = rate[velocity_at(n)], rate[velocity_at(n) + 1]
     if d.channels > 0 and d.model.base_moves:
@@ -129,7 +132,7 @@ def accelerate_points(d, y, rate):
 
 def zero(d, vectors):
     """Set the vectors of all places to zero."""
-    # the numbers of links and points are constants for the compiler
+    # The numbers of links and points are constants for the compiler, which unrolls this loop.
     for k in range(d.links + 1):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
     if d.model.jointed:
@@ -139,7 +142,7 @@ def zero(d, vectors):
 
 
 def clear_joints(values):
-    """Set the moments in, or the impedances of, all joints to zero."""
+    """Set to zero the moments in all joints, or the impedances of all joints."""
     for i in range(len(values.joint)):
         values.joint[i] = 0.0
 
@@ -151,17 +154,17 @@ def link_vectors(d, y):
 
 
 def note_points_at_end(d):
-    """Note that the points are located and accelerated at the end of the last step."""
+    """Record that the points are located and accelerated at the end of the last step."""
     d.work.at_end = 1
 
 
 def note_points_elsewhere(d):
-    """Note that the points are not, or no longer, at the end of the last step."""
+    """Record that the points are not located at the end of the last step."""
     d.work.at_end = 0
 
 
 def move_points(d, links, change, response):
-    """Set the motion of the places for a change of the coordinates: Δp_{i+1} = Δp_i + Δθ_i L⊥."""
+    """Set the motions of all places for a change of the coordinates: Δp_{i+1} = Δp_i + Δθ_i L⊥."""
     n = d.links
     x, y = change[0], change[1]
     for i in range(n):
@@ -175,7 +178,7 @@ def move_points(d, links, change, response):
 
 
 def largest(d, vectors):
-    """Return the largest component of the vectors of all places."""
+    """Return the largest absolute component in the vectors of all places."""
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
@@ -188,7 +191,7 @@ def largest(d, vectors):
 
 
 def at_center(d, vectors, i):
-    """Return the vector at link i's centre of mass, from velocities, accelerations or changes at points."""
+    """Return the velocity, acceleration or change at link i's centre of mass, from those at points."""
     # v_C = v_i + (c/ℓ) Δv + (o/ℓ) Δv⊥,  Δv = v_{i+1} − v_i
     ratio, x, y = d.model.center_of_mass_ratio[i], vectors.x[i], vectors.y[i]
     dx, dy = vectors.x[i + 1] - x, vectors.y[i + 1] - y

@@ -2,14 +2,13 @@
 
 A channel is one such motion. In a scene with a moving base the first two channels are x and y of the base. A
 moving wall has two channels: the displacement along its inward normal n and the travel of its belt along t =
-(n_y, −n_x). In each piece of the course of the inputs (forces/inputs.py) the position of a channel is a
-polynomial,
+(n_y, −n_x). In each piece of time of the inputs (forces/inputs.py) the position of a channel is a polynomial,
 
     s(t) = c₀ + x (c₁ + x (c₂ + …)),   x = (t − middle) scale,
 
-and velocity and acceleration are its derivatives. So the three always agree, nothing drifts, and the base has
-no part in the state: its coordinates and rates there are 0, and the points are located with the position and
-velocity of the channels at the time of the state.
+and velocity and acceleration are its derivatives. So position, velocity and acceleration always agree, and
+nothing drifts. The state does not contain the motion of the base: the base's coordinates and rates in the
+state are 0. The points are located with the position and velocity of the channels at the time of the state.
 """
 
 from chain_impact.kernel.chain.signals import CHANNEL, signal_at, signal_bounds, sway_of_signals
@@ -17,7 +16,7 @@ from chain_impact.kernel.chain.state import time_at
 
 
 def move_with(d, y):
-    """Move base and walls to their places at the time of the state y."""
+    """Move base and walls to their positions at the time of the state y."""
     move(d, d.step.clock + y[time_at(d.links)])
 
 
@@ -31,7 +30,7 @@ def move(d, time):
             half_a = half_a * x + v
             v = v * x + s
             s = s * x + own.course[course.order - k, m]
-        # the added terms are 0, but have derivatives in a tangent instance
+        # the added terms have the value 0; in a tangent instance they have derivatives
         own.position[m] = s + own.added[m] + since * (own.added_rate[m] + 0.5 * since * own.added_push[m])
         own.velocity[m] = v * course.scale + own.added_rate[m] + since * own.added_push[m]
         own.acceleration[m] = 2.0 * half_a * course.scale * course.scale + own.added_push[m]
@@ -74,7 +73,7 @@ def motion_bounds(d, m):
 
 
 def fastest_wall(d):
-    """Return the largest speed [m/s] and acceleration [m/s²] of walls and belts, as they were moved last."""
+    """Return the largest speed [m/s] and acceleration [m/s²] of walls and belts after the last ``move``."""
     speed, push = 0.0, 0.0
     for c in range(d.candidates):
         if d.shift.channel[c] >= 0:
@@ -84,7 +83,7 @@ def fastest_wall(d):
 
 
 def travel_of_piece(d):
-    """Return a bound on the distance that any channel moves in the present piece [m]."""
+    """Return a bound on the distance [m] that any channel moves in the present piece of the inputs."""
     most = 0.0
     for m in range(d.channels):
         total = 0.0

@@ -1,18 +1,19 @@
 """The response of the chain to impulses: M + Jᵀ D J + K, eliminated by the recursion of chain/tree.py.
 
-``factorize`` and ``solve`` find solutions with M + Jᵀ D J + K in O(N), for real, complex and dual numbers
-alike. D are impedances at the points. K = Σ κ_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}: each joint
-resists a change of its relative angular velocity by κ_i (Δ_i − Δ_{i−1}) − μ_i, with μ_i an impulse in the
-joint. The base has a damper only if it is pinned.
+``factorize`` and ``solve`` solve linear systems with M + Jᵀ D J + K in O(N), for real, complex and dual
+numbers alike. M is the mass matrix, J maps rates of the coordinates to motions of the points, and D are
+impedances at the points. K = Σ κ_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}: each joint resists a
+change of its relative angular velocity by κ_i (Δ_i − Δ_{i−1}) − μ_i, with μ_i an impulse in the joint. The
+base has a damper only if it is pinned.
 
-A joint that resists transmits a moment. The response of the outer part of the chain therefore depends on the
-motion a of the joint and on the motion β of the next link inward:
+A joint with κ > 0 transmits a moment. The response of the outer part of the chain therefore depends on the
+motion a of the joint and on the rotation β of the link next to the joint on the inner side:
 
     Z = ½ a·A a + β e·a + ½ p β² − b·a − t β,
 
 with A, e and p a symmetric 3×3 articulated inertia. Link i adds its own inertia and its damper, and is
-eliminated, Δ_i = α. With L, m c and x⊥ as in chain/tree.py, and primes for the part outside of link i, whose
-β is α:
+eliminated, Δ_i = α. With L, m c and x⊥ as in chain/tree.py, and primes for the part of the chain outside of
+link i, whose β is α:
 
     h = m c⊥ + A' L⊥ + e',   H = I + m c² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t' + τ,
     Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β)² − μ (α − β),
@@ -23,11 +24,10 @@ The result has the coefficients, with σ = κ/(H + κ) between 0 and 1,
     A = A' + m 1 − h hᵀ/(H + κ),   e = σ h,   p = σ H,
     b = b' − h (s + μ)/(H + κ),    t = σ s − (1 − σ) μ,
 
-in which nothing cancels, however large κ is. As in chain/tree.py, two arms meet at the middle joint. Its
-damper
-belongs to the outward arm, whose β is the α of the last link of the inward one: e, p and t of the outward arm
-add to h, H and s of that link. A light link at an end is eliminated before heavier ones, which
-would swallow its digits.
+in which nothing cancels, however large κ is. As in chain/tree.py, two arms meet at the middle joint. The
+damper of the middle joint belongs to the outward arm. Its β is the α of the last link of the inward arm, so
+e, p and t of the outward arm add to h, H and s of this link. A light link at an end is eliminated before
+heavier links, because the sum with a heavier link would lose digits of the light one.
 
 No pivots are needed for complex κ and D of implicit steps (ode/extended.py): the argument of every shift is
 below 61°, so all quadratic forms lie in a sector of less than 122°, and no pivot vanishes.
@@ -39,7 +39,7 @@ from chain_impact.kernel.chain.tree import arm, hinge, inertia_along
 from chain_impact.kernel.functions import inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
-"""Rows of the factors: of M; of M with impedances at held constraints; of a system with a real shift."""
+"""Rows of the factors. FREE: of M. HELD: of M with impedances at constraints. SHIFTED: for a real shift."""
 ROWS = 3
 
 
@@ -49,7 +49,10 @@ def reciprocal(number):
 
 
 def complex_reciprocal(number):
-    """Return the reciprocal of a complex number; numba's own quotient may raise, and has branches."""
+    """Return the reciprocal of a complex number.
+
+    Numba's own quotient may raise an error, and has branches.
+    """
     size = 1.0 / (number.real * number.real + number.imag * number.imag)
     return complex(number.real * size, -number.imag * size)
 
@@ -60,12 +63,15 @@ def cross(lx, ly, bx, by):
 
 
 def complex_cross(lx, ly, bx, by):
-    """Return L⊥·b for a complex b; in ``cross``, numba would make L complex."""
+    """Return L⊥·b for a complex b; numba would make a copy of ``cross`` with a complex L."""
     return complex(cross(lx, ly, bx.real, by.real), cross(lx, ly, bx.imag, by.imag))
 
 
 def complex_hinge(link, axx, axy, ayy):
-    """Return h and H as ``hinge`` does, for a complex A'; in ``hinge``, numba would make L complex."""
+    """Return h and H as ``hinge`` does, for a complex A'.
+
+    Numba would make a copy of ``hinge`` with a complex L.
+    """
     hx, hy, own = hinge(link, axx.real, axy.real, ayy.real)
     gx, gy, part = hinge((link[0], link[1], 0.0, 0.0, 0.0), axx.imag, axy.imag, ayy.imag)
     return complex(hx, gx), complex(hy, gy), complex(own, part)
@@ -95,7 +101,7 @@ def factorize(d, links, space, row, coupled):
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
         space: record with ``impedance``, which has ``xx, xy, yy`` of each point, D [kg], and ``joint``, shape
             (N,), κ_i [kg·m²]; and with ``factors``, the result, used by ``solve``.
-        row: the row of the factors.
+        row: the row of ``factors`` that is set.
         coupled: whether joints may transmit moments; otherwise κ and μ are zero, and are not read.
     """
     n, middle, impedance = d.links, d.model.middle, space.impedance
@@ -124,9 +130,11 @@ def factorize(d, links, space, row, coupled):
 
 
 def take_factors(d, coupled):
-    """Take over the factors of M that ``accelerations`` has found; ``coupled`` as for ``factorize``.
+    """Copy the factors of M that ``accelerations`` has found to the row FREE.
 
-    With armatures, ``geared_accelerations`` in rows/compliance.py has already put them in their place.
+    ``coupled`` as for ``factorize``.
+
+    With armatures, ``geared_accelerations`` in rows/compliance.py has already set this row.
     """
     if d.model.geared:
         return
@@ -139,7 +147,7 @@ def take_factors(d, coupled):
 
 
 def set_middle(d, factors, row, axx, axy, ayy):
-    """Set A⁻¹ of the middle joint; it is 0 for a pinned base, and u uᵀ/(u·A u + m) for a slider."""
+    """Set A⁻¹ of the middle joint: 0 for a pinned base, u uᵀ/(u·A u + m) for a slider."""
     mobility = factors.middle_mobility
     if d.slides:
         ux, uy, inverse = d.slider.ux, d.slider.uy, reciprocal(inertia_along(d, axx, axy, ayy))
@@ -152,7 +160,7 @@ def set_middle(d, factors, row, axx, axy, ayy):
 
 @inlined
 def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
-    """Eliminate link i, whose inner joint has the ``resistance`` κ: return A, e and p for A', e' and p'."""
+    """Eliminate link i, whose inner joint has the ``resistance`` κ; return A, e and p from A', e' and p'."""
     point, factors = i + 1 if outward else i, space.factors
     axx += space.impedance.xx[point]
     axy += space.impedance.xy[point]
@@ -187,17 +195,18 @@ def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, a
 
 
 def solve(d, links, space, row, change):
-    """Solve (M + Jᵀ D J + K) Δ = Jᵀ load + Σ μ_i g_i: the response to impulses on points and in joints.
+    """Solve (M + Jᵀ D J + K) Δ = Jᵀ load + Σ μ_i g_i for the response Δ to impulses on points and in joints.
 
     Args:
         d: the instance.
         links: as for ``factorize``.
         space: record with the result of ``factorize``, and with ``load``. The load has ``x, y`` of each point
-            [N·s], ``joint``, shape (N,), μ_i [N·m·s], and ``link``, τ_i of each link, which is read in a
-            scene with sites or centres of mass beside the lines. Forces may replace the impulses.
-        row: the row of the factors.
+            [N·s], ``joint``, shape (N,), μ_i [N·m·s], and ``link``, τ_i of each link; τ_i is read in a scene
+            with sites or centres of mass beside the lines. The load may also consist of forces instead of
+            impulses.
+        row: the row of ``factors`` that ``factorize`` has set.
         change: result Δ, shape (N+2,): the change of the base's velocity [m/s] and of the angular velocities
-            [rad/s]; or accelerations. Entries after these are not changed.
+            [rad/s]; for forces, the accelerations. Later entries of the array are not changed.
     """
     n, middle, load, coupled = d.links, d.model.middle, space.load, space.factors.coupled[row] != 0
     bx, by, t = 0.0, 0.0, 0.0
@@ -226,9 +235,9 @@ def solve(d, links, space, row, change):
 
 @inlined
 def gather(d, links, space, row, coupled, i, outward, moment, bx, by, t, change):
-    """Set the change of ω_i for an inner joint and a next link at rest; return b and t for b' and t'.
+    """Set α for a = 0 and β = 0, the first part of the change of ω_i; return b and t from b' and t'.
 
-    ``moment`` is μ of the inner joint, as it acts on link i.
+    ``moment`` is μ, the impulse of the inner joint on link i.
     """
     factors, point, sign = space.factors, i + 1 if outward else i, 1.0 if outward else -1.0
     bx += space.load.x[point]
@@ -248,7 +257,7 @@ def gather(d, links, space, row, coupled, i, outward, moment, bx, by, t, change)
 
 @inlined
 def spread(links, space, row, coupled, i, outward, x, y, before, change):
-    """Correct the change of ω_i for the changes of the inner joint's velocity and of the next link's ω.
+    """Add the effects of the inner joint's change a and of the inner link's change β to the change of ω_i.
 
     Returns:
         The changes of the outer joint's velocity and of ω_i.

@@ -1,13 +1,15 @@
-"""Signals: inputs that the scene itself drives, as functions of time.
+"""Signals: inputs that the scene itself gives as functions of time.
 
-A signal is a sequence of polynomials, each from a knot at t_k on. In some forms a sine is added:
+A signal is a sequence of polynomials; each begins at a time t_k, called a knot. In some forms a sine is
+added:
 
     u(t) = c₀ + x (c₁ + x (c₂ + …)) + r(s) a sin(ψ + 2π (f s + ½ ḟ s²)),   x = t − t_k,   s = t − start,
 
-where r rises from 0 to 1. `signal.segment` is the knot in use. A step ends where a segment does, and the
-segment stays until the next step begins (events/segments.py): so there are values on both sides of a jump.
+where r rises from 0 to 1. `signal.segment` is the knot in use. A segment is the part of a signal from one
+knot to the next. A step ends where a segment ends, and the next segment begins with the next step
+(events/segments.py), so a jump has a value before and a value after it.
 
-A signal that drives the velocity or the acceleration of a base or a wall is integrated here, so that
+This module integrates a signal that drives the velocity or the acceleration of a base or a wall, so that
 position, velocity and acceleration always agree. The integral of a sine is a sine again.
 """
 
@@ -15,20 +17,21 @@ import math
 
 from chain_impact.kernel.chain.angles import direction
 
-CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form
+CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, which give the kind of function
 SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, for a ramp
-# values of signal.input, the driven input; `signal.index` is its joint, component or channel
+# values of signal.input: the kind of the driven input; `signal.index` is the index of its joint, component or
+# channel
 TORQUE, TARGET, TARGET_VELOCITY, TIP_FORCE = 0, 1, 2, 3
 SLIDER_FORCE, SLIDER_TARGET, SLIDER_TARGET_VELOCITY, CHANNEL = 4, 5, 6, 7
 RAMP_DEGREE, SPLINE_DEGREE = 5, 3
 DEGREE = RAMP_DEGREE + 2  # largest degree of the polynomials: a ramp of an acceleration is integrated twice
 TAU = 2.0 * math.pi
-# the largest slope and curvature of ``smooth``
+# the largest slope and the largest curvature of ``smooth``
 STEEPEST, ROUNDEST = 1.875, 5.7735027
 
 
 def signal_at(d, j, time):
-    """Return value, rate and second derivative of signal j at a ``time`` [s], by its present segment."""
+    """Return value, rate and second derivative of signal j at a ``time`` [s], in the segment in use."""
     own, knot, k, degree = d.signal, d.knot, d.signal.segment[j], d.signal.degree[j]
     x = since_knot(d, j, time)
     u, v, half_a = knot.powers[k, degree], 0.0 * x, 0.0 * x
@@ -52,7 +55,7 @@ def drives(d, m):
 
 
 def since_knot(d, j, time):
-    """Return the argument x [s] of the present polynomial of signal j at a ``time`` [s]."""
+    """Return x [s], the time since the knot in use of signal j, at a ``time`` [s]."""
     return time - d.signal.lap[j] * d.signal.period[j] - d.knot.time[d.signal.segment[j]]
 
 
@@ -75,7 +78,7 @@ def sine_at(d, j, time):
 
 
 def rising_integral(rise, s, integrated):
-    """The integral of a sine whose amplitude rises, and its first two derivatives.
+    """Return the integral of a sine whose amplitude rises, and the first two derivatives of this integral.
 
     By parts, with the integral a sin ψ of the sine of the angular frequency ω:
 
@@ -83,8 +86,8 @@ def rising_integral(rise, s, integrated):
 
     Args:
         rise: time in which r rises from 0 to 1 [s].
-        s: time since then [s].
-        integrated: a, ω [rad/s], sin ψ and cos ψ.
+        s: time since the rise began [s].
+        integrated: four numbers: a, ω [rad/s], sin ψ and cos ψ.
     """
     a, omega, sine, cosine = integrated
     x, q = s / rise, 1.0 / (rise * omega)
@@ -108,7 +111,7 @@ def signal_bounds(d, j):
     x = since_knot(d, j, d.step.start + half)
     rate, bend, power = 0.0 * x, 0.0 * x, 1.0
     for n in range(1, own.degree[j] + 1):
-        # c′ = u⁽ⁿ⁾/n! in the middle of the step
+        # c′ = u⁽ⁿ⁾/n! at the middle of the step, coefficient n of the Taylor series there
         c, weight = knot.powers[k, n] + 0.0 * x, 1.0 + 0.0 * x
         for p in range(n + 1, own.degree[j] + 1):
             weight *= x * (p / (p - n))
@@ -146,7 +149,7 @@ def rate_of_signals(d):
 
 
 def sway_of_signals(d):
-    """Return the sum of the amplitudes of all sines."""
+    """Return the sum of the amplitudes of the sines of all signals."""
     total = 0.0
     for j in range(d.signals):
         if d.signal.form[j] == SINE:
@@ -178,15 +181,16 @@ def next_segment(d, j):
 
 
 def set_segment(d, j, k, lap):
-    """Set the knot of signal j that is in use, and how often its table has been repeated before."""
+    """Set the knot of signal j that is in use, and how often the signal's table was repeated before."""
     d.signal.segment[j], d.signal.lap[j] = k, lap
 
 
-# ---- what is given ----------------------------------------------------------------------------------------
+# ---- derivation of the polynomials from the scene's numbers
+# ---------------------------------------------------
 
 
 def derive_signals(d, time):
-    """Derive the polynomials of all signals from the given numbers, and begin them at a ``time`` [s]."""
+    """Derive the polynomials of all signals from the given numbers, and begin all at a ``time`` [s]."""
     own = d.signal
     for j in range(d.signals):
         i, k = own.source[j], own.first[j]
@@ -214,7 +218,7 @@ def derive_signals(d, time):
 
 
 def begin_signal(d, j, time):
-    """Set signal j to its segment at a ``time`` [s]."""
+    """Set the segment of signal j that is in use at a ``time`` [s]."""
     own = d.signal
     own.segment[j], own.lap[j] = own.first[j], 0
     while own.period[j] > 0.0 and own.lap[j] * own.period[j] + d.knot.time[own.first[j]] > time:
@@ -224,7 +228,7 @@ def begin_signal(d, j, time):
 
 
 def set_level(d, k, time, level):
-    """Let a constant begin with knot k at a ``time`` [s]."""
+    """Set knot k to a constant ``level`` from a ``time`` [s] on."""
     d.knot.time[k] = time
     for p in range(1, DEGREE + 1):
         d.knot.powers[k, p] = 0.0
@@ -232,7 +236,7 @@ def set_level(d, k, time, level):
 
 
 def derive_sine(d, i, k):
-    """Set the knots of a sine with the numbers in row i, from knot k on: before its start, rise, rest."""
+    """Set the knots of a sine, from knot k on, from row i of the given numbers."""
     own = d.signal
     rises = own.rise[i] > 0.0
     _, sine = direction(own.phase[i])
@@ -243,7 +247,7 @@ def derive_sine(d, i, k):
 
 
 def derive_ramp(d, i, k, shape):
-    """Set the knots of a ramp with the numbers in row i, from knot k on."""
+    """Set the knots of a ramp, from knot k on, from row i of the given numbers."""
     own, powers = d.signal, d.knot.powers
     way, lasts, start = own.final[i] - own.initial[i], own.duration[i], own.start[i]
     set_level(d, k, start, own.initial[i])
@@ -256,7 +260,8 @@ def derive_ramp(d, i, k, shape):
         powers[k + 1, 3], powers[k + 1, 4] = 10.0 * bend, -15.0 * bend / lasts
         powers[k + 1, 5] = 6.0 * bend / (lasts * lasts)
     else:
-        # a third of the time each: uniform acceleration, uniform speed, uniform deceleration
+        # a trapezoid has three phases of equal duration: uniform acceleration, uniform speed, uniform
+        # deceleration
         bend = 2.25 * speed / lasts
         powers[k + 1, 2] = bend
         set_level(d, k + 2, start + lasts / 3.0, own.initial[i] + 0.25 * way)
@@ -267,7 +272,7 @@ def derive_ramp(d, i, k, shape):
 
 
 def integrate(d, j, time):
-    """Replace signal j by its integral over time, which is 0 at a ``time`` [s]."""
+    """Replace signal j by its integral over time; the integral is 0 at a ``time`` [s]."""
     own, knot = d.signal, d.knot
     if own.form[j] == SINE:
         # ∫ a sin(ψ + ω s) ds = (a/ω) sin(ψ − π/2 + ω s)
@@ -301,7 +306,8 @@ def signals_are_valid(d):
             for p in range(DEGREE + 1):
                 total += d.knot.powers[k, p]
         i = own.source[j]
-        # no closed form; nor an accurate one where ω rise < 1
+        # the integral of a sine has no closed form if its frequency changes, and no accurate one where ω rise
+        # < 1
         bent = own.order[j] > 0 and own.frequency_rate[i] != 0.0
         bent = bent or (own.order[j] > 1 and own.rise[i] != 0.0)
         bent = bent or (own.order[j] == 1 and 0.0 < TAU * own.frequency[i] * own.rise[i] < 1.0)

@@ -6,8 +6,8 @@ vector L along the link and L⊥ = ẑ × L, the arm from the proximal joint to 
     r = (x/ℓ) L + (y/ℓ) L⊥,   ℓ the length of the link,
 
 and p = p_i + r, v = v_i + ω r⊥, a = a_i + α r⊥ − ω² r. A force F at the site acts on the chain as F at the
-proximal joint and the moment r⊥·F on the link. The sites are numbered in the order of their links. Their
-places stand behind those of the points and of the joints. A scene without sites has none of these terms.
+proximal joint and the moment r⊥·F on the link. The sites are numbered in the order of their links. In arrays
+of all places the sites come after the points and the joints. A scene without sites has none of these terms.
 """
 
 from chain_impact.kernel.functions import inlined
@@ -15,7 +15,7 @@ from chain_impact.kernel.functions import inlined
 
 @inlined
 def site_place(d, s):
-    """Return the place of site s, which comes after the N + 1 points and the N joints."""
+    """Return the index of site s among all places: the sites come after the N + 1 points and the N joints."""
     return 2 * d.links + 1 + s
 
 
@@ -37,7 +37,10 @@ def place_sites(d, y, first, position, velocity):
 
 
 def turn_sites(d, links, turns, first, vectors):
-    """Set the motion of the sites from the joints' motion and the links' turns, from index ``first`` on."""
+    """Set the motions of the sites from the motions of joints and the turns of links.
+
+    The turns begin at ``first``.
+    """
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
         rx, ry = site_arm(d, links, s)
@@ -62,18 +65,18 @@ def clear_sites(d, vectors):
 
 
 def has_link_moments(d):
-    """Return whether loads may have moments on links, from sites or from centres of mass beside the lines."""
+    """Return whether loads may include moments on links: from sites or offset centres of mass."""
     return d.sites > 0 or d.skewed != 0
 
 
 def clear_link_moments(d, load):
-    """Set the moments on all links to zero, if there may be any."""
+    """Set the moments on all links to zero, if the scene has moments on links."""
     for i in range(d.links if has_link_moments(d) else 0):
         load.link[i] = 0.0
 
 
 def carry_sites(d, links, load):
-    """Move the forces at the sites to the proximal joints of their links, with moments on the links."""
+    """Replace forces at sites by equal forces at the links' proximal joints, plus moments on the links."""
     clear_link_moments(d, load)
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)

@@ -1,14 +1,14 @@
 """The slider: a base on a carriage that slides along a straight line, in the direction u.
 
-Its coordinate is s = u·(p₀ − o), from the initial position o of the base. The recursion needs the force
-A a + b for an acceleration a of the base; along the line
+Its coordinate is s = u·(p₀ − o), from the initial position o of the base. For an acceleration a of the base
+the chain needs the force A a + b at the base (chain/tree.py). Along the line the equation of motion is
 
     a = s̈ u,   (u·A u + m) s̈ = F + u·(m g − b),
 
-with m the mass of the carriage and F the force of motor, spring and damper. Across the line the guide takes
+with m the mass of the carriage and F the force of motor, spring and damper. Across the line the guide carries
 every force. The spring and the damper are a servo if there are targets, and the force of motor, spring and
 damper together may have a limit, as in the joints (drives.py). Dry friction is an element
-(forces/friction.py), and ends of the line are stops (rows/geometry.py), at the place of the base.
+(forces/friction.py), and ends of the line are stops (rows/geometry.py), which the base touches.
 """
 
 from chain_impact.kernel.chain.drives import limited_drive, wanted_drive
@@ -21,18 +21,21 @@ def slide_along(d, vector_x, vector_y):
 
 
 def slider_position(d, y):
-    """Return s [m] for the state y."""
+    """Return the coordinate s [m] of the slider in the state y."""
     return slide_along(d, y[0] - d.initial.position[0], y[1] - d.initial.position[1])
 
 
 def slider_velocity(d, y):
-    """Return ṡ [m/s] for the state y, or s̈ for its rate."""
+    """Return ṡ [m/s] for a state y; for the rate of a state, s̈ [m/s²]."""
     n = d.links
     return slide_along(d, y[velocity_at(n)], y[velocity_at(n) + 1])
 
 
 def is_slider_drive(d):
-    """Return whether the slider has a drive: then the work of spring, damper and motor is supplied energy."""
+    """Return whether the slider has a drive.
+
+    The work of its spring, damper and motor then counts as supplied energy.
+    """
     return d.model.followed != 0 or d.slider.force_limit < float("inf")
 
 
@@ -52,7 +55,7 @@ def slider_resistance(d, time):
 
 
 def slider_stretch(d, y):
-    """Return s − s₀ [m], from the rest or target position of the spring."""
+    """Return s − s₀ [m], the distance from the spring's rest or target position s₀."""
     return slider_position(d, y) - d.inputs.slider_target_position
 
 
@@ -64,12 +67,12 @@ def wanted_force(d, y):
 
 
 def slider_force(d, y):
-    """Return the force F [N] of motor, damper and spring, at its limit while the mode says so."""
+    """Return the force F [N] of motor, spring and damper; in a mode of ±1 it is the limit."""
     return limited_drive(wanted_force(d, y), d.slider.force_limit, d.slider.mode)
 
 
 def slider_power(d, y):
-    """Return the power [W] that the damper dissipates, and the power that motor or servo supply."""
+    """Return the power [W] that the damper dissipates, and the power [W] that motor or servo supply."""
     rate = slider_velocity(d, y)
     if is_slider_drive(d):
         return 0.0, slider_force(d, y) * rate
@@ -77,7 +80,7 @@ def slider_power(d, y):
 
 
 def slider_spring_energy(d, y):
-    """Return the energy [J] of a spring that is no servo."""
+    """Return the energy [J] of the slider's spring; 0 if the spring belongs to a servo."""
     stretch = slider_stretch(d, y)
     return 0.0 if is_slider_drive(d) else 0.5 * d.slider.stiffness * stretch * stretch
 

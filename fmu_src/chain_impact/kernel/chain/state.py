@@ -3,12 +3,13 @@
     y = (x₀, θ₁ … θ_N, ẋ₀, ω₁ … ω_N, dissipated energy, energy supplied by the inputs, u, t)
 
 The N + 2 coordinates, the position of the base [m] and the absolute link angles [rad], come first, and then
-their rates [m/s, rad/s]. The energies [J] count from the start of the run. The last two belong to the
-integration variable of a step: u = √(δ/δ*) of the regularized contact (ode/sundman.py), and t, the
-time since the start of the step [s].
+their rates [m/s, rad/s]. The energies [J] count from the start of the run. The last two entries belong to the
+integration variable of a step: u = √(δ/δ*) of the regularized contact (ode/sundman.py), and the time t since
+the start of the step [s].
 """
 
-ANGLES = 2  # index of the first angle, also in a change of all coordinates; the base's coordinates come first
+# index of the first angle in y, and in any change of all coordinates; the base's two coordinates come first
+ANGLES = 2
 
 
 def coordinate_count(n):
@@ -27,7 +28,7 @@ def omega_at(n):
 
 
 def dissipated_at(n):
-    """Return the index of the dissipated energy, after all coordinates and their rates."""
+    """Return the index of the dissipated energy, which comes after all coordinates and their rates."""
     return 2 * n + 4
 
 

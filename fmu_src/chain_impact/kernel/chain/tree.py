@@ -5,18 +5,19 @@ a joint therefore needs the force ``A a + b`` for an acceleration ``a`` of that 
 2×2 articulated inertia, ``b`` collects the terms of ω², gravity, torques and contact forces. Appell's
 equation for α_i, ∂S/∂α_i = Q_i with the Gibbs function S = Σ ½ m a_C·a_C + ½ I α², eliminates α_i.
 
-A free chain has two free ends. It is eliminated from both toward its middle joint, where two equations are
-left, and the accelerations follow from there back out. The two arms are independent, so a processor overlaps
-their operations, which halves the time of a short chain. A pinned base is not a free end: it takes the place
-of the middle.
+A free chain has two free ends. The elimination goes from both ends toward the middle joint, where two
+equations remain. The accelerations follow from the middle outward. The two arms are independent, so a
+processor overlaps their operations, which halves the time of a short chain. In a pinned chain the base takes
+the place of the middle joint.
 
-The absolute link angles θ_i are the coordinates and all vectors are in the world frame, so no rotation
-matrix appears: L is the vector along a link from the joint nearer to the middle, c the vector to its centre
-    of mass, x⊥ = ẑ × x. A' and b' belong to the joint farther out, A and b to the nearer one.
+The absolute link angles θ_i are the coordinates and all vectors are in the world frame, so no rotation matrix
+appears: L is the vector along a link from the link's joint nearer to the middle, c the vector from that joint
+to the centre of mass, x⊥ = ẑ × x. A' and b' belong to the link's outer joint, A and b to the joint nearer to
+the middle.
 
-The centre of mass need not lie on the line of the link: L and m c enter on their own. A site (chain/sites.py)
-with the arm r and an impedance D adds D to A, D r⊥ to h and r⊥·D r⊥ to H of its link, as a joint there would.
-A force at the site acts as a force at the proximal joint and a moment τ on the link.
+The centre of mass may lie beside the line of the link, because L and m c are independent in the equations. A
+site (chain/sites.py) with the arm r and an impedance D adds D to A, D r⊥ to h and r⊥·D r⊥ to H of its link. A
+force at the site acts as a force at the proximal joint and a moment τ on the link.
 
 Source: the recursion after Ahmadizadeh, Shafei, Fooladi, *A recursive algorithm for dynamics of multiple
 frictionless impact-contacts in open-loop robotic mechanisms*, Mechanism and Machine Theory; the
@@ -29,7 +30,9 @@ from chain_impact.kernel.functions import inlined
 
 @inlined
 def arm(d, link, i, outward):
-    """Describe link i as seen from its joint nearer to the middle: the proximal one if it points ``outward``.
+    """Describe link i as seen from its joint nearer to the middle.
+
+    ``outward``: whether this is the proximal joint.
 
     Returns:
         L [m], m c [kg·m] and I + m c² [kg·m²].
@@ -53,7 +56,7 @@ def arm(d, link, i, outward):
 
 @inlined
 def hinge(link, axx, axy, ayy):
-    """Return h and H for A' and a link as ``arm`` describes it."""
+    """Return h and H of a link, from A' at its outer joint and the data that ``arm`` returns."""
     lx, ly, sx, sy, inertia = link
     # h = m c⊥ + A' L⊥,  H = I + m c² + L⊥·A' L⊥
     hx, hy = axy * lx - axx * ly - sy, ayy * lx - axy * ly + sx
@@ -61,7 +64,7 @@ def hinge(link, axx, axy, ayy):
 
 
 def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
-    """Eliminate α_i: return A and b for A' and b'."""
+    """Eliminate α_i of a link between two joints: return A and b from A' and b'."""
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = lx, ly, _, _, _ = arm(d, d.work.link, i, outward)
     w2 = omega * omega
@@ -73,7 +76,7 @@ def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
 
 
 def eliminate_end(d, y, i, outward):
-    """Eliminate α_i of the link at a free end: A' = 0, b' = 0, and 1/H depends on no other link."""
+    """Eliminate α_i of the link at a free end, where A' = 0 and b' = 0; its 1/H is a constant of the link."""
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = _, _, sx, sy, inertia = arm(d, d.work.link, i, outward)
     dx, dy = -d.work.load.x[joint], -d.work.load.y[joint]
@@ -82,7 +85,7 @@ def eliminate_end(d, y, i, outward):
 
 
 def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
-    """Return A and b for A' and d; store the data of link i that ``accelerate`` and ``solve`` need."""
+    """Return A and b from A' and d; store the data of link i that ``accelerate`` and ``solve`` need."""
     lx, ly, sx, sy, _ = link
     m, gx, gy = d.model.mass[i], d.model.gravity[0], d.model.gravity[1]
     # h₀ = L⊥·d − m c⊥·g − τ
@@ -103,7 +106,7 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
 
 
 def accelerate(d, y, i, outward, ax, ay, rate):
-    """Set α_i for the acceleration of the inner joint; return the acceleration of the outer joint."""
+    """Set α_i from the acceleration of the inner joint; return the acceleration of the outer joint."""
     kept, own = d.work.elimination, omega_at(d.links) + i
     # α = −(h·a + h₀)/H
     a = -(kept.gain_x[i] * ax + kept.gain_y[i] * ay + kept.bias[i])
@@ -122,11 +125,11 @@ def accelerations(d, y, rate):
         d: the instance; reads ``work.link`` (L_i), ``work.load`` (external force on each point 0..N) [N] and
             ``work.moment`` (net joint torque on each link) [N·m].
         y: state, of which the angular velocities ω_i [rad/s] are read.
-        rate: result; the accelerations of the base [m/s²], zero if it is pinned, and of the links [rad/s²]
-            are set. The function also leaves the factors that ``take_factors`` needs for the response to
-            other loads.
+        rate: result: the accelerations of the base [m/s²], which are zero if the base is pinned, and of the
+            links [rad/s²]. The function also stores the factors that ``take_factors`` needs for the response
+            to other loads.
     """
-    # two calls, so that the middle joint is a constant for the compiler in the first
+    # two calls, so that the middle joint is a constant for the compiler in the first call
     if d.model.pinned:
         arms(d, y, rate, 0)
     else:
@@ -135,7 +138,7 @@ def accelerations(d, y, rate):
 
 @inlined
 def arms(d, y, rate, middle):
-    """Solve for the accelerations with a given joint at which the arms of the elimination meet."""
+    """Solve for the accelerations; the two arms of the elimination meet at the joint ``middle``."""
     n = d.links
     axx, axy, ayy, bx, by = eliminate_end(d, y, n - 1, True)
     cxx, cxy, cyy, dx, dy = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -147,7 +150,7 @@ def arms(d, y, rate, middle):
         if k < middle:
             cxx, cxy, cyy, dx, dy = eliminate_inner(d, y, k, False, cxx, cxy, cyy, dx, dy)
 
-    # the middle joint of a free chain has A a + b = 0; for a pinned base it is the base, with a = 0
+    # at the middle joint of a free chain A a + b = 0; a pinned base is the middle joint, with a = 0
     ax, ay = 0.0, 0.0
     if d.slides:
         # a = s̈ u,  (u·A u + m) s̈ = F + u·(load + m g − b)
@@ -167,7 +170,8 @@ def arms(d, y, rate, middle):
         kept = d.work.elimination
         kept.middle_xx, kept.middle_xy, kept.middle_yy = axx, axy, ayy
 
-    # accelerations from the middle outward; the acceleration of a moving base is given, and not in the state
+    # accelerations from the middle outward; the state does not contain the given acceleration of a moving
+    # base
     cx, cy = ax, ay
     if d.channels > 0 and d.model.base_moves:
         ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]
@@ -180,6 +184,6 @@ def arms(d, y, rate, middle):
 
 
 def inertia_along(d, axx, axy, ayy):
-    """Return u·A u + m [kg] of a slider, with the mass m of its carriage."""
+    """Return u·A u + m [kg], the inertia of chain and carriage along the line of a slider."""
     ux, uy = d.slider.ux, d.slider.uy
     return (ux * ux) * axx + (2.0 * ux * uy) * axy + (uy * uy) * ayy + d.slider.mass

@@ -1,1 +1,1 @@
-"""Events: their location in a step, their handlers with impacts and release, and the log of contacts."""
+"""Events: how a step is searched for them, how they change the state, and the log of contacts."""

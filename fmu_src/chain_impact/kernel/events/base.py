@@ -1,8 +1,9 @@
-"""A wall that reaches a pinned base: both move as functions of time, and the run ends where they meet.
+"""The end of a run where a wall reaches a pinned base; the scene gives the motions of both.
 
 The clearance g of the base follows from the channels alone (chain/motion.py). As in crossing.py, with a bound
-|g̈| ≤ A over an interval of width w, g falls below its chord by at most A w²/8; an interval that this does
-not decide is halved. So no wall passes the base within a step and comes back unnoticed.
+|g̈| ≤ A over an interval of width w, g falls below its chord by at most A w²/8; an interval in which this
+bound is below zero is halved. So the search also finds a wall that passes the base within a step and comes
+back.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -16,7 +17,7 @@ from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, count_other_work, r
 
 
 def end_at_base(d):
-    """End the last step where a wall reaches the base, if one does; the next step then cannot begin."""
+    """End the last step where a wall reaches the base, if one does. The next step then cannot begin."""
     reached = d.step.end
     for c in range(d.candidates if d.model.pinned and not d.slides else 0):
         if faces_base(d, c):
@@ -32,8 +33,7 @@ def check_base(d):
     """Return BASE_BEYOND_WALL if a pinned base is beyond a wall at the end of the last step, else OK."""
     move(d, d.step.end)
     for c in range(d.candidates if d.model.pinned and not d.slides else 0):
-        # at the end of a step that was ended here, the clearance equals the one in ``meeting``, up to
-        # round-off
+        # if ``end_at_base`` has ended the step, the clearance equals that of ``meeting`` up to round-off
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * BEYOND:
             return refuse_base(d, c, BASE_BEYOND_WALL)
     return OK
@@ -47,14 +47,14 @@ def room_at(d, c, time):
 
 
 def meeting(d, c, until):
-    """Return the time [s] at which candidate c's wall meets the base in the last step, at most ``until``."""
+    """Return the time [s] at which the wall of candidate c meets the base in the last step, or ``until``."""
     _, push = given_bounds(d, c)
     a, b = d.step.start, until
     at_a, at_b = room_at(d, c, a), room_at(d, c, b)
     while at_a >= 0.0 and not work_exceeded(d):
         width = b - a
         sag = push * width * width / 8.0
-        # in so short an interval g falls at most once, up to round-off
+        # in so short an interval the clearance g falls through zero at most once, up to round-off
         short = sag < BEYOND
         if short and at_b < 0.0:
             return passage(d, c, a, b)
@@ -69,7 +69,7 @@ def meeting(d, c, until):
 
 
 def passage(d, c, a, b):
-    """Return the time [s] between a and b at which the base's clearance falls through zero, by bisection."""
+    """Return the time [s] between a and b at which the base's clearance falls through 0, by bisection."""
     for _ in range(TRIES):
         middle = 0.5 * (a + b)
         if not a < middle < b:

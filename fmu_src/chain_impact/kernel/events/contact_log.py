@@ -1,4 +1,4 @@
-"""Data of each contact: peak force and penetration, updated in every step, and the log of contacts."""
+"""Data of each contact: the peak force and penetration, updated in every step, and the log of contacts."""
 
 import math
 
@@ -31,7 +31,7 @@ HELD_SAMPLES = 5  # number of samples of a constraint force over a step, includi
 
 
 def update_peaks(d):
-    """Update the peaks of active contacts and of forces in joints over the last step."""
+    """Update the peaks of active contacts, and of forces in joints, for the last step."""
     if d.touch.active_count > 0:
         update_extremes(d)
     if d.loads > 0:
@@ -39,7 +39,7 @@ def update_peaks(d):
 
 
 def update_extremes(d):
-    """Update the peak force and the largest penetration of every active contact over the last step.
+    """Update the peak force and the largest penetration of every active contact for the last step.
 
     The rate at the end of the step must be known. Afterwards the points are located and accelerated there.
     """
@@ -47,7 +47,8 @@ def update_extremes(d):
     if any_point_held(d):
         update_held_extremes(d)
     for k in range(touch.compliant_count):
-        ensure_points(d)  # the search for the peaks of the last contact has located other points
+        # the search for the peaks of the contact before has located the points at another time
+        ensure_points(d)
         c = touch.active_index[k]
         _, gap_rate = clearance(d, c)
         force_rate = rate_of_force(d, c)
@@ -58,10 +59,10 @@ def update_extremes(d):
 
 
 def peaks(d, c, force_rate, time, reader):
-    """Return the largest force [N] and penetration [m] of candidate c until a ``time`` [s] in the last step.
+    """Return the peak force [N] and penetration [m] of candidate c up to a ``time`` [s] in the last step.
 
-    The points must be located and accelerated at this time. The third result is true if they have been
-    located at another time since. ``force_rate`` [N/s] is dF/dt at these points; ``reader`` is OUTPUTS or
+    The points must be located and accelerated at this time. The third result is true if the function has
+    located the points at another time. ``force_rate`` [N/s] is dF/dt at ``time``; ``reader`` is OUTPUTS or
     SOLVER, the user of the result.
     """
     touch = d.touch
@@ -82,12 +83,12 @@ def peaks(d, c, force_rate, time, reader):
 
 
 def turns_at_end(d, c):
-    """Return whether the last step ends where δ̇ = 0 for candidate c, at its largest penetration."""
+    """Return whether candidate c has its largest penetration, with δ̇ = 0, at the end of the last step."""
     return d.law.approach_only[c] and d.touch.event[c] == KINK
 
 
 def update_held_extremes(d):
-    """Update the peak forces of rigid walls over the last step, by parabolas through samples."""
+    """Update the peak forces at rigid walls for the last step, by parabolas through samples."""
     step, samples = d.step, d.rigid.sample
     ensure_dense(d, SOLVER)
     end = fraction(d, step.end)
@@ -106,13 +107,13 @@ def update_held_extremes(d):
 
 
 def update_to_output_time(d):
-    """Truncate the last step at the communication point, log the active contacts, and call the hook."""
+    """End the last step at the communication point, log the active contacts, and call the hook."""
     update_own_to_output_time(d)
     hooks.on_truncate(d)
 
 
 def update_own_to_output_time(d):
-    """Truncate the last step at the communication point, and log the active contacts up to this point."""
+    """End the last step at the communication point, and log the active contacts up to this point."""
     counted = counted_work(d)
     end_at_output_time(d)
     ensure_rate(d)
@@ -123,10 +124,10 @@ def update_own_to_output_time(d):
 
 
 def end_at_output_time(d):
-    """End the last step at the communication point and drop the later events, which will be found again.
+    """End the last step at the communication point, and drop later events; the next step finds them again.
 
-    An onset exactly at this point is kept: its point is already at the wall and cannot arrive a second time.
-        Changes of modes are kept as well.
+    An onset exactly at the communication point is kept, because its point is already at the wall and cannot
+    arrive a second time. Changes of modes are kept as well.
     """
     due = d.step.end == d.step.time
     truncate_to_output_time(d)
@@ -138,7 +139,7 @@ def end_at_output_time(d):
 
 
 def list_latest(d):
-    """List the latest impacts; a contact that lasts has its values at the communication point.
+    """List the latest impacts. The values of a contact that still lasts are those at the communication point.
 
     The points must be located and accelerated at this point, and the outputs must already hold the impulses.
     """
@@ -170,7 +171,10 @@ def list_latest(d):
 
 
 def rate_of_force(d, c):
-    """Return dF/dt [N/s] of candidate c, from the located and accelerated points; only its sign is used."""
+    """Return dF/dt [N/s] of candidate c, for the located and accelerated points.
+
+    Callers use only the sign.
+    """
     stiffness, damping = contact_slopes(d, c)
     # Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
     _, gap_rate = clearance(d, c)
@@ -200,7 +204,7 @@ largest_force, largest_penetration = maximum_of(force_at), maximum_of(penetratio
 
 
 def clear_log(d):
-    """Forget all contacts, because a run starts."""
+    """Forget all contacts at the start of a run."""
     latest = d.latest
     d.finished.count, d.finished.collected = 0, 0
     for row in range(len(latest.time)):
@@ -211,25 +215,25 @@ def clear_log(d):
 
 
 def collect(d):
-    """Note that the contacts that have ended are collected."""
+    """Record that the caller has collected all contacts that have ended."""
     d.finished.collected = d.finished.count
 
 
 def end_contact(d, c, held):
-    """End the contact of candidate c, and log it; in a full log it overwrites the oldest entry.
+    """End the contact of candidate c, and log it. In a full log the entry overwrites the oldest one.
 
-    ``held`` says whether a rigid wall held the point until now; its law may just have changed to one with a
-    force.
+    ``held``: whether a rigid wall held the point until now. The law of the wall may have changed just now to
+    a law with a force.
     """
     _, gap_rate = clearance(d, c)
-    # a point that was held at a rigid wall is at rest: a negative rate is round-off
+    # a point that a rigid wall held has no speed, so a negative rate is round-off
     log_with_peaks(d, c, d.finished.count, d.step.end, max(0.0, gap_rate) if held else gap_rate)
     d.finished.count += 1
     deactivate(d, c)
 
 
 def log_active(d):
-    """Log the active contacts after the ended ones, without an end; the log does not count them.
+    """Log the active contacts after the ended contacts, without an end time, and without counting them.
 
     If more contacts have ended than the log has room for, the active contacts overwrite the oldest.
     """
@@ -241,7 +245,7 @@ def log_active(d):
 
 
 def log_with_peaks(d, c, row, end, separation_speed):
-    """Log a contact with its recorded peaks, which also enter the peaks of all contacts."""
+    """Log a contact with its peaks so far, and update the peaks of all contacts."""
     touch, peaks, arm = d.touch, d.peaks, lever(d, c)
     force, depth = touch.peak_force[c], touch.max_penetration[c]
     log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.total[c])
@@ -254,13 +258,13 @@ def log_with_peaks(d, c, row, end, separation_speed):
 
 
 def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, impulse):
-    """Write the contact of candidate c to a row of the log; a stop's row has moments and angles.
+    """Write the contact of candidate c to a row of the log. The row of a stop has moments and angles.
 
     Args:
         d: the instance.
         c: the candidate.
-        row: the row, which counts on beyond the end of the log.
-        end: the time of its end [s].
+        row: the number of the row; beyond the end of the log it continues from the log's beginning.
+        end: the time at which the contact ends [s].
         separation_speed: ġ at that time [m/s].
         peak_force: the largest force so far [N].
         max_penetration: the largest penetration so far [m].

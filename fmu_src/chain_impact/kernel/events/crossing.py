@@ -1,6 +1,6 @@
 """The first point in a step where a function of the motion falls through zero, by bounds or by samples.
 
-A clearance or a penetration φ is located on the dense output with bounds.
+The zero of a clearance or a penetration φ is located on the dense output, with bounds.
 
 A check for a sign change between the ends of a step alone misses a point that dips into a wall and returns. A
 bound excludes this: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus A w²/8, and φ̇
@@ -23,11 +23,11 @@ from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.rows.geometry import at_joint, normal
 from chain_impact.kernel.status import count_other_work, work_exceeded
 
-FINEST = 1e-15  # finest resolution, as a fraction of a step
+FINEST = 1e-15  # finest resolution of the search, as a fraction of a step
 
 
 def first_passage(function, samples, resolution):
-    """Make the search for the first θ in a step at which a function of (d, c, θ) falls below zero.
+    """Return a search for the first θ in a step at which a function of (d, c, θ) falls below zero.
 
     Args:
         function: the value for candidate or element c at the fraction θ of the last step.
@@ -49,7 +49,7 @@ def first_passage(function, samples, resolution):
         return -1.0
 
     def root(d, c, low, high, at_high):
-        # The rule of false position in its Illinois form (Dowell & Jarratt 1971, BIT 11:168).
+        # The rule of false position in the Illinois form (Dowell & Jarratt 1971, BIT 11:168).
         at_low, last, width = function(d, c, low), 0, max(FINEST, resolution / d.step.size)
         if at_low < 0.0:
             return low
@@ -74,7 +74,7 @@ def first_passage(function, samples, resolution):
 
 
 def locate_at(d, theta):
-    """Set ``work.y`` to the state at the fraction θ of the step, and locate its points."""
+    """Set ``work.y`` to the state at the fraction θ of the last step, and locate the points there."""
     count_other_work(d, 1)
     if 0.0 < theta < 1.0:
         ensure_dense(d, SOLVER)
@@ -85,10 +85,12 @@ def locate_at(d, theta):
     locate_points(d, d.work.y)
 
 
-# The largest bend of φ that is round-off, over a link length; an interval with less is not halved.
+# The largest deviation of φ from its chord that is round-off, over a link length; an interval with a smaller
+# deviation is not halved.
 RESOLUTION = 1e-15
-# A point skims a wall if neither φ nor its change in an interval is larger than SKIMS, over a link length;
-# points of a link that is held elsewhere do so. An interval of FINE of a step, or less, is then not halved.
+# The largest |φ|, and the largest change of φ in an interval, with which a point skims a wall, over a link
+# length; points of a link that is held elsewhere do so. FINE: the largest part of a step that is then not
+# halved.
 SKIMS, FINE = 1e-13, 2.0**-8
 # The largest time [s] between events that count as one: symmetric chains touch at several points at once.
 SIMULTANEOUS = 1e-12
@@ -96,9 +98,10 @@ QUIET, SPLIT, CROSSES = 0, 1, 2
 
 
 def find_crossing(d):
-    """Return θ of the first onset or end of a suspect's contact in the last step, or −1; mark the candidates.
+    """Return θ of the first onset or end of a contact of a suspect in the last step, or −1.
 
-    φ and φ′ at the start of the step must be set, and no candidate may be marked.
+    The function marks the candidates with this event. φ and φ′ at the start of the step must be set, and no
+    candidate may be marked.
     """
     a, b = 0.0, 1.0
     while not work_exceeded(d):
@@ -117,7 +120,7 @@ def find_crossing(d):
             while a + width < 1.0 and a % (2.0 * width) == 0.0:
                 width *= 2.0
             b = min(1.0, a + width)
-    return -1.0  # too much work: the caller will end the run
+    return -1.0  # TOO_MUCH_WORK has been reached: the caller will end the run
 
 
 def check_interval(d, a, b):
@@ -132,16 +135,16 @@ def check_interval(d, a, b):
 
 
 def check_candidate(d, c, a, b):
-    """Return the verdict on one candidate over an interval of the step."""
+    """Return QUIET, CROSSES or SPLIT for candidate c over the interval (a, b] of the step."""
     width = (b - a) * d.step.size
     start, end = d.search.clear_start[c], d.search.clear_end[c]
     if c == d.step.regularized:
-        # δ̇ would have to change its sign twice for u to fall to zero and rise again
+        # for u to fall to zero and rise again, δ̇ would have to change its sign twice
         return CROSSES if end < 0.0 else QUIET
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
-    # a point so shallow at the end of the step, or a point that leaves, may never penetrate further
+    # at the end of the step, a point this shallow, or a point that leaves, may never penetrate further
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
@@ -149,8 +152,9 @@ def check_candidate(d, c, a, b):
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
     # the condition `sag < …` would halve without end for a curvature that is not finite
     if settled or not sag >= RESOLUTION * d.model.size or (b - a <= FINE and skims(d, c, width)):
-        # at a loose tolerance the interpolant can put a point deep inside although its rate is not inward; a
-        # point in contact that moves inward has not left, wherever the interpolant of a stiff step puts it
+        # At a loose tolerance the interpolant can put a point deep inside a wall although the point does not
+        # move inward. A point in contact that moves inward has not left, wherever the interpolant of a stiff
+        # step puts it.
         return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
     return SPLIT
 
@@ -163,13 +167,13 @@ def skims(d, c, width):
 
 
 def nearly_linear(d, c, part):
-    """Return whether φ of candidate c is linear up to round-off over a part of the step."""
+    """Return whether φ of candidate c is linear up to round-off over a ``part`` of the step."""
     width = part * d.step.size
     return not d.search.curvature[c] * width * width / 8.0 >= RESOLUTION * d.model.size
 
 
 def locate(d, a, b):
-    """Find the earliest event in (a, b], in which no suspect is undecided, and mark its candidates."""
+    """Find the earliest event in (a, b], in which no suspect is to SPLIT, and mark its candidates."""
     first, found = b, -1
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
@@ -177,26 +181,27 @@ def locate(d, a, b):
         mark(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NONE)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # φ is the value at `first`: a candidate with φ ≥ 0 has its event later
+        # φ of other candidates is known at the time of `first`: a candidate with φ ≥ 0 there has its event
+        # later
         if d.touch.event[c] and d.search.clear_end[c] < 0.0:
             first = find_root(d, c, a, first)
             found = c
     within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # `found` is always kept, because round-off may exceed this limit for a slow point
+        # the candidate `found` is always kept, because round-off may exceed this limit for a slow point
         if c != found and d.search.clear_end[c] > within * abs(d.search.clear_end_rate[c]):
             mark(d, c, NONE)
     return first
 
 
 def find_root(d, c, a, b):
-    """Return θ in [a, b] at which φ of candidate c, negative at b, falls through zero.
+    """Return θ in [a, b] at which φ of candidate c falls through zero; φ is negative at b.
 
-    Set φ of all suspects there.
+    The function also sets φ of all suspects at θ.
 
-    Newton's method is safeguarded by a shrinking bracket. If φ is not positive at a either, the event is
-    overdue: it is placed at the first end of the bracket where φ falls.
+    Newton's method is safeguarded by a shrinking bracket. If φ is not positive at a either, the event should
+    have been found before: θ is then the first end of the bracket at which φ falls.
     """
     if d.search.clear_start[c] <= 0.0 and (d.search.clear_start_rate[c] <= 0.0 or nearly_linear(d, c, b - a)):
         theta = a if d.search.clear_start_rate[c] <= 0.0 else b
@@ -226,8 +231,8 @@ def find_root(d, c, a, b):
 def bound_curvature(d):
     """Bound |g̈| of every suspect over the last step.
 
-    |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²) holds for any point k. This bound is far from sharp for a
-    point that rests on a stiff wall, but there the implicit step integrates the clearance itself.
+    The bound of point k is |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²). For a point that rests on a stiff
+    wall it is far too large, but there the implicit step integrates the clearance itself.
     """
     n = d.links
     # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
@@ -240,14 +245,15 @@ def bound_curvature(d):
     links[0] = 0.0
     for i in range(n):
         omega, alpha = rate_bounds(d.step, omega_at(n) + i)
-        # the contribution of link i, in any direction
+        # the contribution of link i to the bound, in any direction
         links[i + 1] = links[i] + d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         v, a = motion_bounds(d, c, along_x, along_y)
         if d.channels > 0 and d.candidate.stop[c] == 0:
             speed, push = given_bounds(d, c)
-            # a channel is a function of time: d(ġ)/ds has p times its acceleration
+            # a channel is a function of time: the derivative of ġ in the step's variable is p times the
+            # channel's acceleration
             v, a = v + speed, a + p * push
         of_links = links_part(d, c) if not at_joint(d, c) else 0.0
         d.search.curvature[c] = p * a + change * v + of_links
@@ -256,9 +262,9 @@ def bound_curvature(d):
 
 
 def links_part(d, c):
-    """Return the bound in ``work.reach`` for the point of candidate c.
+    """Return the links' contribution to the bound for the point of candidate c, from ``work.reach``.
 
-    A site scales its link's part by |r|/ℓ.
+    For a site, the contribution of the site's own link is multiplied by |r|/ℓ.
     """
     links, point = d.work.reach, d.candidate.point[c]
     if point <= d.links:
@@ -269,7 +275,7 @@ def links_part(d, c):
 
 
 def motion_bounds(d, c, along_x, along_y):
-    """Return bounds on |ġ| of candidate c without the links' part, and on its derivative, over the last step.
+    """Return bounds on |ġ| of candidate c, and on the derivative of ġ, for base and wall without the links.
 
     ``along_x`` and ``along_y`` are the bounds for the components of the base's velocity.
     """
@@ -283,13 +289,13 @@ def motion_bounds(d, c, along_x, along_y):
         return arm * v, arm * a
     _, nx, ny = normal(d, c)
     if nx * ny == 0.0:
-        # walls along an axis share the same bounds for all points
+        # walls along an axis have the same bounds for all points
         return abs(nx) * along_x[0] + abs(ny) * along_y[0], abs(nx) * along_x[1] + abs(ny) * along_y[1]
     return rate_bounds_along(d.step, velocity_at(d.links), nx, ny)
 
 
 def given_bounds(d, c):
-    """Return bounds on the parts of |ġ| and |g̈| of candidate c by given motions, over the last step."""
+    """Return bounds on the contributions of given motions to |ġ| and |g̈| of candidate c in the last step."""
     speed, push = 0.0, 0.0
     if d.model.base_moves:
         for j in range(2):
@@ -303,7 +309,7 @@ def given_bounds(d, c):
 
 
 def measure(d, theta):
-    """Set φ and φ′ of every suspect at the fraction θ of the step, as the end of the interval."""
+    """Set φ and φ′ of every suspect at the fraction θ of the step, which is the end of the interval."""
     locate_at(d, theta)
     u, slope = sundman_u_now(d, d.work.y)
     for k in range(d.search.suspect_count):

@@ -1,8 +1,8 @@
-"""Clearances over a step, and a test on its ends that excludes events in it without a search.
+"""Clearances over a step, and a test of the step's two ends that excludes events without a search.
 
-φ is the clearance of a candidate that is apart and the penetration of one in contact, or u of the Sundman
-regularization (ode/sundman.py) for the regularized one, each as a function of the integration
-variable of the step; φ′ and φ″ are its derivatives.
+φ is the clearance of a candidate without contact, the penetration of a candidate in contact, or u of the
+Sundman regularization (ode/sundman.py) for the regularized contact. φ is a function of the integration
+variable of the step, with the derivatives φ′ and φ″.
 """
 
 import math
@@ -15,41 +15,46 @@ from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
 from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_change, time_rate_of
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, speed_bound
 
-# The largest turn of a link in a step [rad] for which the estimate of the interpolant's remainder holds.
+# [rad] The largest turn of a link in a step for which the estimate of the interpolant's remainder holds.
 SMALL_TURN = 1.0
-# The margin for round-off and the estimated remainder, over the range of the Bernstein coefficients.
+# The margin for round-off and for the estimated remainder, over the range of the Bernstein coefficients.
 MARGIN = 0.05
-# The δ̇/v₀ at which v₀, which is latched (fixed) at the onset of the contact, is latched again. After the
-# onset of an impact, gravity adds only a thousandth; at 2 the usual laws have at most 1 + 2λ times their
-# elastic force.
+# The ratio δ̇/v₀ at which v₀ is latched again. v₀ is latched (fixed) at the onset of the contact. After the
+# onset of an impact, gravity adds only a thousandth to δ̇; with the ratio 2 the usual laws have at most 1 +
+# 2λ times their elastic force.
 RELATCH_RATIO = 2.0
-# fraction of the latching speed; if it is exceeded at an end of a step, the step is sampled inside too
+# fraction of the latching speed RELATCH_RATIO v₀; if δ̇ exceeds it at an end of a step, the step is sampled
+# inside too
 NEARLY = 0.75
 
 
-# values of `search.known`, the knowledge of the clearances at the end of the last step: none; φ and φ′; also
-# φ″; or only that candidates that are apart have at least `search.safe_distance`
+# values of `search.known`: which data of the clearances are known at the end of the last step. NOTHING: none;
+# VALUES: φ and φ′; WITH_CURVES: also φ″; FAR: only that every candidate without contact has a clearance of at
+# least `search.safe_distance`
 NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 
 def known_clearances(d):
-    """Return the knowledge of the clearances at the start of the step that is searched."""
+    """Return which data of the clearances are known at the start of the step that is searched."""
     return d.search.known if d.search.known_for == d.step.breaks else NOTHING
 
 
 def remember_clearances(d, what):
-    """Note the knowledge of the clearances at the end of the last step; a jump makes it void."""
+    """Record which data of the clearances are known at the end of the last step.
+
+    A jump makes them invalid.
+    """
     d.search.known, d.search.known_for = what, d.step.breaks
 
 
 def excludes_events(d):
-    """Return whether the state and rate at the ends of the last step show that there is no event in it.
+    """Return whether the state and rate at the ends of the last step prove that the step has no event.
 
-    The test relies on an estimate of the interpolant's remainder, which is no bound. The step's method must
-    provide the rate at the end; the points are located and accelerated there. If the result is false, φ and
-    φ′ of all candidates are known at both ends, and the suspects are chosen.
+    The test relies on an estimate of the interpolant's remainder, not on a bound. The step's method must
+    provide the rate at the end; the points are located and accelerated at the end. If the result is false, φ
+    and φ′ of all candidates are known at both ends, and the suspects are chosen.
     """
-    # an input may change the acceleration between the ends as much as rotation does
+    # an input may change the acceleration between the ends of the step as much as rotation does
     changing = max(d.inputs.course.change_rate, rate_of_signals(d))
     turn = max(largest_turn(d), (d.step.end - d.step.start) * changing)
     if turn < SMALL_TURN and remains_far(d):
@@ -64,9 +69,9 @@ def excludes_events(d):
         d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
     measure_all(d, d.step.state_end)
     remember_clearances(d, WITH_CURVES)
-    # the remainder is h⁶ φ⁽⁶⁾/46080; it is estimated as ten times the remainder for the tip of a stretched
-    # chain in uniform rotation, plus the one for a motion that decays or oscillates with the rate ρ: |φ⁽⁶⁾| =
-    # ρ⁴ |φ̈|
+    # The remainder is h⁶ φ⁽⁶⁾/46080. Its estimate is ten times the remainder for the tip of a stretched chain
+    # in uniform rotation, plus the remainder for a motion that decays or oscillates with the rate ρ: |φ⁽⁶⁾| =
+    # ρ⁴ |φ̈|.
     fade = (d.step.end - d.step.start) * d.model.joint_bound
     way = way_per_radian(d)
     if d.channels > 0:
@@ -74,11 +79,11 @@ def excludes_events(d):
     error = way * turn**2 * max(turn, fade) ** 4 / 4608.0
     clear, apart = turn < SMALL_TURN, error + leeway(d)
     for c in range(d.candidates):
-        # Without branches the compiler can use vectors. A point that a rigid wall holds has φ = ∞, and the
-        # second term decides.
+        # Without branches the compiler can use vector instructions. A point that a rigid wall holds has φ =
+        # ∞, and the second condition decides.
         clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
     for k in range(d.touch.compliant_count):
-        # the scale of errors in a penetration is far smaller than in a position
+        # errors in a penetration have a far smaller scale than errors in a position
         c = d.touch.active_index[k]
         clear = clear and stays_in_contact(d, c, error) and is_quiet(d, c)
     if not clear:
@@ -97,12 +102,12 @@ def suspect_all(d):
 
 
 def suspect_some(d, apart, error):
-    """Let the search follow the candidates that the test on the ends of the step does not exclude.
+    """Let the search follow the candidates for which the test of the step's ends does not exclude an event.
 
     Args:
         d: the instance, with φ, φ′ and φ″ at both ends.
-        apart: the error [m] of φ where candidates are apart.
-        error: the error [m] of φ where candidates touch.
+        apart: the error [m] of φ for candidates without contact.
+        error: the error [m] of φ for candidates in contact.
     """
     search, count = d.search, 0
     for c in range(d.candidates):
@@ -119,7 +124,7 @@ def suspect_some(d, apart, error):
 def leeway(d):
     """Return the largest error [m] that the tolerance allows in the position of any place.
 
-    The dense output, which locates points for outputs and for the search, may differ this much from the
+    The dense output, which locates points for outputs and for the search, may differ by this error from the
     Hermite interpolant between the ends of the step.
     """
     return d.solver.tolerance * way_per_radian(d)
@@ -128,8 +133,8 @@ def leeway(d):
 def way_per_radian(d):
     """Return the largest distance [m] that a place moves when every link turns by at most 1 rad.
 
-    This is the length of the stretched chain. The angle of a joint changes by 2 rad, at the lever arm of a
-    stop: if a link is longer than all others together, this is more.
+    For a point the result is the length of the stretched chain. The angle of a joint changes by 2 rad. With
+    the lever arm of a stop this distance is larger if one link is longer than all others together.
     """
     if d.model.stopped and d.links > 1:
         return max(d.model.reach, 2.0 * d.model.size)
@@ -137,7 +142,7 @@ def way_per_radian(d):
 
 
 def remains_far(d):
-    """Return whether no candidate can have touched, and no force law is active except the regularized one."""
+    """Return whether no candidate can have touched, and no contact except the regularized one has a force."""
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
     search.speed = speed_bound(d, d.work.velocity)
@@ -145,8 +150,7 @@ def remains_far(d):
     if d.channels > 0:
         fastest, push = fastest_wall(d)
         search.speed, search.acceleration = search.speed + fastest, search.acceleration + push
-    # a bound on the distance that any point moves in the step, with twice the contribution of its
-    # acceleration
+    # way: a bound on the distance that any point moves in the step, with twice the effect of its acceleration
     way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
     search.safe_distance -= way
     if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > leeway(d)):
@@ -161,21 +165,21 @@ def remains_far(d):
 
 
 def is_quiet(d, c):
-    """Return whether contact c has not crossed its kink in the last step, and v₀ cannot need a new value."""
+    """Return whether contact c has not crossed its kink in the last step, and v₀ needs no new value."""
     return not (d.touch.kink_crossed[c] or nearly_fast(d, c))
 
 
 def nearly_fast(d, c):
-    """Return whether contact c is compressed so fast at an end of the step that v₀ may need an update."""
+    """Return whether δ̇ of contact c is so large at an end of the step that v₀ may need a new value."""
     _, gap_rate = clearance(d, c)
     return max(d.touch.speed[c], -gap_rate) > NEARLY * RELATCH_RATIO * d.touch.impact_speed[c]
 
 
 def stays_positive(d, c, error):
-    """Return whether φ of candidate c is larger than an error throughout the last step, after its start.
+    """Return whether φ of candidate c is larger than ``error`` throughout the last step, after its start.
 
     The quintic Hermite interpolant of φ, from the value and first two derivatives at the ends of the step,
-    stays above the least of its Bernstein coefficients.
+    is at least the smallest Bernstein coefficient.
     """
     h = d.step.size
     b1 = d.search.clear_start[c] + h * d.search.clear_start_rate[c] / 5.0
@@ -188,15 +192,15 @@ def stays_positive(d, c, error):
 
 
 def stays_in_contact(d, c, error):
-    """Return the same as ``stays_positive`` for the penetration of a contact with a force law, or for u."""
+    """Return the result of ``stays_positive`` for the penetration of a contact with a force law, or for u."""
     if c == d.step.regularized:
-        # δ̇ would have to change its sign twice for u to fall to zero and rise again
+        # for u to fall to zero and rise again, δ̇ would have to change its sign twice
         return d.search.clear_end[c] > 0.0
     return stays_positive(d, c, error)
 
 
 def measure_all(d, y):
-    """Set φ, φ′ and φ″ of every candidate for a state and its located and accelerated points."""
+    """Set φ, φ′ and φ″ of every candidate for the state y, with the points located and accelerated."""
     slope = set_clearances(d, y)
     u = y[sundman_u_at(d.links)]
     p, change = time_rate_of(d, u), time_rate_change(u, slope)
@@ -216,12 +220,12 @@ def measure_all(d, y):
 
 
 def set_clearances(d, y):
-    """Set φ and φ′ of every candidate for the state y and its located points; returns u′."""
+    """Set φ and φ′ of every candidate for the state y, with the points located; return u′."""
     u, slope = sundman_u_now(d, y)
     p = time_rate_of(d, u)
     for c in range(d.candidates):
-        # as if all candidates were apart: a branch in this loop would cost more than setting a few of them
-        # again
+        # first as if all candidates were without contact: a branch in this loop would cost more than to set a
+        # few again
         gap, gap_rate = clearance(d, c)
         d.search.clear_end[c], d.search.clear_end_rate[c] = gap, p * gap_rate
     for k in range(d.touch.active_count):
@@ -230,7 +234,10 @@ def set_clearances(d, y):
 
 
 def sundman_u_now(d, y):
-    """Evaluate u and u′ of the regularized contact for a state y and its located points; 1, 0 without one."""
+    """Return u and u′ of the regularized contact for the state y, with the points located.
+
+    1, 0 without such a contact.
+    """
     if d.step.regularized == NO_CONTACT:
         return 1.0, 0.0
     u = y[sundman_u_at(d.links)]
@@ -238,12 +245,15 @@ def sundman_u_now(d, y):
 
 
 def set_clearance(d, c, u, slope):
-    """Set φ and φ′ of candidate c for the located points, u and u′."""
+    """Set φ and φ′ of candidate c for the located points.
+
+    U and ``slope`` = u′ are those of the regularized contact.
+    """
     if c == d.step.regularized:
         d.search.clear_end[c], d.search.clear_end_rate[c] = u, slope
         return
     if d.touch.active[c] and d.law.impulsive[c]:
-        # a point held at a rigid wall can neither touch nor cross
+        # a point held at a rigid wall can neither touch nor cross another time
         d.search.clear_end[c], d.search.clear_end_rate[c] = math.inf, 0.0
         return
     gap, gap_rate = clearance(d, c)
@@ -253,7 +263,7 @@ def set_clearance(d, c, u, slope):
 
 
 def keep_start(d):
-    """Copy φ and φ′ at the end of the interval to the start of the next one."""
+    """Copy φ and φ′ at the end of one interval to the start of the next interval."""
     for c in range(d.candidates):
         d.search.clear_start[c] = d.search.clear_end[c]
         d.search.clear_start_rate[c] = d.search.clear_end_rate[c]

@@ -6,9 +6,10 @@ they slide so that friction acts against the motion that begins,
 
     sticks    |F_t| ≤ µ_s F_n        slides with s    s t·a ≥ 0.
 
-The modes are found by pivoting, as in ``solve_lcp``: all elements that violate their condition change at once
-as long as their number falls. An element keeps its mode if the mode is consistent. If the pivoting does not
-end, the modes follow from forces within the limits of friction (rows/limits.py), which always exist.
+The modes are found by pivoting, as in ``solve_lcp``: all elements that violate their condition change at
+once, as long as the number of these elements falls. An element keeps a consistent mode. If the pivoting does
+not end, the modes follow from forces within the limits of friction (rows/limits.py); a solution of that
+problem always exists.
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
@@ -34,21 +35,21 @@ from chain_impact.kernel.rows.geometry import any_sticking, tangential_accelerat
 from chain_impact.kernel.rows.limits import share_within_limits
 from chain_impact.kernel.status import count_evaluations
 
-# The largest acceleration against its direction with which a sliding element at rest keeps sliding, over the
-# largest acceleration, gravity and a link length per second squared; plus twice the largest acceleration of a
-# sticking element. If other forces hold the element, such an acceleration is an error.
+# The largest backward acceleration with which a sliding element at rest keeps sliding, over the sum of the
+# largest acceleration, gravity and one link length per second squared. The acceleration is then an error:
+# other forces hold the element. Twice the largest acceleration of a sticking element is allowed in addition.
 AGAINST = 1e-9
-# The largest speed of an element that sticks or has just stopped, over a link length per second: an error at
-# a loose tolerance. A faster element slides.
+# The largest speed of an element that sticks or has just stopped, over a link length per second. Such a speed
+# is an error at a loose tolerance; a faster element slides.
 MISLOCATED = 1e-3
 
 
 def update_modes(d, jumped):
-    """Set the modes for the end of the last step, and project the state onto the sticking constraints.
+    """Set the modes for the end of the last step, and project the state onto sticking constraints.
 
     Args:
         d: the instance, with the points located at the end of the last step.
-        jumped: whether speeds may have jumped. Otherwise an element that stuck has no speed except errors.
+        jumped: whether speeds may have jumped. If not, the speed of an element that stuck is an error.
     """
     own = d.friction
     list_friction(d)
@@ -87,11 +88,11 @@ def reinit_modes(d, jumped):
 
 
 def set_slack(d, e):
-    """Set how far element e may move against its direction of sliding because of errors.
+    """Set the speed with which element e may move against its direction of sliding because of errors.
 
-    Sliding that begins at rest has the error of a speed that was located as 0. If other forces hold an
-    element whose force is at its limit, it moves with them by as much as the tolerance allows for a speed: it
-    accelerates backward, or its sliding has ended and continues.
+    Where sliding begins at rest, the speed has the error with which its zero was located. If other forces
+    hold an element whose friction is at its limit, the element may accelerate backward, or its sliding may
+    end and continue. Its speed is then as large as the tolerance allows.
     """
     backward = -d.element.mode[e] * tangential_rate(d, e)
     held = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
@@ -100,7 +101,10 @@ def set_slack(d, e):
 
 
 def first_guess(d, e, jumped):
-    """Return the mode of element e by its motion; at rest its last mode, and e is undecided."""
+    """Return the mode of element e that follows from its motion.
+
+    At rest keep the last mode, with e undecided.
+    """
     speed = tangential_rate(d, e)
     before, event = d.element.before[e], d.element.event[e]
     d.element.undecided[e] = 1
@@ -109,7 +113,7 @@ def first_guess(d, e, jumped):
     resting = event == SLIDING_ENDS or (before == STICKS and not jumped)
     if resting and abs(speed) <= MISLOCATED * d.model.size:
         return STICKS
-    # a backward speed that a sliding element may have is an error
+    # a small backward speed of a sliding element is an error
     slides = abs(before) == 1 and not jumped
     if abs(speed) > rest_speed(d) + (d.element.slack[e] if slides else 0.0):
         d.element.undecided[e] = 0
@@ -118,7 +122,10 @@ def first_guess(d, e, jumped):
 
 
 def choose_modes(d):
-    """Change the modes of undecided elements until all are consistent, or else choose by the limits."""
+    """Change the modes of undecided elements until all modes are consistent.
+
+    If this fails, use the limits.
+    """
     fewest, stalls_left = d.friction.count + 1, MAX_STALLED_PIVOTS
     while stalls_left >= 0:
         wrong = count_inconsistent_now(d)
@@ -133,7 +140,7 @@ def choose_modes(d):
 
 
 def count_inconsistent_now(d):
-    """Find the forces and accelerations with the present modes; return the number of inconsistent modes."""
+    """Find forces and accelerations with the present modes, and return the number of inconsistent modes."""
     rate = d.work.rate
     list_sticking(d)
     located_rate(d, d.step.state_end, rate)
@@ -145,8 +152,8 @@ def count_inconsistent_now(d):
 def choose_by_limits(d):
     """Let all undecided elements stick, except those whose forces are at their limits (rows/limits.py).
 
-    An element at its limit slides, or other forces hold it: then it moves by errors only, in either
-    direction.
+    An element at its limit slides, or other forces hold the element: then its motion is only an error, in
+    either direction.
     """
     for i in range(d.friction.count):
         if d.element.undecided[d.element.index[i]]:
@@ -165,7 +172,7 @@ def any_over(d):
 
 
 def let_go(d):
-    """Let the elements slide whose forces are at their limits or, if there are none, over their limits."""
+    """Let elements slide whose forces are at their limits or, if there are none, exceed their limits."""
     held = True
     for i in range(d.friction.stuck_count):
         if d.share.at_limit[i] != 0:
@@ -196,7 +203,7 @@ def is_inconsistent(d, e):
 
 
 def unsure_acceleration(d):
-    """Return an acceleration [m/s²] of an element that may be an error: round-off, or as of sticking ones."""
+    """Return an acceleration [m/s²] of an element that may be an error: round-off, or left by constraints."""
     left = 0.0
     for i in range(d.friction.stuck_count):
         left = max(left, abs(tangential_acceleration(d, d.element.stuck[i])))
@@ -204,19 +211,19 @@ def unsure_acceleration(d):
 
 
 def clear_changes(d):
-    """Clear the log of changes, because they have been collected or a run starts."""
+    """Clear the log of changes, after the caller has collected them or at the start of a run."""
     d.changes.count = 0
 
 
 def log_changes(d):
-    """Log the elements whose mode has changed; in a full log they overwrite the oldest entries."""
+    """Log the elements whose mode has changed; in a full log the new entries overwrite the oldest."""
     log = d.changes
     for e in range(d.elements):
         if d.element.mode[e] != d.element.before[e]:
             row = log.count % len(log.time)
             joint = e >= d.candidates
             log.time[row], log.mode[row] = d.step.end, d.element.mode[e]
-            # the slider has the number 0 of the base's point
+            # the log gives the slider the number 0, the number of the base's point
             log.point[row] = (joint_of(d, e) + 1) % (d.links + 1) if joint else d.candidate.point[e]
             log.wall[row] = -1 if joint else d.candidate.wall[e]
             log.count += 1

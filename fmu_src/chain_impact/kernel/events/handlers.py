@@ -1,10 +1,10 @@
 """The handlers of events, and the size of the step after an event.
 
-Crossings of clearances, ONSET and END, are found with bounds, so that none is missed (crossing.py). The other
-events are found by samples of a step, because it does no harm to find one of them late (sampled.py lists
-them). The points are located at an event. For rigid walls, handle_impact handles all simultaneous events
-together (impacts.py). If a point arrives at a rigid wall, simultaneous onsets of contacts with a force wait
-for the impulses.
+The events ONSET and END, crossings of a clearance, are found with bounds, so that none is missed
+(crossing.py). The other events are found by samples of a step, because a late location of such an event does
+no harm (sampled.py lists them). At an event the points are located. ``handle_impact`` handles all
+simultaneous events at rigid walls together (impacts.py). If a point arrives at a rigid wall, simultaneous
+onsets of contacts with a force begin after the impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -46,16 +46,17 @@ from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.status import count_evaluations
 
-# Fraction of a contact's time scale: a point that will be out of the wall within it has left. To wait until
-# it is out would cost one more step, a tenth of the work of an impact at a tolerance of 1e-4.
+# The largest time in which a point must be outside of the wall to count as having left, over the contact's
+# time scale. To wait longer would cost one more step, a tenth of the work of an impact at a tolerance of
+# 1e-4.
 LEFT = 0.01
 
 
 def end_if_left(d, c):
-    """End the contact of a point that has left its wall.
+    """End the contact of candidate c if its point has left the wall.
 
-    A point that still moves inward, or needs long to get out, has not left: the tolerance allows such an
-        error in the located end of a contact.
+    A point that still moves inward, or that needs a long time to get out, has not left: the located end of a
+    contact may have such an error within the tolerance.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
@@ -65,7 +66,7 @@ def end_if_left(d, c):
 
 
 def handle(d, c, kind):
-    """Apply an event of candidate c, which has a force law; returns whether its force may have jumped."""
+    """Apply an event of candidate c, which has a force law; return whether the force may have jumped."""
     if kind == ONSET:
         start_contact(d, c)
     elif kind == END:
@@ -81,14 +82,16 @@ def apply_events(d):
     """Apply the events at the end of the last step, and choose the size and the method of the next one.
 
     Returns:
-        Whether a force may have jumped: a contact begins or ends, a v₀ was latched again, a mode changes.
+        Whether a force may have jumped, because a contact begins or ends, a new v₀ is latched or a mode
+        changes.
     """
     touch, onset, jumped = d.touch, -1, False
     goes_on = pending_changes(d) + d.drive.event > 0
     rigid, rigid_impact = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
     if d.friction.count > 0:
-        # the forces that decide on sticking may belong to another time, at which the motion was observed
+        # the forces, which decide whether elements stick, may belong to another time, at which outputs were
+        # computed
         located_rate(d, d.step.state_end, d.work.rate)
         count_evaluations(d, 1)
     forces = touch.compliant_count > 0
@@ -114,7 +117,7 @@ def apply_events(d):
         update_modes(d, False)
     if rigid and touch.compliant_count == 0:
         if forces:
-            control.resume_flight(d)  # the last size belonged to an impact with a force
+            control.resume_flight(d)  # the last proposed size belonged to an impact with a force
         begin_flight(d)
     else:
         choose_size(d, onset, goes_on)
@@ -125,9 +128,9 @@ def apply_events(d):
 
 
 def renew_modes(d, jumped):
-    """Choose again held contacts, modes and sides of kinks, after laws or inputs may have changed.
+    """Choose held contacts, modes and sides of kinks again, because laws or inputs may have changed.
 
-    ``jumped`` says whether speeds may have jumped, such as the speed of a belt.
+    ``jumped``: whether speeds may have jumped, such as the speed of a belt.
     """
     recompute_active_set(d)
     choose_saturation(d)
@@ -136,7 +139,7 @@ def renew_modes(d, jumped):
 
 
 def recompute_active_set(d):
-    """Update the active set of the contacts that were rigid at the end of the last step, if any."""
+    """Update the active set of the contacts that rigid walls held at the end of the last step."""
     if not any_point_held(d):
         return
     end_changed_contacts(d)
@@ -151,7 +154,7 @@ def choose_size(d, onset, goes_on):
     Args:
         d: the instance.
         onset: the candidate of the last onset among the events, or −1.
-        goes_on: whether the size may stay as it is if there is no onset.
+        goes_on: whether the proposed size remains valid if there is no onset.
     """
     if d.touch.active_count == 0:
         clear_loads(d)
@@ -168,7 +171,7 @@ def choose_size(d, onset, goes_on):
 
 
 def bends_force(d):
-    """Return whether a contact's force, in the variable of the step, is not smooth at the found events."""
+    """Return whether a contact's force, as a function of the step's variable, is not smooth at the events."""
     if d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END:
         return False
     for c in range(d.candidates):

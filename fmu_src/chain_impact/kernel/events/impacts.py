@@ -7,18 +7,17 @@ ones with ġ = 0, it reads
     u⁺ = u⁻ + W p,   0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0,
 
 with e = 0 for a held contact and for a point that arrives slower than ``contact.minimum_impact_speed``, so
-that a bouncing point comes to rest after finitely many impacts. Every p does the work ½ p (u⁺ + u⁻) =
-½ p (1 − e) u⁻ ≤ 0: no impact adds energy, whichever candidates touch. (An impact could add energy if a point
-within NEAR of a wall moves away from the wall, u⁻ > 0: then the impact is computed with e = 0, which adds
-none.)
+that a bouncing point comes to rest after finitely many impacts. Every p does the work ½ p (u⁺ + u⁻) = ½ p (1
+− e) u⁻ ≤ 0, so no impact adds energy. (If a point within NEAR of a wall moves away from the wall, u⁻ > 0, an
+impact could add energy; then the impact is computed with e = 0, which adds no energy.)
 
-A contact that separates with a speed ends. The other contacts, at rest, are held by forces F as long as these
-push:
+A contact that separates with a speed above zero ends. Forces F hold the other contacts, which are at rest, as
+long as the forces push:
 
     0 ≤ F ⟂ g̈ ≥ 0.
 
-A contact with a force law whose onset is at the moment of an impact begins after it, with the speed that the
-impulses leave. If these turn the point back, there is no such contact.
+A contact with a force law whose onset is at the moment of an impact begins after the impact, with the speed
+that the impulses leave. If the impulses turn the point back, the contact does not begin.
 """
 
 import math
@@ -64,23 +63,24 @@ from chain_impact.kernel.rows.constraints import (
 )
 from chain_impact.kernel.rows.geometry import clearance, fastest_of_all
 
-# Fraction of the smallest speed that rebounds. Slower points do not separate, because bounces that each have
-# a fraction of the last one's speed would accumulate in a finite time (Zeno behaviour).
+# Fraction of the smallest rebound speed. Points slower than this fraction do not separate: bounces that each
+# have a fraction of the speed of the bounce before would accumulate in a finite time (Zeno behaviour).
 STICK = 1e-3
 NEAR = 1e-12  # the largest clearance of a point that takes part in an impact, over a link length
-# the largest error that is round-off: of energy, over Σ p (|u⁻| + |u⁺|), or of speed, over the largest
+# the largest error that is round-off: of an energy, over Σ p (|u⁻| + |u⁺|), or of a speed, over the largest
+# speed
 GAIN = 1e-9
-# The clearance given to a point that is released, over a link length: a hundred times round-off, so that
-# round-off does not make it touch again.
+# The clearance given to a point that is released, over a link length. It is a hundred times round-off, so
+# that round-off does not make the point touch again.
 RELEASE_GAP = 1e-13
-# The largest distance, over a link length, that weight and dry friction move a point that comes to rest.
+# The largest distance that weight and dry friction move a point that comes to rest, over a link length.
 FALL = 10.0 * RELEASE_GAP
 
 
 def handle_impact(d):
-    """Apply the events of rigid contacts at located points: the impulses, then the update of the active set.
+    """Apply the events at rigid walls for the located points: first the impulses, then the new active set.
 
-    Onsets of contacts with a force law that are still in ``touch.event`` are applied between both.
+    Onsets of contacts with a force law that are still in ``touch.event`` are applied between these two steps.
 
     Returns:
         The last candidate with a force law whose contact began, or −1.
@@ -122,7 +122,7 @@ def rigid_onset(d):
 
 
 def begin_late_contacts(d):
-    """Begin the contacts with a force law, due now, whose points still move inward after the impulses.
+    """Begin the contacts with a force law whose onset is now, if their points move inward after the impulses.
 
     Returns:
         The last of these candidates, or −1.
@@ -138,20 +138,22 @@ def begin_late_contacts(d):
 
 
 def follow_jump(d):
-    """Set the rates of contacts with a force law, and their kinks' sides, from the motion after impulses."""
+    """Set the rates and kink sides of contacts with a force law for the motion after the impulses."""
     locate_points(d, d.step.state_end)
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         _, gap_rate = clearance(d, c)
-        # the force has jumped: its own, smaller rate would hide that it is at its peak
+        # the force has jumped: the rate of the contact's own force, which is smaller, would hide that this is
+        # its peak
         set_rates(d, c, -gap_rate, 1.0)
         set_kink_side(d, c)
 
 
 def include_near_contacts(d):
-    """Add the points within NEAR of a rigid wall to the contacts of an impact.
+    """Add the points within NEAR of a rigid wall to the points of an impact.
 
-    Otherwise a link wedged between two walls would hit them in turn, infinitely often in a finite time.
+    Without these points, a link wedged between two walls would hit the walls in turn, infinitely often in a
+    finite time.
     """
     touch = d.touch
     for c in range(d.candidates):
@@ -162,10 +164,10 @@ def include_near_contacts(d):
 
 
 def apply_impulses(d):
-    """Apply the impulses of an impact to the velocities, and add the energy lost to the dissipated energy."""
+    """Apply the impulses of an impact to the velocities, and count the lost energy as dissipated."""
     lost, moved = find_impulses(d, 1.0)
     if lost < -GAIN * moved or lacks_rebound(d):
-        # the cause can only be a NEIGHBOUR that moves away from its wall, or a wedged point
+        # only a NEIGHBOUR that moves away from its wall, or a wedged point, can cause a gain of energy
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -205,7 +207,7 @@ def find_impulses(d, share):
 
 
 def lacks_rebound(d):
-    """Return whether impulses cannot give all points the rebound speeds that the restitution demands."""
+    """Return whether no impulses can give every point the rebound speed that the restitution demands."""
     short, scale = False, fastest_of_all(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         short = short or d.rigid.reached[k] < d.rigid.target[k] - GAIN * scale
@@ -213,7 +215,7 @@ def lacks_rebound(d):
 
 
 def end_rebounding_contacts(d):
-    """End the contacts that separate with a speed that can be distinguished from rest."""
+    """End the contacts whose points separate with a speed that is larger than round-off."""
     free_rate(d, d.step.state_end, d.work.rate)
     fall = start_from_accelerations(d, d.step.state_end, d.work.rate)
     # u²/(2 a), the height to which a point thrown with u rises
@@ -221,17 +223,17 @@ def end_rebounding_contacts(d):
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] <= 0.0:
-            deactivate(d, c)  # the candidate takes no part in the impact
+            deactivate(d, c)  # the candidate no longer takes part in the impact
         elif d.rigid.reached[k] > max(slow, STICK * d.law.minimum_impact_speed[c]):
             end_contact(d, c, True)
     list_touching(d)
 
 
 def is_gentle(d):
-    """Return whether all arriving points are as slow, or have as little energy, as points that come to rest.
+    """Return whether all arriving points are so slow, or have so little energy, that they come to rest.
 
-    Sticking continues in such an impact. Otherwise a joint would slide with the rest of the impulses, and its
-    friction would throw up points for the next such impact, without end.
+    In a gentle impact sticking continues. Otherwise a joint would slide because of the small impulses, and
+    its friction would throw up points for the next gentle impact, without end.
     """
     slow, energy, force = True, 0.0, mean_mass(d) * d.links * (d.model.gravity_size + d.model.size)
     for c in range(d.candidates):
@@ -245,7 +247,7 @@ def is_gentle(d):
 
 
 def bring_to_rest(d, gentle):
-    """Stop the points that do not separate, and joints with them, before the modes of friction are chosen."""
+    """Stop the points that do not separate and, in a ``gentle`` impact, sticking joints."""
     if not gentle:
         suspend_sticking(d)
     locate_points(d, d.step.state_end)
@@ -253,7 +255,10 @@ def bring_to_rest(d, gentle):
 
 
 def end_changed_contacts(d):
-    """End the held contacts whose law has changed to one with a force, from which it continues."""
+    """End the held contacts whose law has changed to a law with a force.
+
+    The contact goes on with that law.
+    """
     locate_points(d, d.step.state_end)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
@@ -263,7 +268,7 @@ def end_changed_contacts(d):
 
 
 def update_active_set(d):
-    """Keep the contacts that a pushing force must hold, and end the others: 0 ≤ F ⟂ g̈ ≥ 0."""
+    """Keep the contacts that a pushing force must hold, and end the other contacts: 0 ≤ F ⟂ g̈ ≥ 0."""
     touch, state = d.touch, d.step.state_end
     if any_point_held(d):
         locate_points(d, state)
@@ -280,7 +285,7 @@ def update_active_set(d):
         solve_lcp(d, scale)
         release_contacts(d)
         list_touching(d)
-    # later events choose the modes of dry friction
+    # the modes of dry friction are chosen later, by other events
     drop_contact_events(d)
 
 
@@ -294,7 +299,7 @@ def end_unstopped_contacts(d):
 
 
 def release_contacts(d):
-    """End the contacts that no force holds, and move their points off the wall by RELEASE_GAP."""
+    """End the contacts that no force holds, and move their points away from the wall by RELEASE_GAP."""
     parting = False
     start_from_state(d, 0)
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -304,7 +309,7 @@ def release_contacts(d):
             end_contact(d, d.touch.active_index[k], True)
             parting = True
     if parting:
-        # a joint may stick at a stop that it leaves: the sticking moves along
+        # a joint may stick at a stop that it leaves: the sticking joint moves along
         suspend_sticking(d)
         solve_positions(d)
         add_change(d, d.step.state_end, 0)

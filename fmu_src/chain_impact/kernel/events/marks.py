@@ -1,21 +1,21 @@
 """The marks of events that the search has found in the last step, in ``event`` of touch, element and drive.
 
-Only this module sets the marks. They stay until the next step applies the events (handlers.py,
+Only this module sets the marks. A mark stays until the next step applies the event (handlers.py,
 friction_modes.py, saturation.py). handlers.py and sampled.py describe the kinds.
 """
 
 NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5
-NEIGHBOUR = 6  # not found by the search: a point near a wall that takes part in another point's impact
-SLIDING_ENDS, STICKING_ENDS = 1, 2  # changes of modes
+NEIGHBOUR = 6  # event that the search does not find: a point near a wall takes part in another point's impact
+SLIDING_ENDS, STICKING_ENDS = 1, 2  # values of ``element.event``: the two changes of a mode
 
 
 def mark(d, c, kind):
-    """Mark candidate c with an event of this kind, or with NONE."""
+    """Mark candidate c with an event of a ``kind``, or with NONE."""
     d.touch.event[c] = kind
 
 
 def mark_change(d, e, kind):
-    """Mark element e with a change of its mode of this kind."""
+    """Mark element e with a change of its mode of a ``kind``."""
     d.element.event[e] = kind
 
 
@@ -32,14 +32,14 @@ def drop_contact_events(d):
 
 
 def drop_changes(d):
-    """Drop the changes of modes, of dry friction and drives, found in the last step."""
+    """Drop the changes of modes, of dry friction and of drives, that were found in the last step."""
     for e in range(d.elements):
         d.element.event[e] = 0
     mark_saturation(d, 0)
 
 
 def mark_saturation(d, ends):
-    """Mark whether the mode of a drive ends, 1, or not, 0.
+    """Set the mark for the end of a drive's mode: 1 if one ends, else 0.
 
     At an end the modes of all drives are chosen again.
     """
@@ -47,7 +47,7 @@ def mark_saturation(d, ends):
 
 
 def copy_marks(d, t):
-    """Give the tangent instance t the events of d."""
+    """Copy the marks of d to the tangent instance t."""
     for c in range(d.candidates):
         t.touch.event[c] = d.touch.event[c]
     for e in range(d.elements):

@@ -1,8 +1,9 @@
 """The mode of dry friction of a contact that begins without any tangential speed.
 
-At the onset the normal force F is zero, and so is the limit of friction. The limit from the right decides: F
-grows, and the tangential force that keeps the point from sliding grows in proportion, with a ratio that the
-chain's couplings give. The point sticks if this force is at most µ_s F; otherwise it slides the other way.
+At the onset the normal force F and the limit of friction are zero. The ratio of the forces just after the
+onset decides: F grows, and the tangential force that keeps the point from sliding grows in proportion to F,
+with a ratio that follows from the chain's inertia. The point sticks if this tangential force is at most µ_s
+F; otherwise the point slides against it.
 """
 
 from chain_impact.kernel.forces.contact_force import law_force
@@ -12,17 +13,17 @@ from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal
 from chain_impact.kernel.status import count_other_work
 
-# [s] time after an onset at which the forces show the ratio in which those of several contacts grow
+# [s] the time after an onset at which the forces show in which ratio the forces of several contacts grow
 SOON = 1e-6
 
 
 def begins(d, e):
-    """Return whether element e is a contact that begins now."""
+    """Return whether element e belongs to a contact that begins now."""
     return e < d.candidates and d.touch.active[e] != 0 and d.touch.onset[e] == d.step.end
 
 
 def decide_onsets(d):
-    """Choose the modes of contacts that begin now and are guessed to stick, for the located points."""
+    """Choose the modes of contacts that begin now and may stick, for the located points."""
     own, open_ones = d.friction, 0
     for i in range(own.contact_count):
         open_ones += is_open(d, d.element.index[i])
@@ -51,7 +52,7 @@ def is_open(d, e):
 
 
 def force_soon(d, c):
-    """Return the normal force [N] of a contact that begins now, shortly after its onset."""
+    """Return the normal force [N], shortly after the onset, of a contact that begins now."""
     speed = d.touch.onset_speed[c]
     force, _ = law_force(d, c, SOON * speed, speed)
     return force

@@ -1,27 +1,27 @@
-"""The events that are found by sampling a step: each is where a function of the motion falls below zero.
+"""The events that are found by sampling a step. At each event one of these functions falls below zero.
 
     KINK             δ̇ or the uncut force, in the direction of the other side of the kink
     RELATCH          RELATCH_RATIO v₀ − δ̇ of a contact with a force
-    RELEASE          force with which a rigid wall holds a point, the least of all
+    RELEASE          least force with which a rigid wall holds a point
     SLIDING_ENDS     s t·v
     STICKING_ENDS    µ_s F_n − |F_t|
-    (drives)         torque of a drive from the end of its mode, the least of all
+    (drives)         least distance of a drive's torque from the end of the mode of the drive
 
 The stages of a step, and its ends, show which of these events to look for. An event that is found late causes
 only a small error of energy. ``search_for`` makes the search for each kind.
 
-KINK: the force of a contact is continuous where it is cut off at 0 or, for a law that damps on approach only,
-    at δ̇ = 0. Its slopes are not continuous there, so a step across would lose its order. A step is computed
-    with the
-force of one side, continued smoothly beyond the kink. If a stage or the end is beyond it, the step is
-repeated so as to end there, and the next step uses the force of the other side. A point without force that is
-still inside the wall moves as in flight until it leaves, or until the wall pushes again.
+KINK: the force of a contact has a kink where it is cut off at 0 or, for a law that damps on approach only, at
+δ̇ = 0. A step across a kink would lose its order. So a step is computed with the force of one side, continued
+smoothly beyond the kink. If a stage or the end of the step is beyond the kink, the step is repeated to end at
+the kink, and the next step uses the force of the other side. A point without force that is still inside the
+wall moves as in flight until the point leaves or the wall pushes again.
 
-The torque of a drive is continuous where it reaches its limit or falls below it, but its slopes are not. As
-with a kink, the mode of the torque is kept until the end of the step.
+The torque of a drive has a kink where it reaches its limit or falls below the limit. The mode of the torque
+is kept until the end of the step.
 
-RELATCH: a second impact, or an onset so slow that gravity soon makes δ̇ much larger. With the v₀ latched
-(fixed) at the onset of the contact, λ δ̇/v₀ and the force would grow without bound.
+RELATCH: v₀, which is latched (fixed) at the onset of the contact, gets a new value in a second impact, or
+after an onset so slow that gravity soon makes δ̇ much larger. Otherwise λ δ̇/v₀ and the force would grow
+without bound.
 """
 
 from chain_impact.kernel.chain.joints import mode_margin
@@ -53,18 +53,20 @@ from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
 from chain_impact.kernel.status import count_evaluations
 
-# Number of samples of a step in which a stage has shown an event, including its end. A new latch has fewer
-# samples: if a short excess is missed, v₀ stays unchanged.
+# The number of samples of a step in which a stage has shown an event, including the step's end. The search
+# for RELATCH takes FEW_SAMPLES: if a short excess of δ̇ is missed, v₀ stays unchanged.
 SAMPLES, FEW_SAMPLES = 8, 4
-# The largest turn [rad] of inputs in a step that the stages follow, as these are up to a quarter of the step
-# apart; the number of samples for each radian of a larger turn; and the largest turn with so many samples.
+# SWEPT: the largest turn [rad] of inputs in a step in which the stages show all events, as stages are up to a
+# quarter of the step apart. DENSITY: the number of samples for each radian of a larger turn. SAMPLED: the
+# largest turn [rad] that has so many samples.
 SWEPT, DENSITY, SAMPLED = 0.5, 8.0, 1e4
-# The largest pull that is round-off, over the chain's mass times (gravity + one link length per s²).
+# The largest pull of a rigid wall that is round-off, over the chain's mass times (gravity + one link length
+# per s²).
 PULL = 1e-11
-SHORT = 1e-9  # [s] the shortest step that is refused for the sake of a release
+SHORT = 1e-9  # [s] the shortest step that is refused because of a release
 AT_REST = 1e-12  # the largest tangential speed that counts as rest, over a link length per second
-# The largest excess of static friction that is round-off, over the limit of friction plus the weight of a
-# link that falls and turns by 1 rad per second squared.
+# The largest excess of static friction that is round-off, over the limit of friction plus a link's weight
+# plus the force that accelerates a link by one link length per second squared.
 EXCESS = 1e-10
 
 
@@ -86,7 +88,7 @@ def many_samples(d):
 def search_for(
     value, suspected, mark_ended, members=WHOLE, samples=lambda _d: SAMPLES, resolution=SIMULTANEOUS
 ):
-    """Make the search of the last step for one kind of event.
+    """Return a search of the last step for one kind of event.
 
     Args:
         value: function of (d, c, θ) that falls below zero at the event.
@@ -97,9 +99,10 @@ def search_for(
         resolution: accuracy of the location [s], as in ``first_passage``.
 
     Returns:
-        A function of (d, found) that returns θ of an event of this kind before the event at ``found`` (−1:
-        before the end of the step), and marks only this event; otherwise it returns ``found``. The points
-        must be located at ``found``; afterwards the points of contacts are located at the result.
+        A function of (d, found). If an event of this kind happens before the event at ``found`` (−1: before
+        the end of the step), the function marks only this event and returns its θ; otherwise it returns
+        ``found``. The points must be located at ``found``; afterwards the points of contacts are located at
+        the result.
     """
     count, member = members
     first_end = first_passage(value, samples, resolution)
@@ -123,7 +126,7 @@ def search_for(
 
 
 def search_by_inputs(still, swept):
-    """Return the search that is ``swept`` in a step in which inputs turn by much, and else ``still``."""
+    """Return a search that is ``swept`` in a step in which inputs turn by more than SWEPT, else ``still``."""
 
     def find(d, found):
         return swept(d, found) if turn_of_inputs(d) > SWEPT else still(d, found)
@@ -135,7 +138,7 @@ def search_by_inputs(still, swept):
 
 
 def mark_kinks(d, c, theta):
-    """Mark the contacts that are at their kinks at θ; the points are located there before and after."""
+    """Mark the contacts that are at their kinks at θ, where the points are located."""
     mark(d, c, KINK)
     # a symmetric chain crosses several kinks at the same time, up to round-off
     locate_at(d, min(1.0, theta + SIMULTANEOUS / d.step.size))
@@ -146,13 +149,13 @@ def mark_kinks(d, c, theta):
 
 
 def own_side(d, c):
-    """Return by how much contact c is on the kink's side that the step assumes, for the located points."""
+    """Return the height of contact c over its kink: positive on the side that the step assumes."""
     height = kink_height(d, c)
     return -height if d.touch.beyond_kink[c] else height
 
 
 def has_crossed(d, c):
-    """Return whether a stage of the last step, or the located points, have been on the kink's other side."""
+    """Return whether a stage of the last step, or the located points, show contact c beyond its kink."""
     note_crossing(d, c, kink_height(d, c))
     return d.touch.kink_crossed[c] != 0
 
@@ -182,7 +185,7 @@ find_kink = search_for(own_side_at, has_crossed, mark_kinks, CONTACTS, resolutio
 def may_pull(d, _c):
     """Return whether a stage of the last step has shown that a rigid wall pulls.
 
-    The step is refused if a stage has passed a configuration where forces go to infinity.
+    The step is refused if a stage has passed a configuration with infinite forces.
     """
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -196,15 +199,15 @@ def may_pull(d, _c):
 
 
 def pull_limit(d):
-    """Return the force [N] with which a held contact may pull, because it is round-off."""
+    """Return the force [N] with which a held contact may pull because of round-off."""
     return PULL * d.model.energy / (d.model.size * d.model.size) * (d.model.gravity_size + d.model.size)
 
 
 def strongest(d):
-    """Return the largest plausible force [N], from gravity and the motion at the start of the last step.
+    """Return the largest plausible force [N] for gravity and the motion at the start of the last step.
 
-    A stage in which a wall pulls by more has passed a toggle position, where forces go to infinity: the step
-    is wrong, and so is its time of release.
+    A stage in which a wall pulls more strongly has passed a toggle position, where forces go to infinity. The
+    step and its time of release are then wrong.
     """
     first, turning = omega_at(d.links), 1.0
     for i in range(d.links):
@@ -215,9 +218,9 @@ def strongest(d):
 
 
 def least_force(d, _c, theta):
-    """Return the least force of the held contacts at the fraction θ of the last step, plus round-off [N]."""
+    """Return the least force [N] of the held contacts at the fraction θ of the last step, plus round-off."""
     interpolate(d.step, theta, d.work.y)
-    # stiff joints would turn the constraint error of the interpolant into a force
+    # with stiff joints, the constraint error of the interpolant would become a force
     locate_points(d, d.work.y)
     project_state(d, d.work.y)
     state_rate(d, d.work.y, d.work.rate)
@@ -226,7 +229,7 @@ def least_force(d, _c, theta):
 
 
 def mark_pulling(d, _c, theta):
-    """Mark the held contacts that pull at θ as RELEASE."""
+    """Mark with RELEASE the held contacts that pull at θ."""
     least_force(d, 0, theta)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if d.rigid.impulse[k] + pull_limit(d) <= 0.0:
@@ -234,7 +237,7 @@ def mark_pulling(d, _c, theta):
 
 
 def may_release(d, c):
-    """Suspect all held points in a step in which inputs turn by much: one may leave between the stages."""
+    """Return True: in a step in which inputs turn by much, any held point may leave between the stages."""
     return may_pull(d, c) or accepted(d)
 
 
@@ -248,12 +251,12 @@ find_release = search_by_inputs(
 
 
 def has_changed(d, e):
-    """Return whether the last step's stages show that the mode of element e ends (forces/friction.py)."""
+    """Return whether a stage of the last step shows that the mode of element e ends (forces/friction.py)."""
     return d.element.margin[e] < -resolution_of(d, e)
 
 
 def mark_changes(d, element, theta):
-    """Mark the element found at θ, and all whose mode ends at the same time, as in symmetric chains."""
+    """Mark the element found at θ, and every element whose mode ends at the same time."""
     for i in range(d.friction.count):
         e = d.element.index[i]
         if e == element or element_margin(d, e, theta) < 0.0:
@@ -261,7 +264,7 @@ def mark_changes(d, element, theta):
 
 
 def resolution_of(d, e):
-    """Return by how much the function of element e may be negative because of round-off: m/s or N."""
+    """Return the size of round-off in the function of element e, whose zero ends the mode: m/s or N."""
     return excess(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
 
 
@@ -271,7 +274,7 @@ def rest_speed(d):
 
 
 def excess(d, e):
-    """Return the force [N] by which the friction of element e may exceed its limit."""
+    """Return the excess [N] of the friction of element e over its limit that is round-off."""
     return EXCESS * (d.element.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.size))
 
 
@@ -287,10 +290,11 @@ def element_margin(d, e, theta):
 
 
 def has_come_near(d):
-    """Return whether the modes that end with the repeated last step have come nearer to their ends.
+    """Return whether the elements whose modes end in the repeated step are nearer to these ends than before.
 
-    The interpolant of a long implicit step has errors: it can show an end that a shorter step does not have.
-    Without the condition of half the distance, such ends would follow each other without end.
+    The interpolant of a long implicit step has errors, and may show the end of a mode that a shorter step
+    does not have. The distance must be less than half, or steps with such false ends would follow each other
+    without end.
     """
     near = False
     for i in range(d.friction.count):
@@ -302,7 +306,7 @@ def has_come_near(d):
 
 
 def may_always_change(_d, _e):
-    """Suspect every element in a step in which inputs turn by much: a mode may end between the stages."""
+    """Return True: in a step in which inputs turn by much, any mode may end between the stages."""
     return True
 
 

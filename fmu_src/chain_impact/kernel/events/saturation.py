@@ -8,9 +8,9 @@ from chain_impact.kernel.forces.inputs import ensure_inputs
 
 
 def clear_saturation(d):
-    """Begin with no drive at its limit and no mark of one.
+    """Set all drives below their limits, without a mark of a change.
 
-    The modes that a tangent instance shall choose stay.
+    The modes in ``chosen``, which a tangent instance takes from the primal run, stay.
     """
     for i in range(d.links):
         d.drive.mode[i] = 0
@@ -19,7 +19,7 @@ def clear_saturation(d):
 
 
 def choose_saturation(d):
-    """Choose the modes of drives at the end of the last step, which is past the end of an old mode."""
+    """Choose the modes of drives at the end of the last step, which is beyond the end of an old mode."""
     if not d.model.limited:
         return
     ensure_inputs(d, d.step.state_end)

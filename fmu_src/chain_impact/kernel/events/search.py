@@ -1,6 +1,6 @@
-"""The search of a step for its earliest event.
+"""The search of a step for the earliest event.
 
-For most steps a test at their ends excludes any event (exclusion.py); then no dense output is needed. In the
+For most steps a test of the two ends excludes any event (exclusion.py), and no dense output is needed. In the
 other steps the first crossing is located, and then the other kinds of event are searched for before it.
 handlers.py lists all kinds of event.
 """
@@ -41,16 +41,18 @@ from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
-# The largest depth at which an onset may be found, over a link length. Onsets are located up to round-off,
-# about 1e-15; a deeper onset is an error of the step: at K = 1e12 N/m^1.5 it would add 1e-11 J.
+# The largest depth of a point at its onset, over a link length. Onsets are located up to round-off, about
+# 1e-15. A deeper onset is an error of the step: at K = 1e12 N/m^1.5 it would add 1e-11 J.
 DEEP = 1e-9
-# The part of a step in which a crossing has to agree with the Taylor polynomial at the step's start, whose
-# relative remainder of third order is 1e-9 there. The interpolant of a stiff step can have larger errors.
+# The part of a step in which a crossing must agree with the Taylor polynomial at the start of the step, whose
+# relative remainder of third order is 1e-9 in this part. The interpolant of a stiff step can have larger
+# errors.
 EARLY = 1e-3
-# The largest distance from an onset to the end of the step that is repeated to end at it, over that step.
+# The largest distance from an onset to the end of a step that was repeated to end at the onset, over the
+# step's size.
 LANDED = 1e-2
-# The shortest step that is refused, over the time: ten times the resolution of time, because the next try may
-# be a tenth as long.
+# The shortest step that is refused, over the time. It is ten times the resolution of time, because the next
+# try may be a tenth as long.
 RESOLVED = 4e-15
 
 
@@ -82,8 +84,8 @@ def find_event(d):
         if theta < 0.0:
             measure(d, 1.0)
     theta = find_sampled_event(d, theta)
-    # without an event the clearances belong to the end of the step; an event breaks the step and makes them
-    # void
+    # Without an event the clearances belong to the end of the step; an event breaks the sequence of steps and
+    # makes the clearances invalid.
     remember_clearances(d, VALUES)
     # the time in a regularized step is not under error control
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
@@ -113,16 +115,17 @@ def find_sampled_event(d, theta):
 
 
 def credible(d, theta):
-    """Return whether the points of the crossings at θ, for which φ and φ′ are set, really arrive or leave.
+    """Return whether the points of the crossings at θ really arrive or leave; φ and φ′ are set at θ.
 
-    Positions and rates of the interpolant may be inconsistent within the tolerance. An onset deep inside a
-    wall, or of a point that moves away, is an error of a step that is too long. So is a crossing right after
-    the start of the step by a point that cannot have reached the wall yet.
+    Positions and rates of the interpolant may be inconsistent within the tolerance. Three kinds of crossing
+    are errors of a step that is too long: an onset deep inside a wall, an onset of a point that moves away,
+    and a crossing right after the start of the step by a point that cannot have reached the wall yet.
     """
     if theta <= EARLY and starts_clear(d, theta * d.step.size):
         return False
     if theta == 0.0:
-        return True  # a point that is inside a wall at the start is inside in a shorter step as well
+        # a point that is inside a wall at the start of this step is inside in a shorter step as well
+        return True
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
             deep = d.search.clear_end[c] < -DEEP * d.model.size
@@ -132,9 +135,10 @@ def credible(d, theta):
 
 
 def starts_clear(d, lasted):
-    """Return whether a candidate with an event within ``lasted`` [s] has φ > 0 by its motion at the start.
+    """Return whether some candidate with an event has φ > 0 ``lasted`` [s] after the start of the step.
 
-    Near the start, the interpolant of a step over a stiff motion may have an error as large as the tolerance.
+    φ is extrapolated from the motion at the start. Near the start, the interpolant of a step over a stiff
+    motion may have an error as large as the tolerance.
     """
     locate_points(d, d.step.state)
     accelerate_points(d, d.step.state, d.work.rate_start)
@@ -151,12 +155,12 @@ def starts_clear(d, lasted):
 
 
 def onset_fraction(d):
-    """Return the fraction θ with the onsets in the last step, which was repeated to end at its events; or −1.
+    """Return θ of the onsets in the last step, which was repeated to end at its events; or −1.
 
     θ is 1 up to the error of the interpolant with which the events were found. Two Newton iterations correct
-    it; the result may lie a little beyond the end. The step is refused if points are then deep inside a wall
-    or far from an onset. θ is −1, which means the end, without an onset, or in a step that time hardly
-    resolves.
+    θ; the result may lie a little beyond the end. The step is refused if points at θ are deep inside a wall
+    or far from an onset. The result −1 stands for the end of the step: without an onset, or in a step that is
+    not much longer than the resolution of time.
     """
     if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
         return -1.0
@@ -182,11 +186,11 @@ def onset_fraction(d):
 
 
 def onset_lateness(d, y):
-    """Return the time from the onsets to a state y of the last step, over the step size; locate the points.
+    """Return the time from the onsets to the state y of the last step, over the step size; locate the points.
 
     Returns:
-        The time since the earliest onset, which is ∞ if a point does not arrive or is far from its onset, and
-        −∞ without onsets; and the largest depth [m] of the arriving points inside their walls.
+        The time since the earliest onset over the step size: ∞ if a point does not arrive or is far from its
+        onset, −∞ without onsets. And the largest depth [m] of the arriving points inside their walls.
     """
     locate_points(d, y)
     latest, deepest = -math.inf, 0.0
@@ -200,7 +204,7 @@ def onset_lateness(d, y):
 
 
 def drop_separating(d, theta):
-    """Drop the onsets of points that move away; return θ if any event is left, or −1."""
+    """Drop the onsets of points that move away; return θ, or −1 if no event is left."""
     left = False
     for c in range(d.candidates):
         if not d.touch.active[c] and d.search.clear_end_rate[c] > 0.0:

@@ -1,7 +1,8 @@
 """The ends of the segments of signals (chain/signals.py), where a driven input may jump or bend.
 
-The times are known, so nothing is searched: a step ends there, and the next step begins with the next
-segment. A step in the variable of a contact, whose time is not known beforehand, is cut off there.
+The times of these ends are known, so no search is needed: a step ends where a segment ends, and the next step
+begins with the next segment. The duration of a step in the fictitious time of a contact is not known
+beforehand, so such a step is truncated at the end of the segment.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -21,19 +22,20 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
-CONTINUES, BENDS, JUMPS = 0, 1, 2  # no driven input jumps; one jumps; the speed of a belt jumps
-# The largest difference of the values on both sides that is round-off, over their sizes, their change in a
-# second, and a link length or the energy of the chain that moves by a link length in a second.
+# effect of the end of a segment: no driven input jumps; one jumps; the speed of a belt jumps
+CONTINUES, BENDS, JUMPS = 0, 1, 2
+# The largest difference between the values before and after the end of a segment that is round-off. It is
+# relative to the sum of the values' sizes, their change in a second, and a natural scale of the input.
 SAME = 1e-9
 
 
 def limit_to_segment(d, h):
-    """Return a size ≤ h of the next step, in time, with which it ends with a segment or well before."""
+    """Return a size ≤ h of the next step, in time: the step ends with a segment, or well before its end."""
     return h if d.step.regularized >= 0 else limit_to(d, first_end(d), h)
 
 
 def first_end(d):
-    """Return the end of the first of the present segments to end [s]."""
+    """Return the time [s] at which the first of the segments in use ends."""
     first = segment_end(d, 0)
     for j in range(1, d.signals):
         first = min(first, segment_end(d, j))
@@ -41,7 +43,7 @@ def first_end(d):
 
 
 def end_at_segment(d):
-    """End the last step where a segment ends, if the step went beyond."""
+    """End the last step where a segment ends, if the step goes beyond that time."""
     end = first_end(d)
     if end < d.step.end - LANDED * abs(d.step.end):
         drop_events(d)
@@ -56,7 +58,7 @@ def has_ended(d, j):
 
 
 def check_segments(d):
-    """Return SIGNAL_JUMPS if position or velocity of base or wall would jump with what begins, else OK."""
+    """Return SIGNAL_JUMPS if a new segment lets the position or velocity of base or wall jump, else OK."""
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL and has_ended(d, j):
             before, rate, bend = signal_at(d, j, d.step.end)
@@ -73,12 +75,12 @@ def check_segments(d):
 
 
 def same(before, after, scale):
-    """Return whether two numbers are equal up to round-off, where numbers of a ``scale`` are usual."""
+    """Return whether two numbers are equal up to round-off, relative to their sizes and a ``scale``."""
     return abs(after - before) <= SAME * (abs(before) + abs(after) + scale)
 
 
 def begin_next(d, j):
-    """Begin the segment of signal j that follows the ended one."""
+    """Begin the segment of signal j that follows the segment that has ended."""
     while has_ended(d, j):
         next_segment(d, j)
 
@@ -86,10 +88,10 @@ def begin_next(d, j):
 def begin_segments(d):
     """Begin the segments that follow those that end at the end of the last step.
 
-    The energy that a jump brings into springs counts as supplied.
+    The energy by which a jump loads springs counts as supplied.
 
     Returns:
-        CONTINUES, BENDS or JUMPS, the largest of all signals.
+        CONTINUES, BENDS or JUMPS: the largest value of all signals.
     """
     last = -1
     for j in range(d.signals):
@@ -125,7 +127,7 @@ def begin_segment(d, j):
     supply(d, energy_balance(d, y) - energy)
     size = d.model.size
     if d.signal.input[j] != CHANNEL:
-        # for torques, forces and angles alike
+        # the energy of the chain serves as the scale for torques, forces and angles alike
         return CONTINUES if same(before, after, abs(rate) + abs(rate_after) + d.model.energy) else BENDS
     if d.motion.belt[d.signal.index[j]] and not same(rate, rate_after, abs(bend) + abs(bend_after) + size):
         return JUMPS
@@ -133,7 +135,7 @@ def begin_segment(d, j):
 
 
 def shift_start(_d, _delay):
-    """Move the start of the next step to the time of a segment's end, a ``delay`` [s] later.
+    """Move the start of the next step to the end of a segment, which is a ``delay`` [s] later.
 
-    The move is round-off, but the delay may have derivatives (tangent/rules.py).
+    The delay is only round-off, but may have derivatives (tangent/rules.py).
     """

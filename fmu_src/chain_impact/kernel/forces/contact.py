@@ -1,7 +1,7 @@
 """Contact of points with walls: onset, forces on the points, and the list of active contacts.
 
-A candidate is a pair of a point and a wall. The clearance g of a candidate is positive when apart; the
-penetration is δ = −g and its rate δ̇ > 0 while compressing.
+A candidate is a pair of a point and a wall. The clearance g of a candidate is positive while point and wall
+are apart; the penetration is δ = −g, with the rate δ̇ > 0 during compression.
 """
 
 from chain_impact.kernel.forces.contact_force import (
@@ -20,33 +20,37 @@ from chain_impact.kernel.rows.geometry import add_along, at_joint, clear_loads_o
 
 
 def clear_impacts(d, time):
-    """Start at ``time`` [s] without any impacts."""
+    """Clear the record of impacts at the start of a run, at ``time`` [s]."""
     clear(d.impact)
     d.impact.last_time, d.impact.last_point = time, -1
 
 
 def contact_force(d, c, gap, gap_rate):
-    """Return force [N] of an active candidate at a clearance [m] and its rate [m/s]."""
-    # at the onset the clearance is 0 up to round-off; a force that jumps there has already jumped
+    """Return the force [N] of an active candidate at a clearance [m] and a rate of the clearance [m/s]."""
+    # At the onset the clearance may be positive by round-off. It then counts as 0, where a force that jumps
+    # at the onset is already there.
     return force_on_side(d, c, max(0.0, -gap), -gap_rate)
 
 
 def apply_contact(d, c, gap, gap_rate):
-    """Add the force of an active candidate to the load on its point; return the dissipated power [W]."""
+    """Add the force of an active candidate to the load on its point.
+
+    Return the power [W] that this force dissipates.
+    """
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
     keep_force(d, c, force)
     add_along(normal(d, c), d.work.load, force)
-    # the power that the elastic part does not store is dissipated: (F − K δⁿ) δ̇ ≥ 0
+    # the elastic part of the force stores power, the rest is dissipated: (F − K δⁿ) δ̇ ≥ 0
     return (elastic - force) * gap_rate
 
 
 def keep_force(d, c, force):
-    """Store the force [N] of an active candidate that was just evaluated."""
+    """Store the force [N] of an active candidate, which was evaluated just now."""
     d.touch.force[c] = force
 
 
 def clear_loads(d):
-    """Set the loads on the points to the inputs alone."""
+    """Set the loads on the points to the inputs' forces alone."""
     clear_loads_of(d, d.work.load)
     tip = d.links
     d.work.load.x[tip] = d.inputs.tip_force[0]
@@ -54,7 +58,7 @@ def clear_loads(d):
 
 
 def apply_contacts(d):
-    """Set the loads for the located points and return the power [W] dissipated by the contacts."""
+    """Set the loads for the located points, and return the power [W] that the contacts dissipate."""
     clear_loads(d)
     dissipated = 0.0
     for k in range(d.touch.compliant_count):
@@ -65,7 +69,7 @@ def apply_contacts(d):
 
 
 def apply_told_contacts(d):
-    """Set the loads for the located points to the forces of outputs, none of which pulls."""
+    """Set the loads to the contact forces that outputs show, for the located points; none of these pulls."""
     clear_loads(d)
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
@@ -77,24 +81,27 @@ def apply_told_contacts(d):
 
 
 def contact_slopes(d, c):
-    """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points; 0 if cut off."""
+    """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points.
+
+    0 while F is cut off.
+    """
     gap, gap_rate = clearance(d, c)
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
 
 
 def begin_contact(d, c):
-    """Begin the contact of candidate c at the located points, and make it active.
+    """Begin the contact of candidate c at the located points, and make the candidate active.
 
-    The speed v₀, the effective mass and the expected depth are fixed.
+    From then on the speed v₀, the effective mass and the expected depth are fixed.
     """
     _, gap_rate = clearance(d, c)
     touch = d.touch
     touch.onset[c] = d.step.end
-    # a point that moves outward at its onset, because of an integration error or another impact, has the
+    # a point that moves outward at its onset, because of an integration error or another impact, gets the
     # speed 0
     touch.onset_speed[c] = max(0.0, 0.0 - gap_rate)
     touch.impact_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
-    set_rates(d, c, -gap_rate, 1.0)  # the force rises
+    set_rates(d, c, -gap_rate, 1.0)  # 1: the force rises at the onset
     set_extremes(d, c, 0.0, 0.0)
     set_joint_top(d, c, 0.0, 0)
     touch.effective_mass[c] = effective_mass(d, c)
@@ -118,7 +125,7 @@ def start_contact(d, c):
 
 
 def latch(d, c):
-    """Fix the values of candidate c's contact that follow from its law, v₀ and effective mass."""
+    """Fix the values of candidate c's contact that depend on its law, v₀ and effective mass."""
     set_expected_depth(d, c)
     if not d.law.impulsive[c]:
         set_damping(d, c)
@@ -132,7 +139,7 @@ def relatch(d, c, factor):
 
 
 def include(d, c):
-    """Make candidate c active without an onset, as a neighbour of an impact."""
+    """Make candidate c, whose point takes part in another point's impact, active without an onset."""
     d.touch.active[c] = 1
 
 
@@ -142,55 +149,58 @@ def deactivate(d, c):
 
 
 def set_rates(d, c, speed, force_rate):
-    """Set δ̇ [m/s] and dF/dt [N/s] of candidate c, from which the search for its peaks continues."""
+    """Set δ̇ [m/s] and dF/dt [N/s] of candidate c, the start values of the search for the next peaks."""
     d.touch.speed[c], d.touch.force_rate[c] = speed, force_rate
 
 
 def expect_peaks(d):
-    """Search the next step for peaks of all forces: as modes may have changed, a falling force may rise."""
+    """Search the next step for peaks of all forces: after a change of modes a falling force may rise."""
     for k in range(d.touch.compliant_count):
         d.touch.force_rate[d.touch.active_index[k]] = 1.0
 
 
 def set_extremes(d, c, peak_force, max_penetration):
-    """Set the peak force [N] and the largest penetration [m] of candidate c so far."""
+    """Set the peak force [N] and the largest penetration [m] of candidate c up to now."""
     d.touch.peak_force[c], d.touch.max_penetration[c] = peak_force, max_penetration
 
 
 def set_joint_top(d, c, top, joint):
-    """Set the largest |f|² [N²] in a joint while candidate c has been active, and the joint, 1…N or 0."""
+    """Set the largest |f|² [N²] in any joint during the contact of candidate c.
+
+    ``joint``: 1…N, or 0 for none.
+    """
     d.touch.joint_top[c], d.touch.joint[c] = top, joint
 
 
 def cross_kink(d, c):
-    """Switch candidate c, which is at its kink, to the force of the other side."""
+    """Switch candidate c, which is at its kink, to the force of the kink's other side."""
     touch = d.touch
     if cut_off(d, c):
-        touch.force_rate[c] = 1.0  # rising
+        touch.force_rate[c] = 1.0  # 1: the force rises
     if d.law.approach_only[c]:
-        touch.speed[c] = 0.0  # δ̇ = 0 here, and the largest penetration has been recorded
+        touch.speed[c] = 0.0  # at this kink δ̇ = 0, and the largest penetration has been recorded
     touch.beyond_kink[c] = 1 - touch.beyond_kink[c]
 
 
 def kink_height(d, c):
-    """Return the function whose sign changes at the kink of candidate c's force, for the located points."""
+    """Return the function of the located points whose sign changes at the kink of candidate c's force."""
     gap, gap_rate = clearance(d, c)
     return height_over_kink(d, c, max(0.0, -gap), -gap_rate)
 
 
 def set_kink_side(d, c):
-    """Set the side of its kink on which candidate c is, for the located points."""
+    """Set the side of the kink on which candidate c is, for the located points."""
     d.touch.beyond_kink[c] = 1 if kink_height(d, c) < 0.0 else 0
 
 
 def set_kink_sides(d):
-    """Set the side of the kink for all active contacts with a force law."""
+    """Set the sides of the kinks of all active contacts with a force law."""
     for k in range(d.touch.compliant_count):
         set_kink_side(d, d.touch.active_index[k])
 
 
 def list_touching(d):
-    """Pack the active contacts, those with a force law first."""
+    """Pack the active contacts; contacts with a force law come first."""
     touch = d.touch
     touch.active_count = 0
     touch.listings += 1
@@ -207,7 +217,7 @@ def list_touching(d):
 
 
 def list_kind(d, impulsive):
-    """Append the active contacts with impulses, or those with a force law, to the packed list."""
+    """Append to the packed list the active contacts with impulses (``impulsive``) or with a force law."""
     touch = d.touch
     for c in range(d.candidates):
         if touch.active[c] and d.law.impulsive[c] == impulsive:

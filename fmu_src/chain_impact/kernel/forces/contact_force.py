@@ -1,11 +1,12 @@
 """The force of a contact, F = max(0, K δⁿ + d δᵖ δ̇), its partial derivatives and its elastic energy.
 
-The damping d is latched: its value is fixed at the onset. The laws in laws.py differ here only in d
-and its exponents. A user's law (user_law.py) defines the whole force.
+The damping d is latched: its value is fixed at the onset. The laws in laws.py differ only in d and the
+exponents n and p. A user's law (user_law.py) defines the whole force.
 
 The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. A step
-keeps its order because it continues the force of one side of the kink smoothly until the kink has been
-located (events/sampled.py); ``touch.beyond_kink`` holds the side. Outputs and peaks use the true force.
+across a kink would lose its order. So a step continues the force of one side of the kink smoothly until the
+kink has been located (events/sampled.py); ``touch.beyond_kink`` holds the side. Outputs and peaks use the
+true force.
 """
 
 import math
@@ -15,16 +16,16 @@ from chain_impact.kernel.forces.contact_law import USER_LAW
 from chain_impact.kernel.forces.laws import LAW_COUNT, MASS_POWERS
 from chain_impact.kernel.rows.geometry import at_joint, lever
 
-# Relative increment of penetration and speed for the central differences of a user's law: about the cube root
-# of round-off, where the errors of truncation and of round-off are equal.
+# The relative increment of penetration and speed for the central differences of a user's law. It is about the
+# cube root of round-off: the errors of truncation and of round-off are then equal.
 DIFFERENCE = 1e-5
-# The largest rate δ̇ at which a contact counts as turned, over v₀ √tolerance. A rate of this size changes the
-# impulse by a tenth of the tolerance.
+# The largest rate |δ̇| at which a contact counts as turning from compression to restitution, over v₀
+# √tolerance. A rate of this size changes the impulse by a tenth of the tolerance.
 TURNED = 0.3
 
 
 def power(depth, exponent):
-    """Return δ^exponent for δ ≥ 0, without pow() for the usual exponents."""
+    """Return δ^exponent for δ ≥ 0; the usual exponents need no call of pow()."""
     if exponent == 1.5:
         return depth * math.sqrt(depth)
     if exponent == 1.0:
@@ -60,7 +61,8 @@ def set_expected_depth(d, c):
     """Set the expected penetration [m] of candidate c, for the v₀ and effective mass of its contact."""
     touch = d.touch
     if d.law.impulsive[c]:
-        touch.depth_scale[c] = d.model.size  # a rigid wall has no penetration that sets a scale
+        # the penetration at a rigid wall is no scale, so the longest link is
+        touch.depth_scale[c] = d.model.size
     else:
         touch.depth_scale[c] = elastic_depth(d, c, touch.effective_mass[c], touch.impact_speed[c])
 
@@ -81,10 +83,10 @@ def set_damping(d, c):
 
 
 def unit_of_damping(d, c, mass_power):
-    """Return the factor on f K^(1−s) m^s, defined for lengths, that gives the damping for a stop's angle.
+    """Return the factor that turns the damping f K^(1−s) m^s of a wall into the damping of a stop.
 
-    With the lever arm r these are K' = K rⁿ⁺¹, m' = m r² and d = d'/rᵖ⁺²: the factor is 1 if f is a number
-    without a unit.
+    A stop acts on an angle. With the lever arm r, K' = K rⁿ⁺¹, m' = m r² and d = d'/rᵖ⁺². The factor is 1 if
+    f has no unit.
     """
     if not at_joint(d, c):
         return 1.0
@@ -94,10 +96,10 @@ def unit_of_damping(d, c, mass_power):
 
 
 def turning_margin(d, c):
-    """Return the |δ̇| [m/s] up to which the wrong side's force at δ̇ = 0 has an error within the tolerance.
+    """Return the |δ̇| [m/s] up to which the wrong side's force, at δ̇ = 0, has an error within the tolerance.
 
     If δ̇ reaches v on the wrong side, the relative error of the impulse is (v/v₀)² times the share of the
-    damping. The sign of δ̇ of a point at rest changes all the time, with speeds within the tolerance.
+    damping. For a point at rest the sign of δ̇ changes all the time, with speeds within the tolerance.
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_share(d, c)))
@@ -105,16 +107,16 @@ def turning_margin(d, c):
 
 
 def law_force(d, c, depth, rate):
-    """Return the force of candidate c at a penetration δ ≥ 0 [m] and its rate [m/s], and K δⁿ [N]."""
+    """Return the force [N] of candidate c, and K δⁿ [N], at a penetration δ ≥ 0 [m] and its rate [m/s]."""
     force, elastic = uncut_force(d, c, depth, rate, rate < 0.0)
-    # max() could hide a NaN
+    # max() is not used, because it could hide a NaN
     return 0.0 if force < 0.0 else force, elastic
 
 
 def continued_force(d, c, depth, rate):
-    """Return the same as ``law_force``, but continued smoothly from the contact's side of the kink.
+    """Return the values of ``law_force``, but with the force continued smoothly from one side of the kink.
 
-    A crossing of the kink is recorded.
+    ``touch.beyond_kink`` holds this side. A crossing of the kink is recorded.
     """
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
@@ -124,9 +126,9 @@ def continued_force(d, c, depth, rate):
 
 
 def force_on_side(d, c, depth, rate):
-    """Return the force of candidate c on its side of the kink, as motion and loads use it, without a pull.
+    """Return the force of candidate c on its side of the kink for motion and loads, without a pull.
 
-    At a point that rests δ̇ is 0 up to errors, and its sign does not tell the side for a law that damps on
+    For a point at rest δ̇ is 0 up to errors. Its sign is then no measure of the side, for a law that damps on
     approach only.
     """
     leaves = d.touch.beyond_kink[c] != 0 if d.law.approach_only[c] else rate < 0.0
@@ -135,20 +137,20 @@ def force_on_side(d, c, depth, rate):
 
 
 def note_crossing(d, c, height):
-    """Record that candidate c has crossed its kink, if ``height`` exceeds the margin."""
+    """Record that candidate c has crossed its kink, if ``height`` is beyond 0 by more than the margin."""
     margin = d.touch.kink_margin[c]
     if height > margin if d.touch.beyond_kink[c] else height < -margin:
         d.touch.kink_crossed[c] = 1
 
 
 def clear_crossings(d):
-    """Begin to record whether the active contacts cross their kinks."""
+    """Clear the record of the active contacts that have crossed their kinks."""
     for k in range(d.touch.active_count):
         d.touch.kink_crossed[d.touch.active_index[k]] = 0
 
 
 def height_over_kink(d, c, depth, rate):
-    """Return δ̇ or the uncut force of candidate c: zero at the kink of its force, negative beyond the kink."""
+    """Return δ̇ or the uncut force of candidate c: 0 at the kink of the force, negative beyond the kink."""
     if d.law.approach_only[c]:
         return rate
     force, _ = uncut_force(d, c, depth, rate, False)
@@ -156,14 +158,14 @@ def height_over_kink(d, c, depth, rate):
 
 
 def cut_off(d, c):
-    """Return whether the force of candidate c is cut off at 0, because its law would pull."""
+    """Return whether the force of candidate c is cut off at 0, because the law would give a pull."""
     return d.touch.beyond_kink[c] != 0 and not d.law.approach_only[c]
 
 
 def uncut_force(d, c, depth, rate, leaves):
-    """Return the same as ``law_force`` without the cut at 0.
+    """Return the values of ``law_force`` without the cut of the force at 0.
 
-    ``leaves``: whether approach-only damping is off.
+    ``leaves``: whether the point moves outward, so that a law that damps on approach only has no damping.
     """
     spring = power(depth, d.law.exponent[c])
     elastic = d.law.stiffness[c] * spring
@@ -175,7 +177,7 @@ def uncut_force(d, c, depth, rate, leaves):
 def user_contact_force(d, c, depth, rate):
     """Return the force of a user's law for candidate c, before it is cut off at 0.
 
-    The law of a stop takes the angle, and returns a moment.
+    The user's law of a stop takes the angle beyond the stop, and returns a moment.
     """
     law, arm = d.law, lever(d, c)
     speed, mass = d.touch.impact_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
@@ -192,12 +194,12 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
 
 
 def may_jump(d, c):
-    """Return whether the force may jump at a contact's begin or end: a user's law, or damping with p = 0."""
+    """Return whether the force may jump where a contact begins or ends: for a user's law, or p = 0."""
     return d.law.number[c] == USER_LAW or d.law.rate_exponent[c] == 0.0
 
 
 def damping_slope(d, c, depth, leaves, spring):
-    """Return ∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c where its force is not cut off; ``spring`` is δⁿ."""
+    """Return ∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c without the cut at 0; ``spring`` is δⁿ."""
     law = d.law
     if law.approach_only[c] and leaves:
         return 0.0
@@ -224,7 +226,10 @@ def law_slopes(d, c, depth, rate):
 
 
 def user_slopes(d, c, depth, rate):
-    """Return the same as ``law_slopes``, for a user's law, by central differences; each is at least 0."""
+    """Return the values of ``law_slopes`` for a user's law, by central differences.
+
+    Each value is at least 0.
+    """
     step = DIFFERENCE * depth
     low, _ = law_force(d, c, depth - step, rate)
     high, _ = law_force(d, c, depth + step, rate)
@@ -236,9 +241,9 @@ def user_slopes(d, c, depth, rate):
 
 
 def damping_share(d, c):
-    """Return damping force over elastic force of candidate c, at v₀ and the expected penetration; ≥ 0.
+    """Return the damping force over the elastic force of candidate c at v₀ and the expected penetration, ≥ 0.
 
-    It is λ for the Hunt–Crossley family.
+    For the Hunt–Crossley family the result is λ.
     """
     force, elastic = law_force(d, c, d.touch.depth_scale[c], d.touch.impact_speed[c])
     return max(0.0, force / elastic - 1.0)

@@ -1,11 +1,12 @@
 """The contact law of each candidate: a wall may have another material, and stops may have their own law.
 
-The law of a stop acts on the angle of its joint. For the kernel a stop is a contact at a lever arm s, the
-longest link (geometry.py): its depth is δ = s φ and its force F = M/s. With M = K φⁿ the stiffness is K/sⁿ⁺¹,
-and the minimum impact speed is s times the one in rad/s.
+The law of a stop acts on the angle φ beyond the stop, with a moment M. For the kernel a stop is a contact at
+a lever arm s, the longest link (geometry.py), with the penetration δ = s φ and the force F = M/s. With M = K
+φⁿ the stiffness of this contact is K/sⁿ⁺¹, and its minimum impact speed in m/s is s times the given speed in
+rad/s.
 
-Candidates whose parameters come from the same place have the same law. Its constants are derived for the
-first of them, and the others copy these: ``law.same_as``.
+Candidates whose parameters have the same origin, such as the same wall, have the same law. The kernel derives
+the law's constants for the first of these candidates; the others copy the constants (``law.same_as``).
 """
 
 import math
@@ -35,17 +36,17 @@ from chain_impact.kernel.status import (
     refuse_candidate,
 )
 
-# The depth in a wall up to which a point is not in contact, over a link length. It leaves out a force K δⁿ of
-# 1e-10 N at K = 1e8; round-off of positions is about 1e-15. Without this margin, every step of a point that
-# slides along a wall at zero clearance would be searched for an onset.
+# The largest depth in a wall at which a point still counts as apart, over a link length. Such a depth leaves
+# out a force K δⁿ of 1e-10 N at K = 1e8; round-off of positions is about 1e-15. Without this margin, the
+# solver would search every step of a point that slides along a wall at zero clearance for an onset.
 HARMLESS = 1e-12
-USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with one
+USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with such a law
 
 
 def start_laws(d):
-    """Find which candidates share a law, and set the laws of all; returns a status."""
+    """Find which candidates share a law, and set the laws of all candidates; return a status."""
     for c in range(d.candidates):
-        d.law.number[c] = 0  # 0, because any parameter may have changed
+        d.law.number[c] = 0  # 0: the law is set anew, because any parameter may have changed
         first, own = 0, origin(d, c)
         while origin(d, first) != own:
             first += 1
@@ -54,11 +55,11 @@ def start_laws(d):
 
 
 def origin(d, c):
-    """Return the place that the law of candidate c comes from.
+    """Return a number for the origin of the law of candidate c.
 
     Returns:
-        The wall if it has its own material, −1 for the material of `contact`, −2 for a stop in a joint, and
-        −3 for an end of the slider's line, which has no friction.
+        The number of the wall if the wall has its own material; −1 for the material of `contact`; −2 for a
+        stop in a joint; −3 for an end of the slider's line, which has no friction.
     """
     if d.candidate.stop[c] != 0:
         return -2 if at_joint(d, c) else -3
@@ -69,7 +70,7 @@ def origin(d, c):
 
 
 def update_laws(d):
-    """Set the laws of all candidates from the given values; invalid ones change nothing. Returns a status."""
+    """Set the laws of all candidates to the given values; return a status. Invalid values change nothing."""
     status = check_laws(d)
     if status != OK:
         return status
@@ -87,7 +88,7 @@ def update_laws(d):
 
 
 def check_laws(d):
-    """Check the given values; a law with a force cannot become rigid during a contact. Returns a status."""
+    """Check the given values; return a status. A law with a force cannot become rigid during a contact."""
     for c in range(d.candidates):
         status = check_law(d, c) if d.law.same_as[c] == c else OK
         if status != OK:
@@ -115,7 +116,7 @@ def is_in_use(d, c):
 
 
 def note_kind(d, c):
-    """Note that the law of candidate c has a force or is rigid, and whether it has dry friction."""
+    """Record whether the law of candidate c has a force or is rigid, and whether it has dry friction."""
     if d.law.static_friction[c] > 0.0:
         d.contact.any_friction = 1
     if d.law.impulsive[c]:
@@ -130,7 +131,7 @@ def given_number(d, c):
 
 
 def given_stiffness(d, c):
-    """Return the given stiffness K of candidate c [N/mⁿ]; for a stop as of a contact at the lever arm."""
+    """Return the given stiffness K [N/mⁿ] of candidate c; for a stop, K of the contact at the lever arm."""
     if at_joint(d, c):
         return d.given.stop_stiffness / d.model.size ** (d.stops.exponent + 1.0)
     if d.candidate.stop[c] != 0:
@@ -150,10 +151,10 @@ def given_restitution(d, c):
 
 
 def given_friction(d, c):
-    """Return the given coefficients of sliding and of static friction of candidate c; a stop has none.
+    """Return the given coefficients of sliding and of static friction of candidate c; 0 for a stop.
 
-    A static coefficient of 0 means the sliding coefficient, also at a wall with its own sliding coefficient
-    only.
+    A static coefficient of 0 means that it equals the sliding coefficient; so does a wall with its own
+    sliding coefficient and no static one.
     """
     if d.candidate.stop[c] != 0:
         return 0.0, 0.0
@@ -171,7 +172,7 @@ def exponent(d, c):
 
 
 def check_law(d, c):
-    """Check the given values for the law of candidate c; returns a status."""
+    """Check the given values for the law of candidate c; return a status."""
     number, restitution = given_number(d, c), given_restitution(d, c)
     if not 1 <= number <= LAW_COUNT + user_law.present():
         return UNKNOWN_LAW
@@ -188,7 +189,7 @@ def check_law(d, c):
 
 
 def check_values(d, c):
-    """Check the given values of candidate c that do not depend on the law; returns a status."""
+    """Check the given values of candidate c that do not depend on the law; return a status."""
     sliding, static = given_friction(d, c)
     in_range = 0.0 <= given_restitution(d, c) <= 1.0 and given_stiffness(d, c) > 0.0
     if not (in_range and sliding >= 0.0 and static >= 0.0 and math.isfinite(sliding + static)):
@@ -197,12 +198,12 @@ def check_values(d, c):
 
 
 def is_derived(d, c):
-    """Return whether the constants of candidate c belong to the given law and restitution."""
+    """Return whether the derived constants of candidate c belong to the given law and restitution."""
     return d.law.number[c] == given_number(d, c) and d.law.restitution[c] == given_restitution(d, c)
 
 
 def derive_damping(d, c):
-    """Set the constants of the given law of candidate c: f(e), and the exponent p of its damping δᵖ δ̇."""
+    """Derive the constants of the given law of candidate c: f(e), and the exponent p of the damping δᵖ δ̇."""
     if is_derived(d, c):
         return
     law, number = d.law, given_number(d, c)
@@ -216,7 +217,7 @@ def derive_damping(d, c):
 
 
 def copy_law(law, source, c):
-    """Give candidate c the law of candidate ``source``."""
+    """Copy the law of candidate ``source`` to candidate c."""
     law.number[c], law.exponent[c] = law.number[source], law.exponent[source]
     law.stiffness[c], law.restitution[c] = law.stiffness[source], law.restitution[source]
     law.impulsive[c], law.approach_only[c] = law.impulsive[source], law.approach_only[source]
@@ -227,7 +228,7 @@ def copy_law(law, source, c):
 
 
 def set_parameters(d, c):
-    """Set the parameters of the law of candidate c to the given ones."""
+    """Set the parameters of candidate c's law to the given parameters."""
     law = d.law
     law.number[c], law.exponent[c] = given_number(d, c), exponent(d, c)
     law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)

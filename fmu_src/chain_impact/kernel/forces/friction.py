@@ -1,19 +1,20 @@
-"""Dry friction after Coulomb, at walls and in joints, with sticking that is exact.
+"""Coulomb's dry friction at walls and in joints; a sticking element does not creep.
 
-An element is a candidate, at whose contact the force of the wall has a part along t = (n_y, −n_x), or a
+An element is either a candidate, at whose contact the wall also exerts a force along t = (n_y, −n_x), or a
 joint. Each element with friction has a mode, which changes at events only (events/friction_modes.py), so that
 the equations of motion are smooth within a step:
 
     sliding with the sign s    F_t = −s µ F_n
     sticking                   t·a = 0, by the force F_t of a constraint, as long as |F_t| ≤ µ_s F_n
 
-with µ the coefficient of sliding and µ_s ≥ µ that of static friction. The sign of the tangential speed is not
-evaluated within a step: s is latched. In a joint with the friction moment M both limits are M/s, with the
-lever arm s of its place. The normal force of a law with a force depends on the state alone, so modes and
+with µ the coefficient of sliding and µ_s ≥ µ that of static friction. Within a step s is latched (fixed); the
+sign of the tangential speed is not evaluated. In a joint with the friction moment M both limits are M/s, with
+the lever arm s of its place. The normal force of a law with a force depends on the state alone, so modes and
 accelerations that satisfy these laws exist; for µ_s = µ the accelerations are unique.
 
-Where several constraints are dependent, the forces of the sticking elements are not unique. The forces are
-shared in proportion to the limits (constraints.py), or so that none exceeds its limit (limits.py).
+Where several constraints are dependent, the forces of the sticking elements are not unique. The solver then
+chooses forces in proportion to the limits (constraints.py), or forces that do not exceed their limits
+(limits.py).
 
 Source: C. A. Coulomb 1785, Théorie des machines simples, Mém. Math. Phys. Acad. Sci. 10:161; for latched
 modes in place of the sign of a speed, after Pfeiffer & Glocker 1996, Multibody Dynamics with Unilateral
@@ -22,8 +23,9 @@ Contacts.
 
 from chain_impact.kernel.rows.geometry import add_along, tangent, tangential_position, tangential_rate
 
-STICKS, NO_FRICTION = 0, 2  # modes; ±1 slides along ±t
-# The largest distance from an anchor after a projection that is round-off, over a link length.
+STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for sliding along ±t
+# The largest distance of a sticking element from its anchor that is round-off after a projection, over a link
+# length.
 NOT_HELD = 1e-13
 
 
@@ -33,15 +35,15 @@ def may_rub(d, c):
 
 
 def joint_of(d, e):
-    """Return the index of the joint of element e, which is a joint's element.
+    """Return the index of the joint of element e, which must belong to a joint.
 
-    0 is the joint of link 1, N the slider.
+    Index 0 is the joint of link 1, index N the slider.
     """
     return e - d.candidates
 
 
 def set_friction_used(d):
-    """Set whether any contact or joint has dry friction, in a record that has room for it."""
+    """Record whether any contact or joint has dry friction, in a record with room for friction."""
     rubs = max(d.contact.any_friction, d.model.rubbing)
     if d.slides and d.slider.friction > 0.0:
         rubs = 1
@@ -55,7 +57,7 @@ def clear_friction(d):
 
 
 def against(force):
-    """Return the sign of the sliding that a friction force opposes."""
+    """Return the sign of the direction of sliding that a friction force opposes."""
     return 1 if force < 0.0 else -1
 
 
@@ -65,14 +67,14 @@ def set_mode(d, e, mode):
 
 
 def set_anchor(d, e):
-    """Let element e stick at its located place."""
+    """Set the anchor of element e, the place where it sticks, to its located place."""
     d.element.anchor[e] = tangential_position(d, e)
 
 
 def list_friction(d):
-    """Pack the elements that have friction now, contacts first, and the sticking ones among them.
+    """Pack the elements that have friction now, contacts first, and the sticking elements.
 
-    The first joint of a free base has no place, and so no friction.
+    A free base has no joint, so its first element has no friction.
     """
     own = d.friction
     own.count = 0
@@ -96,7 +98,7 @@ def list_friction(d):
 
 
 def list_sticking(d):
-    """Pack the sticking elements; each is a constraint, after the constraints of the contacts."""
+    """Pack the sticking elements; each is a constraint. They follow the constraints of the contacts."""
     own = d.friction
     own.stuck_count, own.stuck_joints = 0, 0
     for i in range(own.count):
@@ -108,14 +110,18 @@ def list_sticking(d):
 
 
 def suspend_sticking(d):
-    """Let nothing stick during an impact on rigid walls: the limits of friction are forces, not impulses."""
+    """Let no element stick during an impact on rigid walls: limits of friction are forces, not impulses."""
     d.friction.stuck_count, d.friction.stuck_joints = 0, 0
 
 
 def begin_friction(d, c):
-    """Set the mode of a contact that begins at located points, until events/friction_modes.py chooses it."""
+    """Set a first mode of a contact that begins at located points.
+
+    Events/friction_modes.py chooses the final one.
+    """
     speed = tangential_rate(d, c)
-    # The state may be projected before the choice: a sticking element stays where it is.
+    # The state may be projected before the choice of the mode; the anchor keeps a sticking element where it
+    # is.
     set_anchor(d, c)
     set_mode(d, c, STICKS if speed == 0.0 else (1 if speed > 0.0 else -1))
 
@@ -123,17 +129,17 @@ def begin_friction(d, c):
 def friction_load(d, c):
     """Return the normal force [N] of candidate c that determines its friction.
 
-    Beyond its kink the force of a contact is continued smoothly until the kink has been located, and so is
-    friction. But a law that damps on approach only may pull within ``touch.kink_margin`` of its kink, where
-    no step ends, and friction would add energy.
+    Beyond the kink, contact force and friction are continued smoothly until the kink has been located. But
+    within ``touch.kink_margin`` of the kink, where no step ends, a law that damps on approach only may give a
+    pull, with which friction would add energy.
     """
     return max(0.0, d.touch.force[c]) if d.law.approach_only[c] else d.touch.force[c]
 
 
 def apply_friction(d):
-    """Add the sliding friction of joints, and of contacts whose normal forces are set, to the loads.
+    """Add sliding friction of joints, and of contacts with known normal forces, to the loads.
 
-    The friction of sticking elements is found later, as the force of a constraint.
+    The friction of a sticking element is the force of a constraint, which is found later.
 
     Returns:
         The dissipated power [W].
@@ -142,7 +148,7 @@ def apply_friction(d):
     own.power = 0.0
     for i in range(own.count):
         e = d.element.index[i]
-        sliding = d.element.limit[e]  # both limits of a joint are the same
+        sliding = d.element.limit[e]  # for a joint the limits of static and of sliding friction are equal
         if e < d.candidates:
             normal = friction_load(d, e)
             d.element.limit[e] = d.law.static_friction[e] * normal
@@ -164,11 +170,10 @@ def slide(d, e, size):
 
 
 def keep_static_forces(d):
-    """Store the forces of sticking elements, just found as constraint forces, and their margins.
+    """Store the forces of sticking elements, found as constraint forces, and the margins to their limits.
 
     Returns:
-        The power [W] that these forces dissipate, because a sticking element has a speed of the size of
-        errors.
+        The power [W] that these forces dissipate; the speed of a sticking element is only an error.
     """
     own, first, dissipated = d.friction, d.touch.active_count, 0.0
     for i in range(own.stuck_count):
@@ -181,9 +186,10 @@ def keep_static_forces(d):
 
 
 def keep_anchors(d):
-    """Move the anchors of sticking elements to the located points if the projection has missed them.
+    """Move the anchors of sticking elements to their located places if the projection has missed the anchors.
 
-    Such motions can hardly be constrained (constraints.py), and to correct them in each step would do work.
+    The projection misses an anchor only where a motion can hardly be constrained (constraints.py). To correct
+    such a motion in each step would do work.
     """
     own = d.friction
     for i in range(own.stuck_count):
@@ -193,6 +199,6 @@ def keep_anchors(d):
 
 
 def clear_margins(d):
-    """Begin to record how near the modes of the elements are to their ends."""
+    """Clear the record of how near the modes of the elements are to their ends."""
     for i in range(d.friction.count):
         d.element.margin[d.element.index[i]] = 0.0

@@ -1,7 +1,7 @@
-"""Constraint forces, of rigid walls and of dry friction on points at rest, and the projection of a state.
+"""Constraint forces of rigid walls and of sticking elements, and the projection of a state.
 
-constraints.py describes the constraints and how their impulses are found. This module states the problems for
-a right-hand side, an accepted step and an event state: the free motion, and the targets.
+The module rows/constraints.py finds the impulses of constraints. This module states the problem, the free
+motion and the targets, for a right-hand side, an accepted step and a state at an event.
 """
 
 import math
@@ -42,24 +42,24 @@ from chain_impact.kernel.rows.geometry import (
     tangential_rate,
 )
 
-# The largest distance from a rigid wall that a projection may leave, over a link length. A point that stays
-# farther away has no room at the wall.
+# The largest distance from a rigid wall that a projection may leave, over a link length. If a point stays
+# farther away, the walls leave no room for the chain.
 SQUEEZE = 1e-6
-# The least height that a point rises when it leaves, over a link length. A lower one could not be
-# distinguished from round-off, and the next onset could not be located.
+# The least height to which a point rises when it leaves a wall, over a link length. A lower height could not
+# be distinguished from round-off, and the next onset could not be located.
 RISE = 1e-14
-# The largest plausible correction of a coordinate, in rad or link lengths, over the tolerance plus the error
-# of a clearance in link lengths.
+# The largest plausible correction of a coordinate in a projection, in rad or link lengths, over the tolerance
+# plus the error of a clearance in link lengths.
 MISPLACED = 10.0
-# The impedance with which stiff contacts resist the projection of sticking elements, over the mean mass of a
-# link.
+# The impedance with which stiff contacts resist the projection onto the constraints of sticking elements,
+# over the mean mass of a link.
 RESISTANCE = 1e3
 
 
 def start_from_state(d, derivative):
-    """Set ``start`` to the clearances of contacts and the distances of sticking elements from their anchors.
+    """Set ``start`` to clearances of contacts and distances of sticking elements from their anchors.
 
-    With a ``derivative`` of 1, ``start`` is set to the rates.
+    If ``derivative`` is 1, set ``start`` to the rates of these values.
     """
     own, first = d.rigid, d.touch.active_count
     for k in range(first):
@@ -74,7 +74,7 @@ def start_from_state(d, derivative):
 
 
 def start_from_loads(d):
-    """Set ``start`` to the motion of all constraints by the loads at places; return the largest motion."""
+    """Set ``start`` to the motions of all constraints by the loads at places; return the largest motion."""
     factorize_free(d)
     solve_space(d, d.work.link, d.work, FREE, d.work.change)
     for k in range(constraint_rows(d)):
@@ -83,19 +83,22 @@ def start_from_loads(d):
 
 
 def clear_least_forces(d):
-    """Begin to record the least forces of the contacts without a force law."""
+    """Clear the record of the least forces of the contacts without a force law."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.rigid.least_force[d.touch.active_index[k]] = 0.0
 
 
 def add_change(d, y, first):
-    """Add the change of the coordinates by the impulses to the entries of y from ``first`` on."""
+    """Add the change of the coordinates by the impulses to y, from index ``first`` on."""
     for j in range(coordinate_count(d.links)):
         y[first + j] += d.rigid.change[j]
 
 
 def start_from_accelerations(d, y, rate):
-    """Set ``start`` to the accelerations of all constraints for a rate ẏ; return the largest |a|."""
+    """Set ``start`` to the accelerations of all constraints for a rate ẏ.
+
+    Return the largest absolute value.
+    """
     accelerate_points(d, y, rate)
     for k in range(constraint_rows(d)):
         d.rigid.start[k] = constraint_acceleration(d, k)
@@ -103,9 +106,9 @@ def start_from_accelerations(d, y, rate):
 
 
 def add_constraint_forces(d, y, rate):
-    """Add to a rate ẏ, just found without them, the effect of the constraint forces of g̈ = 0 and t·a = 0.
+    """Add to a rate ẏ of the free motion the effect of the constraint forces, so that g̈ = 0 and t·a = 0.
 
-    The forces [N] are then stored in ``d.rigid.impulse``; apart from errors they do no work.
+    Afterwards ``d.rigid.impulse`` holds the forces [N]; apart from errors these forces do no work.
     """
     own = d.rigid
     take_factors(d, joints_loaded(d))
@@ -125,13 +128,13 @@ def add_constraint_forces(d, y, rate):
 def project_state(d, y):
     """Project the located state y onto the constraints, so that no drift accumulates.
 
-    Held contacts get g = 0 and ġ = 0. A sticking element gets its anchor's tangential coordinate and no
-    tangential speed. The contacts with a force law resist the change, because a change of a clearance at a
-    stiff wall would act as an impact.
+    Held contacts get g = 0 and ġ = 0. A sticking element moves to its anchor along t and loses its tangential
+    speed. The contacts with a force law resist the change, because a change of a clearance at a stiff wall
+    would act as an impact.
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
-    size. If walls would pull by more than the errors explain, the points that leave are not stopped and keep
-    their ġ > 0, in ``d.rigid.reached``. The loss of kinetic energy in the projection counts as dissipated.
+    size. If walls would pull more than the errors explain, the points that leave the walls keep their rate ġ
+    > 0, in ``d.rigid.reached``. The loss of kinetic energy in the projection counts as dissipated.
     """
     own, lost = d.rigid, dissipated_at(d.links)
     for k in range(d.touch.compliant_count if any_sticking(d) else 0):
@@ -150,10 +153,10 @@ def project_state(d, y):
     if d.channels > 0:
         y[supplied_at(d.links)] += work_of_impulses(d)
     for k in range(constraint_rows(d)):
-        # −½ p (u⁻ + u⁺)
+        # the dissipated energy −½ p (u⁻ + u⁺) of a constraint's impulse p
         y[lost] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
     for k in range(d.touch.compliant_count):
-        # the resistance has the impulse −D (u⁺ − u⁻)
+        # the impulse −D (u⁺ − u⁻) of the resistance D also changes the energy
         y[lost] += 0.5 * own.resistance[k] * (own.reached[k] ** 2 - own.start[k] ** 2)
         own.resistance[k] = 0.0
 
@@ -161,8 +164,8 @@ def project_state(d, y):
 def power_of_motion(d, y, rate):
     """Return the power [W] of moving walls and a moving base, for a state y and its rate ẏ with all forces.
 
-    The power of a wall's force F is F w, with the wall's speed w. The force of the base follows from Newton's
-    law for the whole chain, with the accelerations in ẏ, which are applied to the points.
+    The power of a wall's force F is F w, with the wall's speed w. The force on the base follows from Newton's
+    law for the whole chain, with the accelerations in ẏ. The function sets the accelerations of the points.
     """
     power, fx, fy = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):
@@ -190,7 +193,7 @@ def power_of_motion(d, y, rate):
 
 
 def work_of_impulses(d):
-    """Return the work [J] of moving walls and base in a change of velocities by the impulses just found."""
+    """Return the work [J] of moving walls and base while the impulses found last change the velocities."""
     own, work, px, py = d.rigid, 0.0, 0.0, 0.0
     for k in range(constraint_rows(d)):
         sticks = k >= d.touch.active_count
@@ -210,7 +213,7 @@ def work_of_impulses(d):
 
 
 def momentum(d, vectors):
-    """Return Σ m v_C of vectors v at the points: velocities, their changes, or accelerations."""
+    """Return Σ m v_C, with ``vectors`` as v: velocities, changes of velocities, or accelerations."""
     x, y = 0.0, 0.0
     for i in range(d.links):
         cx, cy = at_center(d, vectors, i)
@@ -219,15 +222,15 @@ def momentum(d, vectors):
 
 
 def contact_resistance(d):
-    """Return the resistance [kg] of the contacts with a force law to a projection."""
+    """Return the resistance [kg] of a contact with a force law against a projection."""
     return RESISTANCE * mean_mass(d)
 
 
 def solve_positions(d):
     """Find the change of the coordinates that brings the active set to its targets, g = target.
 
-    If the residuals and errors do not explain so large a change, only candidates with g < target are moved.
-    Sticking elements then stay, because motions that can hardly be constrained would be large.
+    If the change is larger than residuals and errors explain, only candidates with g < target are moved.
+    Sticking elements then stay, because their motions, which can hardly be constrained, would be large.
     """
     own, size, asked, moved = d.rigid, d.model.size, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
@@ -244,7 +247,7 @@ def solve_positions(d):
 
 
 def solve_stopping_impulses(d):
-    """Find the impulses that stop the active set; none of them pulls by more than errors explain."""
+    """Find the impulses that stop the active set; no impulse pulls by more than errors explain."""
     speed = fastest_of_all(d)
     factorize_free(d)
     solve_equality(d, speed)
@@ -253,7 +256,7 @@ def solve_stopping_impulses(d):
 
 
 def least_impulse(d):
-    """Return the most negative impulse, or 0 if all push."""
+    """Return the most negative impulse of the held points, or 0 if all impulses push."""
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         least = min(least, d.rigid.impulse[k])

@@ -2,18 +2,18 @@
 
     u(t) = u₀ + x (u₁ + x (u₂ + …)),   x = (t − middle) scale
 
-`given.course` holds the next piece and `inputs.course` the present one; u₀ of the next piece is not in
-`given.course` but in `given` itself. Inputs of order 0 are constant, and no polynomial is evaluated.
+`given.course` holds the next piece and `inputs.course` the present piece; the coefficient u₀ of the next
+piece is in `given` itself. Inputs of order 0 are constant, and no polynomial is evaluated.
 
-Prescribed motions (chain/motion.py) have all their coefficients in `motion.course`, those in use in
-`moved.course`. They are set with the course of the other inputs or, if `motion.follows`, they follow the
-    values at the communication points: position s, velocity v and acceleration a at a time t₀. The motion to
-    the next point, at t₁ = t₀ + h, is a cubic. It begins with the present position and velocity, and ends
-    with the position s + v h + ½ a h² and the velocity v + a h of a uniform acceleration. So both are
-    continuous, a uniform acceleration is followed exactly, and errors do not add up, because the end does not
-    depend on the present position. A motion without new values continues. If a velocity is given without a
-    position, as always for a belt, the speed changes at a uniform rate to the given value, and the position
-    follows from the speed.
+Prescribed motions (chain/motion.py) have the given coefficients in `motion.course`, and the coefficients in
+use in `moved.course`. The coefficients are set together with `given.course` or, if `motion.follows`, they
+follow from the values at the communication points: position s, velocity v and acceleration a at a time t₀.
+The motion to the next communication point, at t₁ = t₀ + h, is a cubic. The cubic begins with the present
+position and velocity, and ends with the position s + v h + ½ a h² and the velocity v + a h of a uniform
+acceleration. So position and velocity are continuous, a uniform acceleration is followed exactly, and errors
+do not add up, because the end does not depend on the present position. A motion without new values continues.
+If a velocity is given without a position, as always for a belt, the speed changes at a uniform rate to the
+given value, and the position is the integral of the speed.
 """
 
 import math
@@ -35,20 +35,25 @@ from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
 DEGREE = 9  # the highest degree of the polynomials
-AT_ONCE, CONTINUES = 1, 2  # values of given.changed: re-initialize; or the inputs continue without a jump
-# The largest difference between a given distance and the distance by the given speeds, over the speeds times
-# the time between two communication points. A larger one is a jump of the position.
+# values of given.changed. AT_ONCE: values were set, so the solver re-initializes; CONTINUES: the inputs go on
+# without a jump
+AT_ONCE, CONTINUES = 1, 2
+# The largest difference between the given distance and the integral of the given speeds, over the speeds
+# times the time between two communication points. A larger difference counts as a jump of the position.
 UNEXPLAINED = 0.05
-TOUCH_OFF = 1e-9  # the distance, over a link length, up to which a position is no jump whatever the speeds
-# The largest change of an acceleration that is round-off, over the largest position per squared step.
+# the distance, over a link length, that counts as no jump of a position, whatever the speeds
+TOUCH_OFF = 1e-9
+# The largest change of an acceleration that is round-off, over the largest position divided by the squared
+# step.
 SAME = 1e-14
-SLOW_CHANGE = 0.5  # `change_rate` of a cubic, over 1/h: its sixth derivative is 0
-# the largest time from a step's end to the end of the piece that the step ends with, over the time
+# `change_rate` of a motion that is a cubic, over 1/h; small, because its sixth derivative is 0
+SLOW_CHANGE = 0.5
+# the largest time from the end of a step to the end of the piece with which the step ends, over the time
 LANDED = 4e-15
 
 
 def apply_inputs(d):
-    """Put the given inputs in use; no change of them then remains to be applied."""
+    """Use the given inputs from now on, and clear the request to apply them."""
     d.given.changed = 0
     given, course, own = d.given, d.given.course, d.inputs.course
     own.order, own.change_rate, own.until = course.order, course.change_rate, course.until
@@ -79,7 +84,7 @@ def apply_inputs(d):
 
 
 def apply_slider_inputs(d):
-    """Put the given inputs of the slider in use."""
+    """Use the given inputs of the slider from now on."""
     given, course, own, used = d.given, d.given.course, d.inputs.course, d.inputs
     used.slider_force = own.slider_force[0, 0] = given.slider_force
     used.slider_target_position = own.slider_target_position[0, 0] = given.slider_target_position
@@ -91,12 +96,12 @@ def apply_slider_inputs(d):
 
 
 def withdraw_request(d):
-    """Withdraw the request to apply values that were set."""
+    """Withdraw the request to apply given values."""
     d.given.changed = 0
 
 
 def inputs_in_use(d):
-    """Return whether the given inputs are constants that are in use."""
+    """Return whether the inputs in use are constants and equal the given inputs."""
     given, own, used = d.given, d.inputs, d.inputs.course
     if given.course.order > 0 or used.order > 0:
         return False
@@ -122,7 +127,7 @@ def inputs_in_use(d):
 
 
 def ensure_inputs(d, y):
-    """Ensure that the inputs have their values at the time of the state y."""
+    """Set the inputs to their values at the time of the state y, unless they are constant."""
     if d.inputs.course.order > 0:
         set_inputs(d, d.step.clock + y[time_at(d.links)])
     elif d.signals > 0:
@@ -153,7 +158,7 @@ def set_inputs(d, time):
 
 
 def set_driven(d, time):
-    """Set the inputs that signals drive, except motions, to their values at a ``time`` [s]."""
+    """Set the inputs that signals drive, except prescribed motions, to their values at a ``time`` [s]."""
     own = d.inputs
     for j in range(d.signals):
         driven, i = d.signal.input[j], d.signal.index[j]
@@ -185,19 +190,19 @@ def polynomial(powers, order, i, x):
 
 
 def inputs_continue(d):
-    """Return whether the inputs only continue with another piece, which begins where the last step ends."""
+    """Return whether the next piece of the inputs continues the present piece where the last step ends."""
     return d.given.changed == CONTINUES and d.step.end - d.step.time <= LANDED * abs(d.step.end)
 
 
 def limit_to_piece(d, h):
-    """Return a size ≤ h of the next step, in time, with which it ends with the piece or well before."""
+    """Return a size ≤ h of the next step, in time: the step ends with the piece, or well before its end."""
     if d.inputs.course.order == 0 or d.step.regularized >= 0:
         return h
     return limit_to(d, d.inputs.course.until, h)
 
 
 def limit_to(d, time, h):
-    """Return a size ≤ h of the next step with which it ends at a ``time`` [s] or well before it."""
+    """Return a size ≤ h of the next step: the step ends at a ``time`` [s], or well before it."""
     rest = time - d.step.end
     if rest <= 0.0 or 2.0 * h <= rest:
         return h
@@ -205,12 +210,12 @@ def limit_to(d, time, h):
 
 
 def belts_jump(d):
-    """Return whether the present piece of the inputs began with a jump of a belt's speed."""
+    """Return whether the speed of a belt jumped at the start of the present piece of the inputs."""
     return d.channels > 0 and d.motion.jumps != 0
 
 
 def begin_motion(d, time):
-    """Begin all motions at a ``time`` [s] with the values given then, or with the course that is set."""
+    """Begin all prescribed motions at a ``time`` [s], with the given values or with the given polynomials."""
     given, own, course = d.motion, d.moved, d.given.course
     own.began, own.until, own.contradiction = time, time, 0
     for j in range(d.channels):
@@ -236,16 +241,17 @@ def begin_motion(d, time):
 
 
 def follow_motion(d, time):
-    """Let motions follow the given values until a ``time`` [s], the next communication point.
+    """Let prescribed motions follow the given values until a ``time`` [s], the next communication point.
 
     Returns:
-        WALL_JUMPS if a wall is given a jump, a distance that its velocities do not explain; else OK.
+        WALL_JUMPS if the given positions of a wall jump by a distance that the given velocities do not
+        explain; else OK.
     """
     given, own, course = d.motion, d.moved, d.given.course
     if d.channels == 0 or not given.follows or not time > d.step.time:
         return OK
     if time == own.until and d.given.changed != AT_ONCE:
-        return OK  # an interrupted step continues
+        return OK  # an interrupted communication step continues
     now, h = d.step.time, time - d.step.time
     move(d, now)
     for j in range(d.channels):
@@ -271,7 +277,7 @@ def follow_motion(d, time):
 
 
 def refuse_channel(d, j):
-    """Note that the wall that moves with channel j is the reason for WALL_JUMPS, and return the status."""
+    """Record that the wall of channel j is the reason for WALL_JUMPS, and return this status."""
     first = 0
     for c in range(d.candidates):
         if d.shift.channel[d.candidates - 1 - c] == j:
@@ -280,9 +286,9 @@ def refuse_channel(d, j):
 
 
 def set_cubic(d, j, time, h):
-    """Set the course of channel j from its present place until a ``time`` [s].
+    """Set the cubic of channel j from its present position until a ``time`` [s].
 
-    Return whether it does not bend.
+    Returns whether the acceleration does not change, so that the motion does not bend.
     """
     given, own = d.motion, d.moved
     s, v, lasted = own.position[j], own.velocity[j], time - own.given_at[j]
@@ -306,11 +312,11 @@ def set_cubic(d, j, time, h):
 
 
 def note_given(d, j, now):
-    """Note the values given to channel j at the present communication point.
+    """Record the values given to channel j at the present communication point.
 
-    Return False for a jump of a wall.
+    Returns False if the position of a wall jumps.
 
-    The velocity of a base without a given velocity is the mean one since its last position.
+    If no velocity of a base is given, its velocity is the mean velocity since the position before.
     """
     given, own = d.motion, d.moved
     s, v, a = given.position[j], given.velocity[j], given.acceleration[j]
@@ -323,7 +329,7 @@ def note_given(d, j, now):
     own.given_at[j], own.mean[j], own.from_position[j], own.from_velocity[j] = now, 0.0, s, v
     own.anchored[j] = 1
     if as_before:
-        # the position continues from its present value, and so does an unchanged velocity
+        # the position continues from its present value; a velocity that is not given anew stays the same
         own.from_position[j], own.anchored[j] = own.position[j], 0
         own.from_velocity[j] = v if v_anew else own.velocity[j]
         return True
@@ -331,7 +337,7 @@ def note_given(d, j, now):
     speeds, ignored = lasted * (abs(before) + abs(v)), TOUCH_OFF * d.model.size
     if not unexplained > UNEXPLAINED * speeds + ignored:
         return True
-    of_base = d.model.base_moves and j < 2  # the base's channels come first
+    of_base = d.model.base_moves and j < 2  # the first two channels belong to the base
     if not of_base and unexplained > speeds + ignored:
         own.contradiction, own.distance, own.lasted, own.speed = j + 1, moved, lasted, v
         return False

@@ -2,18 +2,19 @@
 
     F = max(0, K δⁿ + d δᵖ δ̇)
 
-K stiffness [N/mⁿ], δ penetration [m], δ̇ its rate [m/s]. The damping d is found once for a contact, at its
-onset, from a factor that the law derives from the prescribed restitution e: f(e), below. Three kinds of laws:
+K stiffness [N/mⁿ], δ penetration [m], δ̇ its rate [m/s]. The damping d is computed once for a contact, at the
+onset, from the factor f(e), which the law derives from the prescribed restitution e. There are three kinds of
+laws:
 
 - The Hunt–Crossley family, F = K δⁿ (1 + λ δ̇/v₀): p = n, f = λ and d = λ K/v₀, with v₀ the approach speed at
-  the onset [m/s]. Its restitution depends on λ alone: the realised one, e′, solves
+  the onset [m/s]. The realised restitution e′ depends on λ alone. It solves
   λ(1 + e′) = ln[(1+λ)/(1−λe′)], so e′ = [1 + W₀(−(1+λ)e^{−(1+λ)})]/λ with Lambert's W.
-- Laws with another power p of the penetration in their damping, for one exponent n. Their d needs the mass of
-  the impact: the effective mass m of the chain at the contact [kg].
+- Laws with another power p of the penetration in the damping, for one exponent n. The damping d needs the
+  mass of the impact: the effective mass m of the chain at the contact [kg].
 - Rigid walls, with impulses instead of a force, so without d (events/impacts.py).
 
-The relations are derived in docs/contact_laws.md. A law's place in this file is its number in the FMU, so new
-laws go to the end.
+The relations are derived in docs/contact_laws.md. The laws are numbered in the order of this file, and the
+FMU uses these numbers, so new laws go to the end.
 """
 
 import math
@@ -36,17 +37,19 @@ class ContactLaw:
     title: str  # authors, for tables
     source: str  # author, year, journal
     formula: str  # the factor f(e) as text; λ(e) for the Hunt–Crossley family
-    limits: str  # range of use, limits and known flaws
-    # source of the formula. A: an open source that cites the paper. B: public code that follows a review. C:
-    # the standard literature. Derived, recomputed: it also follows from an integration of a free impact.
+    limits: str  # range of use, limits and known errors of the law
+    # Source of the formula. A: an open source that cites the paper. B: public code that follows a review. C:
+    # the standard literature. Derived, recomputed: the formula also follows from an integration of a free
+    # impact.
     evidence: str
-    accurate_from: float  # smallest restitution from which on the rebound is within 5 % of the prescribed one
+    accurate_from: float  # least restitution e from which on the realised restitution is within 5 % of e
     accurate_to: float
     damping_factor: object  # f(e), a function of the kernel
-    allows_zero: bool = True  # whether f(0) is finite
+    allows_zero: bool = True  # whether f(0) is finite, so that e = 0 is allowed
     exponent: float | None = None  # the exponent n for which the law is defined; None for any
-    rate_exponent: float | None = None  # p; None for p = n
-    mass_power: float = 0.0  # s of d = f K^(1−s) m^s, m the effective mass; 0 for the family: d = λ K/v₀
+    rate_exponent: float | None = None  # exponent p of the penetration in the damping; None for p = n
+    # exponent s in d = f K^(1−s) m^s with the effective mass m; 0 for the Hunt–Crossley family: d = λ K/v₀
+    mass_power: float = 0.0
     approach_only: bool = False  # whether the damping acts only during compression
     impulsive: bool = False  # whether the walls are rigid, see kernel/events/impacts.py
 
@@ -78,7 +81,7 @@ class ContactLaw:
 
     @property
     def continuous(self) -> bool:
-        """Whether the force begins at 0, without a jump at the onset."""
+        """Whether the force begins at 0 at the onset, without a jump."""
         return self.rate_exponent != 0.0 and not self.impulsive
 
     def allows_exponent(self, exponent: float) -> bool:
@@ -90,10 +93,10 @@ CONTACT_LAWS: dict[str, ContactLaw] = {}
 
 
 def contact_law(title, source, formula, accurate, evidence, **properties):
-    """Register the decorated f(e) as the next contact law, under the function's name.
+    """Register the decorated function f(e) as the next contact law, under the function's name.
 
-    The docstring of f states the limits of the law. A source that begins with a year has the authors in the
-    title.
+    The docstring of f states the limits of the law. If the source begins with a year, the title names the
+    authors.
     """
 
     def register(function):
@@ -174,12 +177,13 @@ def zhang_sharf(e):
     if e >= 1.0:
         return 0.0
     u = 1.0 - e
-    # near e = 1 the root is a difference of nearly equal numbers; this series is exact to u⁵
+    # near e = 1 the root is a difference of nearly equal numbers; this series is accurate up to u⁵
     if u < 1e-3:
         return u * (1.5 + u * (1.5 + u * (1.35 + u * 1.2)))
-    # With d = λe = 1 − e^{−s} the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. It is well conditioned
-    # in s, but not in d: below e ≈ 0.03 d is 1 to double precision. The left side falls from 0, then rises
-    # through its one positive root, convex: from above it Newton's method decreases monotonically to it.
+    # With d = λe = 1 − e^{−s} the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. The equation is well
+    # conditioned in s, but not in d: below e ≈ 0.03, d is 1 to double precision. The left side falls from 0,
+    # then rises through its only positive root, and is convex. From a start above the root, Newton's method
+    # decreases monotonically to the root.
     s, before = 2.0 + 2.0 / e, math.inf
     while s < before:
         d = -math.expm1(-s)
@@ -341,11 +345,11 @@ _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)
 NEWTON_IMPACT = CONTACT_LAWS["newton_impact"].number
 _factor = dispatch([law.damping_factor for law in _LAWS])
-# for the kernel, where ANY means "any exponent" or "equal to the exponent"
+# stands for "any exponent", or for "equal to the exponent", in the kernel
 ANY = -1.0
 EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
 RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent for law in _LAWS)
-# 1/e of a smaller restitution would overflow
+# the least restitution of each law: 1/e of a smaller restitution would overflow
 LEAST_RESTITUTIONS = tuple(0.0 if law.allows_zero else 1e-300 for law in _LAWS)
 MASS_POWERS = tuple(law.mass_power for law in _LAWS)
 APPROACH_ONLY = tuple(int(law.approach_only) for law in _LAWS)

@@ -1,7 +1,7 @@
 """The interface of a user's own contact law: two functions that are linked to the kernel.
 
-Plain Python uses the functions below. A compiled kernel calls functions of these names that are linked to it:
-those of the law, or stubs that say that there is none (compilation/compilers.py).
+Plain Python uses the functions below. A compiled kernel is linked with functions of the same names: the
+functions of a user's law, or stubs that report no law (compilation/compilers.py).
 """
 
 ARGUMENTS = (
@@ -22,5 +22,8 @@ def present():
 
 
 def force(_penetration, _rate, _impact_speed, _effective_mass, _stiffness, _exponent, _restitution):
-    """Return the force [N] of the user's law for all of ``ARGUMENTS``, before it is cut off at 0."""
+    """Return the force [N] of the user's law, before it is cut off at 0.
+
+    ``ARGUMENTS`` lists the arguments.
+    """
     return 0.0

@@ -1,15 +1,15 @@
 """f(e) of Kuwabara and Kono: the damping g of an impact that realises the restitution e.
 
-The impact has m = K = v₀ = 1 under F = max(0, δ^{3/2} + g δ^{1/2} δ̇). In z = √δ, w = δ̇ and a variable s
-with dt = 2z ds the equations have polynomials on the right, dz/ds = w, dw/ds = −2z²(z² + g w). While F > 0, w
-falls; −e is its minimum.
+The impact has m = K = v₀ = 1 and F = max(0, δ^{3/2} + g δ^{1/2} δ̇). With z = √δ, w = δ̇ and a variable s,
+where dt = 2z ds, the right-hand sides are polynomials: dz/ds = w, dw/ds = −2z²(z² + g w). While F > 0, w
+falls; the minimum of w is −e.
 
     f(e) = (1 − e) e^(−3/5) P(r),   r = √(1 − e^(1/8))
 
 separates the singular factors. For e → 1 the speed at the end has the powers 0, 1, 2, 5/2 … of g, and P is
 smooth in √(1 − e); for e → 0 it is proportional to g^(−5/3), with terms of e ln e. P falls from 1.1761 at e =
-0 to 1/1.15345 at e = 1. It is a polynomial in r, found from solutions of the impact by Taylor series of order
-24 at 64 Chebyshev points, with a relative error below 2e-11 for all e.
+0 to 1/1.15345 at e = 1. P is a polynomial in r with a relative error below 2e-11 for all e. Its coefficients
+come from solutions of the impact by Taylor series of order 24, at 64 Chebyshev points.
 """
 
 import math
@@ -51,8 +51,8 @@ SERIES = (
     1.232169309263561e-12,
 )
 """The coefficients of P, for the Chebyshev polynomials of 2r − 1."""
-# The 1 − e below which P of e = 1 is used, because the derivative of r with respect to e is infinite at e =
-# 1.
+# The least 1 − e for which P is evaluated at e; closer to e = 1, where the derivative of r with respect to e
+# is infinite, P of e = 1 is used.
 NEAREST = 1e-12
 
 

@@ -1,1 +1,1 @@
-"""The integration of the equations: two methods, the control of the step size, the last step, its energy."""
+"""The integration of the equations: two methods, step size control, the last step, and its energy balance."""

@@ -1,30 +1,33 @@
 """The energy check of a step: the energy balance shows errors that the error estimate does not detect.
 
-The exact motion conserves the energy balance (equations.py), so any change of it in a step is an error.
-Steps that keep the tolerance change it by about the tolerance times a scale S, or less. To first order, with
-the scales of control.py for the errors of the components of the state,
+The exact motion conserves the energy balance (equations.py), so any change of the balance in a step is an
+error. A step that keeps the tolerance changes the balance by about the tolerance times a scale S, or less. To
+first order, with the scales of control.py for the errors of the components of the state,
 
     S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| + Σ (K δⁿ s_δ + ½ m v₀²)
         + dissipated and supplied energy,
 
-where T is the kinetic energy, E₁ twice that of the stretched chain when it moves by the longest link s and
-rotates by 1 rad per second, E₂ = M s² per second squared, M the mass, k |φ| the moments of springs, times 1
-rad, and s_δ, v₀ and m those of the active contacts. A step that changes much more is rejected: its error
-estimate misses something, such as a motion that decays within the first stage. The errors of all steps in
-one second of simulated time must not add up to much more either.
+where T is the kinetic energy. E₁ is twice the kinetic energy of the stretched chain when it moves by the
+longest link s per second and rotates by 1 rad per second. E₂ = M s² per second squared, M is the mass, k |φ|
+are the moments of springs, times 1 rad, and s_δ, v₀ and m are the scale of the penetration, the impact speed
+and the effective mass of each active contact. A step that changes the balance much more is rejected: its
+error estimate misses something, such as a motion that decays within the first stage. The errors of all steps
+in one second of simulated time must not add up to much more either.
 
 S grows with energy that errors have added, and stiff springs make it far larger than the energy itself. So
 all steps since the start together must not add more than a tenth of the energy available to motion, springs,
 walls and heat: the energy balance at the start less the potential energy, plus the supplied energy. Once
 this limit is reached, only steps that add no more energy are accepted.
 
-Nor may they lose much. Errors of the tolerance in speeds can change an energy E by the tolerance times
-√(2E) (√(2E) + √E₁). With the available energy as E, all steps from the start to the time t may together lose
+The steps may not lose much energy either. Errors of speeds as large as the tolerance can change an energy E
+by the tolerance times √(2E) (√(2E) + √E₁). With the available energy as E, all steps from the start to the
+time t may together lose
 
     B = 3 tolerance (√(2E) (√(2E) + √E₁) + M g (s + Σ L_i) + E₂) (1 + t / 10 s).
 
 A step is rejected if it loses more than both the part of B that is left and the growth of B in this step. The
-ratio of its loss to this limit acts on the size of the next step like an error relative to the tolerance.
+ratio of the step's loss to this limit acts on the size of the next step like an error relative to the
+tolerance.
 """
 
 import math
@@ -57,41 +60,43 @@ from chain_impact.kernel.rows.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
 # The allowed change of the energy balance in a step, over the tolerance times S. In 1500 random scenes the
-# largest change in a step was 0.0015 in the median, and more than 1 in 1 % of the scenes.
+# largest change in a step had a median of 0.0015, and exceeded 1 in 1 % of the scenes.
 OF_A_STEP = 3.0
 # The allowed change of the energy balance by all steps in a window of time, over the tolerance times S. The
-# errors of steps have a common sign only where a point rests: then they add up to 230 in 100,000 steps. A run
-# that exceeds the limit ends with an error status.
+# errors of steps have a common sign only where a point rests: then their sum reaches 230 in 100,000 steps. A
+# run that exceeds the limit ends with an error status.
 OF_A_WINDOW = 100.0
-WINDOW = 1.0  # [s] length of a window, the same as for the work limit
-GAIN = 0.1  # energy that the errors of all steps together may add, over the available energy
-# The energy that a step may add beyond GAIN, over the available energy, so that round-off does not stop a
-# run. When these additions reach another GAIN, the run ends.
+WINDOW = 1.0  # [s] length of a window of time, equal to the window of the work limit
+GAIN = 0.1  # the energy that the errors of all steps together may add, over the available energy
+# The energy that a step may add after GAIN has been reached, over the available energy, so that round-off
+# does not stop a run. When these additions reach GAIN again, the run ends.
 SLIP = 1e-8
-# The loss by errors of all steps that is allowed in LASTING seconds, over the tolerance as for OF_A_STEP. In
-# 3360 random scenes this limits steps in 3 % of the runs, most of them with stiff springs.
+# The loss of energy by errors of all steps that is allowed in LASTING seconds, over the tolerance as for
+# OF_A_STEP. In 3360 random scenes this limit shortens steps in 3 % of the runs, most of them with stiff
+# springs.
 LOSS, LASTING = OF_A_STEP, 10.0
-NOTABLE = 0.1  # the least loss that limits the next step, over the allowed loss of a step
-# The tolerance above which the first step of a run, whose size is a guess, can be as long as half a turn of a
-# link, with a correct end by chance.
+NOTABLE = 0.1  # the least loss that affects the size of the next step, over the allowed loss of a step
+# The tolerance above which the first step of a run is checked in its middle. The size of this step is a
+# guess: at a loose tolerance it can be as long as half a turn of a link, with a correct end by chance.
 LOOSE = 1e-4
-# The rotation of a link in a step [rad] beyond which the dense output, if the step has one, is checked.
+# [rad] The rotation of a link in a step beyond which the step's dense output, if there is one, is checked.
 LONG_TURN = 1.0
-# the change of the energy balance that is allowed at a step's middle, where the order is lower, over the one
-# allowed at its end
+# the allowed change of the energy balance at the middle of a step, where the order is lower, over the allowed
+# change at the end
 INTERPOLATED = 10.0
-# round-off in a step, over the energies, and over each force times the coordinates of its point
+# round-off of the energy balance in a step, over the energies, and over each force times the coordinates of
+# its point
 ROUND_OFF = 1e-15
 
 
 def start_balance(d, time):
-    """Begin the first window at ``time`` [s]."""
+    """Begin the first window of the energy balance at ``time`` [s]."""
     model, balance = d.model, d.balance
     total, reach, square = 0.0, model.size, 0.0
     for i in range(d.links):
         total += model.mass[i]
         reach += model.length[i]
-        # twice ½ m (s + Σ L)² + ½ I of the stretched chain
+        # E₁: twice ½ m (s + Σ L)² + ½ I, summed over the links of the stretched chain
         square += model.mass[i] * reach * reach + (model.inertia[i] + model.joint_armature[i])
     balance.unit_motion = math.sqrt(square)
     balance.weight = total * model.gravity_size
@@ -107,23 +112,23 @@ def start_balance(d, time):
 
 
 def begin_window(d):
-    """Begin a window of time: later energy balances are compared with the present one."""
+    """Begin a window of time: from now on the energy balance is compared with its present value."""
     balance = d.balance
     balance.reference = balance.at_end
-    # the allowed change in every state
+    # the part of the allowed change that does not depend on the state
     balance.least_allowed = OF_A_STEP * d.solver.tolerance * (balance.unit_motion**2 + balance.unit_scale)
     balance.allowed = balance.least_allowed
 
 
 def rebase_energy(d):
-    """Evaluate the energy balance at the start of a step that does not continue the last one."""
+    """Evaluate the energy balance again at the start of a step that does not continue the last step."""
     locate_points(d, d.step.state_end)
     d.balance.at_end = energy_balance(d, d.step.state_end)
     d.balance.breaks = d.step.breaks
 
 
 def apply_next_piece(d):
-    """Apply inputs that continue with another piece.
+    """Apply the inputs of the next piece, which continue without a jump.
 
     The pieces of a motion meet only up to round-off. The change of energy that this causes counts as
     supplied.
@@ -140,7 +145,10 @@ def apply_next_piece(d):
 
 
 def reinit_balance(d):
-    """Re-initialize the balance at the communication point: a parameter may have changed contacts' energy."""
+    """Re-initialize the balance at the communication point.
+
+    A new parameter may have changed stored energies.
+    """
     balance, before = d.balance, d.balance.at_start
     balance.available = balance.available_at_start
     if d.touch.active_count > 0:
@@ -151,12 +159,12 @@ def reinit_balance(d):
 
 
 def check_energy(d, theta):
-    """Refuse the last step if it does not keep the energy balance, up to an event at θ or (−1) to its end.
+    """Refuse the last step if it does not keep the energy balance up to θ (−1: up to its end).
 
-    The step's loss over the allowed loss, if it is notable, counts as an error of the step.
+    If the step's loss over the allowed loss is notable, this ratio counts as an error of the step.
 
     Returns:
-        The energy balance and the available energy [J] at this point, for ``keep_energy``.
+        The energy balance and the available energy [J] at θ, for ``keep_energy``.
     """
     balance, y = d.balance, d.step.state_end
     if theta >= 0.0:
@@ -170,7 +178,7 @@ def check_energy(d, theta):
     present = kinetic + potential + other_energy(d, y)
     change = present - balance.at_end
     there = most_energy(d, y, potential)
-    # `>` would let a NaN pass
+    # not `change > allowed`, which would accept a NaN
     if not abs(change) <= balance.least_allowed:
         allowed = allowance(d, y)
         if not abs(change) <= allowed:
@@ -191,20 +199,20 @@ def check_energy(d, theta):
 
 
 def keep_energy(d, present, available):
-    """Keep the energy balance and the available energy [J] at the end of an accepted step."""
+    """Store the energy balance and the available energy [J] at the end of an accepted step."""
     balance = d.balance
     balance.at_start, balance.available_at_start = balance.at_end, balance.available
     balance.at_end, balance.available = present, available
 
 
 def most_energy(d, y, potential):
-    """Return the available energy [J] up to and in state y, whose potential energy is ``potential``."""
+    """Return the largest available energy [J] so far, including state y with its ``potential`` energy."""
     balance, supplied = d.balance, y[supplied_at(d.links)]
     return max(balance.available, balance.least_allowed + balance.origin - potential + max(0.0, supplied))
 
 
 def loss_allowed(d, there):
-    """Return the energy that the last step may lose [J], which is > 0."""
+    """Return the energy [J] that the last step may lose, a number > 0."""
     balance, budget = d.balance, loss_budget(d, there)
     share = (d.step.end - d.step.start) / (LASTING + d.step.end - balance.since)
     left = budget - (balance.origin - balance.at_end)
@@ -212,7 +220,7 @@ def loss_allowed(d, there):
 
 
 def loss_budget(d, there):
-    """Return B at the end of the last step [J], where the available energy is ``there``."""
+    """Return B [J] at the end of the last step; ``there`` is the available energy at this end."""
     balance, speed = d.balance, math.sqrt(2.0 * there)
     most = LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
     return most * (1.0 + (d.step.end - balance.since) / LASTING)
@@ -221,9 +229,9 @@ def loss_budget(d, there):
 def is_long(d):
     """Return whether the last step is so long that its end may be correct by chance, and wrong in between.
 
-    This is a step in which a link has turned far, if the dense output is available to check; an explicit step
-    that is longer than its stability limit for joints with dampers or springs; and, at a loose tolerance, the
-    first step of a run, whose size is a guess.
+    Such a step is one of three: a step in which a link has turned far, if the dense output is available for a
+    check; an explicit step that is longer than the stability limit for joints with dampers or springs; and,
+    at a loose tolerance, the first step of a run, whose size is a guess.
     """
     if d.statistics.steps == 0 and d.solver.tolerance > LOOSE:
         return True
@@ -234,7 +242,7 @@ def is_long(d):
 
 
 def interpolates(d):
-    """Return whether the dense output keeps the energy balance and dissipation in the last step's middle."""
+    """Return whether the dense output keeps energy balance and dissipation at the middle of the last step."""
     y = d.work.y
     ensure_dense(d, SOLVER)
     interpolate(d.step, 0.5, y)
@@ -246,7 +254,7 @@ def interpolates(d):
 
 
 def dissipates_evenly(d, middle):
-    """Return whether the dissipated energy in the last step's ``middle`` is between those at its ends."""
+    """Return whether the dissipated energy in the ``middle`` of the last step lies between its end values."""
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
     scale = d.model.energy + abs(end) + impact_energy(d)
     slack = INTERPOLATED * OF_A_STEP * d.solver.tolerance * scale
@@ -254,7 +262,7 @@ def dissipates_evenly(d, middle):
 
 
 def allowance(d, y):
-    """Return the allowed change of the energy balance [J] in a step to state y, whose points are located."""
+    """Return the allowed change of the energy balance [J] in a step to state y, with the points located."""
     scale, known = scales(d, y)
     return OF_A_STEP * d.solver.tolerance * scale + ROUND_OFF * known
 
@@ -266,9 +274,9 @@ def round_off(d, y):
 
 
 def scales(d, y):
-    """Return S, and the energies [J] whose round-off enters the balance, for state y at located points."""
+    """Return S, and the energies [J] whose round-off enters the balance, for state y and located points."""
     kinetic, potential = mechanical_energy(d, y)
-    # the potential energy is a difference of these energies
+    # the potential energy may be a small difference of large energies; their round-off counts
     known = d.balance.weight * (abs(d.work.position.x[0]) + abs(d.work.position.y[0])) + abs(potential)
     known += kinetic + abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
     speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
@@ -289,7 +297,7 @@ def scales(d, y):
 
 
 def check_balance(d):
-    """Return ENERGY_NOT_KEPT if all steps, or a window's, changed the energy balance too much, else OK."""
+    """Return ENERGY_NOT_KEPT if a window's or all steps changed the energy balance too much, else OK."""
     balance, most = d.balance, GAIN * d.balance.available
     gain = balance.at_end - balance.origin
     if gain > 2.0 * most or -gain > 2.0 * max(most, loss_budget(d, balance.available)):

@@ -1,19 +1,19 @@
-"""The implicit step of order 9, for sustained contact and stiff joints: Radau IIA (its data: radau.py).
+"""The implicit step of order 9 for sustained contact and stiff joints: Radau IIA.
 
-The step finds the polynomial of degree 5 that starts at z_0 and satisfies ż = f(z) at five nodes; its end is
-the result. The equations and their linear systems are in extended.py, and radau.py
-solves them.
+The step finds the polynomial of degree 5 that starts at z_0 and satisfies ż = f(z) at five nodes; the end of
+the polynomial is the result. extended.py has the equations and their linear systems; radau.py has the
+coefficients of the method and the iteration for the values at the nodes.
 
 Two estimates of the error compare f with the polynomials through its values F at the nodes,
 
     E = (1 − h μ A)⁻¹ h μ (f(z_0) − P(0)),   E′ = (1 − h μ A)⁻¹ h μ (F_5 − P′(1)),
 
-with P through all F, P′ through all but the last, and μ the real eigenvalue. The order of E′ is one less, and
-|E|²/|E′| is of order 7, closer to the order of the result.
+where P goes through all F, P′ through all F except the last, and μ is the real eigenvalue. The order of E′ is
+one less than the order of E, and |E|²/|E′| is of order 7, closer to the order of the result.
 
 The dense output is the polynomial, with an error of h⁶. The first five functions of dense.py span the
-polynomials of degree 5 that are 0 at the start of the step. The last two vanish at both ends, and make the
-coordinates match the integrated clearances in between.
+polynomials of degree 5 that are 0 at the start of the step. The last two functions are zero at both ends;
+they make the coordinates agree with the integrated clearances in between.
 """
 
 import math
@@ -64,26 +64,26 @@ from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.status import count_evaluations, count_other_work
 
 LAST = RADAU_STAGES - 1
-SLOW = 0.2  # convergence rate θ of Newton's iteration above which shorter steps are cheaper
-# The errors assigned to a refused step whose iteration did not converge in time, or diverged: the next try is
-# half or a third as long.
+SLOW = 0.2  # the convergence rate θ of Newton's iteration above which shorter steps are cheaper
+# The errors assigned to a refused step whose iteration did not converge in time (LATE), or diverged
+# (DIVERGED): the next try is half or a third as long.
 LATE, DIVERGED = 40.0, 700.0
-# distance beyond its step to which the last polynomial, of degree 5, 4 and 3, is extrapolated, over the
-# step's length
+# distance from a step to which its polynomial is extrapolated with degree 5, 4 and 3, over the step's length
 FORETOLD = (1.2, 2.0, 3.0)
-# Costs in evaluations: a real factorization costs 1 and a solution .7, complex ones 2.5 times as much; the
-# error estimate and the projection onto the clearances take four real solutions.
+# The cost of parts of a step, in evaluations of the rate. A real factorization costs 1 and a solution .7,
+# complex ones 2.5 times as much. The error estimate and the projection onto the clearances take four real
+# solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
-# size of a step over the predicted time to the end of a contact, whose error is some hundredths
+# size of a step over the predicted time to the end of a contact; the prediction has an error of some .01
 BEYOND = 1.04
-LEFT = 1e-3  # the part of a step within which a contact that ends has practically no force left
-# length of the first step after an event at a tolerance of 1, over the time constant of a fast motion
+LEFT = 1e-3  # the last part of a step in which a contact that ends has practically no force left
+# the length of the first step after an event at a tolerance of 1, over the time constant of a fast motion
 FADED = 3.0
 WITH_START = (0.0, *NODES)
 
 
 def _coefficients():
-    """Return for each function of the dense output its coefficients for the increments of the stages.
+    """Return, for each function of the dense output, the coefficients that multiply the stages' increments.
 
     The functions at the nodes are inverted in rational numbers and rounded once. The last digits of NumPy's
     inverse depend on the processor, and the compiled kernel would then depend on it as well.
@@ -100,7 +100,7 @@ def _coefficients():
     return tuple(tuple(float(value) for value in row[RADAU_STAGES:]) for row in rows)
 
 
-# row m: the coefficients of the m-th function for the increments of the stages
+# row m: the coefficients that give the amount of the m-th function from the increments of the stages
 SHAPE = _coefficients()
 CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)  # the largest second derivatives of these functions on [0, 1]
 
@@ -121,25 +121,25 @@ def solve(d, h, size):
 
 
 def set_residual(d, i, j, residual):
-    """Set component j of the i-th right-hand side of the linear systems."""
+    """Set component j of the i-th right-hand side of the linear systems to ``residual``."""
     d.implicit.parts[i, j] = residual
 
 
 def shift_of(pair, h):
-    """Return the complex shift [s] of a pair of eigenvalues."""
+    """Return the complex shift [s] of a pair of eigenvalues, for a step of size h."""
     real, imaginary = COMPLEX_EIGENVALUES[pair]
     return complex(h * real, h * imaginary)
 
 
 def can_extrapolate(d):
-    """Return whether the polynomial of the last step, with the same contacts, can predict the stages."""
+    """Return whether the polynomial of the last step predicts the stages: the contacts must be the same."""
     return d.implicit.listing == d.touch.listings and d.step.last_method == IMPLICIT
 
 
 def set_jacobian(d, z):
     """Evaluate A where f was just evaluated, in the middle of the step, if the prediction is accurate.
 
-    Otherwise A of the start is kept, which distinguishes a fast motion at the start from the others.
+    Otherwise A of the start of the step is kept, which is accurate for a fast motion at the start.
     """
     if can_extrapolate(d):
         extended_slopes(d, z)
@@ -151,7 +151,7 @@ find_residuals, correct_stages, _converge = simplified_newton(
 
 
 def prepare(d, h):
-    """Prepare a step; returns its size, which the end of a contact or a fast motion may reduce."""
+    """Prepare a step of size h; return the size, which the end of a contact or a fast motion may reduce."""
     extend_start(d)
     extended_slopes(d, d.implicit.start)
     set_weights(d)
@@ -163,7 +163,7 @@ def prepare(d, h):
 
 
 def set_weights(d):
-    """Set the weights 1/(tolerance × scale) of errors in z.
+    """Set the weights 1/(tolerance × scale) of errors in the components of z.
 
     Components without error control have a weight of 0.
     """
@@ -176,10 +176,11 @@ def set_weights(d):
 
 
 def toward_end(d, h):
-    """Return a size that does not go far beyond the end of a contact, where the force is not smooth."""
+    """Return a size ≤ h that does not go far beyond the end of a contact, where the force is not smooth."""
     for k in range(compliant(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
-        # −g/ġ, as the force is almost zero; a contact that ends within LEFT of the step is ignored
+        # −g/ġ is the time to the end, because the force is almost zero; a contact that ends within LEFT of
+        # the step is ignored
         if gap_rate > 0.0 and LEFT * h * gap_rate < -gap < h * gap_rate / BEYOND:
             h = BEYOND * -gap / gap_rate
     return h
@@ -188,8 +189,8 @@ def toward_end(d, h):
 def first_size(d, h):
     """Return a size that resolves a fast motion at the start if it exceeds the tolerance; otherwise h.
 
-    (1 − h μ A)⁻¹ removes a part of the rate. Applied again to this part, it shows how fast and large the
-    motion is.
+    The operator (1 − h μ A)⁻¹ removes the fast part of the rate. Applied again to this part, the operator
+    shows how fast and how large the fast motion is.
     """
     own, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
     factorize_real(d, shift)
@@ -215,7 +216,7 @@ def first_size(d, h):
 
 
 def extrapolate_stages(d, h, size):
-    """Predict the stages from the polynomial of the last step, or from the rate at the start."""
+    """Predict the stages from the polynomial of the last step, or else from the rate at the start."""
     own = d.implicit
     if can_extrapolate(d):
         extrapolate_polynomial(d, h, size)
@@ -231,7 +232,7 @@ def extrapolate_stages(d, h, size):
 
 
 def extrapolate_polynomial(d, h, size):
-    """Set the stages by extrapolating the last step's polynomial, of a lower degree if it is far."""
+    """Set the stages by extrapolating the last step's polynomial, with a lower degree if this is far."""
     own = d.implicit
     span = d.step.size
     base = (d.step.end - d.step.start) / span
@@ -251,7 +252,7 @@ def extrapolate_polynomial(d, h, size):
 
 
 def attempt(d, h):
-    """Try a step of size h [s] from where it was prepared."""
+    """Try a step of size h [s] from the state for which the step was prepared."""
     own, size = d.implicit, extended_size(d)
     extrapolate_stages(d, h, size)
     solved = _converge(d, h, size)
@@ -272,7 +273,7 @@ def attempt(d, h):
 
 
 def cost_factor(own):
-    """Return a factor below 1 on the size that the error of a step allows, because iterations cost time."""
+    """Return the factor ≤ 1, for the cost of the iterations, on the size that the error of a step allows."""
     share = (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + own.iterations)
     if own.contraction > SLOW:
         share = min(share, math.sqrt(max(0.5, SLOW / own.contraction)))
@@ -280,7 +281,7 @@ def cost_factor(own):
 
 
 def set_result(d, h):
-    """Set z and the state at the end of the step, whose points are located."""
+    """Set z and the state at the end of the step, and locate the points there."""
     own, y = d.implicit, d.trial.state
     for j in range(extended_size(d)):
         own.z[j] = own.start[j] + own.stages[LAST, j]
@@ -307,9 +308,9 @@ def estimate(d, h, size):
     if one == math.inf:
         return math.inf
     if any_constraint(d):
-        # The projection onto rigid walls leaves a fast motion of stiff joints at the start, which decays
-        # within the step. E would show all of it, however long the step is, so the system is solved once
-        # more.
+        # The projection onto rigid walls keeps a fast motion of stiff joints at the start of the step, which
+        # decays within the step. E would contain all of this motion, however long the step is, so the system
+        # is solved a second time.
         solve_real(d, shift, own.parts[0])
         count_other_work(d, 1)
         for j in range(dissipated_at(d.links)):
@@ -320,7 +321,7 @@ def estimate(d, h, size):
 
 
 def lagrange(first, m, x):
-    """Return the m-th Lagrange polynomial through a step's start and its nodes, from ``first`` on, at x."""
+    """Return at x the m-th Lagrange polynomial through a step's start and the nodes from ``first`` on."""
     value = 1.0
     for k in range(first, RADAU_STAGES + 1):
         if k != m:
@@ -329,7 +330,7 @@ def lagrange(first, m, x):
 
 
 def coefficient(stages, m, j):
-    """Return the coefficient of the m-th function of the dense output, for component j of z."""
+    """Return the coefficient of the m-th function of the dense output for component j of z."""
     total = 0.0
     for i in range(RADAU_STAGES):
         total += SHAPE[m][i] * stages[i, j]
@@ -337,7 +338,7 @@ def coefficient(stages, m, j):
 
 
 def keep_stages(d):
-    """Store the stages of the tried step, for the prediction of the next ones, and the dense output."""
+    """Store the stages of the tried step for the prediction of the next stages, and set the dense output."""
     own = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
@@ -350,14 +351,14 @@ def keep_stages(d):
 
 
 def set_dense(values, j, stages, at, degree):
-    """Set the dense output of component j of the state or of quadratures, which is component ``at`` of z."""
+    """Set the dense output of component j of the state, or of the quadratures; ``at`` is its index in z."""
     values.dense[0, j] = values.state_end[j] - values.state[j]
     for m in range(1, len(values.dense)):
         values.dense[m, j] = coefficient(stages, m, at) if m < degree else 0.0
 
 
 def keep_clearances(d):
-    """Make the dense output match the integrated clearances also at the thirds of the last step."""
+    """Make the dense output agree with the integrated clearances at the thirds of the last step."""
     dense, own, change = d.step.dense, d.implicit, d.work.change
     if compliant(d) == 0:
         return
@@ -373,7 +374,7 @@ def keep_clearances(d):
                 own.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
     for j in range(dissipated_at(d.links)):
         one, two = own.thirds[0, j], own.thirds[1, j]
-        # 8/729 F₅ + 8/2187 F₆ and 8/729 F₅ + 16/2187 F₆ shall equal the changes at the thirds
+        # conditions: 8/729 F₅ + 8/2187 F₆ and 8/729 F₅ + 16/2187 F₆ equal the changes at one and two thirds
         dense[6, j] = 2187.0 / 8.0 * (two - one)
         dense[5, j] = 729.0 / 8.0 * one - dense[6, j] / 3.0
 
@@ -387,7 +388,7 @@ def interpolated(d, j, theta):
 
 
 def curvatures(d, h):
-    """Bound |g̈| [m/s²] of the active contacts over the last step, from their clearance polynomials."""
+    """Bound |g̈| [m/s²] of the active contacts over the last step, with their integrated clearances."""
     for k in range(compliant(d)):
         bound = 0.0
         for m in range(RADAU_STAGES):

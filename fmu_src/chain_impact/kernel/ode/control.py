@@ -1,16 +1,16 @@
 """Control of the step size: the error of a tried step, and the size of the next step.
 
-The methods of integration are data here; methods.py chooses between them. Explicit steps are stable for
-equations that are not stiff; they evaluate the rate at their end, as the first stage of the next step.
-Implicit steps are stable however stiff the equations are. The end of an implicit step is more accurate than
-its dense output, so the step is repeated to end at an event, and the implicit method finds a size for the
-first step after an event.
+This module has constants of the two methods of integration; methods.py chooses a method. Explicit steps are
+stable for equations that are not stiff; the rate at the end of an explicit step is the first stage of the
+next step. Implicit steps are stable however stiff the equations are. The end of an implicit step is more
+accurate than its dense output, so the step is repeated to end at an event, and the implicit method finds a
+size for the first step after an event.
 
-A method tries a step and concludes it with the step's error. If the error is within the tolerance, the search
-for events and the energy check can still refuse the step: it is accepted if its error is at most 1 after
-them. A rejected step costs as much as an accepted one. So the sizes of the first step in flight and of the
-first step of a contact are estimated in advance. The size of an error is the size of its components over the
-scales to which the tolerance refers.
+A method tries a step and computes the step's error, relative to the tolerance. The search for events and the
+energy check can raise this error to refuse the step. The step is accepted if its error is at most 1 after all
+checks. A rejected step costs as much as an accepted step. So the sizes of the first step in flight and of the
+first step of a contact are estimated in advance. The components of an error are divided by scales, to which
+the tolerance refers.
 """
 
 import math
@@ -36,14 +36,14 @@ SOLVER_METHODS = ("auto", "explicit", "implicit")
 """The choices of `solver.method`, counted from 1; with the first one the solver chooses."""
 AUTO = 1
 
-# By the number of the method: the error of a step over its length is proportional to h to the ORDER; SAFETY
-# is a factor on the size of the next step that the last error suggests; the first step of a contact has
-# ONSET_SIZE times the contact's time scale, at a tolerance of 1, with an error proportional to its size to
-# the ONSET_ORDER.
+# Constants of the two methods, by the number of the method. The error of a step over its length is
+# proportional to h to the ORDER. SAFETY is a factor on the size of the next step that the last error
+# suggests. The first step of a contact has ONSET_SIZE times the contact's time scale, at a tolerance of 1;
+# the error of this step is proportional to its size to the ONSET_ORDER.
 ORDER = (8, 7)
 SAFETY = (0.8, 0.85)
 ONSET_SIZE = (4.5, 1.2)
-ONSET_ORDER = (8, 3.5)  # the force, δ^(3/2), integrated twice
+ONSET_ORDER = (8, 3.5)  # the implicit order: the force is proportional to δ^(3/2) and is integrated twice
 
 
 def chosen(choice):
@@ -51,19 +51,20 @@ def chosen(choice):
     return choice - AUTO - 1
 
 
-# Limits of the factor by which the size of a step changes. DOP853's authors use 1/3 and 6.
+# The limits of the factor by which the size of a step changes. The authors of DOP853 use 1/3 and 6.
 SHRINK, GROW = 0.1, 6.0
 EXPONENT = tuple(-1.0 / order for order in ORDER)
 ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
-# The error of a step that is refused, whatever its own error: the next try is a seventh as long, or an eighth
-# if it is implicit.
+# The error assigned to a step that is refused for another reason than its error: the next try is a seventh as
+# long, or an eighth in the implicit method.
 FAR_OFF = 1e6
-LEAST = 1e-16  # a smaller error, which may be 0, counts as this one
-# The rotation of the links [rad] in the first step of a flight at a tolerance of 1: the largest for which few
-# of these steps are rejected (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the same way.
+# the least error of a step for the choice of the next size; a smaller error, such as 0, counts as LEAST
+LEAST = 1e-16
+# [rad] The rotation of the links in the first step of a flight, at a tolerance of 1: the largest for which
+# few of these steps are rejected (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the same way.
 TURN = 2.8
-# ONSET_SIZE and ONSET_ORDER for an explicit step in time: there the force begins as a power of the time since
-# the onset, so errors are of a lower order than those of the method.
+# ONSET_SIZE and ONSET_ORDER for an explicit step in time. After the onset the force is a power of the time,
+# so the order of errors is lower than the method's order.
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
 
 
@@ -73,17 +74,17 @@ def begin_trial(d, h):
 
 
 def conclude(d, error, cost_factor):
-    """Set the error of the tried step, over the tolerance, and the factor on the next size by its cost."""
+    """Set the error of the tried step, over the tolerance, and the factor of its cost on the next size."""
     d.trial.error, d.trial.cost_factor = error, cost_factor
 
 
 def refuse(d, error):
-    """Let an error, over the tolerance, count as the tried step's error if it is larger."""
+    """Raise the error of the tried step to ``error``, over the tolerance, if this is larger."""
     d.trial.error = max(d.trial.error, error)
 
 
 def accepted(d):
-    """Return whether the tried step is accepted, according to the checks so far."""
+    """Return whether the checks so far accept the tried step."""
     return d.trial.error <= 1.0
 
 
@@ -103,17 +104,17 @@ def rescale(d, ratio):
 
 
 def keep_for_flight(d):
-    """Keep the proposed size for the flight after the contacts that begin."""
+    """Store the proposed size, for the flight after the contacts that begin now."""
     d.step.flight_size = d.step.next_size
 
 
 def resume_flight(d):
-    """Propose the size that was kept for flight."""
+    """Propose the size that was stored before the contacts, for a flight."""
     propose(d, d.step.flight_size)
 
 
 def factor(d):
-    """Return the factor on the size of the tried step that follows from its outcome."""
+    """Return the factor that gives the next size from the size of the tried step, from its error and cost."""
     if not math.isfinite(d.trial.error):
         return SHRINK
     method, error = d.step.method, max(d.trial.error, LEAST)
@@ -121,7 +122,7 @@ def factor(d):
 
 
 def in_flight(d, y, rate):
-    """Return a size [s] ≤ 1 s for an explicit step from state y, by how fast the links turn there."""
+    """Return a size ≤ 1 s for an explicit step in flight from state y, by how fast the links turn in y."""
     n, fastest = d.links, 0.0
     for i in range(n):
         fastest = max(fastest, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
@@ -130,38 +131,39 @@ def in_flight(d, y, rate):
 
 
 def at_onset(d, c, method):
-    """Return a size for a method's first step in the contact of candidate c, which has just begun."""
+    """Return a size for the first step of a method in the contact of candidate c, which began just now."""
     return ONSET_SIZE[method] * time_scale(d, c) * d.solver.tolerance ** ONSET_EXPONENT[method]
 
 
 def at_onset_beside(d, c):
-    """Return the size for a contact that begins beside others: an explicit step is then a step in time."""
+    """Return the size for a contact that begins beside others, where an explicit step is a step in time."""
     return BESIDE_SIZE * time_scale(d, c) * d.solver.tolerance ** (1.0 / BESIDE_ORDER)
 
 
 def time_scale(d, c):
     """Return the time [s], at most δ*/v₀, in which the force of candidate c rises after its onset."""
     share, power = damping_share(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
-    # the time is shorter where damping stops the point
+    # damping that stops the point makes this time shorter
     return d.touch.depth_scale[c] / d.touch.impact_speed[c] * (1.0 + share) ** -power
 
 
-# The largest relative error of a penetration, however loose the tolerance: with more than some hundredths a
-# point that comes to rest bounces again, and outputs show spurious forces.
+# The largest relative error of a penetration, however loose the tolerance is. With an error above some
+# hundredths a point that comes to rest would bounce again, and outputs would show spurious forces.
 LARGEST_ERROR = 0.01
 
 
 def set_scales(d, y, scale, contacts):
     """Set the scales of errors in state y over the tolerance, for the points located there.
 
-    They are 1 rad for angles and one link length for positions, whatever their value, so turning or shifting
-    the scene changes nothing. For speeds they are the speed itself plus one of these per second, and for the
-    dissipated energy they are formed in the same way. For the penetration of each of the first active
-    ``contacts`` the scale may be a millionth of a link length; these scales are stored from the place of u
-    on, as in z of extended.py. The supplied energy is controlled if base or walls move, because its power
-    then changes with them, however slow the chain is; the power of other inputs depends on controlled
-    components. The components u and t of a step, whose errors are far smaller than those of the motion, the
-    rates of clearances and the quadratures are not controlled: their scales are not set.
+    The scales are 1 rad for angles and one link length for positions, whatever the values are, so a rotation
+    or a shift of the scene has no effect. The scale of a speed is the speed itself plus 1 rad or one link
+    length per second; the scale of the dissipated energy is formed in the same way. For the penetration of
+    each of the first active ``contacts`` the scale may be a millionth of a link length; these scales are
+    stored from the index of u on, as in z of extended.py. The supplied energy is controlled if base or walls
+    move, because its power then changes with them, however slow the chain is; the power of other inputs
+    depends on controlled components. The components u and t of a step, whose errors are far smaller than
+    those of the motion, the rates of clearances and the quadratures are not controlled: their scales are not
+    set.
     """
     n, size = d.links, d.model.size
     for j in range(velocity_at(n)):
@@ -176,40 +178,40 @@ def set_scales(d, y, scale, contacts):
 
 
 def no_step(d):
-    """Return the status of a run in which no step is accepted, however small."""
+    """Return the status of a run in which no step is accepted, even the smallest."""
     if d.rigid.unsolved == SQUEEZED:
         return NO_ROOM
     return STEP_TOO_SMALL if math.isfinite(d.trial.error) else NOT_FINITE
 
 
 def controlled_count(d):
-    """Return how many entries of y have their errors controlled."""
+    """Return the number of entries of y whose errors are controlled."""
     return supplied_at(d.links) + (1 if d.channels > 0 else 0)
 
 
 @inlined
 def largest_errors(one, other, weight, count):
-    """Return the largest weighted components of two error estimates; infinity if one is not finite."""
+    """Return the largest weighted component of each of two error estimates; infinity if any is not finite."""
     first, second, total = 0.0, 0.0, 0.0
     for j in range(count):
         a, b = abs(one[j]) * weight[j], abs(other[j]) * weight[j]
         first, second, total = max(first, a), max(second, b), total + a + b
-    # max() can hide a NaN, a sum cannot
+    # max() can hide a NaN; a sum cannot
     return (first, second) if math.isfinite(total) else (math.inf, math.inf)
 
 
 def scaled_errors(d):
     """Return the sizes of the two error estimates in ``work.error`` and ``gap_error``, for the tried step.
 
-    The points must be located at the end of the step. A size is at most 1 if the error is within the
-    tolerance, and infinity if the result is not finite.
+    The points must be located at the end of the step. The size of an error is at most 1 if the error is
+    within the tolerance, and infinity if the result is not finite.
     """
     y, scale, total = d.trial.state, d.implicit.weight, 0.0
     one, other, first, second = d.work.error[0], d.work.error[1], 0.0, 0.0
     set_scales(d, y, scale, d.touch.active_count)
     gaps = sundman_u_at(d.links)
     for j in range(controlled_count(d)):
-        # max() can hide a NaN, a sum cannot
+        # max() can hide a NaN; a sum cannot
         total += abs(one[j] + y[j]) + abs(other[j] + y[j])
         first, second = max(first, abs(one[j]) / scale[j]), max(second, abs(other[j]) / scale[j])
     for k in range(d.touch.active_count):
@@ -223,7 +225,7 @@ def scaled_errors(d):
 
 
 def moment_error(d, row):
-    """Return the largest error of a joint's damper and spring moment, over the moments that move the chain.
+    """Return the largest error of a joint's damper and spring moment over the moments that move the chain.
 
     The constraint forces of rigid walls depend on these moments, and their signs decide on releases.
     """
@@ -238,7 +240,7 @@ def moment_error(d, row):
 
 
 def impact_energy(d):
-    """Return the kinetic energy [J] with which the active contacts began, the sum of ½ m v₀²."""
+    """Return the kinetic energy [J] with which the active contacts began: the sum of ½ m v₀²."""
     energy = 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -257,9 +259,10 @@ def set_gap_errors(d, row):
 def penetration_scale(d, c):
     """Return the scale [m] of errors in the penetration of an active candidate, at the located points.
 
-    An error Δδ soon causes an error of about ω Δδ in speed, with ω the contact's frequency, so Δδ may be as
-    large as the error of speeds over ω. With ω ≈ v₀ over the expected depth the scale is the depth itself for
-    a fast impact, and larger for a slow one, but never so large that the error exceeds 1 % of the depth.
+    An error Δδ soon causes an error of about ω Δδ in the speed, with ω the contact's frequency, so Δδ may be
+    as large as the error of speeds over ω. With ω ≈ v₀ over the expected depth the scale is the depth itself
+    for a fast impact, and larger for a slow impact, but never so large that the error exceeds 1 % of the
+    depth.
     """
     gap, _ = clearance(d, c)
     depth = max(d.touch.depth_scale[c], -gap)

@@ -2,37 +2,42 @@
 
 Quadratures are integrals along the motion, such as the impulses of the walls; QUADRATURES lists them. They
 advance with the stages and the dense output of the state, have no effect on the motion, and are ignored by
-the error control. The momentum of the chain changes in a step by what gravity, inputs and the impulses
-give, to the accuracy of the step. ``quadrature.total`` has a place for each, with its value at the time when
-contacts last began or ended. Those that are integrated in a step are packed: ``quadrature.state``,
-``state_end``, ``tried``, ``stage`` and ``dense`` are for them what the same fields of the step are for y, and
-``quadrature.index`` has their places. A scene that does not request quadratures has no cost for them.
+the error control. The momentum of the chain changes in a step by what gravity, inputs and the impulses give,
+to the accuracy of the step. ``quadrature.total`` has an entry for each quadrature: its value at the time when
+contacts last began or ended. The quadratures that are integrated in a step are packed: the fields ``state``,
+``state_end``, ``tried``, ``stage`` and ``dense`` of ``quadrature`` have the same meaning as these fields have
+for y, and ``quadrature.index`` has their indices in ``quadrature.total``. Quadratures cost nothing in a scene
+that does not request them.
 """
 
 import numpy as np
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 
-POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))  # p, q of θᵖ (1−θ)^q, with F₀ to F₆
+# p, q of the basis functions θᵖ (1−θ)^q, which F₀ to F₆ multiply
+POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
 DENSE_COEFFICIENTS = len(POWERS)
-# The number of guesses of a fast method for a root between two bounds, usually three to ten. Then the bracket
-# is halved.
+# The number of guesses of a fast method for a root between two bounds; usually three to ten suffice. After
+# FAST guesses the bracket is halved.
 FAST = 20
-# The number of guesses after which no number is left within a bracket of width 1, or it is narrower than any
+# The number of guesses after which a bracket of width 1 contains no further number, or is narrower than any
 # resolution.
 TRIES = FAST + 64
-RESOLUTION = 1e-15  # the accuracy of the fraction θ of a step for a time
+RESOLUTION = 1e-15  # the accuracy with which the fraction θ of a step at a time is found
 
 
 def next_guess(low, high, guess, tries):
-    """Return a fast method's guess, or the bracket's middle if it lies outside or after FAST ``tries``."""
+    """Return the guess of a fast method, or the middle of the bracket if the guess lies outside the bracket.
+
+    After FAST ``tries`` always return the middle.
+    """
     if tries < FAST and low < guess < high:
         return guess
     return 0.5 * (low + high)
 
 
 def time_rate(u):
-    """Return the rate p = dt/ds of time in a regularized step (sundman.py)."""
+    """Return p = dt/ds, the rate of time in a regularized step (sundman.py)."""
     return u / (1.0 + u * u)
 
 
@@ -59,12 +64,12 @@ def fraction(d, time):
 
 
 def regularized_fraction(d, elapsed):
-    """Return the fraction θ of the last, regularized step at which the time ``elapsed`` [s] has passed."""
+    """Return the fraction θ of the last step, a regularized one, a time ``elapsed`` [s] after its start."""
     step, root, clock = d.step, sundman_u_at(d.links), time_at(d.links)
     at_end = step.state[root] + step.dense[0, root]
     if elapsed >= step.dense[0, clock] and at_end >= 0.0:
         return 1.0
-    # t increases with θ as long as u ≥ 0, and dt/dθ = h p: Newton's method inside a bracket
+    # time increases with θ as long as u ≥ 0, and dt/dθ = h p: Newton's method inside a bracket
     low, high, theta = 0.0, 1.0, 0.5
     for tries in range(TRIES):
         error = interpolate_component(step, theta, clock) - elapsed
@@ -84,7 +89,7 @@ def regularized_fraction(d, elapsed):
 
 
 def _basis_bounds():
-    """Return the largest values on [0, 1] of the interpolant's basis functions and of their slopes."""
+    """Return the largest values and the largest slopes on [0, 1] of the interpolant's basis functions."""
     theta = np.linspace(0.0, 1.0, 10001)
     rest = 1.0 - theta
     values = [theta**p * rest**q for p, q in POWERS]
@@ -109,7 +114,7 @@ def rate_bounds(step, j):
 
 
 def rate_bounds_along(step, j, nx, ny):
-    """Return the bounds of ``rate_bounds`` for the component along (nx, ny) of the vector from y_j on."""
+    """Return the bounds of ``rate_bounds`` for the component along (nx, ny) of the vector (y_j, y_{j+1})."""
     value, slope = abs(nx * step.state[j] + ny * step.state[j + 1]), 0.0
     for m in range(DENSE_COEFFICIENTS):
         f = abs(nx * step.dense[m, j] + ny * step.dense[m, j + 1])
@@ -119,9 +124,9 @@ def rate_bounds_along(step, j, nx, ny):
 
 
 COURSE_SAMPLES = 16  # number of samples of the dense output of a step
-# For each kind: its name, the number of its places, and the rate at its i-th place, where the rate of the
-# state has just been evaluated. The record has room for all of them (record/contacts.py), and the impulses of
-# the walls come first.
+# Each kind of quadrature: its name, the number of its entries, and a function for the rate of entry i, called
+# where the rate of the state has just been evaluated. The record has room for all kinds (record/contacts.py),
+# and the impulses of the walls come first.
 QUADRATURES = (
     ("impulse of a wall [N·s]", lambda d: d.candidates, lambda d, c: d.touch.force[c]),
     ("impulse of dry friction [N·s]", lambda d: d.elements, lambda d, e: d.element.force[e]),
@@ -131,7 +136,7 @@ QUADRATURES = (
 
 
 def _rate_of(kinds):
-    """Return a function (d, i) for the rate at place i, counted from the first place of these kinds."""
+    """Return a function (d, i) for the rate of entry i, counted from the first entry of these kinds."""
     (_, places, rate), others = kinds[0], kinds[1:]
     if not others:
         return rate
@@ -143,7 +148,7 @@ _rate = _rate_of(QUADRATURES)
 
 
 def list_quadratures(d):
-    """Pack the places of the quantities that are integrated from now on."""
+    """Pack the indices of the quadratures that are integrated from now on."""
     own = d.quadrature
     own.count = 0
     if own.wanted:
@@ -159,13 +164,13 @@ def list_quadratures(d):
 
 
 def integrate(d, i):
-    """Append place i to the places that are integrated."""
+    """Append index i to the quadratures that are integrated."""
     d.quadrature.index[d.quadrature.count] = i
     d.quadrature.count += 1
 
 
 def clear_quadratures(d):
-    """Start with totals of 0."""
+    """Set the totals to 0 at the start of a run."""
     own = d.quadrature
     own.count = 0
     for i in range(len(own.total)):
@@ -173,47 +178,47 @@ def clear_quadratures(d):
 
 
 def quadrature_rates(d, factor, out):
-    """Set ``out`` to the packed rates times a factor, where the rate of the state has just been evaluated."""
+    """Set ``out`` to the packed rates times a factor; the rate of the state must have just been evaluated."""
     for k in range(d.quadrature.count):
         out[k] = _rate(d, d.quadrature.index[k]) * factor
 
 
 def keep_end_rates(d):
-    """Keep the rates at the end of the last step, where the rate of the state has just been evaluated."""
+    """Store the rates at the end of the last step; the rate of the state must have just been evaluated."""
     quadrature_rates(d, 1.0, d.quadrature.rate_end)
 
 
 def set_quadrature_stage(d, i):
-    """Set stage i, dq/ds = q̇ dt/ds, where the rate of the state has just been evaluated."""
+    """Set stage i, dq/ds = q̇ dt/ds; the rate of the state must have just been evaluated."""
     quadrature_rates(d, d.work.stage[i, time_at(d.links)], d.quadrature.stage[i])
 
 
 def set_quadrature_stage_at_end(d, i):
-    """Set stage i at the end of the last step."""
+    """Set stage i of the quadratures, at the end of the last step."""
     own = d.quadrature
     for k in range(own.count):
         own.stage[i, k] = own.rate_end[k] * d.work.stage[i, time_at(d.links)]
 
 
 def settle_impulses(d):
-    """Keep the impulses of walls from falling in the last step, whose end is final: no wall pulls.
+    """Correct impulses of walls that fall in the last step, whose end is final: a wall never pulls.
 
-    The quadrature of a step has weights of both signs, so its error can exceed a force that is close to 0:
-    such an impulse stays unchanged. If points that a rigid wall holds nearly coincide, only the sum of their
-    forces is accurate: the sum stays unchanged as well.
+    The quadrature of a step has weights of both signs, so the error can exceed a force that is close to 0. An
+    impulse that falls is set to its value at the start of the step. If points that a rigid wall holds nearly
+    coincide, only the sum of their forces is accurate, so the sum of their impulses does not change.
     """
     own = d.quadrature
     for k in range(min(own.count, d.touch.active_count)):
         c, fallen = own.index[k], own.state[k] - own.state_end[k]
         if fallen > 0.0:
             own.state_end[k] = own.state[k]
-            # the stops of all joints share one number, but nothing else
+            # the stops of all joints have the same wall number, but are different walls
             if k >= d.touch.compliant_count and d.candidate.stop[c] == 0:
                 take_impulse(d, d.candidate.wall[c], fallen)
 
 
 def take_impulse(d, wall, amount):
-    """Take an amount [N·s] from the held point to which a wall has given most in the last step."""
+    """Take ``amount`` [N·s] from the held point to which the wall gave the most in the last step."""
     own, most, taker = d.quadrature, 0.0, -1
     for k in range(d.touch.compliant_count, d.touch.active_count):
         given = own.state_end[k] - own.state[k]
@@ -226,8 +231,9 @@ def take_impulse(d, wall, amount):
 def quadrature_within(d, theta, k):
     """Return the k-th quadrature at the fraction θ of the last step.
 
-    It is the value of the dense output. But an impulse of a wall must not fall because of errors: the value
-    is not above later samples in the step, and not below the last sample before θ.
+    The result is the value of the dense output. But an impulse of a wall must not fall because of errors: the
+    result is at most the value of any later sample in the step, and at least the value of the last sample
+    before θ.
     """
     own, below, above = d.quadrature, d.quadrature.state_end[k], d.quadrature.state_end[k]
     value = interpolate_component(own, theta, k)
@@ -243,26 +249,26 @@ def quadrature_within(d, theta, k):
 
 
 def take_quadratures(d, z, first):
-    """Set the quadratures at the end of the tried step to the entries of z from ``first`` on."""
+    """Set the quadratures at the end of the tried step to the entries of z from index ``first`` on."""
     for k in range(d.quadrature.count):
         d.quadrature.tried[k] = z[first + k]
 
 
 def append_quadratures(d):
-    """Take over the quadratures of the tried step, as ``accept`` does for the state."""
+    """Make the quadratures of the tried step those of the last step, as ``accept`` does for the state."""
     own = d.quadrature
     for k in range(own.count):
         own.state[k], own.state_end[k] = own.state_end[k], own.tried[k]
 
 
 def roll_back_quadratures(d):
-    """Reset the quadratures to the start of the last step."""
+    """Reset the quadratures to their values at the start of the last step."""
     for k in range(d.quadrature.count):
         d.quadrature.state_end[k] = d.quadrature.state[k]
 
 
 def truncate_quadratures(d, theta):
-    """Set the quadratures at the end of the last step to their values at its fraction θ."""
+    """Set the quadratures at the end of the last step to their values at the fraction θ of the step."""
     for k in range(d.quadrature.count):
         d.quadrature.state_end[k] = interpolate_component(d.quadrature, theta, k)
 
@@ -270,7 +276,8 @@ def truncate_quadratures(d, theta):
 def commit_quadratures(d):
     """Store the totals and rates at the end of the last step, before contacts begin or end.
 
-    A quantity that is not integrated has a rate of 0, with which it begins if no force jumps.
+    A quadrature that is not integrated has a rate of 0: its rate at the begin of an integration if no force
+    jumps.
     """
     own = d.quadrature
     for i in range(len(own.rate)):
@@ -280,7 +287,7 @@ def commit_quadratures(d):
 
 
 def reset_quadratures(d):
-    """Start from the totals and rates of the quantities integrated from now on, after a step of no length."""
+    """Begin with the totals and rates of the integrated quadratures, after a step of no length."""
     own = d.quadrature
     list_quadratures(d)
     for k in range(own.count):
@@ -291,30 +298,30 @@ def reset_quadratures(d):
 
 
 def give_impulses(d):
-    """Add the impulses of rigid walls in an impact, just found, to the totals."""
+    """Add to the totals the impulses of rigid walls in an impact, which were just found."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.quadrature.total[d.touch.active_index[k]] += max(0.0, d.rigid.impulse[k])
 
 
 def maximum_of(value_at):
-    """Return the function that finds a maximum of a value near a place in the last step.
+    """Return a function that finds a maximum of a value near a time in the last step.
 
     Args:
-        value_at: function (d, index, θ) for the value at a fraction θ of the step.
+        value_at: function (d, index, θ) that returns the value at the fraction θ of the step.
     """
 
     def maximum_near(d, index, middle, reach, end):
         """Return the maximum near the fraction ``middle`` of the last step, before its fraction ``end``.
 
-        Three parabolas are used, each through three points around the last top. The result is the final top
-        or a larger sample.
+        The search uses three parabolas, each through three points around the maximum of the parabola before.
+        The result is the last maximum, or a larger sample.
 
         Args:
             d: the instance.
             index: the index of a candidate or a joint.
             middle: fraction of the step at which the search begins.
             reach: distance from ``middle`` that the search covers.
-            end: fraction of the step beyond which nothing counts.
+            end: fraction of the step beyond which values do not count.
         """
         best, summit = 0.0, 0.0
         for _ in range(3):

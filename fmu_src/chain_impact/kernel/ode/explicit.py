@@ -1,12 +1,12 @@
-"""The explicit step of order 8, DOP853, for flight and impact: its coefficients as data, and its functions.
+"""The explicit step of order 8, DOP853, for flight and impact: coefficients and functions.
 
 Explicit Runge–Kutta method of order 8 with 12 stages, two embedded error estimates of orders 5 and 3, and
-dense output of order 7 by three further stages. The first stage of a step is the last one of the step
-before. Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed.,
-Springer 1993, section II.5 and the authors' code; J. R. Dormand and P. J. Prince 1981, J Comput Appl Math
-7:67 for the family.
+dense output of order 7 by three further stages. The last stage of a step is the first stage of the next step.
+Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., Springer
+1993, section II.5 and the authors' code; J. R. Dormand and P. J. Prince 1981, J Comput Appl Math 7:67 for the
+family.
 
-Each row of coefficients maps the number of a stage to its coefficient; zeros are left out.
+Each row of coefficients maps the number of a stage to the coefficient of this stage; zeros are left out.
 """
 
 import math
@@ -21,7 +21,8 @@ from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_accel
 from chain_impact.kernel.status import count_evaluations
 
 ORDER = 8
-# number of stages of a step; the last is the rate at its end, stages 13 to 15 are for dense output
+# number of stages of a step; stage 12 is the rate at the end of the step, stages 13 to 15 are for dense
+# output
 STEP_STAGES = 12
 
 # fmt: off
@@ -59,7 +60,8 @@ A: tuple[dict[int, float], ...] = (
      14: -9.15095847217987},
 )
 
-# order 8: y + h Σ_j B[j] k_j. Stage 12 is evaluated there: A[12] is B
+# weights of the method of order 8, y + h Σ_j B[j] k_j. Stage 12 is evaluated at this end of the step, so
+# A[12] is B
 B = A[STEP_STAGES]
 
 # error estimates h Σ_j E[j] k_j of orders 5 and 3
@@ -90,20 +92,22 @@ D: tuple[dict[int, float], ...] = (
 
 
 STAGES = len(A)
-LAST = STEP_STAGES  # the stage at the end of the step
-# A step is lengthened by up to STRETCH if it then passes the end of a contact, to BEYOND times the predicted
-# length to the end: the prediction has an error of some hundredths. Otherwise the step covers at most half of
-# this length, so that no tiny step remains.
+LAST = STEP_STAGES  # index of the stage at the end of the step
+# The limits near the end of a contact. If a step that is longer by up to STRETCH passes the end of the
+# contact, the step gets BEYOND times the predicted time to the end, because the prediction has an error of
+# some hundredths. Otherwise the step covers at most half of this time, so that no tiny step remains.
 BEYOND, STRETCH = 1.04, 1.2
-# The part of a step within which a contact that ends has practically no force left: its penetration may be
-# round-off. The search for events finds its end, and a step up to this end could be lost in the time.
+# The last part of a step in which a contact that ends has practically no force left: its penetration may be
+# round-off. The search for events finds this end. A step that ends there could be shorter than the resolution
+# of time.
 LEFT = 1e-6
-HALVE = 50.0  # an error that makes the next try of a method of order 8 half as long
-# An error whose square could underflow: at rest, where held points have practically no speed; and an error
-# whose square could overflow.
+HALVE = 50.0  # the error for which the next try of a method of order 8 is half as long
+# NO_ERROR: an error whose square could underflow, as at rest, where held points have practically no speed.
+# HUGE: an error whose square could overflow.
 NO_ERROR, HUGE = 1e-100, 1e100
-STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step, without the one at its end
-DENSE_EVALUATIONS = STAGES - LAST  # right-hand sides for the dense output
+# number of new right-hand sides in a step, without the one at the end of the step
+STEP_EVALUATIONS = LAST - 1
+DENSE_EVALUATIONS = STAGES - LAST  # number of right-hand sides for the dense output
 
 
 def combination(row):
@@ -126,9 +130,9 @@ def combination(row):
 
 
 def combinations(one, two):
-    """Return a function for the sums h Σ_j row[j] k_j of two rows, which reads each k_j once for both.
+    """Return a function for the sums h Σ_j row[j] k_j of two rows; the function reads each k_j only once.
 
-    The function takes (stages, h, first, second), the last two for the results.
+    The function takes (stages, h, first, second); ``first`` and ``second`` are the results.
     """
     names = tuple(sorted({*one, *two}))
     row_1, row_2 = (tuple(row.get(name, 0.0) for name in names) for row in (one, two))
@@ -147,7 +151,7 @@ def combinations(one, two):
 
 
 def _stage(i, accepted):
-    """Return the function for stage i of a step: its state, and the rate there.
+    """Return the function for stage i of a step: it computes the state at the stage, and the rate there.
 
     A step is tried from ``state_end`` of the last step. Once it is ``accepted``, it starts at ``state``.
     """
@@ -169,7 +173,10 @@ _high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
 
 
 def toward_end(d, h):
-    """Return the next step's size if the error control allows h: it passes the near end of a contact."""
+    """Return the size of the next step if the error control allows h.
+
+    The step may pass the near end of a contact.
+    """
     if d.touch.compliant_count == 0:
         return h
     if d.step.regularized == NO_CONTACT:
@@ -186,7 +193,10 @@ def toward_end(d, h):
 
 
 def toward_ends(d, h):
-    """Return the size for steps in time: it passes the near first end of a contact with a force."""
+    """Return the size for steps in time if h is allowed.
+
+    A step may pass the first end of a contact with a force.
+    """
     accelerate_points(d, d.step.state_end, d.work.rate_start)
     left = math.inf
     for k in range(d.touch.compliant_count):
@@ -200,7 +210,7 @@ def toward_ends(d, h):
 
 
 def up_to(h, left):
-    """Return a step's size if the error control allows h and a contact probably ends after ``left``."""
+    """Return a step's size if the error control allows h, and a contact probably ends after ``left``."""
     if left < LEFT * h:
         return h
     if BEYOND * left < STRETCH * h:
@@ -216,7 +226,7 @@ def attempt(d, h):
 
 
 def estimate(d, h):
-    """Return the error of the tried step, relative to the tolerance; it is not finite if f was not."""
+    """Return the error of the tried step, relative to the tolerance; not finite if a rate was not finite."""
     controlled = controlled_count(d)
     _errors(d.work.stage, h, d.work.error[0, :controlled], d.work.error[1, :controlled])
     if d.touch.active_count > 0 or any_sticking(d):
@@ -228,7 +238,7 @@ def estimate(d, h):
         return error_5
     if max(error_5, error_3) > HUGE:
         return math.inf
-    # e₅²/√(e₅² + e₃²/100): of order 8, as e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
+    # the error e₅²/√(e₅² + e₃²/100) is of order 8, because e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
     return error_5 * ratio * (math.sqrt(ratio) if is_smooth(d) else 1.0)
 
@@ -236,8 +246,8 @@ def estimate(d, h):
 def is_smooth(d):
     """Return whether the error of the step is of order 9, as in a regularized contact.
 
-    The estimate of order 8 is kept as a margin in flight, and where a force rises so steeply, as a root of u,
-    that the step loses its order.
+    The estimate of order 8 is kept as a margin in flight. It is also kept where a force rises as steeply as a
+    root of u, because the step then loses its order.
     """
     c = d.step.regularized
     return c != NO_CONTACT and not 0.0 < d.law.rate_exponent[c] < 0.5
@@ -264,7 +274,7 @@ def dense_output(d, h):
 
 
 def _interpolant(step, stages, count, h):
-    """Set the dense output of the first components of a state, or of quadratures, from their stages."""
+    """Set the dense output of the first ``count`` components of a state or of quadratures."""
     for j in range(count):
         # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆))))))
         change = step.state_end[j] - step.state[j]

@@ -1,19 +1,20 @@
 """The equations of an implicit step: those of motion, together with the clearances of the active contacts.
 
-As the links turn, the coordinates of a stage leave the wall's tangent by ½ h² J̇ẏ. This is little, but often
-more than the penetration of a stiff wall. So the clearances g of the active contacts and their rates are
-integrated together with y, z = (y, g, ġ, q), with g̈ the acceleration of the point along the normal and q the
-quadratures. The forces are evaluated at g and ġ, in which the fast motions are linear
-except for the force law.
+As the links turn, the clearance that follows from the coordinates of a stage has an error of ½ h² J̇ẏ. This
+error is small, but often larger than the penetration of a stiff wall. So the clearances g of the active
+contacts and their rates are integrated together with y, z = (y, g, ġ, q), with g̈ the acceleration of the
+point along the normal and q the quadratures. The forces are evaluated at g and ġ; apart from the force law,
+the fast motions are linear in g and ġ.
 
-A rigid wall has no force law and constrains its points as in all other steps (forces/holding.py): z has
-no entries for them.
+A rigid wall has no force law and constrains its points as in an explicit step (forces/holding.py), so z has
+no entries for these points.
 
-The linear systems of an implicit step are (1 − s A) x = r, for a real and for complex shifts s.
-A is the stiff part of the Jacobian. A point resting on a stiff wall makes the equations stiff: the contact's
-own motions are far faster than the chain's, and decay. So do joints with dampers or springs; their moments
-are −C v − S q, up to constants, with C = Σ c_i g_i g_iᵀ, S = Σ k_i g_i g_iᵀ and g_i the gradient of
-ω_i − ω_{i−1}. All other terms are left out and treated by Newton's iteration. For z as above
+The linear systems of an implicit step are (1 − s A) x = r, for a real and for complex shifts s. A is the
+stiff part of the Jacobian. A point resting on a stiff wall makes the equations stiff: the contact's own
+motions are far faster than the chain's, and decay. Joints with dampers or springs make the equations stiff,
+too; their moments are −C v − S q, up to constants, with C = Σ c_i g_i g_iᵀ, S = Σ k_i g_i g_iᵀ and g_i the
+gradient of ω_i − ω_{i−1}. All other terms are left out of A; Newton's iteration takes account of them. For z
+as above
 
     ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(ẋ, ġ)/∂(v, ġ) = 1,
 
@@ -28,12 +29,12 @@ impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k
 i, on which K r_v + s S r_q is an impulse (chain/response.py). A point that a rigid wall constrains,
 J Δ = 0, has an impedance far larger than the mass of the chain.
 
-The functions take s, x and work ``space`` that are all real or all complex. The space has impedances, loads,
-factors, one ``row`` of which is used, and the resulting motion.
+The functions take s, x and a work ``space`` that are all real or all complex. The space holds impedances,
+loads, the resulting motion and factors, of which one ``row`` is used.
 
-The coordinates are projected onto the clearances that are integrated with them. The two differ by little, but
-on a stiff wall this would act as an impact. The difference before the projection counts as an error of the
-step.
+The coordinates are projected onto the integrated clearances. Without the projection, the small difference
+between both would act as an impact on a stiff wall. The difference before the projection counts as an error
+of the step.
 """
 
 from chain_impact.kernel.chain.joints import joint_resistance, spring_stiffness
@@ -72,15 +73,15 @@ from chain_impact.kernel.rows.geometry import (
 
 
 def gap_at(d, k):
-    """Return the index in z of the k-th active contact's clearance; clearances begin at the index of u.
+    """Return the index in z of the clearance of the k-th active contact.
 
-    The value of u is 1 in an implicit step.
+    The clearances begin at the index of u in y, because an implicit step does not need u.
     """
     return sundman_u_at(d.links) + k
 
 
 def compliant(d):
-    """Return the number of contacts with clearances in z: the active ones whose law has a force."""
+    """Return the number of contacts whose clearances are in z: the active ones whose law has a force."""
     return d.touch.compliant_count
 
 
@@ -92,7 +93,7 @@ def rate_at(d, k):
 def quadrature_at(d, k):
     """Return the index in z of the k-th quadrature.
 
-    The impulses of these contacts come first, if requested.
+    If impulses are requested, the impulses of the contacts in z come first.
     """
     return gap_at(d, 2 * compliant(d) + k)
 
@@ -119,14 +120,14 @@ def extend_start(d):
 
 
 def clearance_rates(d, z, rate):
-    """Set the rates of g and ġ, for accelerated points."""
+    """Set the rates of g and ġ in the rate of z, for accelerated points."""
     for k in range(compliant(d)):
         rate[gap_at(d, k)] = z[rate_at(d, k)]
         rate[rate_at(d, k)] = gap_acceleration(d, d.touch.active_index[k])
 
 
 def extended_rate(d, z, elapsed, rate):
-    """Set rate = ż, ``elapsed`` [s] after the start, with the contact forces at clearances and rates in z."""
+    """Set rate = ż at ``elapsed`` [s] after the start, with the contact forces at the g and ġ in z."""
     if d.inputs.course.order > 0 or d.channels > 0 or d.signals > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)
@@ -136,7 +137,8 @@ def extended_rate(d, z, elapsed, rate):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
     if d.friction.count > 0:
         dissipated += apply_friction(d)
-    loaded_rate(d, z, dissipated, rate)  # also sets the rates of u and time, where z has other entries
+    # this call also sets the rates at the indices of u and time; z has other entries there, set below
+    loaded_rate(d, z, dissipated, rate)
     if any_constraint(d):
         add_constraint_forces(d, z, rate)
     if d.channels > 0:
@@ -147,7 +149,7 @@ def extended_rate(d, z, elapsed, rate):
 
 
 def extended_slopes(d, z):
-    """Set ∂F/∂δ and ∂F/∂δ̇ of the active contacts for z, and store the located link vectors of z."""
+    """Set ∂F/∂δ and ∂F/∂δ̇ of the active contacts for z, and store the link vectors of z."""
     own, link = d.implicit, d.work.link
     for i in range(d.links):
         own.link.x[i], own.link.y[i] = link.x[i], link.y[i]
@@ -158,7 +160,7 @@ def extended_slopes(d, z):
 
 
 def contact_impedance(d, k, s):
-    """Return D = s c + s² k [kg] of the k-th contact with a clearance in z."""
+    """Return D = s c + s² k [kg] of the k-th contact whose clearance is in z."""
     return s * (d.implicit.damping[k] + s * d.implicit.stiffness[k])
 
 
@@ -174,7 +176,7 @@ def factorize_shift(d, s, space, row):
 
 
 def solve_shift(d, s, space, row, x):
-    """Solve (1 − s A) x = r for the shift s [s] that was factorized; x holds r at the start."""
+    """Solve (1 − s A) x = r for the shift s [s] that ``factorize_shift`` had; x holds r at the start."""
     n, own, change = d.links, d.implicit, space.change
     clear_loads_of(d, space.load)
     if d.model.resisting:
@@ -194,7 +196,7 @@ def solve_shift(d, s, space, row, x):
         add_along(constraint(d, k), space.load, impulse)
     solve_space(d, own.link, space, row, change)
     if d.slides:
-        # in flight no other function clears the loads on the points
+        # in flight, no other function clears the loads on the points
         space.load.x[0], space.load.y[0] = 0.0, 0.0
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]
@@ -207,7 +209,7 @@ def solve_shift(d, s, space, row, x):
 
 
 def relative(r, first, i):
-    """Return entry i of those that begin at ``first``, relative to the previous one; the base has 0."""
+    """Return entry i, counted from index ``first``, minus the entry before it; the base has the value 0."""
     return r[first + i] - (r[first + i - 1] if i > 0 else 0.0)
 
 
@@ -223,14 +225,14 @@ def solve_real(d, s, x):
 
 
 def factorize_complex(d, s, pair):
-    """Eliminate for a complex shift s [s], which belongs to a ``pair`` of conjugate ones."""
+    """Eliminate for a complex shift s [s] of a ``pair`` of conjugate shifts."""
     factorize_shift(d, s, d.implicit.pairs, pair)
 
 
 def solve_complex(d, s, pair, x, y, size):
     """Solve (1 − s A) (x + iy) = r for a complex shift s [s].
 
-    X and y, ``size`` entries each, hold r at the start.
+    x and y have ``size`` entries each; at the start they hold the real and imaginary parts of r.
     """
     own = d.implicit.pairs
     for j in range(size):
@@ -240,14 +242,14 @@ def solve_complex(d, s, pair, x, y, size):
         x[j], y[j] = own.x[j].real, own.x[j].imag
 
 
-# The largest difference in a step between the clearance of the coordinates and the integrated one, over the
-# penetration. A larger value gives the interpolant of the state an error of this size; a smaller value limits
-# the step where links turn on a stiff wall.
+# The largest difference in a step between the clearance that follows from the coordinates and the integrated
+# clearance, over the penetration. A larger limit gives the interpolant of the state an error of this size; a
+# smaller limit shortens steps in which links turn on a stiff wall.
 APART = 0.03
 
 
 def project_coordinates(d, y, derivative, change):
-    """Move the coordinates in y (for derivative 1: velocities) to the clearances (rates) in ``normal``.
+    """Move the coordinates in y to the clearances in ``normal``; for derivative 1, velocities to their rates.
 
     The points must be located for y. ``change``, shape (N+2,), is a result.
     """
@@ -267,8 +269,8 @@ def project_clearances(d, z, y):
     """Move y, whose points are located, to the clearances and rates in z.
 
     Returns:
-        The largest weighted change, over the tolerance, and the difference between the coordinates and the
-        clearances before it, relative to the allowed one.
+        The largest weighted change, over the tolerance; and the difference between the clearances of the
+        coordinates and those in z before the change, relative to the allowed difference.
     """
     own, change, worst = d.implicit, d.work.change, 0.0
     apart = largest_mismatch(d, z) / APART
@@ -282,7 +284,7 @@ def project_clearances(d, z, y):
 
 
 def largest_mismatch(d, z):
-    """Return the largest difference of located and integrated clearances, relative to the penetration."""
+    """Return the largest difference of located and integrated clearances, over the penetration."""
     worst = 0.0
     for k in range(compliant(d)):
         c = d.touch.active_index[k]

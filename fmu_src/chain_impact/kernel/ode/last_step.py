@@ -1,10 +1,10 @@
-"""The last accepted step, and the data that are known of it, which only this module sets.
+"""The last accepted step, and the data that are known about it; only this module sets these data.
 
-These are the state at both ends, the dense output in between, the rate at the end, and the points there. Data
-that other modules derive from a step, such as clearances, are valid until a break in the sequence of steps,
-where the next step does not start at the end of this one, in the same variable. `step.breaks` counts the
-breaks. When an impact changes the state at the end of a step, the new state belongs to the step that follows
-(advance.py).
+The data are the state at both ends, the dense output in between, the rate at the end, and the points at the
+end. Data that other modules derive from a step, such as clearances, are valid until a break in the sequence
+of steps: the next step then does not start at the end of this step, or has another integration variable.
+`step.breaks` counts the breaks. When an impact changes the state at the end of a step, the new state belongs
+to the step that follows (advance.py).
 """
 
 from chain_impact.kernel.chain.kinematics import (
@@ -35,14 +35,15 @@ from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_
 from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.status import count_evaluations, counted_work, uncount_work
 
-NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # values of step.dense_for: the user of the dense output
-# [m, rad, m/s, rad/s] The size below which a coordinate or rate belongs to a chain at rest. It would decay on
-# until its square underflows, and then slow a processor on which denormal numbers are slow.
+NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # values of step.dense_for: the user of the step's dense output
+# [m, rad, m/s, rad/s] The size below which a coordinate or rate belongs to a chain at rest and is set to 0.
+# Otherwise the number would decay until its square underflows; some processors are slow with such denormal
+# numbers.
 FADED = 1e-100
 
 
 def reset_step(d, time, y):
-    """Set the last step to one of zero length at ``time`` [s] in state y, with the committed quadratures."""
+    """Set the last step to a step of zero length at ``time`` [s] in state y, with the stored quadratures."""
     step = d.step
     for j in range(len(step.state)):
         step.state[j] = y[j]
@@ -56,7 +57,7 @@ def reset_step(d, time, y):
     reset_quadratures(d)
     step.regularized = NO_CONTACT
     step.dense_for = SOLVER
-    step.last_method = EXPLICIT  # no implicit step extrapolates from this step
+    step.last_method = EXPLICIT  # EXPLICIT, so that no implicit step extrapolates from this step
     mark_jump(d)
 
 
@@ -87,20 +88,20 @@ def accept(d):
     if step.last_method == IMPLICIT:
         collocation.keep_stages(d)
     else:
-        # the error control of this method has located the points if contacts are active
+        # the error control of this method has located the points at the end if contacts are active
         find_rate(d, d.touch.active_count > 0)
 
 
 def clear_faded(d, y):
-    """Set coordinates and rates that have faded to 0."""
+    """Set coordinates and rates that are smaller than FADED to 0."""
     for j in range(dissipated_at(d.links)):
-        # a value of 0 may have derivatives, which stay
+        # only the value becomes 0; derivatives in a tangent instance stay
         if 0.0 < abs(y[j]) < FADED:
             y[j] = 0.0
 
 
 def dissipate(d, energy):
-    """Count an energy [J] that is lost at the end of the last step as dissipated."""
+    """Count an energy [J] that is lost at the end of the last step as dissipated energy."""
     d.step.state_end[dissipated_at(d.links)] += energy
 
 
@@ -112,7 +113,7 @@ def evaluate_start(d):
 
 
 def supply(d, energy):
-    """Count an energy [J] as supplied at the end of the last step."""
+    """Count an energy [J] as supplied by inputs at the end of the last step."""
     d.step.state_end[supplied_at(d.links)] += energy
 
 
@@ -157,12 +158,12 @@ def truncate_to_output_time(d):
 
 
 def keep_state(d):
-    """Keep the state at the communication point in the place of a tried step, as none is tried now."""
+    """Store the state at the communication point in ``trial.state``; no step is being tried then."""
     interpolate(d.step, fraction(d, d.step.time), d.trial.state)
 
 
 def return_to_kept_state(d):
-    """End the last step at the communication point, in the state that was kept."""
+    """End the last step at the communication point, in the state that ``keep_state`` stored."""
     reset_step(d, d.step.time, d.trial.state)
 
 
@@ -178,7 +179,7 @@ def choose_variable(d, size_chosen):
 
     Args:
         d: the instance.
-        size_chosen: whether the step's size has already been chosen for this variable, because contacts began
+        size_chosen: whether the size of the step is already in units of this variable, because contacts began
             or ended.
     """
     step, root = d.step, sundman_u_at(d.links)
@@ -200,9 +201,9 @@ def ensure_rate(d):
 
 
 def find_rate(d, located):
-    """Evaluate the rate at the end of the last step, where the points may be ``located``.
+    """Evaluate the rate at the end of the last step; ``located``: whether the points are located there.
 
-    Place the points.
+    If they are not, the function locates the points.
     """
     y, rate = d.step.state_end, d.work.rate_end
     touching = d.touch.active_count > 0 or d.friction.count > 0
@@ -225,7 +226,7 @@ def find_rate(d, located):
 
 
 def ensure_points(d):
-    """Ensure that the points are at the end of the last step, where the rate is known."""
+    """Ensure that the points are located at the end of the last step, where the rate is known."""
     if not d.work.at_end:
         locate_points(d, d.step.state_end)
         accelerate_points(d, d.step.state_end, d.work.rate_end)
@@ -233,7 +234,7 @@ def ensure_points(d):
 
 
 def largest_turn(d):
-    """Return how far a link can have turned in the last step [rad], with the rates at both ends known."""
+    """Return how far [rad] a link can have turned in the last step; the rates at both ends must be known."""
     first, lasted, work = omega_at(d.links), d.step.end - d.step.start, d.work
     turn = 0.0
     for i in range(d.links):
@@ -244,9 +245,10 @@ def largest_turn(d):
 
 
 def ensure_dense(d, reader):
-    """Ensure that the last step has its dense output, before a change of data on which the output depends.
+    """Ensure that the last step has its dense output, before data on which the output depends are changed.
 
-    Evaluations that only outputs need are not counted: the solver's count does not depend on the outputs.
+    Evaluations that only outputs need are not counted, so that the solver's count does not depend on the
+    outputs.
 
     Args:
         d: the instance.

@@ -1,20 +1,20 @@
-"""The choice of the method for the next step, which is then prepared and tried by it.
+"""The choice of the method for the next step, and the calls of this method.
 
 The explicit method is better as long as accuracy limits its step: in flight and in impacts. In sustained
-contact its stability limits the step, or its loss of order. The fastest motion of a contact has the rate
-ρ = max(c/m, √(k/m)), with m the effective mass at its onset; the explicit method is stable for about hρ < 6.
-Impacts are resolved with hρ below 1, so explicit steps beyond STIFF show, at no cost, that the contact is
-sustained. A sustained contact may still oscillate, with shorter steps; implicit steps may be cheaper for it
-as well. An implicit step costs two or three explicit ones, so it must be longer than the last explicit step
-by the same factor. Its size is taken as the size of the next step, because the first implicit steps after an
-event grow fast.
+contact the stability or the loss of order of the explicit method limits the step. The fastest motion of a
+contact has the rate ρ = max(c/m, √(k/m)), with m the effective mass at its onset; the explicit method is
+stable for about hρ < 6. Impacts are resolved with hρ below 1, so explicit steps with hρ above STIFF show, at
+no cost, that the contact is sustained. A sustained contact may still oscillate, with shorter steps; implicit
+steps may be cheaper for such a contact, too. An implicit step costs two or three explicit ones, so it must be
+longer than the last explicit step by the same factor. The size of an implicit step for this comparison is the
+size of the next step, because the first implicit steps after an event grow fast.
 
 A joint with a damper or a spring has a rate of its own, in flight and in contact (chain/joints.py). A
 spring oscillates rather than decays. If the oscillation matters at the tolerance, the explicit steps have hρ
 below STIFF; if they are longer, the oscillation is so small that implicit steps may damp it.
-Rigid walls cause no stiffness: with them only joints do.
+Rigid walls cause no stiffness.
 
-The functions of a try take the size h of a step, in its integration variable.
+The functions ``prepare`` and ``attempt`` take the size h of a step, in the step's integration variable.
 """
 
 import math
@@ -33,30 +33,31 @@ from chain_impact.kernel.ode.control import (
     propose,
 )
 
-# The hρ of explicit steps beyond which implicit ones could replace them. Impacts are resolved with less than
-# 1, and DOP853 is stable up to about 6.
+# The hρ of explicit steps above which implicit steps could be cheaper. Impacts are resolved with less than 1,
+# and DOP853 is stable up to about 6.
 STIFF = 2.0
-# The hρ of explicit steps in sustained contacts beyond which implicit ones could replace them; and the
-# duration, in time scales of the contact, after which a contact counts as sustained: an impact takes three to
-# ten.
+# RINGS: the hρ of explicit steps in sustained contacts above which implicit steps could be cheaper. LASTS:
+# the duration, in time scales of the contact, after which a contact counts as sustained; an impact takes
+# three to ten.
 RINGS, LASTS = 0.1, 20.0
-# The size of implicit steps over that of explicit ones, below which explicit ones advance farther for the
-# same work; and the hρ of implicit steps below which this holds, if the size of explicit ones is not known.
+# LONGER: the ratio of implicit to explicit step size below which explicit steps advance farther for the same
+# work. NOT_STIFF: the hρ of implicit steps below which explicit steps advance farther, if the size of
+# explicit steps is not known.
 LONGER, NOT_STIFF = 2.5, 5.0
-# The largest hρ of explicit steps in contact, and of the first one in flight: two thirds of what is stable. A
-# longer step amplifies motions that are too small for the error control.
+# The largest hρ of explicit steps in contact, and of the first explicit step in flight: two thirds of the
+# stable hρ. A longer step amplifies motions that are too small for the error control.
 STABLE = 4.0
 # The part of the explicit method's first step in an impact with which joints are compared. Explicit steps of
-# an impact cost so much less than implicit ones that only joints far stiffer than the contact favour implicit
-# steps.
+# an impact cost much less than implicit steps, so that implicit steps are cheaper only if joints are far
+# stiffer than the contact.
 IMPACT = 0.1
-# The number of steps in a row that must favour the other method: with fewer the method would change in the
-# compression of an impact.
+# The number of steps in a row that must favour the other method before the method changes. With fewer steps
+# the method would change in the compression of an impact.
 MIN_SWITCH_STEPS = 3
 
 
 def choose_method(d):
-    """Choose the method of the next step, with the points located at its start."""
+    """Choose the method of the next step, with the points located at the start of this step."""
     step = d.step
     touching = d.touch.active_count > 0
     if d.contact.any_rigid and not (d.contact.any_force or d.model.resisting):
@@ -67,17 +68,17 @@ def choose_method(d):
             keep_stable(d)
     elif not (touching or d.model.resisting):
         begin_explicit(d)  # nothing is stiff
-    elif step.end > step.start:  # not just re-initialized
+    elif step.end > step.start:  # the run was not re-initialized just now
         step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0
         if step.stiff_count >= step.switch_hysteresis:
             step.stiff_count = 0
             if step.method == IMPLICIT:
-                # the switch did not pay: require more steps before the next one
+                # the last change of the method did not pay: require more steps before the next change
                 step.switch_hysteresis *= 2
                 step.method = EXPLICIT
                 keep_stable(d)
             else:
-                # the size of a step that an event or an input has truncated is no evidence
+                # a step that an event or an input has truncated does not show which size the errors allow
                 step.explicit_size = step.end - step.start if step.kept == 1.0 else 0.0
                 step.method = IMPLICIT
         elif step.stiff_count > 0 and step.method == EXPLICIT:
@@ -85,7 +86,7 @@ def choose_method(d):
 
 
 def suggests_switch(d):
-    """Return whether the next implicit step's size, or the last explicit one's, favours the other method."""
+    """Return whether the next implicit or the last explicit step's size favours the other method."""
     step = d.step
     if step.method == IMPLICIT:
         if step.explicit_size > 0.0:
@@ -96,17 +97,17 @@ def suggests_switch(d):
 
 
 def keep_stable(d):
-    """Limit the next explicit step beside contacts or stiff joints to a stable one.
+    """Limit the next explicit step, with contacts or stiff joints, to a stable size.
 
-    At rest the errors do not show that a step is too long: the end state is kept, but derivatives grow.
+    At rest the errors do not show that a step is too long: the state stays correct, but derivatives grow.
     """
     z = stiffness_number(d, d.step.end - d.step.start)
-    if z > 0.0:  # which is in proportion to the part of the last step that was kept
+    if z > 0.0:  # z of the next step is in proportion to the part of the last step that was kept
         limit(d, d.step.size * d.step.kept * STABLE / z)
 
 
 def contacts_last(d):
-    """Return whether there are active contacts with a force law, and all of them are sustained."""
+    """Return whether contacts with a force law are active, and all of these are sustained."""
     if d.touch.compliant_count == 0:
         return False
     for k in range(d.touch.compliant_count):
@@ -120,8 +121,8 @@ def contacts_last(d):
 def begin_impact(d, c):
     """Begin a new phase at the onset of candidate c, with the explicit method and the proposed step size.
 
-    The size comes from ``at_onset`` for the explicit method. If steps were implicit, and joints make the
-    steps of the impact stiff as well, the method is kept.
+    The proposed size is the result of ``at_onset`` for the explicit method. If the last steps were implicit,
+    and joints make the steps of the impact stiff, too, the implicit method is kept.
     """
     if joints_over(d, IMPACT * d.step.next_size) <= STIFF:
         d.step.method = EXPLICIT
@@ -131,7 +132,7 @@ def begin_impact(d, c):
 
 
 def begin_flight(d):
-    """Begin a new phase after the last contact or an impact on a rigid wall, as in ``begin_impact``."""
+    """Begin a new phase as ``begin_impact`` does, after the last contact or an impact on a rigid wall."""
     z = joints_over(d, d.step.next_size)
     if z <= STIFF:
         d.step.method = EXPLICIT
@@ -141,10 +142,10 @@ def begin_flight(d):
 
 
 def stable(d, h):
-    """Return a size [s] for the first explicit step: h, or less if stiff joints require it for stability.
+    """Return a size [s] for the first explicit step: h, or less if stiff joints require less for stability.
 
-    At rest the errors do not show this: a step that is far too long keeps the end state, but not the dense
-    output.
+    At rest the errors do not show that a step is far too long: its end state is correct, but its dense output
+    is not.
     """
     return h * min(1.0, STABLE / max(STABLE, joints_over(d, h)))
 
@@ -156,20 +157,20 @@ def begin_explicit(d):
 
 
 def reset_stiff_count(d):
-    """Reset the counts that lead to a change of the method."""
+    """Reset the counts of steps that lead to a change of the method."""
     step = d.step
     step.stiff_count, step.explicit_size = 0, 0.0
     step.switch_hysteresis = MIN_SWITCH_STEPS
 
 
 def stiffness_number(d, h):
-    """Return hρ of a step [s], with the fastest rate of active contacts and of joints that resist."""
+    """Return hρ of a step of size h [s]; ρ is the fastest rate of active contacts and of joints."""
     z = h * fastest_contact(d)
     return max(z, joints_over(d, h)) if d.model.resisting else z
 
 
 def joints_over(d, h):
-    """Return hρ of a step [s] for joints with dampers or springs; an upper bound if they are not stiff."""
+    """Return hρ of a step of size h [s] for joints with dampers or springs; if it is small, a bound on it."""
     z = h * d.model.joint_bound
     if z > STIFF:
         z = h * joint_rate(d, d.step.state_end)
@@ -189,17 +190,17 @@ def fastest_contact(d):
 
 
 def prepare(d, h):
-    """Prepare a step at its start by the current method; return the size h to try first."""
+    """Prepare a step of the current method at its start; return the size h to try first."""
     if d.step.method == IMPLICIT:
         return collocation.prepare(d, h)
     return explicit.toward_end(d, h)
 
 
 def attempt(d, h):
-    """Try a step of size h from ``step.state_end`` by the current method.
+    """Try a step of size h from ``step.state_end`` with the current method.
 
     The outcome is in ``trial``: the state at the step's end, and the error relative to the tolerance, which
-        is not finite if f was not.
+    is not finite if f was not.
     """
     begin_trial(d, h)
     if d.step.method == IMPLICIT:

@@ -1,22 +1,23 @@
-"""Radau IIA with 5 stages: its coefficients as data, and the simplified Newton iteration for the stages.
+"""Radau IIA with 5 stages: the coefficients, and the simplified Newton iteration for the stages.
 
 Collocation at the zeros c_i of P_4 − P_5, Legendre's polynomials shifted to [0, 1]: order 9, stage order 5,
 L-stable and stiffly accurate. Source: E. Hairer and G. Wanner 1996, *Solving Ordinary Differential Equations
-II*, 2nd ed., Springer, section IV.5; the same 1999, J Comput Appl Math 111:93 for 5 stages. They are verified
-in tests/kernel/ode/test_radau.py.
+II*, 2nd ed., Springer, section IV.5; the same 1999, J Comput Appl Math 111:93 for 5 stages. The coefficients
+are verified in tests/kernel/ode/test_radau.py.
 
-The matrix Q has one real eigenvalue and two pairs of complex ones. LEFT has its left eigenvectors as rows,
-real and imaginary parts of a pair one below the other, and RIGHT the parts of the right ones as columns, such
-that RIGHT · LEFT = 1; the factor 2 of the real part, for both eigenvalues of a pair, is included in RIGHT.
+The matrix Q has one real eigenvalue and two pairs of complex ones. The rows of LEFT are the left
+eigenvectors, with the real and imaginary parts of a pair in successive rows; the columns of RIGHT are the
+right eigenvectors, such that RIGHT · LEFT = 1. RIGHT includes the factor 2 for the two conjugate eigenvalues
+of a pair.
 
 In increments u_i = z_i − z_0 the stages of a step of size h solve U = h Q F(z_0 + U). With A one approximate
 Jacobian for all of them, an iteration solves (1 − h Q ⊗ A) ΔU = R, R = h Q F − U. In the eigenvectors of Q, W
 = LEFT · R, these become systems (1 − h μ A) w = w', one for the real eigenvalue and one for each pair of
 complex ones; ΔU = RIGHT · W.
 
-The terms that A leaves out cost iterations, but no accuracy: successive corrections fall by a factor θ of
-about h |∂f/∂z − A|. The iteration has converged when the remaining error, θ/(1 − θ) of the last correction,
-is a small part of the tolerance.
+The terms that A leaves out cause more iterations, but no loss of accuracy: each correction is smaller than
+the correction before by a factor θ of about h |∂f/∂z − A|. The iteration has converged when the remaining
+error, θ/(1 − θ) of the last correction, is a small part of the tolerance.
 """
 
 import math
@@ -44,7 +45,7 @@ Q: tuple[tuple[float, ...], ...] = (
      0.22310390108357075, 0.04),
 )
 REAL_EIGENVALUE = 0.15906584442746913
-# real and imaginary part of one eigenvalue of each pair
+# real and imaginary part of one of the two conjugate eigenvalues of each pair
 COMPLEX_EIGENVALUES = ((0.06506577854574362, 0.11646852774031707), (0.1331790770182996, 0.07499451183581853))
 LEFT: tuple[tuple[float, ...], ...] = (
     (27.697693775684087, 12.783337911304406, 3.20848938671343,
@@ -70,8 +71,8 @@ RIGHT: tuple[tuple[float, ...], ...] = (
     (1.0, 2.0, 0.0,
      2.0, 0.0),
 )
-# The value at 0 of the polynomial through values at the nodes, and the value at 1 of the one through all but
-# the last.
+# The weights that give the value at 0 of the polynomial through the values at all nodes, and the value at 1
+# of the polynomial through the values at all nodes except the last.
 AT_START = (1.5864079001863283, -1.008117881498373, 0.7309748661597875, -0.5092648848477427,
     0.2)
 AT_END = (-0.4529527392493014, 1.3954519620824528, -2.1329496909650074, 2.1904504681318557)
@@ -83,10 +84,11 @@ LEFT_Q = tuple(
     for one in LEFT
 )
 ITERATIONS = 10  # largest number of iterations: a slower iteration costs more than shorter steps
-ENOUGH = 0.1  # the error that the iteration may leave, over the tolerance
-DIVERGES = 0.95  # θ above which the iteration is given up
-FARTHEST = 1e20  # largest correction over the tolerance; beyond it the iteration has failed
-# the last step's θ/(1 − θ) predicts the next one's; max(θ/(1 − θ), TRUST)^POWER is used to be cautious
+ENOUGH = 0.1  # the error that the iteration may leave in the stages, over the tolerance
+DIVERGES = 0.95  # the convergence rate θ above which the iteration is given up
+FARTHEST = 1e20  # the largest correction over the tolerance; beyond this the iteration has failed
+# the θ/(1 − θ) of the last step predicts this value for the next step; the prediction max(θ/(1 − θ),
+# TRUST)^POWER is cautious
 TRUST, POWER = 0.02, 0.8
 UNKNOWN = 1e10  # stands for an unknown θ/(1 − θ)
 
@@ -108,7 +110,7 @@ def _transformed(i):
 
 
 def _corrected(i):
-    """Return a function that corrects stage i by row i of RIGHT · W, and notes its largest component."""
+    """Return a function that corrects stage i by row i of RIGHT · W, and records the largest component."""
     row = RIGHT[i]
 
     def corrected(d, _h, size):
@@ -121,7 +123,7 @@ def _corrected(i):
             change = abs(change) * own.weight[j]
             total += change
             worst = max(worst, change)
-        # max() can hide a NaN, a sum cannot
+        # max() can hide a NaN; a sum cannot
         own.correction = worst if math.isfinite(total) else math.inf
 
     return corrected
@@ -132,12 +134,13 @@ _correct = sequence(*(_corrected(i) for i in range(RADAU_STAGES)))
 
 
 def simplified_newton(begin, rate, linearize, factorize, solve):
-    """Return the iteration for a right-hand side and its linear systems.
+    """Return the functions of the iteration for a right-hand side and its linear systems.
 
     Args:
         begin: function (d) that is called before the stages are evaluated.
         rate: function (d, z, elapsed, out) for out = f(z), ``elapsed`` [s] after the start of the step.
-        linearize: function (d, z) that evaluates the slopes in A where f has just been evaluated.
+        linearize: function (d, z) that evaluates the derivatives in A at the state z for which f was just
+        evaluated.
         factorize: function (d, h) that factorizes the systems.
         solve: function (d, h, size) that solves the systems in place; r and x are the rows of
             ``implicit.parts``.
@@ -152,7 +155,7 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
         own = d.implicit
         begin(d)
         for i in range(RADAU_STAGES):
-            # the middle stage comes last
+            # the middle stage comes last, so that A can be evaluated there
             stage = (i + RADAU_STAGES // 2 + 1) % RADAU_STAGES
             for j in range(size):
                 own.z[j] = own.start[j] + own.stages[stage, j]

@@ -1,16 +1,16 @@
-"""Sundman regularization: a step's integration variable is time or, in an impact, that of the contact.
+"""Sundman regularization: the integration variable of a step is time or, in an impact, a fictitious time.
 
-A force K δⁿ with n = 3/2 is not smooth in time where its contact begins and where it ends: there δ is
-proportional to the time from that end, and the force to its power 3/2. An explicit method then loses its
-order and needs very small steps near both ends. The force is smooth in the variable s of Sundman's
-transformation,
+A force K δⁿ with n = 3/2 is not a smooth function of time where the contact begins and where it ends: δ is
+proportional to the time from the begin or to the end, and the force to the power 3/2 of this time. An
+explicit method then loses its order and needs very small steps near begin and end. The force is smooth in the
+variable s of Sundman's transformation,
 
     dt = p ds,   p = u/(1 + u²),   u = √(δ/δ*),   du/ds = δ̇/(2 δ* (1 + u²)),
 
-with δ* the expected penetration: at the ends δ is proportional to s², and F to s³. The denominator makes an
-impact as smooth in its middle as at its ends, so that one step size suits all of it. So u and t are part of
-the state y, and the variable of a step is s, the fictitious time of the *regularized contact*, which must be
-the only active one. Without it p = 1, and s is time.
+with δ* the expected penetration: at begin and end δ is proportional to s², and F to s³. The denominator makes
+the impact as smooth in its middle as at its ends, so that one step size suits the whole impact. The state y
+contains u and t, and the variable of a step is s, the fictitious time of the *regularized contact*, which
+must be the only active contact. Without a regularized contact p = 1, and s is time.
 
 Source: K. F. Sundman 1913, Mémoire sur le problème des trois corps, Acta Mathematica 36:105, where the
 distance of two bodies takes the place of p.
@@ -24,22 +24,23 @@ from chain_impact.kernel.ode.control import EXPLICIT
 from chain_impact.kernel.ode.dense import time_rate
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
-NO_CONTACT = -1  # value of step.regularized if the variable of the step is time
-# The lower limit of u in a step. If u < 0 time runs backwards: the end of the contact has been passed.
+NO_CONTACT = -1  # value of step.regularized if the integration variable of the step is time
+# The lower limit of u in a step. Where u < 0 time runs backwards: the step has passed the end of the contact.
 BACK = -0.5
-# The u and δ̇/v₀ below which a point rests on a wall rather than hits it: in s time would stop, as p → 0.
+# The largest u and δ̇/v₀ with which a point counts as resting on a wall, not hitting the wall. As p → 0, time
+# would stop in the variable s.
 SLOW = 0.1
 
 
 def regularized_rate(d, y, rate):
-    """Set rate = dy/ds, for the integration variable s of the step."""
+    """Set rate = dy/ds, the rate in the integration variable s of the step."""
     state_rate(d, y, rate)
     if d.step.regularized != NO_CONTACT:
         to_fictitious_time(d, y, rate)
 
 
 def regularize(d, y, time_rate, rate):
-    """Set rate = dy/ds at an end of a step, from dy/dt and for the located points."""
+    """Set rate = dy/ds at an end of a step, from dy/dt and the located points."""
     for j in range(len(rate)):
         rate[j] = time_rate[j]
     if d.step.regularized != NO_CONTACT:
@@ -47,7 +48,7 @@ def regularize(d, y, time_rate, rate):
 
 
 def to_fictitious_time(d, y, rate):
-    """Convert a rate in time to one in s, for the located points."""
+    """Convert ``rate`` from dy/dt to dy/ds, for the located points."""
     u = y[sundman_u_at(d.links)]
     p = time_rate(u)
     for j in range(len(rate)):
@@ -81,21 +82,21 @@ def time_rate_of(d, u):
 
 
 def time_rate_now(d, y):
-    """Return dt/ds in state y, at least SLOW, for the conversion of a step's size to seconds."""
+    """Return dt/ds in state y, at least SLOW, to convert the size of a step to seconds."""
     return max(SLOW, time_rate_of(d, y[sundman_u_at(d.links)]))
 
 
 def runs_back(d, y):
-    """Return whether a step to state y goes far beyond the contact's end: if u < 0, time runs backwards."""
+    """Return whether a step to state y goes far beyond the contact's end: to u < 0, where time runs back."""
     return d.step.regularized != NO_CONTACT and (
         y[sundman_u_at(d.links)] < BACK or y[time_at(d.links)] <= 0.0
     )
 
 
 def lone_contact(d):
-    """Return the active contact and its u, if it is the only one and not at rest; otherwise NO_CONTACT and 1.
+    """Return the active contact and its u, if it is the only contact and not at rest; else NO_CONTACT and 1.
 
-    Several contacts end at different times, and the fictitious time of one does not suit the others.
+    Several contacts end at different times, and the fictitious time of one contact does not suit the others.
     """
     if d.step.method != EXPLICIT or not d.touch.active_count == d.touch.compliant_count == 1:
         return NO_CONTACT, 1.0

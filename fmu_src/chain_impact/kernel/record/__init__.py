@@ -1,1 +1,4 @@
-"""The record that holds all data of a running simulation: a function for the layout of each part."""
+"""The record that holds all data of a running simulation.
+
+Each part has a function that returns its layout.
+"""

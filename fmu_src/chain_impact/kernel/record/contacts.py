@@ -7,14 +7,16 @@ from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
 from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
 
-CHANGES_OF_EACH = 4  # changes of a mode that are stored until they are collected, for each element
-# finished contacts that are stored until they are collected, in addition to one for each candidate
+# number of changes of the mode of an element that the log can store until they are collected
+CHANGES_OF_EACH = 4
+# number of finished contacts that the log can store until they are collected, in addition to one for each
+# candidate
 LOG_SIZE = 32
-LATEST = LOG_SIZE  # largest number of latest impacts that are listed
+LATEST = LOG_SIZE  # largest number of latest impacts in the list of these
 
 
 def constraint_count(candidates: int, elements: int) -> int:
-    """Return the largest number of constraints at one moment."""
+    """Return the largest number of constraints that can be active at one moment."""
     return candidates + elements
 
 
@@ -27,47 +29,51 @@ def constraint_count(candidates: int, elements: int) -> int:
 def touch_dtype(candidates: int) -> np.dtype:
     """Return the layout of each candidate's data.
 
-    Latched values, fixed at onset, hold until v₀ is latched again.
+    Latched values are fixed at the onset, and stay until v₀ is latched again.
     """
     return record(
-        ("listings", INTEGER),  # number of times that the active contacts were packed
+        ("listings", INTEGER),  # counter that increases whenever the active contacts are packed
         ("active_count", INTEGER),
-        ("compliant_count", INTEGER),  # number of active contacts with a force law, which come first
+        # number of active contacts with a force law; these come first in ``active_index``
+        ("compliant_count", INTEGER),
         ("stop_count", INTEGER),  # number of active stops
-        ("active_index", INTEGER, (candidates,)),  # the candidates in contact, packed
+        ("active_index", INTEGER, (candidates,)),  # the candidates with active contacts, packed
         ("active", INTEGER, (candidates,)),  # 1: in contact
-        # the event at `step.end` that is not yet applied, see kernel/events/marks.py
+        # the event of a candidate at `step.end` that is not applied yet, see kernel/events/marks.py
         ("event", INTEGER, (candidates,)),
-        ("onset", REAL, (candidates,)),  # s
-        ("onset_speed", REAL, (candidates,)),  # m/s, normal approach speed at onset
-        ("impact_speed", REAL, (candidates,)),  # m/s, v0 of the force law
-        ("effective_mass", REAL, (candidates,)),  # kg, 1/(J M⁻¹ Jᵀ) at onset
+        ("onset", REAL, (candidates,)),  # s, time of the onset
+        # m/s, approach speed of the point along the normal at the onset
+        ("onset_speed", REAL, (candidates,)),
+        ("impact_speed", REAL, (candidates,)),  # m/s, v₀ of the force law
+        ("effective_mass", REAL, (candidates,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
         ("depth_scale", REAL, (candidates,)),  # m, expected penetration
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), d of the force law
-        ("speed", REAL, (candidates,)),  # m/s, δ̇ at the start of the step, to find the peaks
-        ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, to find the peaks
-        ("force", REAL, (candidates,)),  # N, of active candidates at the last evaluation of the rate
-        ("beyond_kink", INTEGER, (candidates,)),  # 1: the candidate is beyond the kink of its force
-        ("kink_margin", REAL, (candidates,)),  # m/s, by which δ̇ may be on the wrong side; else 0
+        ("speed", REAL, (candidates,)),  # m/s, δ̇ at the start of the step, for the search for peaks
+        ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, for the search for peaks
+        ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of the rate
+        ("beyond_kink", INTEGER, (candidates,)),  # 1: the force is the one of the side beyond its kink
+        # m/s, how far δ̇ may be on the wrong side of the kink; 0 if the law damps in both directions
+        ("kink_margin", REAL, (candidates,)),
         # 1: a stage of the tried step was on the other side of the kink
         ("kink_crossed", INTEGER, (candidates,)),
         ("number", INTEGER, (candidates,)),  # number of the onset among all onsets, counted from 1
-        ("peak_force", REAL, (candidates,)),  # N
-        ("max_penetration", REAL, (candidates,)),  # m
-        ("joint_top", REAL, (candidates,)),  # N², the largest square of a force in a joint …
-        ("joint", INTEGER, (candidates,)),  # … and the joint, 1…N; 0 for none
-        # m, two error estimates of a tried step in the clearances of the active contacts, packed
+        ("peak_force", REAL, (candidates,)),  # N, peak force so far
+        ("max_penetration", REAL, (candidates,)),  # m, largest penetration so far
+        ("joint_top", REAL, (candidates,)),  # N², largest square of a joint force during the contact
+        ("joint", INTEGER, (candidates,)),  # number of the joint with the largest force, 1…N; 0 for none
+        # m, errors in the clearances of the active contacts by the two error estimates of a tried step,
+        # packed
         ("gap_error", REAL, (2, candidates)),
     )
 
 
 @written_by("events/saturation.py", event="events/marks.py", margin="equations.py")
 def drive_dtype(links: int) -> np.dtype:
-    """Return the layout of the data on drives at their limits, see kernel/chain/joints.py."""
+    """Return the layout of the data on the modes of drives with limits, see kernel/chain/joints.py."""
     return record(
-        ("mode", INTEGER, (links,)),  # ±1: the torque is ± the limit, 0: it is below
-        ("chosen", INTEGER, (links,)),  # in a tangent instance: the modes of the primal instance
-        ("event", INTEGER),  # 1: the last step ends where a mode ends
+        ("mode", INTEGER, (links,)),  # ±1: the torque is ± the limit; 0: the torque is below the limit
+        ("chosen", INTEGER, (links,)),  # in a tangent instance: the mode that the primal instance has chosen
+        ("event", INTEGER),  # 1: the last step ends where the mode of a drive ends
         # N·m, the least distance of a torque from the end of its mode in the tried step, or 0
         ("margin", REAL),
     )
@@ -75,26 +81,27 @@ def drive_dtype(links: int) -> np.dtype:
 
 @written_by("forces/contact.py")
 def impact_dtype() -> np.dtype:
-    """Return the layout of the impacts so far."""
+    """Return the layout of the counts of impacts and of the data of the latest onset."""
     return record(
         ("count", INTEGER),  # onsets since the start
-        ("last_time", REAL),  # s
-        ("last_point", INTEGER),  # 0…N, −1 before the first impact
-        ("last_wall", INTEGER),  # 1 + index into the scene's wall_names, 0 before the first impact
-        ("last_speed", REAL),  # m/s
+        ("last_time", REAL),  # s, time of the latest onset
+        ("last_point", INTEGER),  # number of the point of the latest onset, 0…N; −1 before the first impact
+        # 1 + index of the wall of the latest onset in the scene's wall_names; 0 before the first impact
+        ("last_wall", INTEGER),
+        ("last_speed", REAL),  # m/s, impact speed of the latest onset
     )
 
 
 @written_by("events/contact_log.py")
 def latest_dtype() -> np.dtype:
-    """Return the layout of the latest impacts, the newest first, as at the last filling of the outputs."""
+    """Return the layout of the list of the latest impacts, newest first, when outputs were filled last."""
     return record(
-        ("kept", INTEGER),  # the number of impacts that is requested
-        ("point", INTEGER, (LATEST,)),  # 0…N, −1 for none
-        ("wall", INTEGER, (LATEST,)),  # 1 + index into the scene's wall_names, 0 for none
+        ("kept", INTEGER),  # number of latest impacts that the scene requests
+        ("point", INTEGER, (LATEST,)),  # number of the point, 0…N; −1 for no impact
+        ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
         ("time", REAL, (LATEST,)),  # s
         ("speed", REAL, (LATEST,)),  # m/s
-        ("end", REAL, (LATEST,)),  # s, the present time while the contact lasts
+        ("end", REAL, (LATEST,)),  # s, end of the contact; the present time while the contact lasts
         ("separation_speed", REAL, (LATEST,)),  # m/s
         ("peak_force", REAL, (LATEST,)),  # N
         ("max_penetration", REAL, (LATEST,)),  # m
@@ -110,118 +117,123 @@ def latest_dtype() -> np.dtype:
     sample="events/contact_log.py",
 )
 def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
-    """Return the layout of the constraints: the active contacts, packed, and then the sticking elements.
+    """Return the layout of the constraints: the active contacts, then the sticking elements, packed.
 
     Contacts with a force law are not in the active set.
     """
     rows = constraint_count(candidates, elements)
     return record(
-        # m, m/s or m/s², rad …: the change of the coordinates by the impulses
+        # m, m/s or m/s², rad …: change of the coordinates by the impulses
         ("change", REAL, (coordinate_count(links),)),
-        ("unsolved", INTEGER),  # result since a step or its try began, see kernel/rows/constraints.py
+        # result of the constraints since a step or a try of a step began, see kernel/rows/constraints.py
+        ("unsolved", INTEGER),
         ("in_active_set", INTEGER, (rows,)),  # 1: the impulse may differ from 0
         ("violated", INTEGER, (rows,)),  # 1: the impulse or residual has the wrong sign
-        ("start", REAL, (rows,)),  # normal or tangential motion without impulses, m, m/s or m/s², …
-        ("reached", REAL, (rows,)),  # … with impulses, …
-        ("target", REAL, (rows,)),  # … the least required motion, …
-        ("residual", REAL, (rows,)),  # … the missing part, later times the impedance
-        ("impulse", REAL, (rows,)),  # N·s, or N
-        ("impedance", REAL, (rows,)),  # kg, D
-        # kg, resistance of the contacts with a force law to a projection; else 0
+        ("start", REAL, (rows,)),  # m, m/s or m/s²: motion along the constraint without impulses
+        ("reached", REAL, (rows,)),  # m, m/s or m/s²: motion along the constraint with impulses
+        ("target", REAL, (rows,)),  # m, m/s or m/s²: the least required motion along the constraint
+        # m, m/s or m/s²: the missing part of the required motion; later times the impedance
+        ("residual", REAL, (rows,)),
+        ("impulse", REAL, (rows,)),  # N·s or N: impulse or force of the constraint
+        ("impedance", REAL, (rows,)),  # kg, impedance D of the constraint
+        # kg, resistance of a contact with a force law to a projection; else 0
         ("resistance", REAL, (rows,)),
-        ("sample", REAL, (2, candidates)),  # N, the last two sampled forces
-        ("least_force", REAL, (candidates,)),  # N, smallest force in the stages of the step; not packed
+        ("sample", REAL, (2, candidates)),  # N, the last two sampled forces of the constraint
+        # N, the smallest force of a candidate in the stages of the step; not packed
+        ("least_force", REAL, (candidates,)),
     )
 
 
 @written_by("rows/limits.py")
 def share_dtype(links: int, elements: int) -> np.dtype:
-    """Return the layout of the iteration to forces within the limits of friction, for the rows of `rigid`."""
-    rows = 2 * elements  # no fewer than `rigid` has, and none without friction
+    """Return the layout of the search for forces within the limits of friction, for the rows of `rigid`."""
+    rows = 2 * elements  # number of rows: no fewer than `rigid` has, and 0 without friction
     return record(
         ("change", REAL, (coordinate_count(links),)),  # change of the coordinates' rates, m/s² or rad/s²
         ("inside", INTEGER, (rows,)),  # 1: the force is inside its limits, 0: it is at one of them
         ("at_limit", INTEGER, (elements,)),  # ±1: the sign of a sticking element's force at its limit, packed
-        ("impulse", REAL, (rows,)),  # N, the force p⁺
+        ("impulse", REAL, (rows,)),  # N, the force p⁺ after the iteration
         ("center", REAL, (rows,)),  # N, the force p before the iteration
-        ("residual", REAL, (rows,)),  # m/s², the missing part of the motion with p
+        ("residual", REAL, (rows,)),  # m/s², the missing part of the required motion with the forces p
         ("wanted", REAL, (rows,)),  # N, p + D m⁺
         ("impedance", REAL, (rows,)),  # kg, D inside the limits, else 0
-        ("push", REAL, (rows,)),  # N, D m inside the limits, else the change of p
+        ("push", REAL, (rows,)),  # N, D m for a row inside the limits, else the change of p
     )
 
 
 @written_by("events/contact_log.py")
 def finished_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the contacts, a ring of rows: first the ended ones, then the active ones.
+    """Return the layout of the log of contacts, a ring buffer: the ended contacts, then the active contacts.
 
-    A caller that collects the ended contacts sets ``collected`` to ``count``. The latest LATEST impacts are
-    always there: after one of them come no more than the others, and one contact of each other candidate.
+    A caller that collects the ended contacts sets ``collected`` to ``count``. The log always contains the
+    latest LATEST impacts, because the entries after any of these are at most the other latest impacts and one
+    contact of each other candidate.
     """
     log = LOG_SIZE + candidates
     return record(
-        ("count", INTEGER),  # contacts ended since the start
-        ("collected", INTEGER),  # number of ended contacts when they were last collected
+        ("count", INTEGER),  # number of contacts that have ended since the start
+        ("collected", INTEGER),  # value of ``count`` when the caller collected the ended contacts last
         ("point", INTEGER, (log,)),
         ("wall", INTEGER, (log,)),
-        ("onset", REAL, (log,)),  # s
-        ("end", REAL, (log,)),  # s, NaN while the contact lasts
+        ("onset", REAL, (log,)),  # s, time of the onset
+        ("end", REAL, (log,)),  # s, end of the contact; NaN while the contact lasts
         ("impact_speed", REAL, (log,)),  # m/s, approach speed at onset
         ("separation_speed", REAL, (log,)),  # m/s, NaN while the contact lasts
-        ("peak_force", REAL, (log,)),  # N
-        ("max_penetration", REAL, (log,)),  # m
-        ("effective_mass", REAL, (log,)),  # kg
-        ("impulse", REAL, (log,)),  # N·s
-        ("joint_force", REAL, (log,)),  # N, the largest force in a joint …
-        ("joint", INTEGER, (log,)),  # … and the joint, 1…N; 0 for none
+        ("peak_force", REAL, (log,)),  # N, peak force
+        ("max_penetration", REAL, (log,)),  # m, largest penetration
+        ("effective_mass", REAL, (log,)),  # kg, effective mass at the onset
+        ("impulse", REAL, (log,)),  # N·s, impulse of the wall on the point
+        ("joint_force", REAL, (log,)),  # N, largest force in a joint during the contact
+        ("joint", INTEGER, (log,)),  # number of the joint with the largest force, 1…N; 0 for none
         ("number", INTEGER, (log,)),  # number of the onset, as in `touch`
     )
 
 
 @written_by("events/contact_log.py")
 def peaks_dtype() -> np.dtype:
-    """Return the layout of the largest values of all contacts that were logged since the start."""
+    """Return the layout of the largest values of all contacts in the log since the start."""
     return record(
-        ("force", REAL),  # N, of a wall on a point
-        ("penetration", REAL),  # m
-        ("moment", REAL),  # N·m, of a stop on a joint
-        ("rotation", REAL),  # rad, of a joint beyond its stop
+        ("force", REAL),  # N, largest force of a wall on a point
+        ("penetration", REAL),  # m, largest penetration
+        ("moment", REAL),  # N·m, largest moment of a stop on a joint
+        ("rotation", REAL),  # rad, largest rotation of a joint beyond its stop
     )
 
 
 @written_by("ode/dense.py", onset="forces/contact.py")
 def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
-    """Return the layout of integrals along the motion, each at its place in the order of ode/dense.py.
+    """Return the layout of the quadratures: integrals along the motion, in the order of ode/dense.py.
 
-    The integrated ones are packed.
+    The quadratures that are integrated in a step are packed.
     """
     places = candidates + elements + 3
     return record(
-        ("wanted", INTEGER),  # 1: the integrals are computed
+        ("wanted", INTEGER),  # 1: the quadratures are computed
         ("onset", REAL, (candidates,)),  # N·s, the impulse at the onset of the contact
-        ("total", REAL, (places,)),  # value since the start, when contacts last began or ended, …
-        ("rate", REAL, (places,)),  # … and its rate then
+        # value of each quadrature since the start, at the time when contacts last began or ended
+        ("total", REAL, (places,)),
+        ("rate", REAL, (places,)),  # rate of each quadrature at the time when contacts last began or ended
         ("count", INTEGER),
-        ("index", INTEGER, (places,)),  # the places of the integrated ones, packed
-        ("state", REAL, (places,)),  # at the start of the last step …
-        ("state_end", REAL, (places,)),  # … and at its end, …
-        ("rate_end", REAL, (places,)),  # … with the rate there
-        ("tried", REAL, (places,)),  # at the end of the tried step
-        ("dense", REAL, (DENSE_COEFFICIENTS, places)),  # the interpolant of the last step
+        ("index", INTEGER, (places,)),  # indices in ``total`` of the quadratures that are integrated, packed
+        ("state", REAL, (places,)),  # values at the start of the last step
+        ("state_end", REAL, (places,)),  # values at the end of the last step
+        ("rate_end", REAL, (places,)),  # rates at the end of the last step
+        ("tried", REAL, (places,)),  # values at the end of the tried step
+        ("dense", REAL, (DENSE_COEFFICIENTS, places)),  # coefficients of the dense output of the last step
         ("stage", REAL, (STAGES, places)),  # dq/ds at the stages
     )
 
 
 @written_by("forces/friction.py")
 def friction_dtype() -> np.dtype:
-    """Return the layout of the data on the elements with dry friction, candidates and joints."""
+    """Return the layout of the counts of elements with dry friction; elements are candidates and joints."""
     return record(
         ("used", INTEGER),  # 1: some contact or joint has dry friction
-        ("count", INTEGER),  # elements with friction now: active contacts first, then joints
-        ("contact_count", INTEGER),  # number of contacts among them
-        ("stuck_count", INTEGER),  # number of sticking elements …
-        ("stuck_joints", INTEGER),  # … and of sticking joints among them
-        ("power", REAL),  # W, dissipated by dry friction at the last evaluation
+        ("count", INTEGER),  # number of elements with friction now: active contacts first, then joints
+        ("contact_count", INTEGER),  # number of contacts among the elements with friction now
+        ("stuck_count", INTEGER),  # number of sticking elements
+        ("stuck_joints", INTEGER),  # number of sticking joints among the sticking elements
+        ("power", REAL),  # W, power that dry friction dissipates, at the last evaluation
     )
 
 
@@ -233,21 +245,22 @@ def friction_dtype() -> np.dtype:
 def element_dtype(elements: int) -> np.dtype:
     """Return the layout of each element's data: first the candidates, then the joints 1…N."""
     return record(
-        ("index", INTEGER, (elements,)),  # the elements with friction, packed
-        ("stuck", INTEGER, (elements,)),  # the sticking elements, packed
-        ("mode", INTEGER, (elements,)),  # 0: sticks, ±1: slides along ±t; 2: no friction now
-        # the event at `step.end` that is not yet applied, see kernel/events/marks.py
+        ("index", INTEGER, (elements,)),  # indices of the elements with friction now, packed
+        ("stuck", INTEGER, (elements,)),  # indices of the sticking elements, packed
+        ("mode", INTEGER, (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction now
+        # the event of an element at `step.end` that is not applied yet, see kernel/events/marks.py
         ("event", INTEGER, (elements,)),
-        ("before", INTEGER, (elements,)),  # the mode before the last choice
-        ("chosen", INTEGER, (elements,)),  # in a tangent instance: the mode in the primal run
-        # 1: the forces choose the mode; 2: see kernel/tangent/friction.py
+        ("before", INTEGER, (elements,)),  # the mode of an element before the last choice of modes
+        ("chosen", INTEGER, (elements,)),  # in a tangent instance: the mode of an element in the primal run
+        # 1: the forces determine the mode; 2: see kernel/tangent/friction.py
         ("undecided", INTEGER, (elements,)),
-        ("slack", REAL, (elements,)),  # m/s, by which sliding may be backward when its mode begins
-        ("anchor", REAL, (elements,)),  # m, the tangential coordinate at which the element sticks
-        ("force", REAL, (elements,)),  # N along t, at the last evaluation of the rate
-        # N, the largest static friction, at the last evaluation; constant for a joint
+        # m/s, how fast an element may move backward, because of errors, when its sliding begins
+        ("slack", REAL, (elements,)),
+        ("anchor", REAL, (elements,)),  # m, the coordinate along t at which an element sticks
+        ("force", REAL, (elements,)),  # N, friction force along t at the last evaluation of the rate
+        # N, the largest static friction at the last evaluation; constant for a joint
         ("limit", REAL, (elements,)),
-        # m/s for sliding, N for sticking: how far the mode was from its end in the stages of the tried step
+        # how far the mode was from its end in the stages of the tried step: m/s for sliding, N for sticking
         ("margin", REAL, (elements,)),
     )
 
@@ -261,8 +274,8 @@ def changes_dtype(elements: int) -> np.dtype:
     log = CHANGES_OF_EACH * elements
     return record(
         ("count", INTEGER),
-        ("time", REAL, (log,)),  # s
-        ("point", INTEGER, (log,)),  # or the joint
-        ("wall", INTEGER, (log,)),  # index into the scene's wall_names, −1: dry friction in a joint
-        ("mode", INTEGER, (log,)),  # as `element.mode`, from this time on
+        ("time", REAL, (log,)),  # s, time of the change
+        ("point", INTEGER, (log,)),  # number of the point or joint
+        ("wall", INTEGER, (log,)),  # index of the wall in the scene's wall_names; −1: dry friction in a joint
+        ("mode", INTEGER, (log,)),  # mode from this time on, as in `element.mode`
     )

@@ -1,4 +1,4 @@
-"""The building blocks of records."""
+"""Functions that build the layouts of records, and that declare who writes each part."""
 
 import numpy as np
 
@@ -6,15 +6,15 @@ REAL, INTEGER, COMPLEX = np.float64, np.int64, np.complex128
 
 
 OWNERS: dict[str, dict[str, tuple[str, ...]]] = {}
-"""Part of the record → its fields → the modules that write them; "" stands for all other fields."""
+"""Part of the record → field → modules that write the field; "" stands for all other fields."""
 
 
 def written_by(*owners, **fields):
-    """Declare which modules of the kernel write a part of the record, and which write some of its fields.
+    """Declare which modules of the kernel write a part of the record, and which write single fields.
 
-    A field that outlives a step has one owner; other modules call the owner's functions.
-    tests/repository/test_owners.py compares this with the code. Modules in kernel/tangent/ also set fields of
-    tangent instances.
+    A field that is used after a step has one owner; other modules call the owner's functions.
+    tests/repository/test_owners.py compares the declarations with the code. Modules in kernel/tangent/ also
+    set fields of tangent instances.
     """
 
     def declare(layout):
@@ -27,13 +27,13 @@ def written_by(*owners, **fields):
 
 AT_START, AT_ANY_TIME = 0, 1
 GIVEN: dict[str, int] = {}
-"""Part of the record whose parameters or initial values the scene or an importer gives → when they apply."""
+"""Part of the record that the scene or an importer gives → when the given values apply."""
 
 
 def given(when: int):
-    """Declare that the scene or an importer gives a part of the record, and when it applies.
+    """Declare that the scene or an importer gives a part of the record, and when the values apply.
 
-    Each of these parts is copied for derivatives (``copy_given`` in kernel/tangent/duals.py).
+    ``copy_given`` in kernel/tangent/duals.py copies each of these parts for derivatives.
     """
 
     def declare(layout):
@@ -54,12 +54,12 @@ def table(count: int, *columns: tuple[object, ...]) -> np.dtype:
 
 
 def is_table(dtype: np.dtype) -> bool:
-    """Return whether the layout is a table, not an array of numbers or of dual numbers."""
+    """Return whether a layout belongs to a table, not to an array of numbers or of dual numbers."""
     return dtype.base.names is not None and dtype.base.names != ("value", "slope")
 
 
 def vectors_dtype(points: int, scalar: type = REAL) -> np.dtype:
-    """Return the layout of a vector for each of some points."""
+    """Return the layout of one vector for each of ``points`` points."""
     return record(("x", scalar, (points,)), ("y", scalar, (points,)))
 
 
@@ -69,13 +69,13 @@ def place_count(links: int, sites: int) -> int:
 
 
 def loads_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
-    """Return the layout of a vector for each place, a number for each joint, and a moment for each link."""
+    """Return the layout of loads: a vector for each place, and a number for each joint and each link."""
     places = place_count(links, sites)
     numbers = ((name, scalar, (links,)) for name in ("joint", "link"))
     return record(("x", scalar, (places,)), ("y", scalar, (places,)), *numbers)
 
 
 def impedance_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
-    """Return the layout of a symmetric 2×2 matrix for each place, and a number for each joint."""
+    """Return the layout of impedances: a symmetric 2×2 matrix for each place, and a number for each joint."""
     matrices = ((name, scalar, (place_count(links, sites),)) for name in ("xx", "xy", "yy"))
     return record(*matrices, ("joint", scalar, (links,)))

@@ -24,60 +24,67 @@ def model_dtype(links: int) -> np.dtype:
         ("gravity", REAL, (2,)),  # m/s²
         ("length", REAL, (links,)),  # m
         ("mass", REAL, (links,)),  # kg
-        # m from the proximal joint, and kg·m² about the centre of mass, as they are given; or DERIVED
+        # given_center_of_mass: m, from the proximal joint; given_inertia: kg·m², about the centre of mass;
+        # DERIVED if not given
         ("given_center_of_mass", REAL, (links,)),
         ("given_inertia", REAL, (links,)),
-        ("height", REAL, (links,)),  # m, of a link that is a box; 0 for other links
-        ("center_of_mass_offset", REAL, (links,)),  # m, to the left of the link's line
+        ("height", REAL, (links,)),  # m, height of a link that is a box; 0 for other links
+        # m, distance of the centre of mass to the left of the link's line
+        ("center_of_mass_offset", REAL, (links,)),
         ("joint_friction", REAL, (links,)),  # N·m, dry friction at the proximal joint
-        ("joint_armature", REAL, (links,)),  # kg·m², acts on the relative rotation in the joint
-        ("joint_torque_limit", REAL, (links,)),  # N·m, of motor, spring and damper together; ∞: none
-        ("joint_min", REAL, (links,)),  # rad, stops of the joint's own angle; −∞ …
-        ("joint_max", REAL, (links,)),  # rad, … and ∞ where there is none
+        # kg·m², inertia of the drive's rotor, which acts on the relative rotation in the joint
+        ("joint_armature", REAL, (links,)),
+        # N·m, limit of motor, spring and damper together; ∞: no limit
+        ("joint_torque_limit", REAL, (links,)),
+        ("joint_min", REAL, (links,)),  # rad, lower stop of the joint's own angle; −∞: no stop
+        ("joint_max", REAL, (links,)),  # rad, upper stop of the joint's own angle; ∞: no stop
         ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
         ("pinned", INTEGER),  # 1: link 1 hangs in a joint at the base, which cannot move or slides
         ("driven", INTEGER),  # 1: inputs act on the chain in flight
         ("followed", INTEGER),  # 1: all joints have servos, whose targets are inputs
         ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
-        # derived at initialization
+        # ---- derived at initialization
         ("center_of_mass", REAL, (links,)),  # m from the proximal joint
         ("inertia", REAL, (links,)),  # kg·m² about the centre of mass
         ("damped", INTEGER),  # 1: some joint has damping
         ("sprung", INTEGER),  # 1: some joint has a spring
-        ("stopped", INTEGER),  # 1: some joint has a stop, …
-        ("rubbing", INTEGER),  # … 1: some joint has dry friction, …
-        ("jointed", INTEGER),  # … and 1: some has either, so that all joints have places
+        ("stopped", INTEGER),  # 1: some joint has a stop
+        ("rubbing", INTEGER),  # 1: some joint has dry friction
+        ("jointed", INTEGER),  # 1: some joint has a stop or dry friction, so that all joints have places
         ("geared", INTEGER),  # 1: some joint has an armature
         ("limited", INTEGER),  # 1: some joint has a limit of its torque
-        ("resisting", INTEGER),  # 1: some joint has damping or a spring …
-        ("joint_bound", REAL),  # 1/s, … and an upper bound on the rates of the motions that these cause
-        ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
-        ("offset_ratio", REAL, (links,)),  # offset of the centre of mass / length
-        ("proximal_inertia", REAL, (links,)),  # kg·m² about the proximal …
-        ("distal_inertia", REAL, (links,)),  # kg·m² … and about the distal joint
-        ("first_site", INTEGER, (links + 1,)),  # the first site of each link and, at N, the number of sites
-        ("middle", INTEGER),  # joint at which the two arms of the elimination meet: the base if it is pinned
+        ("resisting", INTEGER),  # 1: some joint has damping or a spring
+        # 1/s, upper bound on the rates of the motions that dampers and springs of joints cause
+        ("joint_bound", REAL),
+        ("center_of_mass_ratio", REAL, (links,)),  # centre of mass over length
+        ("offset_ratio", REAL, (links,)),  # offset of the centre of mass over length
+        ("proximal_inertia", REAL, (links,)),  # kg·m², inertia about the proximal joint
+        ("distal_inertia", REAL, (links,)),  # kg·m², inertia about the distal joint
+        ("first_site", INTEGER, (links + 1,)),  # first site of each link; entry N is the number of sites
+        # joint at which the two arms of the elimination meet; for a pinned chain, the base
+        ("middle", INTEGER),
         ("gravity_size", REAL),  # m/s²
         ("reach", REAL),  # m, length of the stretched chain
-        ("size", REAL),  # m, longest link: the absolute scale of positions
-        ("energy", REAL),  # J, of the whole mass at one `size` a second: the absolute scale of energies
+        ("size", REAL),  # m, length of the longest link: the absolute scale of positions
+        # J, kinetic energy of the whole mass at one `size` per second: the absolute scale of energies
+        ("energy", REAL),
     )
 
 
 @given(AT_START)
 @written_by("forces/contact_law.py")
 def contact_dtype() -> np.dtype:
-    """Return the layout of the data that all contacts with walls share; the rest of their law is in `given`.
+    """Return the layout of the contact data that all walls share; the rest of the law is in `given`.
 
     variables/model.py sets the values that are not derived.
     """
     return record(
         ("exponent", REAL),
         ("radius", REAL),  # m
-        ("minimum_impact_speed", REAL),  # m/s, lower limit of v0, which is latched at onset
-        # derived
-        ("any_force", INTEGER),  # 1: some candidate has a law with a force …
-        ("any_rigid", INTEGER),  # … and one with impulses instead
+        ("minimum_impact_speed", REAL),  # m/s, lower limit of v₀, which is latched at the onset
+        # ---- derived at initialization
+        ("any_force", INTEGER),  # 1: some candidate has a law with a force
+        ("any_rigid", INTEGER),  # 1: some candidate has a law with impulses instead of a force
         ("any_friction", INTEGER),  # 1: some candidate has dry friction
     )
 
@@ -87,24 +94,24 @@ def contact_dtype() -> np.dtype:
 def stops_dtype() -> np.dtype:
     """Return the layout of the contact law of stops in joints.
 
-    Given stiffness and restitution are in `given`.
+    Given stiffness and restitution of stops are in `given`.
 
     variables/model.py sets the values that are not derived.
     """
     return record(
         ("law", INTEGER),  # number of the contact law, from 1; 0: the law of the walls
-        ("given_exponent", REAL),  # or DERIVED: the exponent of `contact`
+        ("given_exponent", REAL),  # exponent; DERIVED: the exponent of `contact`
         ("minimum_impact_speed", REAL),  # rad/s
-        # derived
+        # ---- derived at initialization
         ("exponent", REAL),
-        ("restitution", REAL),  # for readers of the record; the laws have it for each candidate
+        ("restitution", REAL),  # restitution, for readers of the record; the laws have it for each candidate
     )
 
 
 @given(AT_START)
 @written_by("initialize.py", mode="events/saturation.py")
 def slider_dtype() -> np.dtype:
-    """Return the layout of the line on which the base slides, and of the carriage: kernel/chain/slider.py.
+    """Return the layout of the slider: the line of the base and the carriage, see kernel/chain/slider.py.
 
     variables/model.py sets the values that are not derived.
     """
@@ -114,14 +121,14 @@ def slider_dtype() -> np.dtype:
         ("damping", REAL),  # N·s/m
         ("stiffness", REAL),  # N/m
         ("friction", REAL),  # N, dry friction
-        ("min", REAL),  # m, stops; −∞ …
-        ("max", REAL),  # m, … and ∞ where there is none
-        ("force_limit", REAL),  # N, of motor, spring and damper together; ∞: none
-        # derived
-        ("ux", REAL),  # u, the unit vector along the line
+        ("min", REAL),  # m, lower stop; −∞: no stop
+        ("max", REAL),  # m, upper stop; ∞: no stop
+        ("force_limit", REAL),  # N, limit of motor, spring and damper together; ∞: no limit
+        # ---- derived at initialization
+        ("ux", REAL),  # x of u, the unit vector along the line
         ("uy", REAL),
-        ("mode", INTEGER),  # as `drive.mode`
-        ("chosen", INTEGER),  # as `drive.chosen`
+        ("mode", INTEGER),  # mode of the slider's drive, as `drive.mode`
+        ("chosen", INTEGER),  # chosen mode of the slider's drive, as `drive.chosen`
     )
 
 
@@ -134,7 +141,7 @@ def initial_dtype(links: int) -> np.dtype:
         ("velocity", REAL, (2,)),  # m/s
         ("angle", REAL, (links,)),  # rad
         ("angular_velocity", REAL, (links,)),  # rad/s
-        ("slider_velocity", REAL),  # m/s, along the line of a slider
+        ("slider_velocity", REAL),  # m/s, velocity along the line of a slider
     )
 
 
@@ -145,25 +152,25 @@ def solver_dtype() -> np.dtype:
     return record(
         ("method", INTEGER),  # index into SOLVER_METHODS of kernel/ode/control.py, from 1
         ("tolerance", REAL),
-        ("work_limit", REAL),  # 1/s, evaluations per second of simulated time
+        ("work_limit", REAL),  # 1/s, largest number of evaluations per second of simulated time
     )
 
 
 def course_dtype(links: int) -> np.dtype:
-    """Return the layout of the inputs as polynomials of time, piece by piece, see kernel/forces/inputs.py."""
+    """Return the layout of one piece of the inputs, polynomials of time, see kernel/forces/inputs.py."""
     return record(
         ("order", INTEGER),  # 0: the inputs are constant
-        ("middle", REAL),  # s, the time at which the argument x is 0 …
-        ("scale", REAL),  # 1/s, … and its rate of change
+        ("middle", REAL),  # s, the time at which the argument x of the polynomials is 0
+        ("scale", REAL),  # 1/s, rate of change of the argument x
         ("until", REAL),  # s, the end of the piece
-        ("change_rate", REAL),  # 1/s, the rate at which the inputs change
+        ("change_rate", REAL),  # 1/s, how fast the inputs change
         ("joint_torque", REAL, (DEGREE + 1, links)),  # N·m, coefficients of the powers of x
-        ("joint_target_angle", REAL, (DEGREE + 1, links)),  # rad
-        ("joint_target_velocity", REAL, (DEGREE + 1, links)),  # rad/s
-        ("tip_force", REAL, (DEGREE + 1, 2)),  # N
-        ("slider_force", REAL, (DEGREE + 1, 1)),  # N
-        ("slider_target_position", REAL, (DEGREE + 1, 1)),  # m
-        ("slider_target_velocity", REAL, (DEGREE + 1, 1)),  # m/s
+        ("joint_target_angle", REAL, (DEGREE + 1, links)),  # rad, coefficients of the powers of x
+        ("joint_target_velocity", REAL, (DEGREE + 1, links)),  # rad/s, coefficients of the powers of x
+        ("tip_force", REAL, (DEGREE + 1, 2)),  # N, coefficients of the powers of x
+        ("slider_force", REAL, (DEGREE + 1, 1)),  # N, coefficients of the powers of x
+        ("slider_target_position", REAL, (DEGREE + 1, 1)),  # m, coefficients of the powers of x
+        ("slider_target_velocity", REAL, (DEGREE + 1, 1)),  # m/s, coefficients of the powers of x
     )
 
 
@@ -172,18 +179,20 @@ def course_dtype(links: int) -> np.dtype:
 def given_dtype(links: int) -> np.dtype:
     """Return the layout of the values that an importer can set at any time.
 
-    The values are applied at the next step, or when the output time is set.
+    The kernel applies the values at the next step, or when the communication point is set.
     """
     return record(
-        ("changed", INTEGER),  # AT_ONCE: a value was set since the last step; CONTINUES: only the course was
+        # AT_ONCE: a value was set since the last step; CONTINUES: only the next piece of the inputs was set
+        ("changed", INTEGER),
         ("law", INTEGER),  # number of the contact law, from 1
         ("stiffness", REAL),  # N/m^exponent
         ("restitution", REAL),
-        ("friction", REAL),  # coefficient of sliding …
-        ("static_friction", REAL),  # … and of static friction; 0 means the coefficient of sliding
+        ("friction", REAL),  # coefficient of sliding friction
+        # coefficient of static friction; 0: equal to the coefficient of sliding friction
+        ("static_friction", REAL),
         ("stop_stiffness", REAL),  # N·m/rad^exponent
-        ("stop_restitution", REAL),  # or DERIVED: the restitution of the walls
-        ("joint_damping", REAL, (links,)),  # as in `inputs`
+        ("stop_restitution", REAL),  # restitution of stops; DERIVED: the restitution of the walls
+        ("joint_damping", REAL, (links,)),  # N·m·s/rad, as in `inputs`
         ("joint_stiffness", REAL, (links,)),
         ("joint_torque", REAL, (links,)),
         ("joint_target_angle", REAL, (links,)),
@@ -198,17 +207,19 @@ def given_dtype(links: int) -> np.dtype:
 
 @written_by("forces/inputs.py")
 def inputs_dtype(links: int) -> np.dtype:
-    """Return the layout of the inputs in use, and of the joint values that can be set at any time."""
+    """Return the layout of the inputs in use, and of joint values that can be set at any time, in use."""
     return record(
         ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
         ("joint_stiffness", REAL, (links,)),  # N·m/rad at the proximal joint
         ("joint_torque", REAL, (links,)),  # N·m
-        ("joint_target_angle", REAL, (links,)),  # rad, at which the spring is slack: given, or an input
-        ("joint_target_velocity", REAL, (links,)),  # rad/s, at which the damper is without moment
+        # rad, angle at which the spring has no moment: a given value or an input
+        ("joint_target_angle", REAL, (links,)),
+        ("joint_target_velocity", REAL, (links,)),  # rad/s, velocity at which the damper has no moment
         ("tip_force", REAL, (2,)),  # N
         ("slider_force", REAL),  # N
-        ("slider_target_position", REAL),  # m, at which the spring is slack: given, or an input
-        ("slider_target_velocity", REAL),  # m/s, at which the damper has no force
+        # m, position at which the spring has no force: a given value or an input
+        ("slider_target_position", REAL),
+        ("slider_target_velocity", REAL),  # m/s, velocity at which the damper has no force
         ("course", course_dtype(links)),
     )
 
@@ -216,13 +227,14 @@ def inputs_dtype(links: int) -> np.dtype:
 @given(AT_ANY_TIME)
 @written_by("forces/inputs.py")
 def motion_dtype(channels: int) -> np.dtype:
-    """Return the layout of the given motions of base and walls, see kernel/chain/motion.py.
+    """Return the layout of the given motions of base and walls by channel, see kernel/chain/motion.py.
 
     variables/model.py sets the values that the kernel does not write.
     """
     return record(
-        ("follows", INTEGER),  # 1: the values at communication points are followed; 0: the course is set
-        ("jumps", INTEGER),  # 1: the speed of a belt jumps where the piece of the course begins
+        # 1: the motion follows the values at communication points; 0: the scene gives polynomials
+        ("follows", INTEGER),
+        ("jumps", INTEGER),  # 1: the speed of a belt jumps at the start of the piece of the inputs
         ("belt", INTEGER, (channels,)),  # 1: the channel is the travel of a belt
         ("position", REAL, (channels,)),  # m; 0 for a belt
         ("velocity", REAL, (channels,)),  # m/s
@@ -233,54 +245,59 @@ def motion_dtype(channels: int) -> np.dtype:
 
 @written_by("forces/inputs.py", **dict.fromkeys(("position", "velocity", "acceleration"), "chain/motion.py"))
 def moved_dtype(channels: int) -> np.dtype:
-    """Return the layout of the motions in use, and of the values that they follow."""
+    """Return the layout of the motions of base and walls in use, and of the values that they follow."""
     return record(
         ("began", REAL),  # s, the start of the run
         ("until", REAL),  # s, the communication point up to which the given values are followed
-        # number of the first channel, from 1, whose positions and velocities contradict each other, or 0; …
+        # number, from 1, of the first channel whose given positions and velocities contradict each other; 0:
+        # none
         ("contradiction", INTEGER),
-        ("distance", REAL),  # m, … the distance it has been moved, …
-        ("lasted", REAL),  # s, … the time for it, …
-        ("speed", REAL),  # m/s, … and the given velocity
-        ("position", REAL, (channels,)),  # m, position at the time of the located points …
-        ("velocity", REAL, (channels,)),  # m/s
-        ("acceleration", REAL, (channels,)),  # m/s²
+        ("distance", REAL),  # m, distance by which the contradicting channel was moved
+        ("lasted", REAL),  # s, time in which the contradicting channel was moved
+        ("speed", REAL),  # m/s, given velocity of the contradicting channel
+        ("position", REAL, (channels,)),  # m, position at the time of the located points
+        ("velocity", REAL, (channels,)),  # m/s, velocity at the time of the located points
+        ("acceleration", REAL, (channels,)),  # m/s², acceleration at the time of the located points
         ("course", REAL, (DEGREE + 1, channels)),  # m, coefficients of the powers of x
-        # the given values when they changed last, …
-        ("given_position", REAL, (channels,)),  # m
-        ("given_velocity", REAL, (channels,)),  # m/s
-        ("given_acceleration", REAL, (channels,)),  # m/s²
-        ("given_at", REAL, (channels,)),  # s, … and the time of this change
-        ("from_position", REAL, (channels,)),  # m, position from which the motion continues since then …
-        ("from_velocity", REAL, (channels,)),  # m/s, … and its velocity
-        ("anchored", INTEGER, (channels,)),  # 1: the position was given then; 0: it follows from the velocity
+        # the given values of a channel when they changed last
+        ("given_position", REAL, (channels,)),  # m, given position
+        ("given_velocity", REAL, (channels,)),  # m/s, given velocity
+        ("given_acceleration", REAL, (channels,)),  # m/s², given acceleration
+        ("given_at", REAL, (channels,)),  # s, time at which the given values changed last
+        # m, position from which the motion continues since the last change
+        ("from_position", REAL, (channels,)),
+        # m/s, velocity from which the motion continues since the last change
+        ("from_velocity", REAL, (channels,)),
+        # 1: a position was given at the last change; 0: the position follows from the velocity
+        ("anchored", INTEGER, (channels,)),
         ("mean", REAL, (channels,)),  # m/s, the mean velocity of a base without a given velocity
-        # derivatives with respect to given values (tangent/replay.py); their values are 0
-        ("added", REAL, (channels,)),  # m, added to the position, …
-        ("added_rate", REAL, (channels,)),  # m/s, … to the velocity …
-        ("added_push", REAL, (channels,)),  # m/s², … and to the acceleration
+        # numbers with the value 0 that have derivatives with respect to given values (tangent/replay.py)
+        ("added", REAL, (channels,)),  # m, added to the position
+        ("added_rate", REAL, (channels,)),  # m/s, added to the velocity
+        ("added_push", REAL, (channels,)),  # m/s², added to the acceleration
     )
 
 
 @written_by("rows/geometry.py", offset=("rows/geometry.py", "chain/motion.py"))
 def candidate_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the candidates: first the pairs of a point and a wall, then the stops in joints.
+    """Return the layout of the candidates: first pairs of a point and a wall, then stops in joints.
 
     variables/model.py sets the values that are not derived.
     """
     return table(
         candidates,
-        ("point", INTEGER),  # 0…N, sites N+1…N+P; for a stop 1…N, the number of its joint
-        # index into WALLS, or 4 plus the index into `walls`; stops have the numbers after these
+        # number of the point, 0…N; N+1…N+P for sites; for a stop the number of its joint, 1…N
+        ("point", INTEGER),
+        # index of the wall in WALLS, or 4 plus the index in `walls`; stops have the numbers after the walls
         ("wall", INTEGER),
         ("stop", INTEGER),  # ±1: at joint_min, joint_max; ±2: at slider_min, slider_max; 0: at a wall
-        # derived at initialization
-        # the point; for a stop N plus the number of the joint; for a site N plus its number
+        # ---- derived at initialization; index among all places: of the point, for a stop N plus the joint's
+        # number, for a site N plus its number
         ("place", INTEGER),
-        ("radius", REAL),  # m, of the point
-        ("normal_x", REAL),  # n of the wall …
+        ("radius", REAL),  # m, radius of the point
+        ("normal_x", REAL),  # x of the inward normal n of the wall
         ("normal_y", REAL),
-        ("offset", REAL),  # m, … and n·p of the points on it
+        ("offset", REAL),  # m, n·p of the points p on the wall
     )
 
 
@@ -297,32 +314,33 @@ def site_dtype(sites: int) -> np.dtype:
             "corner",
             INTEGER,
             (sites,),
-        ),  # 1 to 4: corner of a box, which derives its place; 0: none
-        ("x", REAL, (sites,)),  # m, along the link from its proximal joint, …
-        ("y", REAL, (sites,)),  # m, … and to the left of its line
-        ("given_radius", REAL, (sites,)),  # m, or DERIVED: the radius of `contact`
-        # derived at initialization
+        ),  # 1 to 4: the site is a corner of a box, which determines its position; 0: not a corner
+        ("x", REAL, (sites,)),  # m, along the link from the proximal joint
+        ("y", REAL, (sites,)),  # m, to the left of the link's line
+        ("given_radius", REAL, (sites,)),  # m; DERIVED: the radius of `contact`
+        # ---- derived at initialization
         ("radius", REAL, (sites,)),  # m
-        ("along", REAL, (sites,)),  # x / length …
-        ("beside", REAL, (sites,)),  # … and y / length
+        ("along", REAL, (sites,)),  # x / length
+        ("beside", REAL, (sites,)),  # y / length
     )
 
 
 @written_by("chain/motion.py", rest="rows/geometry.py")
 def shift_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the motion of each candidate's wall, in a scene in which some wall moves.
+    """Return the layout of the motion of each candidate's wall, in a scene with moving walls.
 
     variables/model.py sets the values that are not derived.
     """
     return table(
         candidates,
-        ("channel", INTEGER),  # the wall's channel; the next one moves its belt; −1: the wall is at rest
-        ("rest", REAL),  # m, offset of the wall if it had not moved
-        ("rate", REAL),  # m/s, speed of the wall along n …
-        ("push", REAL),  # m/s², … and its acceleration
-        ("travel", REAL),  # m, travel of the belt along t, …
-        ("belt_rate", REAL),  # m/s, … its speed …
-        ("belt_push", REAL),  # m/s², … and its acceleration
+        # first channel of the wall; the next channel moves the wall's belt; −1: the wall does not move
+        ("channel", INTEGER),
+        ("rest", REAL),  # m, offset of the wall without motion
+        ("rate", REAL),  # m/s, speed of the wall along n
+        ("push", REAL),  # m/s², acceleration of the wall along n
+        ("travel", REAL),  # m, travel of the belt along t
+        ("belt_rate", REAL),  # m/s, speed of the belt along t
+        ("belt_push", REAL),  # m/s², acceleration of the belt along t
     )
 
 
@@ -332,19 +350,20 @@ def law_dtype(candidates: int) -> np.dtype:
     return table(
         candidates,
         ("same_as", INTEGER),  # the first candidate with the same law
-        ("number", INTEGER),  # number of the law, from 1; 0: not yet set
+        ("number", INTEGER),  # number of the law, from 1; 0: not set yet
         ("stiffness", REAL),  # N/m^exponent
         ("exponent", REAL),
         ("restitution", REAL),
         ("minimum_impact_speed", REAL),  # m/s
-        ("friction", REAL),  # coefficient of sliding …
-        ("static_friction", REAL),  # … and of static friction, which is not less
-        # derived
+        ("friction", REAL),  # coefficient of sliding friction
+        # coefficient of static friction, not less than the coefficient of sliding friction
+        ("static_friction", REAL),
+        # ---- derived from the parameters
         ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
         ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
         ("approach_only", INTEGER),  # 1: damped during compression only
-        ("impulsive", INTEGER),  # 1: rigid, with impulses instead of a force law
-        ("harmless_depth", REAL),  # m, depth in the wall up to which a point is not in contact
+        ("impulsive", INTEGER),  # 1: the wall is rigid, with impulses instead of a force law
+        ("harmless_depth", REAL),  # m, depth in the wall up to which a point counts as apart
     )
 
 
@@ -353,15 +372,15 @@ def law_dtype(candidates: int) -> np.dtype:
 def walls_dtype(candidates: int) -> np.dtype:
     """Return the layout of the walls at any angle, at most C, and of the materials of all walls.
 
-    variables/model.py sets them; an importer may set stiffness and restitution, as those in `given`.
+    variables/model.py sets these values; an importer may set stiffness and restitution at any time.
     """
     return record(
-        ("x", REAL, (candidates,)),  # m, a point on each wall …
+        ("x", REAL, (candidates,)),  # m, x of a point on each wall
         ("y", REAL, (candidates,)),
-        ("angle", REAL, (candidates,)),  # rad, … and its direction from +x: the free side is to its left
-        # the walls of the box come first: N/m^exponent, 0 for the stiffness of `contact`, …
+        ("angle", REAL, (candidates,)),  # rad, direction of each wall from +x; the free side is to the left
+        # N/m^exponent; 0: the stiffness of `contact`. The walls of the box come first.
         ("stiffness", REAL, (len(WALLS) + candidates,)),
-        # … and −1 for the restitution of `contact`; the other materials in the same way:
+        # restitution; −1: the restitution of `contact`. Friction is given in the same way.
         ("restitution", REAL, (len(WALLS) + candidates,)),
         ("friction", REAL, (len(WALLS) + candidates,)),
         ("static_friction", REAL, (len(WALLS) + candidates,)),

@@ -1,17 +1,18 @@
-"""The layout of an instance, and of its outputs: one flat record that holds all data of a running simulation.
+"""The layout of an instance, one flat record that holds all data of a running simulation, and of its outputs.
 
 Parameters, inputs, the integrator's memory, statistics, outputs and work space are the fields of one NumPy
 record without pointers, so the state of an FMU is a copy of its bytes. Every scalar takes eight bytes (a
 double or an integer), so it has an index counted in doubles from the start of the record. The FMU's code
 needs no other knowledge of the layout.
 
-N links, points 0…N (0 the base, N the tip), P sites (further points of links), C candidates (pairs of a
-point or site and a wall), state vector y (kernel/chain/state.py).
+Letters: N links, points 0…N (0 is the base, N is the tip), P sites (further points of links), C candidates
+(pairs of a point or site and a wall), F elements of dry friction, L loads, K channels, D signals, R knots,
+and the state vector y (kernel/chain/state.py).
 
-Every size and offset is a + bN + cC + dF + eL + fK + gP + hD + iR. The compiled kernel relies on it
-(compilation/record_type.py). The parts that depend on C come after all others, then those that depend on F,
-then those that depend on L, and last those that depend on K, so that the offsets of all others do not depend
-on them.
+Every size and offset has the form a + bN + cC + dF + eL + fK + gP + hD + iR. The compiled kernel relies on
+this form (compilation/record_type.py). The parts that depend on C come after all others, then those that
+depend on F, then those that depend on L, and last those that depend on K, so that the offsets of all others
+do not depend on them.
 """
 
 import numpy as np
@@ -72,36 +73,38 @@ def output_dtype(
     sites: int = 0,
     signals: int = 0,
 ) -> np.dtype:
-    """Return the layout of the outputs at the communication point; one row of a time series."""
+    """Return the layout of the outputs at the communication point."""
     points = links + 1 + sites
     return record(
-        ("point_position", REAL, (points, 2)),  # m, of the points 0…N and the sites
+        ("point_position", REAL, (points, 2)),  # m, positions of the points 0…N and of the sites
         ("point_velocity", REAL, (points, 2)),  # m/s
         ("point_acceleration", REAL, (points, 2)),  # m/s²
-        ("angle", REAL, (links,)),  # rad, absolute, from +x
+        ("angle", REAL, (links,)),  # rad, absolute angle from +x
         ("angular_velocity", REAL, (links,)),  # rad/s
         ("angular_acceleration", REAL, (links,)),  # rad/s²
-        ("joint_angle", REAL, (links,)),  # rad, from the link before; the first one from +x
-        ("joint_angular_velocity", REAL, (links,)),  # rad/s, from the link before; the first one from +x
-        ("slider_position", REAL),  # m, along the line, 0 at the start
+        ("joint_angle", REAL, (links,)),  # rad, angle relative to the link before; of link 1, from +x
+        # rad/s, angular velocity relative to the link before; of link 1, absolute
+        ("joint_angular_velocity", REAL, (links,)),
+        ("slider_position", REAL),  # m, position along the line, 0 at the start
         ("slider_velocity", REAL),  # m/s
         ("slider_acceleration", REAL),  # m/s²
-        ("slider_reaction", REAL),  # N, force of the line on the carriage along the left normal, with loads …
-        ("slider_moment", REAL),  # N·m, … and its moment
-        ("force", REAL, (candidates,)),  # N, wall on point, along the inward normal
-        ("penetration", REAL, (candidates,)),  # m, 0 when apart
-        ("penetration_rate", REAL, (candidates,)),  # m/s, > 0 compressing, 0 when apart
+        # N, force of the line on the carriage along the left normal, if loads are requested
+        ("slider_reaction", REAL),
+        ("slider_moment", REAL),  # N·m, moment of the line on the carriage, if loads are requested
+        ("force", REAL, (candidates,)),  # N, force of the wall on the point along the inward normal
+        ("penetration", REAL, (candidates,)),  # m, 0 without contact
+        ("penetration_rate", REAL, (candidates,)),  # m/s, positive during compression, 0 without contact
         ("impulse", REAL, (candidates,)),  # N·s, impulse of the wall on the point since the start
         ("kinetic", REAL),  # J
-        ("potential", REAL),  # J, gravity, zero at the origin
-        ("elastic", REAL),  # J, stored in the contacts and in the springs of joints
-        ("dissipated", REAL),  # J, by contacts and joint damping since the start
-        ("supplied", REAL),  # J, by the inputs since the start
-        ("total", REAL),  # J, kinetic + potential + elastic
+        ("potential", REAL),  # J, energy of gravity, zero at the origin
+        ("elastic", REAL),  # J, energy stored in the contacts and in the springs of joints
+        ("dissipated", REAL),  # J, energy dissipated by contacts and joint damping since the start
+        ("supplied", REAL),  # J, energy supplied by the inputs since the start
+        ("total", REAL),  # J, sum of kinetic, potential and elastic energy
         ("friction", friction_output_dtype(elements)),
         ("load", load_output_dtype(loads)),
-        ("channel", REAL, (channels,)),  # m, the positions of prescribed motions
-        # value, rate and second derivative of the quantities that signals drive
+        ("channel", REAL, (channels,)),  # m, positions of base and walls with prescribed motions
+        # value, rate and second derivative of each input that a signal drives
         ("signal", REAL, (signals, 3)),
     )
 
@@ -109,27 +112,28 @@ def output_dtype(
 def friction_output_dtype(elements: int) -> np.dtype:
     """Return the layout of the outputs of dry friction, by element."""
     return record(
-        ("force", REAL, (elements,)),  # N, on a candidate: wall on point, along t = (n_y, −n_x)
+        ("force", REAL, (elements,)),  # N, force of the wall on a candidate's point along t = (n_y, −n_x)
         ("impulse", REAL, (elements,)),  # N·s, the impulse of this force since the start
         ("sticking", REAL, (elements,)),  # 1: the contact sticks
-        # N·m, on the link of each joint, or N, on a slider; there are fewer than elements
+        # N·m on the outer link of each joint, or N on a slider; there are fewer than elements
         ("joint_moment", REAL, (elements,)),
         ("joint_sticking", REAL, (elements,)),  # 1: the joint sticks
-        ("dissipated", REAL),  # J, part of `dissipated`
+        ("dissipated", REAL),  # J, energy dissipated by dry friction, a part of `dissipated`
     )
 
 
 def load_output_dtype(loads: int) -> np.dtype:
-    """Return the layout of the outputs of loads: a row for each joint, then one for each wall.
+    """Return the layout of the outputs of loads: a row for each joint, then a row for each wall.
 
-    Rows of walls have no impulses and peaks.
+    Rows of walls have no impulses and no peaks.
     """
     return record(
-        # N, force on each joint's link by the link before or the ground; or force on the wall
+        # N, force on each joint's outer link by the link before or the ground; or force on the wall
         ("x", REAL, (loads,)),
         ("y", REAL, (loads,)),
-        ("moment", REAL, (loads,)),  # N·m, on the link of each joint, or on the wall about its point
-        ("impulse_x", REAL, (loads,)),  # N·s, since the start
+        # N·m, moment on each joint's outer link; or moment on the wall about its point
+        ("moment", REAL, (loads,)),
+        ("impulse_x", REAL, (loads,)),  # N·s, impulse of the force since the start
         ("impulse_y", REAL, (loads,)),
         ("peak", REAL, (loads,)),  # N, the largest force so far
     )
@@ -137,20 +141,20 @@ def load_output_dtype(loads: int) -> np.dtype:
 
 @written_by("loads.py")
 def transmitted_dtype(loads: int) -> np.dtype:
-    """Return the layout of the data on forces that the joints transmit, in the rows of their outputs."""
+    """Return the layout of the work data on the forces that joints transmit, in the rows of their outputs."""
     return record(
-        ("start_time", REAL),  # s
+        ("start_time", REAL),  # s, start of the run
         ("tip_impulse", REAL, (2,)),  # N·s, impulse of the force at the tip since the start
-        ("start_x", REAL, (loads,)),  # N·s, momentum of the link at the start
+        ("start_x", REAL, (loads,)),  # N·s, momentum of the outer link at the start
         ("start_y", REAL, (loads,)),
         ("peak", REAL, (loads,)),  # N², the largest square of a force until the start of the last step
-        ("top", REAL, (loads,)),  # N², the largest square in the last step, while it is searched for
-        ("seen", REAL, (loads,)),  # N², the largest square in the last step for which a row was filled, …
-        ("seen_breaks", INTEGER),  # … with this `step.breaks` …
-        ("seen_end", REAL),  # s, … and this end
-        ("x", REAL, (loads,)),  # N, forces at a sample, …
+        ("top", REAL, (loads,)),  # N², largest square in the last step, found so far
+        ("seen", REAL, (loads,)),  # N², largest square in the last step for which the outputs were filled
+        ("seen_breaks", INTEGER),  # value of `step.breaks` for which ``seen`` is valid
+        ("seen_end", REAL),  # s, value of `step.end` for which ``seen`` is valid
+        ("x", REAL, (loads,)),  # N, forces at a sample
         ("y", REAL, (loads,)),
-        ("before", REAL, (loads,)),  # N², … and the squares of three in sequence
+        ("before", REAL, (loads,)),  # N², squares of the forces at three successive samples
         ("middle", REAL, (loads,)),
         ("after", REAL, (loads,)),
     )
@@ -168,7 +172,7 @@ def instance_dtype(
 ) -> np.dtype:
     """Return the layout of an instance with N = ``links`` links, C = ``candidates`` candidates, F elements.
 
-    The ``elements`` are the parts that may have dry friction: candidates, joints and a slider. F is 0 in a
+    The elements are the parts that may have dry friction: candidates, joints and a slider. F is 0 in a
     scene without dry friction, whose record has no room for it. The record has room for loads only if they
     are requested: then ``loads`` L is the number of joints N and walls together. The ``channels`` K are the
     given motions of the base and of walls (chain/motion.py). The ``sites`` P are points of links beside the
@@ -186,7 +190,8 @@ def instance_dtype(
         ("knots", INTEGER),  # R
         ("skewed", INTEGER),  # 1: the centre of mass of some link lies beside its line
         ("slides", INTEGER),  # 1: the base slides along a line
-        ("tangents", INTEGER),  # number of tangent instances that follow this one in memory (kernel/tangent/)
+        # number of tangent instances that follow the record in memory (kernel/tangent/)
+        ("tangents", INTEGER),
         ("model", model_dtype(links)),
         ("contact", contact_dtype()),
         ("stops", stops_dtype()),

@@ -1,4 +1,4 @@
-"""The part of the record with the signals that drive inputs."""
+"""The part of the record with the data of signals, which drive inputs."""
 
 import numpy as np
 
@@ -9,23 +9,24 @@ from chain_impact.kernel.record.fields import AT_START, INTEGER, REAL, given, re
 @given(AT_START)
 @written_by("chain/signals.py")
 def signal_dtype(signals: int) -> np.dtype:
-    """Return the layout of the signals, a row for each driven input, see kernel/chain/signals.py.
+    """Return the layout of the signals, one row for each driven input, see kernel/chain/signals.py.
 
-    The given numbers of a signal that drives several inputs are in the row of the first one, its `source`.
-    variables/model.py sets the values that are not derived.
+    If a signal drives several inputs, its given numbers are in the row of the first input; `source` is the
+    index of this row. variables/model.py sets the values that are not derived.
     """
     return record(
         ("form", INTEGER, (signals,)),  # one of FORMS: constant, sine, ramp, steps, table
-        ("shape", INTEGER, (signals,)),  # shape of a ramp
+        ("shape", INTEGER, (signals,)),  # kind of a ramp: SMOOTH, LINEAR or TRAPEZOID
         ("source", INTEGER, (signals,)),
-        ("input", INTEGER, (signals,)),  # the driven input …
-        ("index", INTEGER, (signals,)),  # … and its joint, component or channel
-        ("order", INTEGER, (signals,)),  # for a channel: 0 drives the position, 1 the velocity, …
-        ("first", INTEGER, (signals,)),  # the first knot …
-        ("last", INTEGER, (signals,)),  # … and the last one
-        ("period", REAL, (signals,)),  # s, time after which a table repeats; 0: never
-        ("gain", REAL, (signals,)),  # growth of an integral in a period
-        ("value", REAL, (signals,)),  # given, in the unit of the input
+        ("input", INTEGER, (signals,)),  # kind of the driven input: TORQUE, TARGET, …
+        ("index", INTEGER, (signals,)),  # index of the driven input's joint, component or channel
+        # for a channel: the signal drives the position (0), the velocity (1) or the acceleration (2)
+        ("order", INTEGER, (signals,)),
+        ("first", INTEGER, (signals,)),  # index of the first knot
+        ("last", INTEGER, (signals,)),  # index of the last knot
+        ("period", REAL, (signals,)),  # s, time after which a table repeats; 0: the table does not repeat
+        ("gain", REAL, (signals,)),  # growth of an integral in a period of the table
+        ("value", REAL, (signals,)),  # value of a constant, in the unit of the input
         ("mean", REAL, (signals,)),
         ("amplitude", REAL, (signals,)),
         ("frequency", REAL, (signals,)),  # Hz
@@ -36,26 +37,28 @@ def signal_dtype(signals: int) -> np.dtype:
         ("initial", REAL, (signals,)),
         ("final", REAL, (signals,)),
         ("duration", REAL, (signals,)),  # s
-        # derived
+        # ---- derived at initialization
         ("degree", INTEGER, (signals,)),  # largest degree of the polynomials
-        ("size", REAL, (signals,)),  # amplitude of the sine, or of its integral …
-        ("angle", REAL, (signals,)),  # rad, … and its phase
-        ("begin", REAL, (signals,)),  # m, added to an integral: the base's position at the start
-        ("segment", INTEGER, (signals,)),  # the knot in use …
-        ("lap", INTEGER, (signals,)),  # … and how often the table has been repeated before
+        ("size", REAL, (signals,)),  # amplitude of the sine, or of the integral of the sine
+        ("angle", REAL, (signals,)),  # rad, phase of the sine, or of the integral of the sine
+        # m, constant that is added to an integral: the base's position at the start
+        ("begin", REAL, (signals,)),
+        ("segment", INTEGER, (signals,)),  # knot in use
+        ("lap", INTEGER, (signals,)),  # number of times that the table has been repeated before
     )
 
 
 @given(AT_START)
 @written_by("chain/signals.py")
 def knot_dtype(knots: int) -> np.dtype:
-    """Return the layout of all signals' knots, the starts of their polynomials.
+    """Return the layout of the knots of all signals, the starts of the polynomials.
 
     The knots of a table are given.
     """
     return record(
-        ("given_time", REAL, (knots,)),  # s, times of steps
-        ("given_value", REAL, (knots,)),  # values of steps, in the unit of the input
-        ("time", REAL, (knots,)),  # s
+        ("given_time", REAL, (knots,)),  # s, times of the rows of a table or of steps
+        # values of the rows of a table or of steps, in the unit of the input
+        ("given_value", REAL, (knots,)),
+        ("time", REAL, (knots,)),  # s, time of the knot
         ("powers", REAL, (knots, DEGREE + 1)),  # coefficients of the powers of the time since the knot
     )

@@ -1,4 +1,4 @@
-"""The parts of the record with the solver's memory and work space."""
+"""The parts of the record with the memory and the work space of the solver."""
 
 import numpy as np
 
@@ -32,25 +32,30 @@ def step_dtype(links: int) -> np.dtype:
     return record(
         ("time", REAL),  # s, the communication point; start ≤ time ≤ end
         ("start", REAL),  # s
-        # s, time at which the time in the state is 0: the start of the last or the tried step
+        # s, time at which the time t in the state is 0: the start of the last or the tried step
         ("clock", REAL),
-        ("end", REAL),  # s, the end of the whole step, or the event at which it was truncated
+        ("end", REAL),  # s, end of the whole step, or the event at which the step was truncated
         ("size", REAL),  # s, in the step's integration variable, see kernel/ode/sundman.py
-        ("kept", REAL),  # the fraction of `size` at which the step ends
+        ("kept", REAL),  # fraction of `size` at which the step ends
         ("next_size", REAL),  # s, the proposed size of the next step, in the step's integration variable
-        ("flight_size", REAL),  # s, size proposed at the onset of the first of the present contacts
+        # s, proposed size at the onset of the first of the present contacts, for the flight after them
+        ("flight_size", REAL),
         ("state", REAL, (state,)),  # y at `start`
         ("state_end", REAL, (state,)),  # y at `end`
-        ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
+        ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # coefficients of the dense output over `size`
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
         ("dense_for", INTEGER),  # the user of the dense output, see kernel/ode/last_step.py
         ("last_method", INTEGER),  # the method of the last step, see kernel/ode/control.py
-        ("breaks", INTEGER),  # number of steps that did not continue from the end of the last step
-        ("regularized", INTEGER),  # the candidate in whose fictitious time the step runs, −1: in time
+        # number of breaks in the sequence of steps, where a step did not continue from the end of the last
+        # step
+        ("breaks", INTEGER),
+        # candidate of the regularized contact, in whose fictitious time the step runs; −1: the step runs in
+        # time
+        ("regularized", INTEGER),
         ("method", INTEGER),  # the current method, see kernel/ode/control.py
-        ("explicit_size", REAL),  # s, size of the last explicit step before implicit ones; 0: not known
-        ("stiff_count", INTEGER),  # steps in a row that favoured the other method …
-        ("switch_hysteresis", INTEGER),  # … and the number of them that causes a change
+        ("explicit_size", REAL),  # s, size of the last explicit step before implicit steps; 0: not known
+        ("stiff_count", INTEGER),  # number of steps in a row that favoured the other method
+        ("switch_hysteresis", INTEGER),  # number of steps in a row that causes a change of the method
     )
 
 
@@ -60,26 +65,27 @@ def trial_dtype(links: int) -> np.dtype:
     return record(
         ("size", REAL),  # s, in the step's integration variable
         ("state", REAL, (state_size(links),)),  # y at the step's end
-        ("error", REAL),  # relative to the tolerance; the step is accepted if it is at most 1
-        ("cost_factor", REAL),  # the factor on the size of the next step by the cost of this one
+        ("error", REAL),  # error relative to the tolerance; the step is accepted if the error is at most 1
+        ("cost_factor", REAL),  # factor on the size of the next step, from the cost of the tried step
     )
 
 
 @written_by("status.py")
 def fault_dtype() -> np.dtype:
-    """Return the layout of the place of the reason for a refusal."""
-    return record(("place", INTEGER))  # from 1: candidates, links, base at the candidates' walls; 0: none
+    """Return the layout of the reason for a refusal."""
+    # number of the reason: candidates from 1, then links, then the base at the candidates' walls; 0: none
+    return record(("place", INTEGER))
 
 
 @written_by("status.py", status="status.py")
 def statistics_dtype() -> np.dtype:
     """Return the layout of the counts since the start, and of the status."""
     return record(
-        ("steps", INTEGER),  # accepted
+        ("steps", INTEGER),  # number of accepted steps
         ("rejected_steps", INTEGER),
-        ("rhs_evaluations", INTEGER),  # by the solver; those for outputs are not counted
+        ("rhs_evaluations", INTEGER),  # number of evaluations by the solver, without evaluations for outputs
         ("implicit_steps", INTEGER),
-        ("status", INTEGER),  # see kernel/status.py
+        ("status", INTEGER),  # status of the run, see kernel/status.py
     )
 
 
@@ -87,12 +93,12 @@ def statistics_dtype() -> np.dtype:
 def limits_dtype() -> np.dtype:
     """Return the layout of the counts of events and work, which are limited in windows of time."""
     return record(
-        ("event_start", REAL),  # s
+        ("event_start", REAL),  # s, start of the window of events
         ("event_count", INTEGER),
-        ("work_start", REAL),  # s
+        ("work_start", REAL),  # s, start of the window of work
         ("work_count", INTEGER),  # all work before `work_start`, in evaluations
-        ("call_count", INTEGER),  # all work before the communication point
-        ("other_work", INTEGER),  # work other than evaluations: computed points, responses to impulses
+        ("call_count", INTEGER),  # all work before the communication step, in evaluations
+        ("other_work", INTEGER),  # work other than evaluations: located points, responses to impulses
     )
 
 
@@ -100,30 +106,30 @@ def limits_dtype() -> np.dtype:
 def balance_dtype() -> np.dtype:
     """Return the layout of the energy balance, and of its allowed changes."""
     return record(
-        ("at_end", REAL),  # J, the energy balance at the end of the last step …
-        ("at_start", REAL),  # … and at its start
-        ("breaks", INTEGER),  # the value of `step.breaks` when the balance was last rebased
-        ("start", REAL),  # s, of the present window
-        # J, the energy balance at the window's start, with later changes by parameters added
+        ("at_end", REAL),  # J, energy balance at the end of the last step
+        ("at_start", REAL),  # J, energy balance at the start of the last step
+        ("breaks", INTEGER),  # value of `step.breaks` when the balance was last evaluated again
+        ("start", REAL),  # s, start of the window of time
+        # J, energy balance at the start of the window, plus later changes by parameters
         ("reference", REAL),
-        ("allowed", REAL),  # J, the largest change allowed to a step in the window so far, …
-        ("least_allowed", REAL),  # … and the change allowed to every step
+        ("allowed", REAL),  # J, largest change that was allowed to a step in the window so far
+        ("least_allowed", REAL),  # J, the change that is allowed to every step
         ("since", REAL),  # s, the start of the run
-        ("origin", REAL),  # J, the energy balance at the start of the run, with the same changes added
+        ("origin", REAL),  # J, energy balance at the start of the run, plus later changes by parameters
         ("available_at_start", REAL),  # J, the available energy at the start of the last step
-        ("available", REAL),  # J, the energy available so far
-        ("unit_motion", REAL),  # √J, √E₁
+        ("available", REAL),  # J, available energy at the end of the last step
+        ("unit_motion", REAL),  # √J, square root of E₁
         ("unit_scale", REAL),  # J, the constant part of S
         ("weight", REAL),  # N, weight of the chain
     )
 
 
 def factors_dtype(links: int, scalar: type, rows: int) -> np.dtype:
-    """Return the layout of M + Jᵀ D J + K, eliminated, in each row."""
+    """Return the layout of the factors of M + Jᵀ D J + K, with several rows."""
     return record(
         # h/(H + κ), 1/(H + κ), κ/(H + κ) and H/(H + κ) of each link
         *((name, scalar, (rows, links)) for name in ("gain_x", "gain_y", "inverse", "share", "rest")),
-        ("coupled", INTEGER, (rows,)),  # 1: joints transmit moments; else the last two are not used
+        ("coupled", INTEGER, (rows,)),  # 1: joints transmit moments; 0: ``share`` and ``rest`` are not used
         ("middle_mobility", scalar, (rows, 3)),  # 1/kg, A⁻¹ of the joint at which the arms meet: xx, xy, yy
     )
 
@@ -152,54 +158,56 @@ def elimination_dtype(links: int) -> np.dtype:
     **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),
 )
 def work_dtype(links: int, sites: int) -> np.dtype:
-    """Return the layout of work space, valid within a step, except `rate_end` and points with `at_end` 1."""
+    """Return the layout of the work space, which is valid within a step only."""
     points, state = links + 1, state_size(links)
     places, loads = vectors_dtype(place_count(links, sites)), loads_dtype(links, sites)
     impedance = impedance_dtype(links, sites)
     return record(
         ("stage", REAL, (STAGES, state)),  # dy/ds at the stages
-        ("rate_start", REAL, (state,)),  # ẏ at the start …
-        ("rate_end", REAL, (state,)),  # … and the end of the step
-        ("y", REAL, (state,)),  # a state that is evaluated …
-        ("rate", REAL, (state,)),  # … and its ẏ, outside of a step
-        ("error", REAL, (2, state)),  # the embedded error estimates
+        ("rate_start", REAL, (state,)),  # ẏ at the start of the step
+        ("rate_end", REAL, (state,)),  # ẏ at the end of the step; remains valid after the step
+        ("y", REAL, (state,)),  # a state that is being evaluated
+        ("rate", REAL, (state,)),  # ẏ of ``y``, for an evaluation outside of a step
+        ("error", REAL, (2, state)),  # the two embedded error estimates
         ("link", vectors_dtype(points)),  # m, L_i; entry N is not used
         ("load", loads),  # N or N·s at each place, N·m or N·m·s in each joint
-        ("moment", REAL, (links,)),  # N·m on each link, from its joints
-        ("thrust", REAL),  # N, of motor, spring and damper on the carriage
-        ("impedance", impedance),  # kg, D of each place; kg·m², of each joint
+        ("moment", REAL, (links,)),  # N·m, moment on each link from its joints
+        ("thrust", REAL),  # N, force of motor, spring and damper on the carriage
+        ("impedance", impedance),  # impedances: kg, D of each place; kg·m², of each joint
         ("factors", factors_dtype(links, REAL, ROWS)),  # see kernel/chain/response.py
         ("elimination", elimination_dtype(links)),  # results of the recursion for the accelerations
-        ("position", places),  # m, of the places: points, joints in a scene with stops, and sites
-        ("velocity", places),  # m/s
-        ("acceleration", places),  # m/s²
-        ("at_end", INTEGER),  # 1: the points are those at the end of the step
+        ("position", places),  # m, positions of all places: points, joints in a scene with stops, and sites
+        ("velocity", places),  # m/s, velocities of all places
+        ("acceleration", places),  # m/s², accelerations of all places
+        # 1: the places are those at the end of the step, and remain valid after the step
+        ("at_end", INTEGER),
         # 1/kg, change of the coordinates' rates by a unit impulse
         ("change", REAL, (coordinate_count(links),)),
-        ("motion", places),  # motion of the places, for a given motion of the coordinates
-        ("reach", REAL, (points,)),  # m/s², bound on the links' part of the acceleration of each point
+        ("motion", places),  # motion of the places that belongs to a motion of the coordinates
+        # m/s², bound on the links' contribution to the acceleration of each point
+        ("reach", REAL, (points,)),
     )
 
 
 @written_by("events/exclusion.py", curvature=("events/crossing.py", "ode/collocation.py"))
 def search_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the search for events, with data at the ends of the searched interval."""
+    """Return the layout of the search for events, with data at both ends of the searched interval."""
     return record(
-        ("known", INTEGER),  # knowledge at the end of a step, see kernel/events/exclusion.py, …
-        ("known_for", INTEGER),  # … and the value of `step.breaks` for which it is valid
-        # m, lower bound on the clearances at this point, if they were not evaluated again …
+        ("known", INTEGER),  # which data are known at the end of a step, see kernel/events/exclusion.py
+        ("known_for", INTEGER),  # value of `step.breaks` for which ``known`` is valid
+        # m, lower bound on the clearances at the end of a step, if the clearances were not evaluated
         ("safe_distance", REAL),
-        ("speed", REAL),  # m/s, speed of the fastest point …
-        ("acceleration", REAL),  # m/s², … and the largest acceleration of a point
-        # number of candidates that the search follows: others have no event in the step
+        ("speed", REAL),  # m/s, speed of the fastest point at the end of a step
+        ("acceleration", REAL),  # m/s², largest acceleration of a point at the end of a step
+        # number of candidates that the search follows; the other candidates have no event in the step
         ("suspect_count", INTEGER),
-        ("suspect", INTEGER, (candidates,)),  # the followed candidates, packed
+        ("suspect", INTEGER, (candidates,)),  # indices of the candidates that the search follows, packed
         ("curvature", REAL, (candidates,)),  # m/s², bound on |g̈| of each candidate over the step
-        ("clear_start", REAL, (candidates,)),  # m, clearance of each candidate …
+        ("clear_start", REAL, (candidates,)),  # m, φ of each candidate at the start of the interval
         ("clear_end", REAL, (candidates,)),
-        ("clear_start_rate", REAL, (candidates,)),  # m/s … and its rate
+        ("clear_start_rate", REAL, (candidates,)),  # φ′ of each candidate at the start of the interval
         ("clear_end_rate", REAL, (candidates,)),
-        ("clear_start_curve", REAL, (candidates,)),  # m/s², second derivative
+        ("clear_start_curve", REAL, (candidates,)),  # φ″ of each candidate at the start of the step
         ("clear_end_curve", REAL, (candidates,)),
     )
 
@@ -214,40 +222,42 @@ def search_dtype(candidates: int) -> np.dtype:
     weight="ode/collocation.py",
 )
 def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np.dtype:
-    """Return the layout of work space for an implicit step, and of its data of the last one.
+    """Return the layout of the work space of an implicit step, and of the data of the last implicit step.
 
-    z = (y, then the clearances of active contacts, their rates, impulses): kernel/ode/extended.py.
+    The vector z consists of y, the clearances of active contacts, the rates of these clearances, and impulses
+    (kernel/ode/extended.py).
     """
     state = state_size(links)
     extended = state + 3 * candidates + elements
-    # for each pair of complex shifts, the data that ``work`` holds for a real one
+    # for each pair of complex shifts, the data that ``work`` holds for a real shift
     pairs = record(
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),
         ("load", loads_dtype(links, sites, COMPLEX)),
         ("motion", vectors_dtype(place_count(links, sites), COMPLEX)),
         ("change", COMPLEX, (coordinate_count(links),)),
-        ("x", COMPLEX, (extended,)),  # a right-hand side, later the solution
+        ("x", COMPLEX, (extended,)),  # right-hand side of a system, later the solution
     )
     return record(
-        ("start", REAL, (extended,)),  # z at the start of a step …
-        ("start_rate", REAL, (extended,)),  # … and ż
+        ("start", REAL, (extended,)),  # z at the start of a step
+        ("start_rate", REAL, (extended,)),  # ż at the start of a step
         ("z", REAL, (extended,)),
-        ("weight", REAL, (extended,)),  # weights of errors, over the tolerance
-        ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z to the nodes …
-        ("rates", REAL, (RADAU_STAGES, extended)),  # … and ż at the nodes
-        ("parts", REAL, (RADAU_STAGES, extended)),  # residuals in the eigenvectors of Q, then corrections
-        ("last", REAL, (RADAU_STAGES, extended)),  # the increments of the last step, …
-        ("listing", INTEGER),  # … and the value of `touch.listings` for which they can be extrapolated
-        ("iterations", INTEGER),  # number of iterations in the tried step, …
-        ("correction", REAL),  # … the largest component of the last correction, over the tolerance, …
-        ("contraction", REAL),  # … and the last convergence rate θ
+        ("weight", REAL, (extended,)),  # weights of errors in z, over the tolerance
+        ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the start to the nodes
+        ("rates", REAL, (RADAU_STAGES, extended)),  # ż at the nodes
+        ("parts", REAL, (RADAU_STAGES, extended)),  # residuals in the eigenvectors of Q, later corrections
+        ("last", REAL, (RADAU_STAGES, extended)),  # the increments of the last step
+        ("listing", INTEGER),  # value of `touch.listings` for which ``last`` can be extrapolated
+        ("iterations", INTEGER),  # number of iterations in the tried step
+        ("correction", REAL),  # largest component of the last correction, over the tolerance
+        ("contraction", REAL),  # last convergence rate θ of the iteration
         ("slowness", REAL),  # θ/(1 − θ) of the last step
         ("thirds", REAL, (2, state)),  # corrections of the dense output at thirds of the step
-        ("link", vectors_dtype(links + 1)),  # m, L_i where A was evaluated
-        ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …
-        ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇
-        ("normal", REAL, (candidates,)),  # m or m/s, clearances or rates to which coordinates are moved
+        ("link", vectors_dtype(links + 1)),  # m, link vectors L_i where A was evaluated
+        ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed
+        ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of the active contacts, packed
+        # m or m/s, clearances or their rates to which the coordinates are moved
+        ("normal", REAL, (candidates,)),
         ("shift", REAL),  # s, the real shift of the factors in `work`
         ("pairs", pairs),
     )

@@ -1,1 +1,1 @@
-"""The places at which forces act on the chain, its response there, and constraints."""
+"""The points and joints at which forces act on the chain, the chain's response there, and constraints."""

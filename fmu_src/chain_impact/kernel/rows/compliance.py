@@ -1,11 +1,12 @@
 """The response of the chain to impulses at its contacts: a linear solver for implicit steps and rigid walls.
 
-With J the gradients of the clearances of the active contacts, an impedance D = diag(D_k) at their points, and
-the joints' resistance K = s C + s² S for a time s, with dampers C and springs S, it solves in O(N)
+J contains the gradients of the clearances of the active contacts, D = diag(D_k) the impedances at their
+points, and K = s C + s² S the joints' resistance for a time s, with dampers C and springs S. The module
+solves in O(N) the equation
 
     (M + Jᵀ D J + K) Δ = Jᵀ p + K r,
 
-where p are impulses along the normals and K r those in the joints. The impedances are added to the
+where p are impulses along the normals and K r are impulses in the joints. The impedances are added to the
 articulated inertia at their points, and a joint with the resistance κ_i, or with a stop that has an
 impedance, is one more term of the elimination (chain/response.py). No matrix is formed.
 """
@@ -27,15 +28,15 @@ from chain_impact.kernel.rows.geometry import (
     to_joints,
 )
 
-# The least mobility of a point, relative to the mobility of all links as one mass. In a toggle position of a
-# pinned chain the mobility of a point is 0, and its effective mass infinite; a million times the chain's mass
-# has the same effect.
+# The least mobility of a point, relative to the mobility of all links as one mass: a bound on the effective
+# mass. In a toggle position of a pinned chain the mobility of a point is 0, and its effective mass would be
+# infinite. A million times the chain's mass has the same effect.
 LEAST_MOBILITY = 1e-6
-# Number of iterations of constraints.py for sticking elements, where no rigid wall holds a point.
+# The number of iterations of constraints.py for sticking elements if no rigid wall holds a point.
 SWEEPS = 5
-# D of a held point over the mean mass of a link. An iteration in constraints.py leaves 1/(D W) of the
-# residual: two or three suffice. A larger D would lose digits of the chain's inertia, a smaller one needs
-# more iterations.
+# The impedance D of a held point, over the mean mass of a link. An iteration in constraints.py leaves 1/(D W)
+# of the residual, so two or three iterations suffice. A larger D would lose digits of the chain's inertia, a
+# smaller D needs more iterations.
 STIFF = 1e6
 
 
@@ -45,15 +46,15 @@ def mean_mass(d):
 
 
 def holding_impedance(d):
-    """Return an impedance [kg] so large that it holds a point, up to a millionth of its free motion."""
+    """Return an impedance [kg] so large that a point with it keeps only a millionth of its free motion."""
     return STIFF * mean_mass(d)
 
 
 def held_mobility(d, mobility):
-    """Return W′ [1/kg] such that n = SWEEPS iterations find the impulse m/W′ for a single constraint.
+    """Return W′ [1/kg]: for a single constraint, n = SWEEPS iterations find the impulse m/W′.
 
-    The iterations leave m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). This is W, except for a motion that
-    can hardly be constrained: in a toggle position, where W = 0, it is 1/(n D).
+    The iterations leave the residual m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). W′ equals W, except for
+    a motion that can hardly be constrained: in a toggle position, where W = 0, W′ is 1/(n D).
     """
     rest = 1.0 / holding_impedance(d)
     left = rest / (rest + max(0.0, mobility))
@@ -64,7 +65,10 @@ def held_mobility(d, mobility):
 
 
 def factorize_contacts(d, row, impedance):
-    """Eliminate M + Jᵀ D J in a row of ``work.factors``, with D_k [kg] of the constraints, packed."""
+    """Eliminate M + Jᵀ D J and store it in a row of ``work.factors``.
+
+    ``impedance`` holds D_k [kg], packed.
+    """
     no_impedance(d, d.work.impedance)
     for k in range(constraint_rows(d)):
         add_impedance(constraint(d, k), d.work.impedance, impedance[k])
@@ -73,7 +77,7 @@ def factorize_contacts(d, row, impedance):
 
 
 def joints_loaded(d):
-    """Return whether joints transmit moments: by armatures, or by constraints at stops or sticking joints."""
+    """Return whether joints transmit moments: by armatures, or constraints at stops or sticking joints."""
     return d.model.geared != 0 or d.touch.stop_count + d.friction.stuck_joints > 0
 
 
@@ -83,7 +87,7 @@ def solve_space(d, links, space, row, change):
     Args:
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
-        space: record of the factors and loads. The motion of the places is stored in its ``motion``.
+        space: record of the factors and loads; the motion of the places is stored in ``space.motion``.
         row: the row of the factors.
         change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s].
     """
@@ -94,7 +98,7 @@ def solve_space(d, links, space, row, change):
 
 
 def solve_contacts(d, row, impulse, change):
-    """Find the response Δ to ``impulse`` p_k [N·s] of the constraints, packed."""
+    """Find the response Δ to the impulses p_k [N·s] of the constraints in ``impulse``, packed."""
     clear_loads_of(d, d.work.load)
     for k in range(constraint_rows(d)):
         add_along(constraint(d, k), d.work.load, impulse[k])
@@ -102,11 +106,11 @@ def solve_contacts(d, row, impulse, change):
 
 
 def geared_accelerations(d, y, rate):
-    """Solve for the accelerations of a chain with armatures, whose M is not that of links.
+    """Solve for the accelerations of a chain with armatures, whose M also contains the inertia of the rotors.
 
-    The ends of each link share the force m (g − a_C), with the a_C of constant velocities, as the link's
-    centre of mass divides it. The loads at the points are unchanged afterwards; the factors of M stay in
-    their row.
+    The force m (g − a_C) of each link, with a_C at constant angular velocities, is divided between the two
+    ends of the link according to the position of the centre of mass. The loads at the points are unchanged
+    afterwards; the factors of M stay in ``work.factors``.
     """
     work, n = d.work, d.links
     load, link, before = work.load, work.link, work.motion
@@ -150,7 +154,7 @@ def geared_accelerations(d, y, rate):
 
 
 def effective_mass(d, c):
-    """Return the effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, at the located points."""
+    """Return the effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, for the located points."""
     work, row = d.work, normal(d, c)
     no_impedance(d, work.impedance)
     join(d, work.impedance, 0.0)

@@ -12,20 +12,18 @@ formed. With an impedance D at the points of the active set the recursion solves
 
     (M + Jᵀ D J) z = Jᵀ D m,   p ← p + D (m − J z),   m = target − u,
 
-the iteration of an augmented Lagrangian: each one reduces the residual m to 1/(1 + D W) of it, down to
-round-off, and the constraints may be dependent. D is a million times a link's mass: a few iterations suffice.
-At rigid walls the iteration goes on until the residual is round-off, and D grows where that would be slow.
+the iteration of an augmented Lagrangian. Each iteration divides the residual m by 1 + D W, down to round-off.
+The constraints may be dependent. D is a million times a link's mass, so a few iterations suffice. At rigid
+walls the iteration continues until the residual is round-off, and D grows if this takes too many iterations.
 
-A sticking element of dry friction (friction.py) is also a constraint, of its tangential motion. It is always
-in the active set: an equality. Of the possible solutions for dependent constraints the iteration finds the
-one with
-the least Σ p²/D. So with D in proportion to the limits of friction the sticking elements share their load in
-that proportion. Motions that can hardly be constrained, such as a change in the length of a straight chain on
-    a floor, are left free, because their constraint forces could have any size. A negligible motion of this
-    kind gets no force from the iteration either, because the force could exceed the limits. In between, where
-    D W is about 1, the forces are the result of a given number of iterations: a smooth function of the state.
-    If the progress of the residual decided on the number, forces would jump within a step by a part of the
-    residual.
+A sticking element of dry friction (friction.py) is also a constraint, of its tangential motion. This
+constraint is always in the active set. For dependent constraints the iteration finds the solution with the
+least Σ p²/D. With D in proportion to the limits of friction the sticking elements therefore share their load
+in the same proportion. Some motions can hardly be constrained (D W ≪ 1), such as a change in the length of a
+straight chain on a floor. The iteration leaves these motions free, because their constraint forces could have
+any size. Where D W is about 1, the forces are the result of a fixed number of iterations, and so a smooth
+function of the state. If the number depended on the residual, forces would jump within a step by a part of
+the residual.
 """
 
 import math
@@ -50,38 +48,40 @@ from chain_impact.kernel.rows.geometry import (
 )
 from chain_impact.kernel.status import count_other_work, work_exceeded
 
-# Near a toggle position 1/W is far larger than the mass of a link. If an iteration leaves more than SLOW of
-# the residual, D grows by the factor STIFFER, up to STIFFEST times that mass; beyond it the residual is only
-# round-off.
+# The limits on the growth of D near a toggle position, where 1/W is far larger than the mass of a link. If an
+# iteration leaves more than SLOW of the residual, D is multiplied by STIFFER, but D is at most STIFFEST times
+# that mass; with a larger D the residual would only be round-off.
 STIFFEST, STIFFER, SLOW = 1e12, 1e3, 0.1
-# D of the first iteration for sticking elements without a rigid wall, over the mean mass of a link. This
-# iteration finds the forces to a thousandth. Without it, the round-off of the whole motion, times the large D
-# of the other iterations, would remain in the forces against motions that can hardly be constrained, and
-# steps at tight tolerances would be short.
+# The impedance D of the first iteration for sticking elements without a rigid wall, over the mean mass of a
+# link. This iteration finds the forces to a thousandth. Without this iteration, the round-off of the whole
+# motion, times the large D of the other iterations, would remain in the forces against motions that can
+# hardly be constrained, and steps at tight tolerances would be short.
 GENTLE = 1e3
-# The least W for which a single constraint is solved directly, over 1/(mean mass of a link). A smaller one,
-# as near a toggle position, has lost digits, and the iteration is used instead.
+# The least W for which a single constraint is solved directly, over 1/(mean mass of a link). A smaller W, as
+# near a toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
 ROUND_OFF = 1e-15  # the largest residual that is accepted, over the largest motion
-FADED = 1e-100  # [m, m/s or m/s²] a residual whose square may underflow, as in a chain that has come to rest
+# [m, m/s or m/s²] the size of a residual whose square may underflow, as in a chain that has come to rest
+FADED = 1e-100
 # The largest motion that sticking elements may keep, over the squared tolerance times the largest motion.
-# Impulses against a smaller one, which can hardly be constrained, would end the sticking again and again.
+# Impulses against a smaller motion, which can hardly be constrained, would end the sticking again and again.
 NEGLIGIBLE = 0.1
-# the largest value of wrong sign that does not change the active set, over the largest value
+# the largest value of wrong sign that does not change the active set, over the largest value of that kind
 SIGN_TOLERANCE = 1e-12
-# Number of pivots of all violated candidates at once that may fail to reduce their number; then only one at a
-# time is changed, which terminates in every case but takes more pivots.
+# The number of pivots that may fail to reduce the number of violated candidates while all of these change at
+# once. After them only one candidate changes at a time, which always terminates but takes more pivots.
 MAX_STALLED_PIVOTS = 3
-# The least impedance of a sticking element, over the one with the largest limit. With a smaller one, the
-# residual falls too slowly.
+# The least impedance of a sticking element, over the impedance of the element with the largest limit. With a
+# smaller impedance, the residual falls too slowly.
 LEAST_SHARE = 1e-2
-SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3  # values of d.rigid.unsolved
-# bound on the number of pivots, plus 4 for each candidate; far above any number that was observed
+# values of d.rigid.unsolved: the result of the search for constraint forces
+SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
+# the largest number of pivots, in addition to 4 for each candidate; far more than was ever observed
 ROUNDS = 30
 
 
 def set_impedance(d, amount):
-    """Set the impedance of the active set to an amount [kg], and elsewhere to the resistance."""
+    """Set the impedance of each constraint: ``amount`` [kg] in the active set, its resistance elsewhere."""
     own = d.rigid
     for k in range(constraint_rows(d)):
         own.impedance[k] = amount if own.in_active_set[k] else own.resistance[k]
@@ -90,7 +90,7 @@ def set_impedance(d, amount):
 
 
 def share_impedance(d):
-    """Scale the impedances of sticking elements by their limits of friction, over the largest limit."""
+    """Scale the impedances of sticking elements by their limits of friction over the largest limit."""
     own, first, most = d.friction, d.touch.active_count, 0.0
     for i in range(own.stuck_count):
         most = max(most, d.element.limit[d.element.stuck[i]])
@@ -100,16 +100,16 @@ def share_impedance(d):
 
 
 def factorize_free(d):
-    """Eliminate M for the motion by impulses; contacts that are not in the active set may resist it."""
+    """Eliminate M for motions by impulses, with the resistance of contacts that are not in the active set."""
     set_impedance(d, 0.0)
     factorize_contacts(d, FREE, d.rigid.impedance)
 
 
 def solve_equality(d, scale):
-    """Find the impulses that bring the active set from ``start`` to ``target``; other candidates have none.
+    """Find the impulses that bring the active set from ``start`` to ``target``; others have no impulse.
 
     Args:
-        d: the instance, with the points located and the free motion factorized; ``d.rigid`` holds the problem
+        d: the instance, with the points located and the free motion factorized. ``d.rigid`` holds the problem
             and, afterwards, p in ``impulse``, u in ``reached`` and Δ in ``change``.
         scale: the largest motion of a point, to which round-off is relative.
 
@@ -138,10 +138,10 @@ def solve_equality(d, scale):
 
 
 def iterate(d, scale, impedance):
-    """Iterate until the residual is round-off, or no impedance [kg] reduces it, as constraints contradict.
+    """Iterate until the residual is round-off, or no ``impedance`` [kg] reduces it further.
 
-    The iteration ends: each pass but the last leaves less than SLOW of the residual, or D grows, which
-    happens twice. Sticking elements without a rigid wall get at most SWEEPS iterations.
+    The iteration always ends: each pass except the last leaves less than SLOW of the residual or makes D
+    grow, and D grows at most twice. Sticking elements without a rigid wall get at most SWEEPS iterations.
 
     Returns:
         The largest residual.
@@ -162,7 +162,10 @@ def iterate(d, scale, impedance):
 
 
 def leave_free(d, share):
-    """Remove a share of the impulses against motions that are left free: D m of each iteration if D W ≪ 1."""
+    """Remove a share of the impulses against motions that are left free.
+
+    If D W ≪ 1, each of the SWEEPS iterations adds D m to such an impulse.
+    """
     own = d.rigid
     for k in range(constraint_rows(d)):
         own.impulse[k] -= share * SWEEPS * own.impedance[k] * own.residual[k]
@@ -170,7 +173,7 @@ def leave_free(d, share):
 
 
 def only_active(d):
-    """Return the constraint that is the only one of the active set, or −1."""
+    """Return the index of the only constraint in the active set, or −1 if the set has none or several."""
     only = -1
     for k in range(constraint_rows(d)):
         if d.rigid.in_active_set[k]:
@@ -181,9 +184,9 @@ def only_active(d):
 
 
 def solve_single(d, row):
-    """Solve ``solve_equality`` for an active set of one constraint: p = m/W; return whether W allows it.
+    """Solve the problem of ``solve_equality`` for one constraint: p = m/W; return whether W is large enough.
 
-    This takes one solution of the chain, and the iteration six in most cases.
+    This function solves for the chain's response once, the iteration about six times.
     """
     own = d.rigid
     clear_loads_of(d, d.work.load)
@@ -205,12 +208,12 @@ def solve_single(d, row):
 
 
 def iterated_enough(_d, _iterations):
-    """Return whether so many iterations are enough if the residual is round-off."""
+    """Return whether the iteration may end after so many iterations once the residual is round-off."""
     return True
 
 
 def clear_impulses(d):
-    """Start with zero impulses and the motion without impulses."""
+    """Set all impulses to zero, and the motion to the motion without impulses."""
     own = d.rigid
     for j in range(len(own.change)):
         own.change[j] = 0.0
@@ -219,7 +222,7 @@ def clear_impulses(d):
 
 
 def find_residual(d):
-    """Set the residuals m = target − u of the active set; return the largest |m|."""
+    """Set the residuals m = target − u of the active set, and return the largest |m|."""
     own, worst = d.rigid, 0.0
     for k in range(constraint_rows(d)):
         own.residual[k] = own.target[k] - own.reached[k] if own.in_active_set[k] else 0.0
@@ -228,7 +231,7 @@ def find_residual(d):
 
 
 def correct_impulses(d):
-    """Correct the impulses for the residuals, and find the motion with them."""
+    """Correct the impulses for the residuals, and find the motion with the corrected impulses."""
     own, motion = d.rigid, d.work.motion
     # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
     for k in range(constraint_rows(d)):
@@ -243,7 +246,7 @@ def correct_impulses(d):
 
 
 def move_by_impulses(d):
-    """Find the motion by the impulses."""
+    """Find the change of the coordinates, and of all constraints, by the impulses."""
     own = d.rigid
     solve_contacts(d, FREE, own.impulse, own.change)
     for k in range(constraint_rows(d)):
@@ -252,12 +255,13 @@ def move_by_impulses(d):
 
 
 def solve_lcp(d, scale):
-    """Find p ≥ 0, u ≥ target, p·(u − target) = 0, from the guess ``in_active_set``; see ``solve_equality``.
+    """Find p ≥ 0, u ≥ target, p·(u − target) = 0, starting from the active set in ``in_active_set``.
 
     Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587): candidates with p < 0 leave
-    the active set and those with u < target enter it. All change at once as long as their number falls,
-    otherwise only the last one, which terminates if W is positive definite (Murty 1974, Linear Algebra Appl
-    9:65). If it does not terminate, the problem is noted as unsolved.
+    the active set and those with u < target enter it. All of these candidates change at once as long as their
+    number falls; otherwise only the last one changes, which terminates if W is positive definite (Murty 1974,
+    Linear Algebra Appl 9:65). If the search does not terminate, the problem is recorded as unsolved. The
+    arguments are those of ``solve_equality``.
     """
     own, first = d.rigid, d.touch.compliant_count
     count = d.touch.active_count - first
@@ -278,38 +282,41 @@ def solve_lcp(d, scale):
 
 
 def clear_unsolved(d):
-    """Begin to note unsolved problems; a tried step with one is refused."""
+    """Clear the record of unsolved problems; a tried step with an unsolved problem is refused."""
     d.rigid.unsolved = SOLVED
 
 
 def note_unsolved(d):
-    """Note that forces or modes have not been found: at an event the run ends."""
+    """Record that forces or modes have not been found; at an event this ends the run."""
     d.rigid.unsolved = UNSOLVED
 
 
 def note_moving(d, tolerated):
-    """Note if a point that a rigid wall holds has more than the ``tolerated`` acceleration [m/s²]."""
+    """Record MOVING if a point held by a rigid wall has more than the ``tolerated`` acceleration [m/s²]."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if d.rigid.unsolved == SOLVED and abs(d.rigid.residual[k]) > tolerated:
             d.rigid.unsolved = MOVING
 
 
 def note_squeezed(d, tolerated):
-    """Note if a point that a rigid wall holds stays deeper in the wall than is ``tolerated`` [m]."""
+    """Record SQUEEZED if a held point stays deeper in its rigid wall than is ``tolerated`` [m]."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if d.rigid.target[k] - d.rigid.reached[k] > tolerated:
             d.rigid.unsolved = SQUEEZED
 
 
 def count_stalls(wrong, fewest, stalls_left):
-    """Return the smallest number of wrong ones so far, and how many pivots may still fail to reduce it."""
+    """Return the least number of wrong candidates so far, and how many pivots may still not reduce it."""
     if wrong < fewest:
         return wrong, MAX_STALLED_PIVOTS
     return fewest, stalls_left - 1
 
 
 def count_violations(d, scale):
-    """Mark the candidates with p < 0 or u < target by more than round-off; return their number."""
+    """Mark the candidates whose p < 0 or u < target exceeds round-off.
+
+    Return the number of these candidates.
+    """
     own, largest, wrong = d.rigid, 0.0, 0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         largest = max(largest, abs(own.impulse[k]))
@@ -323,17 +330,17 @@ def count_violations(d, scale):
 
 
 def any_point_held(d):
-    """Return whether rigid walls hold a point."""
+    """Return whether a rigid wall holds any point."""
     return d.touch.active_count > d.touch.compliant_count
 
 
 def any_constraint(d):
-    """Return whether rigid walls hold a point, or an element sticks by dry friction."""
+    """Return whether a rigid wall holds any point, or any element sticks by dry friction."""
     return any_point_held(d) or any_sticking(d)
 
 
 def activate_all(d):
-    """Put every contact without a force law and every sticking element into the active set, with target 0."""
+    """Put each contact without a force law and each sticking element into the active set, with target 0."""
     for k in range(d.touch.compliant_count):
         release(d, k)
     for k in range(d.touch.compliant_count, constraint_rows(d)):
@@ -341,7 +348,7 @@ def activate_all(d):
 
 
 def require(d, k, target):
-    """Put constraint k into the active set, with the least required value of its motion."""
+    """Put constraint k into the active set; ``target`` is the least motion that it requires."""
     d.rigid.in_active_set[k] = 1
     d.rigid.target[k] = target
 

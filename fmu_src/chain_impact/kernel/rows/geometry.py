@@ -1,7 +1,8 @@
-"""Geometry of contact: the only module that depends on what touches.
+"""Geometry of contact: the only module that knows which points, walls and stops touch.
 
 A candidate is a pair of a point and a wall, or a stop in a joint. Every wall is a half-plane, with an inward
-normal n of length 1 and n·p = offset for the points p on it. The clearance of a point is positive when apart:
+normal n of length 1 and n·p = offset for the points p on it. The clearance of a point is positive while point
+and wall are apart:
 
     g = n·p − offset − radius,   ġ = n·ṗ − w,   g̈ = n·p̈ − ẇ,
 
@@ -10,14 +11,15 @@ with w the speed of a wall that moves along n, ẇ its acceleration, and the wal
 
 The normals are computed once, at initialization, so that the code in loops has no branch on the kind of wall.
 
-A row is a place and a direction (n_x, n_y) there: the normal of a contact or stop, the tangent along which
-dry friction acts, or a joint's own angle. Its J takes the vectors of all places to their component along this
-direction. Only this module knows the motion of walls: g, ġ, g̈ and the tangential motion are relative to the
-wall.
+A row is a place (chain/kinematics.py) and a direction (n_x, n_y) at this place: the normal of a contact or
+stop, the tangent along which dry friction acts, or a joint's own angle. J of a row maps the vectors of all
+places to the component of this place along this direction. Only this module knows the motion of walls: other
+modules receive g, ġ, g̈ and the tangential motion relative to the wall.
 
-A stop limits a joint's own angle ψ_i = θ_i − θ_{i−1}. The joint has a place of its own, at x = s ψ_i with the
-longest link s as a lever arm (chain/kinematics.py), and the stop is a wall there. So lengths, speeds, forces
-and masses of stops have the same units and scales as at walls, and a force F has the moment ±s F.
+A stop limits a joint's own angle ψ_i = θ_i − θ_{i−1}. The joint has its own place at x = s ψ_i, with the
+longest link s as a lever arm (chain/kinematics.py), and the stop is a wall for this place. So lengths,
+speeds, forces and masses of stops have the same units and scales as at walls, and a force F has the moment ±s
+F.
 """
 
 from chain_impact.kernel.chain.joints import joint_armature, joint_resistance
@@ -30,13 +32,13 @@ WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. The walls at any angle follow."""
 
 
-BEYOND = 1e-12  # [m] depth of a base in a wall that is round-off: the base is at the wall
+BEYOND = 1e-12  # [m] the largest depth of a base in a wall that is round-off; such a base is at the wall
 NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """The inward normals of the box's walls."""
 
 
 def place_walls(d):
-    """Compute the place of each candidate, and the normal and the offset of its wall or stop."""
+    """Compute the place of each candidate, and the normal and the offset of the candidate's wall or stop."""
     for c in range(d.candidates):
         wall, point = d.candidate.wall[c], d.candidate.point[c]
         d.candidate.place[c] = point if point <= d.links else d.links + point
@@ -57,12 +59,12 @@ def place_side(d, c, side):
     own = d.candidate
     nx, ny = NORMALS[side]
     own.normal_x[c], own.normal_y[c] = nx, ny
-    # nx or ny is 0
+    # the side's normal has a single component: nx or ny is 0
     own.offset[c] = (nx + ny) * d.model.wall[side]
 
 
 def place_slope(d, c, w):
-    """Set the normal and the offset of candidate c at the w-th of the walls at any angle."""
+    """Set the normal and the offset of candidate c, whose wall is number w of the walls at any angle."""
     own, walls = d.candidate, d.walls
     own.offset[c] = 1.0
     polar(own.offset[c : c + 1], walls.angle, w, own.normal_y[c : c + 1], own.normal_x[c : c + 1])
@@ -80,7 +82,7 @@ def place_stop(d, c):
 
 
 def place_end(d, c):
-    """Set the normal and the offset of candidate c, an end of the slider's line, at the place of the base."""
+    """Set the normal and the offset of candidate c, an end of the slider's line, which the base touches."""
     own, slider, origin = d.candidate, d.slider, d.initial.position
     sign = 1.0 if own.stop[c] > 0 else -1.0
     limit = slider.min if own.stop[c] > 0 else slider.max
@@ -89,21 +91,21 @@ def place_end(d, c):
 
 
 def at_joint(d, c):
-    """Return whether candidate c is a stop in a joint."""
+    """Return whether candidate c is a stop of a joint."""
     return abs(d.candidate.stop[c]) == 1
 
 
 def normal(d, c):
-    """Return the row of candidate c along its normal n."""
+    """Return the row of candidate c in the direction of the normal n."""
     return d.candidate.place[c], d.candidate.normal_x[c], d.candidate.normal_y[c]
 
 
 def tangent(d, e):
-    """Return the row of element e along t, the direction in which dry friction acts.
+    """Return the row of element e in the direction t, along which dry friction acts.
 
-    At a wall t = (n_y, −n_x). An element after the candidates is a joint: friction acts on its angle, the x
-    of its place, so that a force F is a moment of s F, with the lever arm s of a stop. The last element of a
-    chain with a slider is the slider, along its line.
+    At a wall t = (n_y, −n_x). An element after the candidates is a joint: friction acts on the joint's angle,
+    the x of its place. A force F at this place is a moment s F, with the lever arm s of a stop. In a chain
+    with a slider the last element is the slider, and t is the slider's line.
     """
     if e < d.candidates:
         return d.candidate.place[e], d.candidate.normal_y[e], -d.candidate.normal_x[e]
@@ -123,27 +125,27 @@ def any_sticking(d):
 
 
 def constraint(d, k):
-    """Return the row of constraint k: first the active contacts, packed, then the sticking elements."""
+    """Return the row of constraint k: the active contacts come first, packed, then the sticking elements."""
     if k < d.touch.active_count:
         return normal(d, d.touch.active_index[k])
     return tangent(d, d.element.stuck[k - d.touch.active_count])
 
 
 def along(row, vectors):
-    """Return J v of a row for the vectors v of all places."""
+    """Return J v of a row: the component along the row of the vectors v of all places."""
     place, nx, ny = row
     return nx * vectors.x[place] + ny * vectors.y[place]
 
 
 def add_along(row, vectors, amount):
-    """Add Jᵀ F of a row for an ``amount`` F to the vectors of all places."""
+    """Add Jᵀ F of a row, for an ``amount`` F, to the vectors of all places."""
     place, nx, ny = row
     vectors.x[place] += nx * amount
     vectors.y[place] += ny * amount
 
 
 def add_impedance(row, impedance, amount):
-    """Add Jᵀ D J of a row for an ``amount`` D [kg] to the impedances of all places."""
+    """Add Jᵀ D J of a row, for an ``amount`` D [kg], to the impedances of all places."""
     place, nx, ny = row
     impedance.xx[place] += nx * nx * amount
     impedance.xy[place] += nx * ny * amount
@@ -169,39 +171,39 @@ def gap_acceleration(d, c):
 
 
 def tangential_position(d, e):
-    """Return the coordinate [m] of element e along t, from located points, relative to the wall's belt."""
+    """Return the coordinate [m] of element e along t relative to the wall's belt, for the located points."""
     coordinate = along(tangent(d, e), d.work.position)
     return coordinate - d.shift.travel[e] if d.channels > 0 and e < d.candidates else coordinate
 
 
 def tangential_rate(d, e):
-    """Return the speed [m/s] of element e along t, from the located points, relative to the wall's belt."""
+    """Return the speed [m/s] of element e along t relative to the wall's belt, for the located points."""
     speed = along(tangent(d, e), d.work.velocity)
     return speed - d.shift.belt_rate[e] if d.channels > 0 and e < d.candidates else speed
 
 
 def tangential_acceleration(d, e):
-    """Return the acceleration [m/s²] of element e along t, from accelerated points, relative to the belt."""
+    """Return the acceleration [m/s²] of element e along t relative to the belt, at accelerated points."""
     acceleration = along(tangent(d, e), d.work.acceleration)
     return acceleration - d.shift.belt_push[e] if d.channels > 0 and e < d.candidates else acceleration
 
 
 def constraint_acceleration(d, k):
-    """Return the acceleration [m/s²] of constraint k along its row, from accelerated points."""
+    """Return the acceleration [m/s²] of constraint k along its row, for the accelerated points."""
     if k < d.touch.active_count:
         return gap_acceleration(d, d.touch.active_index[k])
     return tangential_acceleration(d, d.element.stuck[k - d.touch.active_count])
 
 
 def to_joints(d, load):
-    """Add the moments of the forces at the joints' places to the moments in the joints."""
+    """Add the forces at the joints' places, as moments, to the moments in the joints."""
     if d.model.jointed:
         for i in range(d.links):
             load.joint[i] += d.model.size * load.x[d.links + 1 + i]
 
 
 def join(d, impedance, time):
-    """Set the resistances of joints: armatures, κ_i of dampers and springs for a time [s], their places."""
+    """Set the resistances of joints from armatures, dampers and springs for a time [s], and impedances."""
     if d.model.jointed or d.model.resisting or d.model.geared:
         square = d.model.size * d.model.size
         for i in range(d.links):
@@ -213,7 +215,7 @@ def join(d, impedance, time):
 
 
 def clear_loads_of(d, load):
-    """Set the loads at all places and, if they are used, the moments in all joints to zero."""
+    """Set to zero the loads at all places and, in a scene that uses them, the moments in all joints."""
     zero(d, load)
     if d.model.jointed or d.model.resisting or d.model.geared:
         clear_joints(load)
@@ -238,7 +240,7 @@ def largest_acceleration(d):
 
 
 def speed_bound(d, vectors):
-    """Return a bound on the length of the vectors of all places."""
+    """Return a bound on the length of each vector of all places."""
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
@@ -251,7 +253,7 @@ def speed_bound(d, vectors):
 
 
 def coordinates_size(d, c, y):
-    """Return the sum of the sizes [m] of the coordinates whose round-off enters g of candidate c."""
+    """Return the sum [m] of the sizes of the coordinates whose round-off enters g of candidate c."""
     point = d.candidate.point[c]
     if at_joint(d, c):
         before = abs(y[ANGLES + point - 2]) if point > 1 else 0.0
@@ -261,24 +263,24 @@ def coordinates_size(d, c, y):
 
 
 def link_of(d, c):
-    """Return the link on which the wall of candidate c acts: it ends at the point, or has the site."""
+    """Return the link on which the wall of candidate c acts: it ends at the point, or carries the site."""
     point = d.candidate.point[c]
     return max(point, 1) - 1 if point <= d.links else d.site.link[point - d.links - 1]
 
 
 def lever(d, c):
-    """Return the lever arm [m] that turns the clearance of a stop into an angle; 1 at a wall."""
+    """Return the lever arm [m] by which a stop's clearance is divided to give an angle; 1 at a wall."""
     return d.model.size if at_joint(d, c) else 1.0
 
 
 def faces_base(d, c):
-    """Return whether candidate c is the first of a wall that can reach a pinned base, as either moves."""
+    """Return whether candidate c is the first one of a wall that can meet a pinned base."""
     first = d.candidate.stop[c] == 0 and d.candidate.point[c] == d.candidate.point[0]
     return first and (d.model.base_moves or d.shift.channel[c] >= 0)
 
 
 def base_clearance(d, c):
-    """Return the distance [m] of a pinned base from the wall of candidate c, at their present places."""
+    """Return the distance [m] of a pinned base from the wall of candidate c, at their present positions."""
     x, y = d.step.state_end[0], d.step.state_end[1]
     if d.model.base_moves:
         x, y = d.moved.position[0], d.moved.position[1]

@@ -1,26 +1,27 @@
 """Constraint forces within the limits of friction: a convex problem, which always has a solution.
 
-Where constraints depend on each other, their forces are not unique. The forces of constraints.py, with the
-least Σ p²/D, may exceed a limit of friction although other forces satisfy the same constraints within all
-limits. Forces that satisfy the constraints as far as possible are the solution of
+Where constraints depend on each other, their forces are not unique. The forces that constraints.py finds,
+with the least Σ p²/D, may exceed a limit of friction although other forces satisfy the same constraints
+within all limits. The forces within the limits that satisfy the constraints as well as possible are the
+solution of
 
     ½ pᵀ W p − pᵀ (target − start) = min,    least ≤ p ≤ most,
 
-with ∓ µ F_n for a sticking element, and 0 and ∞ for a point at a rigid wall. This is the dual form of Gauss'
-principle of least constraint with Coulomb's law for given normal forces (Moreau 1966, SIAM J Control 4:153):
-an element whose force does not reach its limit is held, and one that moves on has a force at its limit,
-against the motion.
+with the limits ∓ µ F_n for a sticking element, and 0 and ∞ for a point at a rigid wall. This is the dual form
+of Gauss' principle of least constraint with Coulomb's law for given normal forces (Moreau 1966, SIAM J
+Control 4:153): an element whose force is below its limit is held, and a moving element has a force at its
+limit, against the motion.
 
-The method of multipliers finds it also where W is singular (Rockafellar 1976, SIAM J Control Optim 14:877).
-From p = 0, each of a few iterations solves
+The method of multipliers finds the solution also where W is singular (Rockafellar 1976, SIAM J Control Optim
+14:877). From p = 0, each of a few iterations solves
 
     p⁺ = clip(p + D m⁺),    m⁺ = target − u(p⁺),
 
 which has a unique solution, because W + D⁻¹ is positive definite. If no limit is reached, this is the
-iteration in
-constraints.py. The rows I inside their limits follow from the recursion, the other rows are at their limits:
+iteration in constraints.py. The forces of the rows I inside their limits follow from the recursion; the other
+forces are at their limits:
 
-    (M + J_Iᵀ D J_I) z = J_Iᵀ D m + Σ over the others of Jᵀ (limit − p),    p⁺ = p + D (m − J z).
+    (M + J_Iᵀ D J_I) z = J_Iᵀ D m + Σ_{others} Jᵀ (limit − p),    p⁺ = p + D (m − J z).
 
 The rows inside are found one by one, as in bounded least squares (Stark & Parker 1995, Comput Stat 10:129).
 """
@@ -38,7 +39,7 @@ def share_within_limits(d):
     """Find forces within the limits of friction that satisfy the constraints as far as possible.
 
     The constraints are those of ``add_constraint_forces`` in forces/holding.py, which must just have been
-    called. Afterwards ``at_limit`` has the signs of the forces that are at their limits.
+    called. Afterwards ``at_limit`` holds the sign of each force that is at its limit.
     """
     own, scale = d.share, largest_start(d)
     set_impedance(d, holding_impedance(d))
@@ -55,7 +56,7 @@ def share_within_limits(d):
 
 
 def largest_start(d):
-    """Return the largest acceleration of a row without the forces [m/s²], to which round-off is relative."""
+    """Return the largest acceleration [m/s²] of any row without the forces; round-off is relative to it."""
     scale = 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         scale = max(scale, abs(d.rigid.start[k]))
@@ -63,9 +64,9 @@ def largest_start(d):
 
 
 def sign_at_limit(d, k):
-    """Return the sign of row k's force if it is at its limit; the motion gives it if the limit is 0.
+    """Return the sign of row k's force if this force is at its limit, else 0.
 
-    Else 0.
+    If the limit is 0, the motion determines the sign.
     """
     own, limit = d.share, most(d, k)
     if limit == 0.0:
@@ -74,12 +75,15 @@ def sign_at_limit(d, k):
 
 
 def least(d, k):
-    """Return the least force [N] of row k, a point at a rigid wall or a sticking element."""
+    """Return the lower limit [N] of the force of row k, a point at a rigid wall or a sticking element."""
     return 0.0 if k < d.touch.active_count else -most(d, k)
 
 
 def most(d, k):
-    """Return the largest force [N] of row k. An element at its limit slides, so the limit is µ F_n."""
+    """Return the upper limit [N] of the force of row k.
+
+    An element at its limit slides, so the limit is µ F_n.
+    """
     first = d.touch.active_count
     if k < first:
         return math.inf
@@ -94,11 +98,11 @@ def clipped(d, k, force):
 
 
 def minimize(d, scale):
-    """Solve one iteration, with forces that stay within their limits.
+    """Solve one iteration of the method of multipliers, with all forces within their limits.
 
-    All forces go toward the solution for the rows inside until the first of them reaches a limit, where it
-    stays. At this solution, the row with the largest tendency inward is released from its limit. As the
-    function falls, no set of rows comes twice, so the search ends.
+    All forces move toward the solution for the rows inside their limits. The first force that reaches a limit
+    stays there. When the solution is reached, the row at a limit whose force tends inward most is released.
+    The function decreases, so no set of rows occurs twice, and the search ends.
     """
     own, end = d.share, constraint_rows(d)
     for _ in range(ROUNDS + 4 * end):
@@ -129,7 +133,7 @@ def first_at_limit(d):
 
 
 def most_inside(d, scale):
-    """Return the row at a limit with the largest tendency inward, by more than round-off; or −1."""
+    """Return the row at a limit whose force tends inward most, by more than round-off; or −1."""
     own, row, largest, most_of_all = d.share, -1, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         largest = max(largest, abs(own.impulse[k]))
@@ -142,7 +146,7 @@ def most_inside(d, scale):
 
 
 def solve_inside(d):
-    """Find p + D m⁺ of all rows, in ``wanted``, with the rows that are not inside at their limits."""
+    """Find p + D m⁺ of all rows in ``wanted``; the rows that are not inside stay at their limits."""
     own, motion = d.share, d.work.motion
     for k in range(constraint_rows(d)):
         moves = k < d.touch.compliant_count
@@ -159,7 +163,7 @@ def solve_inside(d):
 
 
 def find_left(d):
-    """Find the motion that the forces leave, with which the next iteration begins."""
+    """Find the motion that remains with the present forces; the next iteration begins with it."""
     own = d.share
     solve_contacts(d, FREE, own.impulse, own.change)
     for k in range(d.touch.compliant_count, constraint_rows(d)):

@@ -1,9 +1,10 @@
-"""Dual numbers, as the kernel uses them: a value with its derivatives in several directions.
+"""Dual numbers as the kernel uses them: a value and its derivatives in several directions.
 
-The primal instance is called d. The tangent instance t has the same layout, but its reals are dual numbers.
-The kernel's functions work on both. The compiled kernel uses the dual numbers of compilation/dual_numbers.py.
+The primal instance d is the record of the run. The tangent instance t has the same layout, but with dual
+numbers in place of reals. The kernel's functions work on both instances. The compiled kernel uses the dual
+numbers of compilation/dual_numbers.py.
 
-Instances of dual numbers stand after an instance in memory; together they have all requested directions. The
+The tangent instances follow the primal instance in memory; together they have all requested directions. The
 compiled versions of these functions are in compilation/record_type.py.
 """
 
@@ -11,12 +12,13 @@ import numpy as np
 
 from chain_impact.kernel.record.fields import GIVEN
 
-LEAST_RATE = 1e-300  # [1/s] the least rate that has a reciprocal: 1 over a smaller one may overflow
+# [1/s] the least rate of which a reciprocal is computed: 1 over a smaller rate may overflow
+LEAST_RATE = 1e-300
 DIRECTIONS = 4  # number of directions of one instance of dual numbers; more directions need several instances
 
 
 def dual_dtype(dtype):
-    """Return the layout of an instance, or of a part of one, with a dual number for each real."""
+    """Return the layout of an instance, or of a part of it, with a dual number for each real."""
     if dtype.subdtype:
         item, shape = dtype.subdtype
         return np.dtype((dual_dtype(item), shape))
@@ -30,16 +32,17 @@ def dual_dtype(dtype):
 # the time up to which the derivatives can be trusted, see kernel/tangent/trust.py
 TRUST = np.dtype(
     [
-        ("reason", np.int64),  # 0: trusted everywhere so far
-        ("time", np.float64),  # s, time after which the derivatives cannot be trusted
-        ("point", np.int64),  # point of the impact or of the dry friction, or the joint; −1 without one
-        ("wall", np.int64),  # −1: a joint
-        # the possible change by friction that was left open, over the largest derivative, see friction.py
+        ("reason", np.int64),  # 0: the derivatives are trusted up to now; else the reason why not
+        ("time", np.float64),  # s, the time after which the derivatives cannot be trusted
+        # number of the point or joint of the impact or dry friction that is the reason; −1 without one
+        ("point", np.int64),
+        ("wall", np.int64),  # number of the wall that is the reason; −1: a joint
+        # the possible change by friction that was left open, over the largest derivative (friction.py)
         ("share", np.float64),
         (
             "split",
             np.int64,
-        ),  # 1: friction has left something open: the derivatives of its impulses are unknown
+        ),  # 1: friction has left a change open, so the derivatives of its impulses are unknown
     ]
 )
 
@@ -56,12 +59,12 @@ def value(number):
 
 
 def carried(number, slope, argument):
-    """Return a dual number with the value ``number`` and the derivatives of ``argument`` times a slope."""
+    """Return a dual number with the value ``number`` and the derivatives of ``argument`` times ``slope``."""
     return argument.carried(number, slope)
 
 
 def reciprocal(rate):
-    """Return 1/rate of a rate without derivatives, and 0 where this overflows.
+    """Return 1/rate for a rate without derivatives, or 0 if 1/rate would overflow.
 
     If a rate is 0, the time at which a value passes zero has no derivatives.
     """
@@ -74,7 +77,7 @@ def slope(number, direction):
 
 
 def sloped(number, direction, slope):
-    """Return a dual number with another derivative in one direction."""
+    """Return a copy of a dual number in which the derivative in one direction is ``slope``."""
     return number.sloped(direction, slope)
 
 
@@ -84,17 +87,17 @@ def varies(number):
 
 
 def block(d, number):
-    """Return tangent instance ``number`` of d, from 0."""
+    """Return tangent instance ``number`` of d; the first has the number 0."""
     return d.tangent_instances[number]
 
 
 def words(record):
-    """Return all numbers of a record, each followed by its derivatives."""
+    """Return all dual numbers of a record as one array: each value is followed by its derivatives."""
     return record.words
 
 
 def copy_values(source, target):
-    """Give a part of an instance of dual numbers the values of the same part of the instance.
+    """Copy the values of a part of the primal instance to the same part of a tangent instance.
 
     Derivatives stay unchanged. All fields are copied, including those of nested records, so a parameter that
     is added to the record needs no change here.
@@ -103,9 +106,9 @@ def copy_values(source, target):
 
 
 def copy_given(d, t, when):
-    """Give t the values of all parts of d that the scene or an importer gives and that apply at ``when``.
+    """Copy to t the values of all parts of d that the scene or an importer gives and that apply at ``when``.
 
-    ``when`` is a constant: AT_START or AT_ANY_TIME, as declared at the layout of each part.
+    ``when`` is AT_START or AT_ANY_TIME, as the layout of each part declares (record/fields.py).
     """
     for part, applies in GIVEN.items():
         if applies == when:

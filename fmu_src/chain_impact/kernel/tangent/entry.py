@@ -1,4 +1,4 @@
-"""Derivatives of a run of the instance d, in the tangent instances that follow it in memory.
+"""Derivatives of a run of the instance d, in the tangent instances that follow d in memory.
 
 The functions in HOOKS replace those of kernel/hooks.py, so that every function that advances d also advances
 the tangent instances.
@@ -18,9 +18,9 @@ from chain_impact.kernel.tangent.trust import share_reason, trusted
 
 
 def for_all(act):
-    """Return the function that does something with an instance and each of its tangent instances.
+    """Return a function that calls ``act`` for an instance and each of its tangent instances.
 
-    Derivatives that end in one tangent instance end in all of them, at the earliest end.
+    If the derivatives of one tangent instance end, the derivatives of all end at the earliest of these times.
     """
 
     def act_on_all(d):
@@ -35,7 +35,7 @@ def for_all(act):
 
 
 def observe_tangent(d, t):
-    """Set the derivatives of the outputs: NaN if they cannot be trusted, and after a fault."""
+    """Set the derivatives of the outputs; NaN after a fault, or if the derivatives cannot be trusted."""
     set_own_output_time(t, d.step.time)
     fill_outputs(t)
     if not trusted(t) or d.statistics.status != OK:
@@ -46,7 +46,7 @@ def observe_tangent(d, t):
 
 
 def observe_trial_of_tangent(_d, t):
-    """Set the derivatives of the outputs that a trial changes at once."""
+    """Set the derivatives of the outputs to which a trial of new values gives new values at once."""
     return_to_kept_state(t)
     refill_motion(t)
     if not trusted(t):
@@ -54,14 +54,14 @@ def observe_trial_of_tangent(_d, t):
 
 
 def forget_slopes(dual_numbers):
-    """Set all derivatives among the words of dual numbers to NaN."""
+    """Set to NaN all derivatives in the array ``dual_numbers``."""
     for j in range(len(dual_numbers)):
         if j % (1 + DIRECTIONS) > 0:
             dual_numbers[j] = math.nan
 
 
 def truncate_tangent(d, t):
-    """Update the contacts to the communication point, and keep the state there, which may be tried."""
+    """Update the contacts up to the communication point, and store the state there for trials."""
     set_own_output_time(t, d.step.time)
     keep_state(t)
     update_own_to_output_time(t)

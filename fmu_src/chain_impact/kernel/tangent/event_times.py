@@ -1,7 +1,7 @@
 """The derivatives of event times: the time at which a function φ of the motion is zero depends on parameters.
 
-With the derivatives φ′ at a fixed time, the event time changes by the delay −φ′/φ̇. Clearances and their
-rates are known with their own rates; for other functions φ̇ is found by differences along the motion.
+With the derivatives φ′ at a fixed time, the event time changes by the delay −φ′/φ̇. For clearances and their
+rates, φ̇ is known; for other functions φ̇ is found by differences along the motion.
 """
 
 import math
@@ -17,7 +17,8 @@ from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 from chain_impact.kernel.tangent.duals import carried, reciprocal, value
 
 DIFFERENCE = 1e-3  # the time over which a rate is found by differences, over the length of the last step
-NEWTON_ITERATIONS = 2  # number of iterations for a delay: each squares the error of the differences
+# number of Newton iterations for a delay: each iteration squares the error of the differences
+NEWTON_ITERATIONS = 2
 
 
 def lasted(t):
@@ -26,11 +27,12 @@ def lasted(t):
 
 
 def along_motion(function):
-    """Make two functions for φ of (t, c) along the motion, where the points are located and forces known.
+    """Return two functions for φ of (t, c) along the motion; φ uses located points and known forces.
 
     Returns:
-        A function of (t, c, time) that returns φ a ``time`` [s], a dual number, after the end of the last
-        step; and a function of (t, c) that returns φ̇ at the end. Both leave the points located elsewhere.
+        A function of (t, c, time) that returns φ at a ``time`` [s], a dual number, after the end of the last
+        step; and a function of (t, c) that returns φ̇ at that end. Both functions leave the points located at
+        another time.
     """
 
     def after(t, c, time):
@@ -50,7 +52,7 @@ def along_motion(function):
 
 
 def delay_along_motion(after):
-    """Return the function of (t, c, rate) that returns the delay of a zero of φ with this rate.
+    """Return a function of (t, c, rate) that returns the delay of a zero of φ, for the rate φ̇ at the zero.
 
     Afterwards points and forces are again those at the end of the last step.
     """
@@ -66,7 +68,7 @@ def delay_along_motion(after):
 
 
 def set_end(t):
-    """Set points and forces again to the end of the last step."""
+    """Set points and forces to those at the end of the last step again."""
     locate_points(t, t.step.state_end)
     located_rate(t, t.step.state_end, t.work.rate)
     ensure_points(t)
@@ -81,7 +83,7 @@ _delay_of_margin = delay_along_motion(_margin_after)
 
 
 def delay_of_crossing(t, c, kind):
-    """Return the delay [s] of an onset, an end or a new latch of candidate c, a dual number of value 0."""
+    """Return the delay [s] of an onset, an end or a new latch of candidate c, as a dual number of value 0."""
     gap, gap_rate = clearance(t, c)
     if kind == RELATCH:
         # φ = −ġ − 2 v₀
@@ -92,7 +94,7 @@ def delay_of_crossing(t, c, kind):
 
 
 def delay_of_bend(t, c, kind):
-    """Return the delay [s] of a kink or a release of candidate c, where a force has no jump."""
+    """Return the delay [s] of a kink or a release of candidate c; the force has no jump at such an event."""
     if kind == KINK:
         rate = _kink_rate(t, c)
         return _delay_of_kink(t, c, rate if rate != 0.0 else math.inf)
@@ -101,6 +103,6 @@ def delay_of_bend(t, c, kind):
 
 
 def delay_of_saturation(t):
-    """Return the delay [s] of the time at which a drive reaches its limit of torque, or falls below it."""
+    """Return the delay [s] of the time at which a drive reaches its limit, or falls below its limit."""
     rate = _margin_rate(t, 0)
     return _delay_of_margin(t, 0, rate if rate != 0.0 else math.inf)

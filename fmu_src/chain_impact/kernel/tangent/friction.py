@@ -1,14 +1,15 @@
-"""Derivatives of dry friction: the times of mode changes, and modes that are open.
+"""Derivatives of dry friction: the times of mode changes, and modes that rounding or tolerance leave open.
 
-The modes are those of the primal run. Sliding ends where t·v = 0, sticking where µ_s F_n − |F_t| = 0, at
-times that depend on the parameters. If friction does not jump at the end of sticking, its time has no effect
-except for the small excess of the force at which the end is found (events/sampled.py).
+The tangent instance takes the modes of the primal run. Sliding ends where t·v = 0, sticking where µ_s F_n −
+|F_t| = 0; these times depend on the parameters. If friction does not jump at the end of sticking, the time of
+this end has no effect, except for the small excess of the force at which the end is found
+(events/sampled.py).
 
-Derivatives do not exist where a small change of the parameters changes the order of such events, or whether
-they occur, unless this hardly matters. The difference is a tangential speed, which is stopped or lasts a
-little longer. When a chain comes to rest, the derivatives of such speeds, over the time in which it settles,
-are a negligible part of the largest derivative of a place. Then sticking stops them at once, and
-``trust.share`` has the sum of these parts.
+Derivatives do not exist where a small change of the parameters changes the order of such events, or decides
+whether an event occurs, unless the effect is negligible. The effect is a tangential speed that is stopped or
+lasts a little longer. When a chain comes to rest, the derivatives of such a speed, times the time in which
+the chain settles, are a negligible part of the largest derivative of a position. Sticking then sets the
+derivatives of the speed to zero at once, and ``trust.share`` is the sum of these parts.
 """
 
 import math
@@ -39,26 +40,27 @@ from chain_impact.kernel.tangent.trust import (
     mark_untrusted,
 )
 
-# The largest difference of a force from the limit of friction that errors of a run explain, over the limit
+# The largest distance of a force from the limit of friction that errors of a run explain, over the limit
 # times the tolerance.
 OPEN = 100.0
-# The largest difference between the derivatives of two times that count as one, over the largest derivative.
+# The largest difference between the derivatives of two event times that count as one time, over the largest
+# derivative.
 APART = 1e-5
-# The largest limit of friction that a contact has at its begin, over the excess of the force at which the end
-# of sticking is found.
+# The largest limit of friction at the begin of a contact, over the excess of the force at which the end of
+# sticking is found.
 FIRST = 1000.0
-# The largest change that a run may leave open, over the largest derivative: a fit to a place at rest needs
-# some percent.
+# The largest change of a position that a run may leave open, over the largest derivative: a fit to a position
+# at rest needs an accuracy of some percent.
 LEFT_OPEN = 1e-2
-# value of ``element.undecided``: the element sticks from its onset on, where its speed has derivatives
+# value of ``element.undecided``: the element sticks from its onset on, although its speed has derivatives
 STOPPED = 2
 
 
 def delay_of_change(t):
     """Return the delay [s] of the mode changes that end the last step, a dual number of value 0.
 
-    The points must be located at the end of the step. If several modes end there, any of them will do
-    (check_changes).
+    The points must be located at the end of the step. If several modes end there, the function takes any of
+    these (``check_changes`` compares them).
     """
     for i in range(t.friction.count):
         e = t.element.index[i]
@@ -72,31 +74,31 @@ def delay_of_change(t):
 
 
 def delay_of_rest(t, e):
-    """Return −φ′/φ̇ for φ = t·v, which is zero where the sliding of element e ends.
+    """Return −φ′/φ̇ of φ = t·v: the delay [s] of the time at which the sliding of element e ends.
 
-    No delay if it ends slowly.
+    The delay is 0 if the sliding ends slowly.
     """
     rate = value(tangential_acceleration(t, e))
     return carried(0.0, 0.0 if stops_slowly(t, e) else -reciprocal(rate), tangential_rate(t, e))
 
 
 def stops_slowly(t, e):
-    """Return whether the tolerance leaves open if element e, which has no speed, stops or slides on."""
+    """Return whether, within the tolerance, element e, which has no speed, may either stop or slide on."""
     return abs(value(tangential_acceleration(t, e))) <= value(slow_acceleration(t, e))
 
 
 def slow_acceleration(t, e):
-    """Return the acceleration [m/s²] of element e that may be an error, besides that by its friction."""
+    """Return an acceleration [m/s²] of element e that may be an error, besides that by its friction."""
     return math.sqrt(value(t.solver.tolerance)) * t.element.limit[e] / mean_mass(t)
 
 
-# φ of ``delay_of_sliding``
+# the margin φ = µ_s F_n − |F_t| for ``delay_of_sliding``, and its rate
 margin_after, margin_rate = along_motion(lambda t, e: t.element.limit[e] - abs(t.element.force[e]))
 delay_of_margin = delay_along_motion(margin_after)
 
 
 def delay_of_sliding(t, e):
-    """Return −φ′/φ̇ for φ = µ_s F_n − |F_t|, which is zero where element e begins to slide."""
+    """Return −φ′/φ̇ of φ = µ_s F_n − |F_t|: the delay [s] of the time at which element e begins to slide."""
     limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.model.size)
     if t.element.undecided[e] == STOPPED and limit <= FIRST * value(excess(t, e)):
         end_at(t, FROM_REST, e)
@@ -104,7 +106,7 @@ def delay_of_sliding(t, e):
     if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turning:
         if force_drops(t, e) and lasted(t) > 0.0:
             drop = limit * (1.0 - value(t.law.friction[e]) / value(t.law.static_friction[e]))
-            # the speed that friction gives because it drops too late or too early
+            # the change of speed because friction drops too late or too early must be negligible
             if not (rate < 0.0 and negligible(t, delay_of_margin(t, e, rate) * (drop / value(mean_mass(t))))):
                 end_at(t, SLOW_CHANGE, e)
         rate = -math.inf
@@ -112,7 +114,7 @@ def delay_of_sliding(t, e):
 
 
 def negligible(t, speed):
-    """Return whether it hardly matters if a ``speed`` [m/s] is stopped or lasts; if so, add its share.
+    """Return whether it is negligible if a ``speed`` [m/s] is stopped or lasts; if so, add its share.
 
     The speed would last for the time in which a chain settles.
     """
@@ -133,13 +135,13 @@ def negligible(t, speed):
 
 
 def settling_time(t):
-    """Return the time [s] in which a chain falls by its size, or turns without gravity: a slow time."""
+    """Return a time [s] in which a chain settles, √(size/(gravity + size per second squared))."""
     size = value(t.model.size)
     return math.sqrt(size / (value(t.model.gravity_size) + size))
 
 
 def force_drops(t, e):
-    """Return whether friction is smaller when element e slides."""
+    """Return whether the friction of element e drops when the element begins to slide."""
     if e >= t.candidates:
         return False
     return value(t.law.static_friction[e]) > value(t.law.friction[e])
@@ -163,8 +165,8 @@ def check_changes(t, time):
             after = speed + value(tangential_acceleration(t, e)) * time
             if stops and not rests(t, after, time) and not negligible(t, after):
                 end_at(t, SLOW_CHANGE if stops_slowly(t, e) else TOGETHER, e)
-    # an example is a rod that lies on a floor: the times at which its ends stop decide how they share
-    # friction
+    # an example is a rod that lies on a floor: the times at which the two ends stop determine the friction of
+    # each end
     if stopped > 1 or slowly:
         mark_split(t)
     if pending_changes(t) > 1:
@@ -177,7 +179,7 @@ def check_changes(t, time):
 
 
 def gives_way(t, e, time):
-    """Return whether the margin of element e, which is zero, is also zero after a ``time`` [s]."""
+    """Return whether the margin of element e, which is zero now, is also zero after a ``time`` [s]."""
     margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.limit[e]
     for k in range(DIRECTIONS):
         known = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_turn(t, k)
@@ -195,7 +197,7 @@ def any_halts(t):
 
 
 def rests(t, after, time):
-    """Return whether an element without speed still has none, ``after`` [m/s], a ``time`` [s] later."""
+    """Return whether an element without speed has none a ``time`` [s] later; ``after`` is its speed then."""
     most = value(largest(t, t.work.acceleration))
     for k in range(DIRECTIONS):
         known = largest_slope(t.work.velocity, k) + fastest_speed(t) * largest_turn(t, k)
@@ -205,7 +207,7 @@ def rests(t, after, time):
 
 
 def largest_slope(vectors, direction):
-    """Return the largest derivative of the vectors of all places in a direction."""
+    """Return the largest derivative, in a direction, of any component of the vectors of all places."""
     most = 0.0
     for k in range(len(vectors.x)):
         most = max(most, abs(slope(vectors.x[k], direction)), abs(slope(vectors.y[k], direction)))
@@ -213,14 +215,14 @@ def largest_slope(vectors, direction):
 
 
 def largest_turn(t, direction):
-    """Return the largest derivative of a place in a direction, over a link length: a scale of round-off."""
+    """Return the largest derivative of a position in a direction, over a link length."""
     return largest_slope(t.work.position, direction) / value(t.model.size)
 
 
 def choose_modes(t):
-    """Take the modes of dry friction from the primal run, with the first guess in ``element.mode``."""
+    """Take the modes of dry friction from the primal run; ``element.mode`` holds the first guess."""
     for e in range(t.elements):
-        # it slides because its sticking has ended: not undecided
+        # the element slides because its sticking has ended, so its mode is not undecided
         if t.element.before[e] == STICKS and t.element.mode[e] != STICKS:
             t.element.undecided[e] = 0
         t.element.mode[e] = t.element.chosen[e]
@@ -237,7 +239,7 @@ def choose_modes(t):
 
 
 def any_stops(t):
-    """Return whether any element sticks that was sliding until now."""
+    """Return whether any element that was sliding until now sticks."""
     for i in range(t.friction.stuck_count):
         before = t.element.before[t.element.stuck[i]]
         if before not in (STICKS, NO_FRICTION):
@@ -246,10 +248,10 @@ def any_stops(t):
 
 
 def stop_speeds(t):
-    """Stop the derivatives of the speeds of sticking elements, against no resistance of contacts.
+    """Set the derivatives of the speeds of sticking elements to zero, without resistance of contacts.
 
-    These speeds were left open. The projection of the state, which contacts resist, would leave a part of
-    them, such as that of a rod that lies almost flat, and it would last as long as the rod sticks.
+    The primal run left these speeds open. The projection of the state, which contacts resist, would keep a
+    part of the derivatives, for example for a rod that lies almost flat, as long as the rod sticks.
     """
     activate_all(t)
     start_from_state(t, 1)
@@ -261,9 +263,10 @@ def stop_speeds(t):
 
 
 def check_onsets_at_rest(t):
-    """Check the elements whose friction begins without a speed that a change of the parameters would give.
+    """Check elements whose friction begins without a speed, if a change of the parameters gives a speed.
 
-    Sticking stops such a speed. Sliding keeps it in one direction and stops it in the other.
+    Sticking stops such a speed. Sliding keeps a speed in one direction and stops a speed in the other
+    direction.
     """
     for i in range(t.friction.count):
         e = t.element.index[i]
@@ -277,7 +280,7 @@ def check_onsets_at_rest(t):
 
 
 def contact_resistance(t):
-    """Return the resistance [kg] of contacts to a projection: none where a speed with derivatives is stopped.
+    """Return the contacts' resistance [kg] to a projection: 0 where sticking stops a speed with derivatives.
 
     Friction stops the speed while the forces of the contacts are still small.
     """
@@ -289,7 +292,7 @@ def contact_resistance(t):
 
 
 def check_coefficients(t):
-    """End the derivatives if a friction that may act is zero and its derivative is asked for."""
+    """End the derivatives if a coefficient of friction that may act is 0 and has derivatives."""
     if t.elements == 0:
         return
     for c in range(t.candidates):
@@ -303,7 +306,7 @@ def check_coefficients(t):
 
 
 def is_open(t, e):
-    """Return whether the force that would hold element e at rest is almost the limit of static friction."""
+    """Return whether the force that holds or would hold element e at rest nearly equals its limit."""
     limit, errors = value(t.element.limit[e]), OPEN * value(t.solver.tolerance)
     if limit <= value(excess(t, e)):
         return False
@@ -318,6 +321,6 @@ def is_open(t, e):
 
 
 def end_at(t, reason, e):
-    """End the derivatives at the end of the last step because of element e, if they have not ended before."""
+    """End the derivatives at the end of the last step because of element e, unless they have ended before."""
     if t.trust.reason == TRUSTED:
         mark_untrusted(t, reason, e, value(t.step.end))

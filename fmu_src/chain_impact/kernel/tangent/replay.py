@@ -1,24 +1,24 @@
 """Derivatives of a run: each step of the primal instance d is repeated by the tangent instance t.
 
-t has the same layout as d, and its reals are dual numbers: they carry the derivatives in some directions of
-the parameters. Its values are those of d. After each step that d has accepted, t makes the same step with the
-same functions, which then differentiate the step. Rejected steps and the search for events are not repeated:
-the size of the step, its method and its events are frozen from the primal run. They are choices of the
-discretization, and have no derivatives.
+t has the same layout as d, with dual numbers in place of reals: the values of d, and the derivatives in some
+directions of the parameters. After each step that d has accepted, t makes the same step with the same
+functions, and so differentiates the step. Rejected steps and the search for events are not repeated: t takes
+the size of the step, the method and the events from d. These are choices of the discretization, and have no
+derivatives.
 
-An event ends a step where a function φ of the state passes through zero, at a time that depends on the
-parameters, too. With φ′ the derivatives of φ where the step of d ends, that time changes by −φ′/φ̇, and the
-state there by ẏ times that. Time is part of the state, so nothing else has to be known about an event: its
-change of the state is differentiated like everything else. At the kink of a force the rate is continuous,
-so the derivative of its time has no effect on the motion, but on a peak that is there. The dense output of a
-step is found before its end moves: its derivatives are those at fixed times.
+An event ends a step where a function φ of the state passes through zero. The time of the event depends on the
+parameters, too. With φ′ the derivatives of φ where the step of d ends, this time changes by −φ′/φ̇, and the
+state at the event changes by −ẏ φ′/φ̇. Time is part of the state, and the change of the state at an event is
+differentiated like the rest of the run. At the kink of a force the rate is continuous, so the derivative of
+the event time affects only a peak at the kink, not the motion. The dense output of a step is computed before
+the end of the step moves, so its derivatives are those at fixed times.
 
 An implicit step repeats the iteration, started from the stages that d has found. The result does not depend
-on A, so each direction of the derivatives is solved for with the linear systems of d, in its work space. The
-derivatives of the stages are first extrapolated from the last step, and converge by a factor θ of their own:
-where d is at rest its iteration converges at once, however long the step is, but that of the derivatives does
-not. So they are iterated until they have converged themselves, relative to the state's derivatives in the
-same direction.
+on A, so the derivatives in each direction are solved with the linear systems of d, in the work space of d.
+The derivatives of the stages are first extrapolated from the last step, and converge with another factor θ
+than the values: where d is at rest, the values converge at once, however long the step is, but the
+derivatives do not. So the iteration goes on until the derivatives have converged, relative to the state's
+derivatives in the same direction.
 
 Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Appl Numer Math 31:17.
 """
@@ -99,7 +99,7 @@ from chain_impact.kernel.tangent.trust import (
 
 
 def start_tangent(d, t):
-    """Initialize t from d, which is initialized; t already has the derivatives of the parameters."""
+    """Initialize t from d, which is initialized; t already holds the derivatives of the parameters."""
     copy_given(d, t, AT_START)
     derive_chain(t)
     clear_run(t, d.step.time)
@@ -116,9 +116,9 @@ def start_tangent(d, t):
 
 
 def reinit_tangent(d, t):
-    """Re-initialize t at the communication point, as d has been; update the contacts of t to this point."""
+    """Re-initialize t at the communication point, as d was; update the contacts of t up to this point."""
     reset_step(t, t.step.end, t.step.state_end)
-    # derivatives that ended in the dropped part of the run may continue: the new part decides
+    # the part of the run after this point is dropped; derivatives that ended in this part may continue
     if t.trust.time > value(t.step.end):
         trust(t)
     take_given(d, t)
@@ -128,9 +128,10 @@ def reinit_tangent(d, t):
 
 
 def take_given(d, t):
-    """Take the values given to d, and the choices of d; t keeps its derivatives with respect to given values.
+    """Take the given values and the choices of d; t keeps its derivatives with respect to given values.
 
-    The derivatives of all motions follow from their given values, as for constants that are added.
+    The derivatives of a prescribed motion are those of constants that are added to its position and its
+    rates.
     """
     copy_given(d, t, AT_ANY_TIME)
     if d.channels > 0:
@@ -143,7 +144,7 @@ def take_given(d, t):
 
 
 def copy_modes(d, t):
-    """Copy the modes of friction and drives of d to t, which takes them where it would choose (rules.py)."""
+    """Copy the modes of friction and drives of d to t, which takes them in place of a choice (rules.py)."""
     for e in range(d.elements):
         t.element.chosen[e] = d.element.mode[e]
     if d.model.limited:
@@ -151,27 +152,29 @@ def copy_modes(d, t):
             t.drive.chosen[i] = d.drive.mode[i]
 
 
-ENOUGH = 0.01  # the largest last correction of the derivatives, relative to them and over the tolerance
-# The factor by which the least correction has to fall within STALLED iterations. It may rise in between, as
-# its direction changes. A correction that does not fall is round-off up to the relative value ROUND_OFF, else
-# a failure.
+# the largest last correction of the derivatives at which the iteration ends, relative to the derivatives and
+# over the tolerance
+ENOUGH = 0.01
+# The rule to detect an iteration of derivatives that does not converge. The least correction must fall by the
+# factor FALLS within STALLED iterations; it may rise in between, as the direction of the correction changes.
+# A correction that does not fall is round-off up to the relative value ROUND_OFF, else a failure.
 FALLS, STALLED, ROUND_OFF = 0.7, 10, 1e-6
-MOST = 100  # largest number of iterations: a θ of .8 reduces the error to some 1e-10
-# The largest derivatives of the state, with respect to parameters that only change limits of static friction,
-# that are round-off; over the derivative of the speed that these limits could give in the step.
+MOST = 100  # largest number of iterations: with θ = 0.8 the error falls to about 1e-10
+# The largest derivative of the state that is round-off, with respect to parameters that only change limits of
+# static friction, over the derivative of the speed that these limits could give in the step.
 LEAST = 1e-3
-FAR_OFF = 1e300  # the relative correction if the derivatives are zero
+FAR_OFF = 1e300  # stands for the relative correction if the derivatives are zero
 
 
 def make_implicit(d, t, h):
-    """Make the last step of d, of size h, in dual numbers; its end is the state of ``trial`` of t."""
+    """Make the last step of d, of size h, in dual numbers; ``trial`` of t gets the end state."""
     extend_start(t)
     size = extended_size(t)
     extrapolate_stages(t, h, size)
     take_stages(d, t, size)
     take_slopes(d, t)
     factorize_real(t, h * REAL_EIGENVALUE)
-    # derivatives that have ended are not needed
+    # derivatives whose trust has ended are not needed
     if t.trust.reason == TRUSTED and not iterate_slopes(d, t, h, size):
         mark_untrusted(t, NOT_SOLVED, NO_IMPACT, d.step.start)
     set_result(t, h)
@@ -180,14 +183,14 @@ def make_implicit(d, t, h):
 
 
 def take_stages(d, t, size):
-    """Set the values of the stages of t to those of d, and keep their derivatives."""
+    """Set the values of the stages of t to the stages of d, and keep their derivatives."""
     for i in range(RADAU_STAGES):
         for j in range(size):
             t.implicit.stages[i, j] = carried(d.implicit.last[i, j], 1.0, t.implicit.stages[i, j])
 
 
 def take_slopes(d, t):
-    """Set the data of A in t to those of d."""
+    """Copy the data of the Jacobian A from d to t."""
     one, own = d.implicit, t.implicit
     for i in range(d.links):
         own.link.x[i], own.link.y[i] = one.link.x[i], one.link.y[i]
@@ -196,7 +199,7 @@ def take_slopes(d, t):
 
 
 def iterate_slopes(d, t, h, size):
-    """Iterate the derivatives of the stages; return whether they have converged."""
+    """Iterate the derivatives of the stages; return whether the derivatives have converged."""
     least, stalled = math.inf, 0
     for _ in range(MOST):
         find_residuals(t, h, size)
@@ -215,7 +218,7 @@ def iterate_slopes(d, t, h, size):
 
 
 def solve_slopes(d, t, h, size):
-    """Solve the linear systems of the step for the derivatives of its residuals, in place."""
+    """Solve the linear systems of the step for the derivatives in t, in place, one direction at a time."""
     for k in range(DIRECTIONS):
         for i in range(RADAU_STAGES):
             for j in range(size):
@@ -227,7 +230,7 @@ def solve_slopes(d, t, h, size):
 
 
 def last_correction(d, t, size):
-    """Return the derivatives' last correction over their values at the step's end, in the worst direction."""
+    """Return the largest ratio, over all directions, of the derivatives' last correction to their size."""
     own, weight, worst = t.implicit, d.implicit.weight, 0.0
     for k in range(DIRECTIONS):
         largest, whole, total = 0.0, LEAST * speed_by_friction(d, t, k), 0.0
@@ -236,7 +239,7 @@ def last_correction(d, t, size):
             for i in range(RADAU_STAGES):
                 part = weight[j] * abs(slope(own.parts[i, j], k))
                 largest = max(largest, part)
-                total += part  # a maximum would lose a NaN
+                total += part  # max() is not used, because it would lose a NaN
         if not math.isfinite(total + whole):
             return FAR_OFF
         if largest > worst * whole:
@@ -245,7 +248,7 @@ def last_correction(d, t, size):
 
 
 def speed_by_friction(d, t, direction):
-    """Return the weighted derivative of a speed in a direction if sticking's limits acted in the step."""
+    """Return the weighted derivative of the speed that limits of sticking friction could give in the step."""
     force, weight = 0.0, 0.0
     if d.friction.stuck_count == 0:
         return 0.0
@@ -260,7 +263,7 @@ def replay(d, t):
     """Repeat the last step of d in dual numbers."""
     copy_modes(d, t)
     apply_pending_events(t)
-    # a derivative is for a constant that is added to an input
+    # derivatives of an input belong to a constant that is added to the input
     copy_values(d.inputs, t.inputs)
     if d.channels > 0:
         copy_values(d.moved, t.moved)
@@ -285,7 +288,7 @@ def replay(d, t):
 
 
 def make(d, t, h):
-    """Make a step of size h as d did, without the error control of d."""
+    """Make a step of size h as d did, but without error control."""
     begin_trial(t, h)
     if t.step.method == IMPLICIT:
         make_implicit(d, t, h)
@@ -299,23 +302,24 @@ def make(d, t, h):
 def ends_regularized(d):
     """Return whether the last step ends where the regularized contact ends.
 
-    d has taken this step beyond the end, where the slope of the force has a kink, and has truncated it.
+    d has taken this step beyond the end of the contact, where the force has a kink, and has then truncated
+    the step.
     """
     return d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END
 
 
 def take_values(d, t):
-    """Set the values of t at the end of the last step to those of d, which differ by round-off."""
+    """Set the values of t at the end of the last step to the values of d; the two differ by round-off."""
     for j in range(len(d.step.state_end)):
         t.step.state_end[j] = carried(d.step.state_end[j], 1.0, t.step.state_end[j])
     t.step.end = carried(d.step.end, 1.0, t.step.end)
 
 
 def move_end(t):
-    """Give the end of the last step the derivatives of the time of the event that ends it.
+    """Give the end of the last step the derivatives of the time of the event that ends the step.
 
-    The dense output belongs to the step with its old end. The time of an event that only bends a force has no
-    effect on the motion, but on a peak there, and on the end of a contact.
+    The dense output belongs to the step with the old end. The time of an event at which a force only has a
+    kink affects a peak and the end of a contact, but not the motion.
     """
     for c in range(t.candidates):
         if is_crossing(t, c):
@@ -329,7 +333,7 @@ def move_end(t):
         check_changes(t, time)
         move_along(t, time)
         return
-    # the result of a jump at the start of the step has no time of its own
+    # if the step has no length, a jump at its start has caused the event, which has no time of its own
     if not lasted(t) > 0.0:
         return
     for c in range(t.candidates):
@@ -345,21 +349,21 @@ def move_end(t):
 def is_crossing(t, c):
     """Return whether candidate c has an event at the end of the last step whose time changes the motion."""
     kind = t.touch.event[c]
-    # at the end of a regularized contact dt/ds = 0: a change of s there does not change the state
+    # at the end of a regularized contact dt/ds = 0, so a change of s does not change the state
     if kind == END:
         return c != t.step.regularized
     return kind == ONSET or (kind == RELATCH and lasted(t) > 0.0)
 
 
 def prepare_end(t):
-    """Find the rate and the points at the end of the last step, and their dependants, before it moves."""
+    """Compute rate and points at the end of the last step, and values from them, before the end moves."""
     ensure_rate(t)
     ensure_dense(t, SOLVER)
     ensure_points(t)
 
 
 def move_along(t, time):
-    """Move the end of the last step along the motion by a ``time`` [s] of value 0 with derivatives."""
+    """Move the end of the last step along the motion by a ``time`` [s], a dual number of the value 0."""
     y, rate = t.step.state_end, t.work.rate_end
     for j in range(sundman_u_at(t.links)):
         y[j] += value(rate[j]) * time

@@ -1,7 +1,7 @@
-"""Functions with their own differentiation rules, where dual numbers in the operations would not suffice.
+"""Functions with their own rules of differentiation, because dual numbers in their operations would be wrong.
 
-Each has the name of the function that it replaces, and is called in its place if an argument carries
-derivatives. It returns the same value, or one that changes the values of the run by round-off only.
+Each function has the name of the function that it replaces, and is called instead if an argument carries
+derivatives. The returned value is the same up to round-off.
 """
 
 import math
@@ -16,14 +16,15 @@ from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.tangent.duals import carried, reciprocal, value, varies
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 
-DIFFERENCE = 1e-3  # relative step in an argument of a user's law, for its slopes by differences
+DIFFERENCE = 1e-3  # relative increment of an argument of a user's law, for derivatives by differences
 ITERATIONS = 3  # number of iterations for the forces of constraints
 
 
 def power(depth, exponent):
-    """Return δ^n.
+    """Return δ^n with derivatives with respect to δ and n.
 
-    The special cases of n ignore that n may vary, and for n < 1 the slope at δ = 0 is infinite.
+    The replaced function has special cases of n without derivatives with respect to n. For n < 1 the slope at
+    δ = 0 is infinite.
     """
     base, n = value(depth), value(exponent)
     result = contact_force.power(base, n)
@@ -38,7 +39,7 @@ def power(depth, exponent):
 def polar(radius, y, first, horizontal, vertical):
     """Set ``horizontal`` to r cos φ and ``vertical`` to r sin φ.
 
-    The angle's reduction has wrong derivatives.
+    Dual numbers in the reduction of the angle would give wrong derivatives.
     """
     near = kinematics.in_reach(y, first, len(radius))
     for i in range(len(radius)):
@@ -52,24 +53,27 @@ def polar(radius, y, first, horizontal, vertical):
 
 
 def direction(angle):
-    """Return the cosine and sine of an angle; the angle's reduction has wrong derivatives."""
+    """Return the cosine and sine of an angle.
+
+    Dual numbers in the reduction of the angle would give wrong derivatives.
+    """
     cosine, sine = angles.direction(value(angle))
     return carried(cosine, -sine, angle), carried(sine, cosine, angle)
 
 
 def resists(constant):
-    """Return whether a constant has an effect: one with derivatives has an effect even if its value is 0."""
+    """Return whether a constant has an effect: its value or any of its derivatives is not 0."""
     return value(constant) != 0.0 or varies(constant)
 
 
 def choose_saturation(t):
-    """Take the modes of drives that the primal instance has chosen."""
+    """Take the modes of drives from the primal instance, in place of a choice."""
     for i in range(t.links):
         t.drive.mode[i] = t.drive.chosen[i]
 
 
 def shift_start(t, delay):
-    """Move the start of the next step to another time, by the derivatives of the ``delay`` [s]."""
+    """Move the start of the next step by the derivatives of the ``delay`` [s]."""
     y, rate, time = t.step.state_end, t.work.rate_start, carried(0.0, 1.0, delay)
     for j in range(sundman_u_at(t.links)):
         y[j] += value(rate[j]) * time
@@ -81,9 +85,10 @@ def shift_start(t, delay):
 
 
 def fraction(t, time):
-    """Return the fraction of the last step at a time; one Newton step from its value gives all derivatives.
+    """Return the fraction of the last step at a time; one Newton step from the value gives all derivatives.
 
-    The iteration for the value stops when the value is exact, which says nothing about the derivatives.
+    The iteration of the replaced function stops when the value is exact, although the derivatives may not be
+    exact yet.
     """
     step, clock = t.step, time_at(t.links)
     elapsed = time - step.start
@@ -101,13 +106,14 @@ def fraction(t, time):
 def iterated_enough(_t, iterations):
     """Return whether so many iterations reduce the derivatives of any residual to round-off.
 
-    Each iteration reduces them to a millionth. A residual that is zero says nothing about its derivatives.
+    Each iteration reduces the derivatives of a residual to a millionth. The derivatives of a residual with
+    the value zero may be large.
     """
     return iterations >= ITERATIONS
 
 
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
-    """Return the force of a user's law, which only gives values; its slopes are found by differences."""
+    """Return the force of a user's law; its derivatives are found by differences."""
     at = (
         value(depth),
         value(rate),
@@ -127,7 +133,7 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
 
 
 def slope_along(argument, h, at):
-    """Return the slope of the user's law along one of its arguments, by central differences of order 4."""
+    """Return the derivative of the user's law along one argument, by central differences of order 4."""
     if h == 0.0:
         return 0.0
     # (8 (F₁ − F₋₁) − (F₂ − F₋₂))/(12 h)
@@ -137,7 +143,7 @@ def slope_along(argument, h, at):
 
 
 def moved(argument, by, at):
-    """Return the user's law with one of its arguments changed."""
+    """Return the force of the user's law after a change of one argument."""
     return user_law.force(
         at[0] + by * (argument == 0),
         at[1] + by * (argument == 1),

@@ -1,6 +1,6 @@
-"""The time up to which derivatives can be trusted: after it they do not exist, or are too inaccurate.
+"""The time up to which derivatives can be trusted; after it they do not exist, or are too inaccurate.
 
-The cause is an impact, dry friction whose mode is open (tangent/friction.py), or an implicit step whose
+The cause is an impact, dry friction whose mode is left open (tangent/friction.py), or an implicit step whose
 equations for the derivatives could not be solved. simulation/reasons.py has a sentence for each cause.
 """
 
@@ -17,9 +17,10 @@ from chain_impact.kernel.tangent.duals import value, varies
 
 TRUSTED, GRAZING, AT_FLOOR, SIMULTANEOUS, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 SLOW_CHANGE, AT_LIMIT, TOGETHER, NO_LESS, FROM_REST = 6, 7, 8, 9, 10
-NO_IMPACT = -1  # stands in the place of a candidate
-JOINT = -1  # stands in the place of a wall
-# the rates ±NEAR_REST v₀ at which the force is compared, and the relative difference that counts as a jump
+NO_IMPACT = -1  # the value of ``c`` in ``mark_untrusted`` if the reason is no impact and no element
+JOINT = -1  # value of ``trust.wall``: the reason is dry friction in a joint
+# the rates ±NEAR_REST v₀ at which two forces of a law are compared, and the relative difference that counts
+# as a jump
 NEAR_REST, JUMPS = 1e-9, 1e-6
 
 
@@ -38,7 +39,7 @@ def check_onsets(t):
             and cannot_be_less(t.law.static_friction[c])
         ):
             mark_untrusted(t, NO_LESS, c, value(t.step.end))
-    # there is no first onset if none has begun, or if the rates are not finite
+    # no contact has begun if ``first`` is negative or the rates are not finite
     if first < 0 or t.trust.reason != TRUSTED:
         return
     if least <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t):
@@ -50,7 +51,7 @@ def check_onsets(t):
 
 
 def cannot_be_less(friction):
-    """Return whether a limit of dry friction is zero, and derivatives with respect to it are asked for."""
+    """Return whether a limit of dry friction is 0, so that it cannot be less, and has derivatives."""
     return value(friction) == 0.0 and varies(friction)
 
 
@@ -58,14 +59,14 @@ def fastest_speed(t):
     """Return the speed of the fastest point [m/s]."""
     most, velocity = 0.0, t.work.velocity
     for k in range(len(velocity.x)):
-        if not t.links < k <= 2 * t.links:  # without the places of joints
+        if not t.links < k <= 2 * t.links:  # the places of joints have no speed of a point
             x, y = value(velocity.x[k]), value(velocity.y[k])
             most = max(most, math.sqrt(x * x + y * y))
     return most
 
 
 def check_turns(t):
-    """Check contacts whose rate changed sign in the last step: the force of a user's law may jump there."""
+    """End the derivatives if a user's force jumps where a contact's rate changed sign in the last step."""
     if not user_law.present() or t.trust.reason != TRUSTED:
         return
     if not t.work.at_end:
@@ -92,7 +93,7 @@ def mark_untrusted(t, reason, c, time):
     trust.reason, trust.time = reason, time
     trust.point, trust.wall = NO_IMPACT, 0
     if c >= t.candidates:
-        # the slider has the number 0 of the base's point
+        # the slider gets the number 0, the number of the base's point
         trust.point, trust.wall = (joint_of(t, c) + 1) % (t.links + 1), JOINT
     elif c != NO_IMPACT:
         trust.point, trust.wall = t.candidate.point[c], t.candidate.wall[c]
@@ -104,21 +105,22 @@ def trust(t):
 
 
 def begin_trust(t):
-    """Trust the derivatives from the start of a run on, before anything has been left open."""
+    """Trust the derivatives from the start of a run on, with no change left open."""
     t.trust.share, t.trust.split = 0.0, 0
     trust(t)
 
 
 def mark_split(t):
-    """Mark that derivatives of the impulses of friction are not known from now on.
+    """Record that the derivatives of the impulses of friction are not known from now on.
 
-    A speed that is stopped changes these impulses, and how sticking elements share friction.
+    A speed that sticking stops changes these impulses, and the distribution of friction between sticking
+    elements.
     """
     t.trust.split = 1
 
 
 def share_reason(t, other):
-    """End the derivatives of t where those of another tangent instance end, if that is earlier."""
+    """End the derivatives of t where those of tangent instance ``other`` end, if that time is earlier."""
     mine, given = t.trust, other.trust
     if given.reason != TRUSTED and (mine.reason == TRUSTED or given.time < mine.time):
         mine.reason, mine.time, mine.point, mine.wall = given.reason, given.time, given.point, given.wall
