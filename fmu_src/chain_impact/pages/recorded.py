@@ -25,7 +25,7 @@ STYLES = ("vendor/uPlot.min.css", "style.css", "panels.css")
 LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
 PLAYER = (
     *("dom", "recording", "clock", "format", "room", "view", "trace"),
-    *("scene", "charts", "curve_charts", "impacts", "controls", "player"),
+    *("arrow_scale", "placing", "scene", "charts", "curve_charts", "impacts", "controls", "player"),
 )
 """The modules that show a recording, each after the modules that it imports."""
 FRAMES = ("pacing", "frames")

@@ -1,17 +1,21 @@
 // The scene: walls, chain, trace of the tip, arrows of forces; drawn by SVG.js, coloured by the style sheet.
 
+import { ArrowScale } from "./arrow_scale.js";
 import { forceText, unitsOf } from "./format.js";
+import { anchorOf, candidatesAround, Places } from "./placing.js";
 import { lastBefore } from "./recording.js";
 import { Camera, roomWithin } from "./room.js";
 import { traceOf } from "./trace.js";
 import { STOPS } from "./view.js";
 
-const LONGEST_ARROW = 0.26; // of the smaller side of the scene, for the largest force
-const LEAST_ARROW = 9; // pixels, so that a small force is seen
-const LABEL_FROM = 22; // pixels: shorter arrows have no label
+const LABEL_FROM = 14; // pixels: shorter arrows have no label
+const [FORCE_TEXT, NUMBER_TEXT] = [13, 11]; // pixels, the letters of forces and of numbers
 const TAIL = 0.3; // s of simulated time in which the trace's bright end fades
 const TAIL_PARTS = 10;
 const RING_TIME = 0.25; // s of simulated time for which the place of an impact is marked
+const [RING, RINGS_APART] = [20, 7]; // pixels, the width of a ring, and how much wider the next one at its place is
+const SAME = 12; // pixels: rings that are nearer to each other have one place
+const NUMBERS = 8; // impacts that have just been, at most, with a number
 const KEY = 64; // pixels of each kind of arrow that is told
 const STRIP = 30; // pixels at the top for the scale bar, where the chain never comes
 const STOP_DOT = 11; // pixels, the mark of a joint at its stop
@@ -21,12 +25,11 @@ const ARC = 0.25; // of a link's length: the radius of the arc of its joint's ra
 const TICK = 0.3; // of the radius: the length of the mark of a stop
 const ARC_CORNERS = 33;
 const BESIDE = 15; // pixels from a point to its number
-const [NAME_WIDTH, NAME_HEIGHT] = [12, 10]; // pixels: names of points that are nearer to each other would overlap
 const NUMBERED = 12; // links, above which points have no numbers
 const MANY_LINKS = 60; // above which the chain is one line, without joints
 
-/** A place beside a point of the chain on the screen, outside the bend there. */
-function besideChain(places, point) {
+/** The direction from a point of the chain on the screen to the outside of the bend there. */
+function outOfChain(places, point) {
   const [x, y] = places[point];
   const ways = [places[point - 1], places[point + 1]].filter(Boolean).map(([x1, y1]) => {
     const length = Math.hypot(x1 - x, y1 - y) || 1;
@@ -34,25 +37,18 @@ function besideChain(places, point) {
   });
   const bend = [0, 1].map((axis) => ways.reduce((sum, way) => sum - way[axis], 0));
   const size = Math.hypot(...bend);
-  const [dx, dy] = size > 0.2 ? bend.map((part) => part / size) : [ways[0][1], -ways[0][0]];
-  return [x + BESIDE * dx, y + BESIDE * dy];
+  return size > 0.2 ? bend.map((part) => part / size) : [ways[0][1], -ways[0][0]];
 }
 
-/** A place beside a point of a body on the screen, away from the middle of the rectangle around its corners. */
-function besideBody(place, corners) {
+/** The direction from a point of a body on the screen away from the middle of the rectangle around its corners. */
+function outOfBody(place, corners) {
   const way = place.map((at, axis) => {
     const reach = corners.map((corner) => corner[axis]);
     const [low, high] = [Math.min(...reach), Math.max(...reach)];
     return (2 * at - low - high) / (high - low || 1);
   });
   const size = Math.hypot(...way) || 1;
-  return place.map((at, axis) => at + (BESIDE * way[axis]) / size);
-}
-
-/** On which side of a place beside a point its text begins. */
-function anchorAt(x, [from]) {
-  if (Math.abs(x - from) < 0.5 * BESIDE) return "middle";
-  return x > from ? "start" : "end";
+  return way.map((part) => part / size);
 }
 
 /** The part of a line on the screen that is below the strip with the scale bar. */
@@ -131,7 +127,7 @@ export class Scene {
     this.size = [width, height];
     this.drawing.size(width, height).viewbox(0, 0, width, height);
     this.camera = new Camera(this.recording, width, height, STRIP);
-    this.longest = LONGEST_ARROW * Math.min(width, height);
+    this.arrowScale = new ArrowScale(this.recording.peakForce, width, height);
     this.ground.clear();
     this.ground.rect(width, height).addClass("outside");
     this.room = this.ground.group();
@@ -139,6 +135,7 @@ export class Scene {
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
     this.recording.rail?.lines.forEach((line) => this.ground.polyline(belowStrip(this.#places(line))).addClass("pin"));
     this.#drawScaleBar(width);
+    if (this.recording.forces.length || this.recording.loads.length) this.#drawRuler();
     if (this.recording.loads.length) this.#drawKey(width);
     this.discs.forEach(([, own, disc]) => disc.radius(own * this.camera.scale));
     ({ frames: this.traceFrames, places: this.tracePlaces } = traceOf(this.recording, this.camera));
@@ -153,7 +150,8 @@ export class Scene {
     const { corners, edges } = roomWithin(this.recording.wallsAt(frame), this.camera.rectangle);
     this.room.clear();
     if (corners.length) this.room.polygon(this.#places(corners)).addClass("room");
-    edges.forEach((ends) => this.room.polyline(this.#places(ends)).addClass("wall"));
+    this.edges = edges.map((ends) => this.#places(ends));
+    this.edges.forEach((ends) => this.room.polyline(ends).addClass("wall"));
   }
 
   /** The ground mark of a pinned base, where the base is at a frame. */
@@ -175,6 +173,18 @@ export class Scene {
     this.ground.plain(text).attr({ x: left - 8, y: y + 4 }).addClass("bar-text");
   }
 
+  /** The lengths of the arrows of round forces, up to that of the largest one. */
+  #drawRuler() {
+    const [left, y] = [12, STRIP - 7];
+    const { longest, marks } = this.arrowScale;
+    this.ground.line([[left, y], [left + longest, y]]).addClass("bar ruler");
+    marks.forEach(({ at, text }) => {
+      this.ground.line([[left + at, y - 4], [left + at, y + 4]]).addClass("bar");
+      if (text) this.ground.plain(text).attr({ x: left + at, y: y - 7 }).addClass("ruler-text");
+    });
+    this.ground.polygon([[left + longest + 7, y], [left + longest, y - 4], [left + longest, y + 4]]).addClass("ruler-head");
+  }
+
   /** What the two kinds of arrows are. */
   #drawKey(width) {
     [["joint", "load"], ["wall", "force"]].forEach(([name, kind], place) => {
@@ -192,27 +202,31 @@ export class Scene {
     bodies.forEach((corners, k) => this.outlines[k].plot(corners));
     this.dots.forEach(([point, dot]) => dot.center(...all[point]));
     this.discs.forEach(([point, , disc]) => disc.center(...all[point]));
-    this.#drawNames(all, bodies);
     if (recording.moved.length) this.#drawRoom(frame);
     this.#drawPin(frame);
     this.#drawRanges(frame);
     this.#drawTrace(frame, places.at(-1));
+    this.places = new Places(...this.size, STRIP);
+    [places, ...this.edges, ...this.pin.map(([, mark]) => mark.array())].forEach((line) => this.places.takeLine(line));
+    bodies.forEach((corners) => this.places.takeLine([...corners, corners[0]]));
+    this.dots.forEach(([point]) => this.places.takeAround(all[point]));
+    const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];
+    texts.forEach((text) => this.#label(...text)); // beside all arrows
+    this.#drawNames(all, bodies);
     this.#drawRings(frame);
-    this.#drawArrows(frame);
-    this.#drawLoads(frame);
   }
 
-  /** Numbers and names of points; one that has no room beside those before is left out. */
+  /** Numbers and names of points; one that has no room beside its point is left out. */
   #drawNames(all, bodies) {
     const { links } = this.recording;
-    const taken = [];
     this.names.forEach((name, point) => {
       const corners = bodies[this.bodyOf[point]];
-      const [x, y] = corners ? besideBody(all[point], corners) : besideChain(all.slice(0, links + 1), point);
-      const free = taken.every(([x1, y1]) => Math.abs(x - x1) > NAME_WIDTH || Math.abs(y - y1) > NAME_HEIGHT);
-      if (free) taken.push([x, y]);
-      name.attr({ x, y: y + 4 }).css({ "text-anchor": corners ? anchorAt(x, all[point]) : "middle" });
-      name.css("visibility", free ? "visible" : "hidden");
+      const way = corners ? outOfBody(all[point], corners) : outOfChain(all.slice(0, links + 1), point);
+      const text = name.text();
+      const beside = candidatesAround(all[point], way, BESIDE).map((one) => (corners ? one : { ...one, anchor: "middle" }));
+      const place = this.places.find(text, NUMBER_TEXT, beside);
+      name.css("visibility", place ? "visible" : "hidden");
+      if (place) name.attr({ x: place.at[0], y: place.at[1] + 4 }).css({ "text-anchor": place.anchor });
     });
   }
 
@@ -269,24 +283,35 @@ export class Scene {
     return wall in walls || wall in (rail?.stops ?? {}) || stops.some(({ joint }) => joint === point);
   }
 
-  /** Rings where impacts have just been: they widen and fade. */
+  /** Rings where impacts have just been: they widen and fade, each around the one before at its place, with numbers beside. */
   #drawRings(frame) {
     const { recording } = this;
     const now = recording.timeAt(frame);
     this.rings.clear();
-    recording.impacts
-      .filter((impact) => impact.onset <= now && impact.onset > now - RING_TIME && this.#isShown(impact))
-      .forEach(({ onset, point, wall }) => {
-        const age = (now - onset) / RING_TIME;
-        const { place } = this.#spot(recording.frameAt(onset), point, wall);
-        this.rings.circle(12 + 34 * Math.sqrt(age)).center(...place).addClass("ring").opacity((1 - age) ** 2);
-      });
+    const recent = recording.impacts.filter((impact) => impact.onset <= now && impact.onset > now - RING_TIME && this.#isShown(impact));
+    const drawn = [];
+    recent.forEach(({ onset, point, wall, number }, k) => {
+      const age = (now - onset) / RING_TIME;
+      const { place, away } = this.#spot(recording.frameAt(onset), point, wall);
+      const same = drawn.filter((other) => Math.hypot(other[0] - place[0], other[1] - place[1]) < SAME).length;
+      drawn.push(place);
+      const width = RING + RINGS_APART * same + RING * Math.sqrt(age);
+      this.rings.circle(width).center(...place).addClass("ring").opacity((1 - age) ** 2);
+      if (recent.length - k > NUMBERS) return;
+      const text = `#${number}`;
+      const found = this.places.find(text, NUMBER_TEXT, candidatesAround(place, [-away[1], away[0]], RING / 2 + BESIDE / 2));
+      if (!found) return;
+      const [x, y] = found.at;
+      this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": found.anchor }).addClass("ring-number").opacity(1 - age);
+    });
   }
 
+  /** Draw the forces of walls and the moments of stops; returns the texts beside them, as `#label` takes them. */
   #drawArrows(frame) {
     const { recording } = this;
     this.arrows.clear();
     this.labels.clear();
+    const texts = [];
     recording.contactsAt(frame).filter((contact) => this.#isShown(contact)).forEach(({ point, wall, force: normal, friction, sticks }) => {
       const { place: [x, y], away: [nx, ny] } = this.#spot(frame, point, wall);
       const force = Math.hypot(normal, friction);
@@ -294,49 +319,49 @@ export class Scene {
       const [dx, dy] = [(normal * nx - friction * ny) / force, (normal * ny + friction * nx) / force];
       if (STOPS.includes(wall)) {
         this.arrows.circle(STOP_DOT).center(x, y).addClass("stop-dot");
-        this.#label(x + 2 * STOP_DOT * dx, y + 2 * STOP_DOT * dy, dx, forceText(force, 3, unitsOf({ atStop: true }).force));
+        this.places.takeAround([x, y], STOP_DOT / 2);
+        texts.push([[x, y], [dx, dy], 2 * STOP_DOT, forceText(force, 3, unitsOf({ atStop: true }).force), "force"]);
         return;
       }
       if (sticks) {
         this.arrows.line([-STICK_BAR, STICK_BAR].map((along) => [x - along * ny, y + along * nx])).addClass("stick-bar");
       }
-      this.#arrow([x, y], [dx, dy], force, "force");
+      texts.push(...this.#arrow([x, y], [dx, dy], force, "force"));
     });
     recording.stuckJointsAt(frame).forEach((joint) => {
       this.arrows.circle(STUCK_DOT).center(...this.camera.place(...recording.pointAt(frame, Math.max(joint - 1, 0)))).addClass("stuck-joint");
     });
+    return texts;
   }
 
-  /** The forces in joints that are not too small to be seen; only the largest one has its size beside. */
+  /** The forces in joints that are not too small to be seen; only the largest one has its size beside. Returns the texts. */
   #drawLoads(frame) {
     const { recording, camera } = this;
     const sized = recording.loadsAt(frame).map(({ joint, force: [x, y] }) => ({ joint, x, y, size: Math.hypot(x, y) }));
     const most = Math.max(...sized.map(({ size }) => size));
-    sized.filter(({ size }) => this.#lengthOf(size) > LEAST_ARROW).forEach(({ joint, x, y, size }) => {
+    return sized.filter(({ size }) => this.arrowScale.lengthOf(size, 0) > 0).flatMap(({ joint, x, y, size }) => {
       const place = camera.place(...recording.pointAt(frame, joint - 1));
-      this.#arrow(place, [x / size, -y / size], size, "load", size === most);
+      return this.#arrow(place, [x / size, -y / size], size, "load", size === most);
     });
   }
 
-  /** How long the arrow of a force [N] is [pixels]. */
-  #lengthOf(force) {
-    return (this.longest * force) / this.recording.peakForce;
-  }
-
-  /** The arrow of a force [N] from a place on the screen in a direction, and how large it is if that is told. */
+  /** Draw the arrow of a force [N] from a place on the screen in a direction; returns how large it is, as `#label` takes it, if that is told. */
   #arrow([x, y], [dx, dy], force, kind, told = true) {
-    const length = Math.max(LEAST_ARROW, this.#lengthOf(force));
+    const length = this.arrowScale.lengthOf(force);
     const head = Math.min(14, 0.6 * length);
     const at = (along, across) => [x + dx * along - dy * across, y + dy * along + dx * across];
     this.arrows.line([at(0, 0), at(length - head, 0)]).addClass(`arrow ${kind}`);
     this.arrows.polygon([at(length, 0), at(length - head, 0.45 * head), at(length - head, -0.45 * head)])
       .addClass(`arrow-head ${kind}`);
-    if (told && length >= LABEL_FROM) this.#label(...at(length + 14, 0), dx, forceText(force), kind);
+    this.places.takeLine([at(0, 0), at(length, 0)]);
+    return told && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, forceText(force), kind]] : [];
   }
 
-  /** A text at a place, on the side of it to which `dx` points. */
-  #label(x, y, dx, text, kind = "force") {
-    const anchor = Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
-    this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": anchor }).addClass(`force-text ${kind}`);
+  /** A text near a place, ahead of it if there is room. */
+  #label(place, way, distance, text, kind) {
+    const found = this.places.find(text, FORCE_TEXT, candidatesAround(place, way, distance)) ??
+      { at: place.map((part, axis) => part + distance * way[axis]), anchor: anchorOf(way[0]) };
+    const [x, y] = found.at;
+    this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": found.anchor }).addClass(`force-text ${kind}`);
   }
 }

@@ -1,0 +1,73 @@
+// Places for texts on the screen, none on another or on what is drawn.
+
+const [LETTER_WIDTH, LINE_HEIGHT] = [0.72, 1.2]; // of the size of the letters, about
+const BESIDE_LINE = 3; // pixels between a text and the middle of a line
+const HALF = 4; // pixels, half of the square that stands for a mark
+
+/** The box of a text, [left, top, right, bottom], whose middle of the height is at y. */
+function boxOf(text, [x, y], size, anchor) {
+  const width = LETTER_WIDTH * size * text.length;
+  const left = x - { start: 0, middle: 0.5, end: 1 }[anchor] * width;
+  return [left, y - (LINE_HEIGHT * size) / 2, left + width, y + (LINE_HEIGHT * size) / 2];
+}
+
+/** Whether a line comes into the box of a text, or near it: by the shares of it that lie between the sides of the box. */
+function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
+  let [from, to] = [0, 1];
+  for (const [at, way, low, high] of [[x0, x1 - x0, left, right], [y0, y1 - y0, top, bottom]]) {
+    const ends = [low - BESIDE_LINE - at, high + BESIDE_LINE - at];
+    if (way === 0 && (ends[0] > 0 || ends[1] < 0)) return false;
+    if (way === 0) continue;
+    const shares = ends.map((end) => end / way).sort((a, b) => a - b);
+    [from, to] = [Math.max(from, shares[0]), Math.min(to, shares[1])];
+  }
+  return from < to;
+}
+
+export class Places {
+  #taken = []; // boxes
+  #lines = []; // pairs of places
+
+  /** In a scene of some width and height, below a strip. */
+  constructor(width, height, strip) {
+    this.limits = [0, strip, width, height];
+  }
+
+  /** Keep texts off the surroundings of a place. */
+  takeAround([x, y], half = HALF) {
+    this.#taken.push([x - half, y - half, x + half, y + half]);
+  }
+
+  /** Keep texts off the lines from each of some places to the next. */
+  takeLine(places) {
+    places.slice(1).forEach((to, k) => this.#lines.push([places[k], to]));
+  }
+
+  /** The first of some candidates {at, anchor} where a text of a size is on nothing, which is taken; undefined without one. */
+  find(text, size, candidates) {
+    const [left, top, right, bottom] = this.limits;
+    return candidates.find(({ at, anchor }) => {
+      const box = boxOf(text, at, size, anchor);
+      if (box[0] < left || box[1] < top || box[2] > right || box[3] > bottom) return false;
+      if (this.#taken.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1])) return false;
+      if (this.#lines.some((line) => isCrossed(box, line))) return false;
+      this.#taken.push(box);
+      return true;
+    });
+  }
+}
+
+/** Candidates around a place at a distance, first in a direction, then ever farther from it, and then at twice the distance. */
+export function candidatesAround([x, y], [dx, dy], distance) {
+  const turns = [0, 1, -1, 2, -2, 3, -3, 4].map((eighth) => (eighth * Math.PI) / 4);
+  return [1, 2].flatMap((times) => turns.map((turn) => {
+    const [c, s] = [Math.cos(turn), Math.sin(turn)];
+    const [wx, wy] = [c * dx - s * dy, s * dx + c * dy];
+    return { at: [x + times * distance * wx, y + times * distance * wy], anchor: anchorOf(wx) };
+  }));
+}
+
+/** On which side of a place beside a mark its text begins, by the horizontal part of the direction there. */
+export function anchorOf(dx) {
+  return Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
+}
