@@ -1,1 +1,1 @@
-"""Simulation in this process: whole runs of a scene, steps by hand, and derivatives."""
+"""Simulation in this process: whole runs of a scene, steps that a program controls, and derivatives."""

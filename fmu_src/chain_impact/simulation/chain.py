@@ -1,4 +1,4 @@
-"""A chain that is stepped by hand, for controllers and learning: set inputs, step, read outputs, decide."""
+"""A chain that a program advances step by step, for controllers and learning."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
 from chain_impact.variables.variable import Variable
 
-# magic, CRC-32 of the rest, the scene's digest, whether the chain has started, numbers of contacts and
-# changes
+# layout of a saved state's head: magic number, CRC-32 of the rest, digest of the scene, whether the chain has
+# started, numbers of contacts and of changes
 STATE = struct.Struct("<8sQ16sqqq")
 CHECKED_FROM = 16
 MAGIC = b"chainsv2"
@@ -38,7 +38,7 @@ MAGIC = b"chainsv2"
 
 @dataclass(frozen=True, slots=True)
 class _Place:
-    """The places of a variable: where it is read, where else its value is written, and its allowed values."""
+    """Where a variable is stored: where its value is read and written, and its allowed values."""
 
     word: int
     set_word: int
@@ -53,7 +53,7 @@ class _Place:
 
 @dataclass(frozen=True, slots=True)
 class _Selection:
-    """Several variables that are read together: their words, which are integers, whether any is computed."""
+    """Several variables that are read together: words, which words are integers, and if any is computed."""
 
     words: np.ndarray
     whole: np.ndarray
@@ -61,12 +61,12 @@ class _Selection:
 
 
 class Chain:
-    """An instance of a scene that is stepped by hand.
+    """An instance of a scene that a program advances step by step.
 
-    Names and rules are the same as in the FMU: until the first step, everything but outputs can be set; after
-    it, inputs and tunable parameters can be set. A value acts from the present time on, until it is set
-    again. The size of the steps does not change the solution. A fault raises a ``SimulationError``; then
-    ``restore`` and ``reset`` return to an earlier state.
+    Names and rules are the same as in the FMU: until the first step, all variables except outputs can be set;
+    after the first step, inputs and tunable parameters can be set. A value acts from the present time on,
+    until the variable is set again. The size of the steps does not change the solution. A fault raises a
+    ``SimulationError``; then ``restore`` and ``reset`` return to an earlier state.
 
     Attributes:
         scene: the scene.
@@ -76,8 +76,8 @@ class Chain:
         """Begin at the start of the scene, t = 0.
 
         Args:
-            scene: a scene, or an argument of ``load_scene``. The chain has inputs when the scene asks for
-                them: ``inputs.tip_force``, ``joint_torques``, ``joint_targets``.
+            scene: a scene, or an argument of ``load_scene``. The chain has the inputs that the scene asks for
+                with the keys ``inputs.tip_force``, ``joint_torques``, ``joint_targets``.
 
         Raises:
             SimulationError: when the scene cannot start.
@@ -118,11 +118,11 @@ class Chain:
     def impacts(self) -> np.ndarray:
         """The contacts so far in the order of their onsets, see ``IMPACT_DTYPE``.
 
-        A contact that lasts has NaN as end.
+        A contact that lasts has NaN as its end.
         """
         self._ready()
         before = self._reals.copy()
-        # this drops results that were computed ahead, so the record is restored
+        # `open_contacts` drops results that were computed ahead, so the record is restored afterwards
         lasting = self._instance.open_contacts()
         self._reals[:] = before
         return in_order([*self._impacts, lasting], self.scene.wall_names)[1]
@@ -138,10 +138,10 @@ class Chain:
         return phases_of(self._instance.all_changes)
 
     def step(self, duration: float) -> None:
-        """Continue for a duration > 0 [s].
+        """Advance by a duration > 0 [s].
 
         Raises:
-            SceneError: when the duration is no finite number > 0.
+            SceneError: when the duration is not a finite number > 0.
             SimulationError: when the solver cannot go on.
         """
         if not 0.0 < duration < math.inf:
@@ -149,10 +149,10 @@ class Chain:
         self.step_to(self.time + duration)
 
     def step_to(self, time: float) -> None:
-        """Continue up to a time [s], not before the present time.
+        """Advance to a time [s], which must not be before the present time.
 
         Raises:
-            SceneError: when the time lies in the past, or is no finite number.
+            SceneError: when the time lies in the past, or is not a finite number.
             SimulationError: when the solver cannot go on.
         """
         if not self.time <= time < math.inf:
@@ -162,7 +162,7 @@ class Chain:
         self._stepped, self._observed = True, False
         self._instant[0] = time
         while not self._instance.trajectory(self._instant, self._instant, self._no_words):
-            # the kernel returns at a fault, when the log is full, and from time to time so that Python
+            # the kernel also returns at a fault, when the log is full, and from time to time so that Python
             # notices Ctrl-C
             self._collect()
             if self._instance.status != OK:
@@ -178,11 +178,11 @@ class Chain:
 
         Args:
             names: one name gives a number. Several names, or a name with ``*`` for any text, give an array of
-                numbers in their order, shape (M,).
+                numbers in the order of the names, shape (M,).
 
         Raises:
-            UnknownNameError: when there is no variable with a name.
-            SceneError: when an output is asked for, and the values that were set cannot act.
+            UnknownNameError: when no variable has one of the names.
+            SceneError: when a name is an output, and the run cannot continue with the values that were set.
         """
         key = names if isinstance(names, str) else tuple(names)
         selection = self._selections.get(key) or self._select(key)
@@ -198,15 +198,15 @@ class Chain:
         return values
 
     def set(self, values: Mapping[str, Any] | str, value: Any = None) -> None:
-        """Set variables by name, ``{"joint[2].torque": 0.5}``, or one: ``set("joint[2].torque", 0.5)``.
+        """Set variables by name: ``set({"joint[2].torque": 0.5})`` or ``set("joint[2].torque", 0.5)``.
 
         If one value is refused, no value is set.
 
         A contact law or a solver method can be given by its name, or by its number.
 
         Raises:
-            UnknownNameError: when there is no variable of that name.
-            SceneError: when a variable cannot be set at this time, or not to this value.
+            UnknownNameError: when no variable has the name.
+            SceneError: when a variable cannot be set at this time, or cannot have this value.
         """
         given = {values: value} if isinstance(values, str) else values
         checked = [self._checked(name, value) for name, value in given.items()]
@@ -221,7 +221,7 @@ class Chain:
                     self._initialized = False
 
     def save(self) -> bytes:
-        """Return the whole present state, from which another chain of the scene continues bit by bit."""
+        """Return the whole present state, from which any chain of the scene continues with the same bits."""
         self._ready()
         self._collect()
         impacts = np.concatenate([np.zeros(0, LOG_DTYPE), *self._impacts])
@@ -234,7 +234,7 @@ class Chain:
         """Return to a saved state.
 
         Raises:
-            SceneError: when ``state`` is no state of a chain of this scene, or is damaged.
+            SceneError: when ``state`` does not belong to a chain of this scene, or is damaged.
         """
         if not isinstance(state, bytes | bytearray | memoryview):
             found = f"restore({shown(state)})"
@@ -265,7 +265,7 @@ class Chain:
         self._stepped, self._initialized, self._observed = False, True, False
 
     def __reduce__(self) -> tuple[Callable[[Scene, bytes], Chain], tuple[Scene, bytes]]:
-        """Pickle the scene and the state, so that the chain can be copied and go to another process."""
+        """Pickle the scene and the state, so that the chain can be copied or sent to another process."""
         return _restored, (self.scene, self.save())
 
     def __repr__(self) -> str:
@@ -274,13 +274,13 @@ class Chain:
         return f"Chain({self.scene.name}) of {links} at t = {self.time:.9g} s"
 
     def _ready(self) -> None:
-        """Compute the start again if a value has been set since."""
+        """Compute the start again if a value was set after the last computation of the start."""
         if not self._initialized:
             self._instance.initialize()
             self._initialized, self._observed = True, False
 
     def _observe(self) -> None:
-        """Fill the outputs; raise a SceneError if the values that were set cannot act."""
+        """Fill the outputs; raise a SceneError if the run cannot continue with the values that were set."""
         status = self._instance.observe()
         if status != self._instance.status:
             at = f"{self.scene.name}: at t = {self.time:.9g} s"
@@ -308,7 +308,7 @@ class Chain:
         return selection
 
     def _checked(self, name: str, value: Any) -> tuple[_Place, float]:
-        """Return the places of a variable, and the checked value."""
+        """Return where a variable is stored, and the checked value."""
         place = self._places.get(name)
         if place is None:
             raise UnknownNameError(self.scene.name, name, self._places, "no variable", self._hint(name))
@@ -329,7 +329,7 @@ class Chain:
         return place, number
 
     def _hint(self, name: str) -> str | None:
-        """Return the key of the scene that makes an input or a friction exist."""
+        """Return a hint: the key of the scene that makes an input or a friction exist."""
         key = input_key(name)
         if key is None or (key != "wall_motion" and getattr(self.scene.inputs, key)):
             return absent_hint(name)

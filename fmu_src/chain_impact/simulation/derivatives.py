@@ -1,9 +1,10 @@
 """Runs that also compute the derivatives of their results with respect to some parameters.
 
-After the instance come instances of dual numbers, each with derivatives in a few directions
+In memory, instances of dual numbers follow the instance; each has derivatives in a few directions
 (kernel/tangent/). A derivative with respect to a parameter is a partial derivative: all other parameters of
-the FMU are constant. Its unit is the quantity's unit over the parameter's. A derivative that does not exist,
-or that cannot be trusted, is NaN, and a sentence gives the time and the reason.
+the FMU are constant. The unit of a derivative is the unit of the quantity over the unit of the parameter. A
+derivative that does not exist, or that cannot be trusted, is NaN, and a sentence gives the time and the
+reason.
 """
 
 from __future__ import annotations
@@ -33,13 +34,13 @@ from chain_impact.variables.places import WORD, first_word, word_index
 from chain_impact.variables.variable import Variable
 
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
-"""The quantities of an impact that have derivatives."""
+"""The columns of impacts that have derivatives."""
 TOLD = 1e-5
-"""Error of derivatives, as a part of the largest one, from which it is told.
+"""The least error of derivatives that a user is told, over the largest derivative.
 
-Smaller errors are like those from the tolerance.
+Smaller errors are like the errors that the tolerance allows.
 """
-# quantities of an impact that are known from the onset on
+# columns of impacts whose values are known from the onset on
 AT_ONSET = ("onset", "impact_speed", "effective_mass")
 
 
@@ -94,7 +95,7 @@ class DifferentiatedInstance(Instance):
         self.initialize()
 
     def slope_words(self, words: np.ndarray) -> np.ndarray:
-        """Return the indices in the record of the derivatives of some outputs.
+        """Return the indices, in the record, of the derivatives of some outputs.
 
         Args:
             words: the indices of the outputs in the record, shape (W,).
@@ -112,7 +113,7 @@ class DifferentiatedInstance(Instance):
         return found.ravel()
 
     def rows(self, count: int, words: np.ndarray) -> WordRows:
-        """Return a buffer for some outputs, shape (count, W), followed by their derivatives."""
+        """Return a buffer with ``count`` rows, for W outputs and their derivatives."""
         return WordRows(count, np.concatenate([words, self.slope_words(words)]))
 
     @property
@@ -127,7 +128,7 @@ class DifferentiatedInstance(Instance):
         return tangents
 
     def collect(self) -> np.ndarray:
-        """Take the finished contacts and their derivatives out of the log."""
+        """Collect the finished contacts and their derivatives from the log."""
         places = self._finished_places
         rows = super().collect()
         if len(rows):
@@ -137,11 +138,11 @@ class DifferentiatedInstance(Instance):
         return rows
 
     def open_contacts(self) -> np.ndarray:
-        """Return the contacts that have not ended yet; this drops results that were computed ahead."""
+        """Return the contacts that have not ended yet, and drop results that were computed ahead."""
         rows = super().open_contacts()
         if len(rows):
             log, places = self._log, self._open_places
-            # after a fault, other contacts may last in the instances of derivatives
+            # after a fault, the instances of derivatives may have other lasting contacts than the instance
             same = (log["point"][:, places] == rows["point"]) & (log["wall"][:, places] == rows["wall"])
             self._keep_slopes(rows, places, same.all(axis=0) & (self.status == OK))
         return rows
@@ -153,7 +154,10 @@ class DifferentiatedInstance(Instance):
         return log
 
     def _keep_slopes(self, rows: np.ndarray, places: Any, known: np.ndarray) -> None:
-        """Keep the derivatives of the impacts at some places of the log; NaN where they are not ``known``."""
+        """Store the derivatives of the impacts at some places of the log.
+
+        NaN where they are not ``known``.
+        """
         kept = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]
         distrusted = np.inf if trust["reason"] == TRUSTED else trust["time"]
@@ -167,13 +171,13 @@ class DifferentiatedInstance(Instance):
         self._impact_slopes.append(kept)
 
     def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the derivatives of all collected impacts in a given order: name → shape (I, P)."""
+        """Return the derivatives of all collected impacts, in the given order: name → shape (I, P)."""
         together = np.concatenate([np.zeros(0, self._impact_layout), *self._impact_slopes])[order]
         return {name: together[name] for name in IMPACT_QUANTITIES}
 
     @property
     def limits(self) -> tuple[str, ...]:
-        """Sentences: from what time derivatives are NaN and why, and any error that dry friction causes."""
+        """Sentences for users: from when on derivatives are NaN and why, and errors by dry friction."""
         trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["share"].max())
         left_open = (LEFT_OPEN.format(share=share),) if share > TOLD else ()
         if trust["reason"] == TRUSTED:
@@ -198,12 +202,13 @@ class Differentiated:
     """The outputs of a run, with derivatives with respect to its P parameters.
 
     Attributes:
-        values: the outputs, shape (T, W); after a fault NaN.
+        values: the outputs, shape (T, W); NaN after a fault.
         slopes: the derivatives of the outputs, shape (T, W, P).
         impacts: one row for each contact in order of onset, as ``Result.impacts``.
         impact_slopes: derivatives of the impacts' quantities: name → shape (I, P).
         status: 0 if there is no fault, see ``chain_impact.kernel.status``.
-        limits: sentences: from what time derivatives are NaN and why, and their error by dry friction.
+        limits: sentences: from which time on derivatives are NaN and why, and errors that dry friction
+            causes.
     """
 
     __eq__ = same
@@ -218,7 +223,7 @@ class Differentiated:
 
 
 class DifferentiatedRun:
-    """Repeated runs of one scene, with other values of some parameters."""
+    """Repeated runs of one scene with derivatives; each run has its own values of some parameters."""
 
     def __init__(
         self,

@@ -33,31 +33,31 @@ from chain_impact.variables.model import Model
 Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""
 Given = Mapping[str, Signal] | Source
-"""Inputs by their names, or a table with the column ``time`` and one for each input."""
+"""Inputs by their names, or a table with the column ``time`` and a column for each input."""
 Interpolation = Literal["follow", "hold", "linear"]
-"""How inputs behave between samples and communication points."""
+"""How the value of an input follows from its samples or its function between communication points."""
 INTERPOLATIONS = ("follow", "hold", "linear")
-# error of an input that is followed, as a part of its largest value and of the solver's tolerance
+# the allowed error of an input that is followed, over its largest value and the solver's tolerance
 FINER = 1e-3
-# distance of samples and communication points below which they are one, as a part of the stop time
+# the largest distance between a sample and a communication point that count as one time, over the stop time
 SAME_TIME = 1e-12
-LISTED = 8  # number of names in an error's sentence
+LISTED = 8  # largest number of names that the sentence of an error lists
 NOTHING = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
 AT_START, NEVER = np.zeros(1, int), np.zeros(1, bool)
 COURSE = "course"
-"""The field of the record with the coefficients of motions."""
+"""The path of the coefficients of motions in the record."""
 
 
 @dataclass(frozen=True)
 class Drive:
-    """Inputs that are polynomials in time, or constant, in each of the P pieces of a run.
+    """The inputs of a run: polynomials in time, or constants, in each of P pieces.
 
     Attributes:
-        times: communication points, both those asked for and the starts of pieces, shape (G,) [s].
-        asked: whether each communication point was asked for, shape (G,).
-        places: path of each of the M inputs into the instance record; for the position of a motion that is
-            followed, the path of its coefficients.
+        times: communication points: the requested times and the starts of pieces, shape (G,) [s].
+        asked: whether the caller requested each communication point, shape (G,).
+        places: path of each of the M inputs in the instance record; for the position of a followed motion,
+            the path of the motion's coefficients.
         pieces: the inputs as polynomials.
         first: the first row of each piece, shape (P,): row k acts from ``times[k - 1]`` to ``times[k]``,
             row 0 at the start.
@@ -74,7 +74,7 @@ class Drive:
     slips: np.ndarray
 
     def at(self, times: np.ndarray) -> Drive:
-        """Return the same inputs with other communication points, which increase, shape (S,) [s]."""
+        """Return the same inputs with other communication points, increasing, shape (S,) [s]."""
         begins = self.times[np.maximum(self.first - 1, 0)]
         merged = np.union1d(times, begins[begins <= times[-1]])
         first = np.searchsorted(merged, begins, side="right")
@@ -106,7 +106,8 @@ class Drive:
             if part != MOTION:
                 course[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)
-        # where motions follow given values, other inputs are constant, and the kernel sets the coefficients
+        # where motions follow values at communication points, other inputs are constant, and the kernel sets
+        # the coefficients of motions
         steady = motion["follows"] and len(motion["position"]) > 0
         if not steady and (settings["order"] or course["order"]):
             changed = changed or any(course[name] != value for name, value in settings.items())
@@ -118,7 +119,7 @@ class Drive:
 
 
 def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) -> Drive:
-    """Return the inputs for a simulation with some communication points.
+    """Return the ``Drive`` of a simulation with given communication points.
 
     Args:
         model: the model that the inputs drive.
@@ -180,7 +181,7 @@ def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) ->
         resolved = np.where(forces, RESOLVED, FINELY_RESOLVED)
         pieces = _with_functions(scene.name, values_of, columns, pieces, (accuracy, resolved))
         pieces = replace(pieces, moving=moving)
-    pieces.same[moving] = np.inf  # jumps of motions are found below
+    pieces.same[moving] = np.inf  # this limit is infinite because another function finds jumps of motions
     belts = np.array([not channel.position for channel in channels], bool)
     refuse_jumps(scene.name, motions, belts, pieces, moving)
     warn(scene.name, contradictions(channels, given, pieces, moving, called))
@@ -202,13 +203,13 @@ def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) ->
 
 
 def _columns(table: Source, stop: float) -> Mapping[str, Signal]:
-    """Return the columns of a table of inputs by their names."""
+    """Return the columns of a table of inputs, by the names of the inputs."""
     times, columns = samples_of(read_table(table), stop)
     return {name: (times, values) for name, values in columns.items()}
 
 
 def _hint(model: Model, name: Any) -> str:
-    """Say how to get an input with this name, or which inputs exist."""
+    """Return a hint: how to get an input with this name, or which inputs exist."""
     if name in model.driven:
         return f"signal.{model.driven[name]} drives it"
     other = not isinstance(name, str) or name.startswith(("joint", "tip"))
@@ -228,12 +229,12 @@ def channels_of(model: Model) -> list[Channel]:
 
 
 def _each(called: Callable[[str, float], float], name: str, times: np.ndarray) -> np.ndarray:
-    """Return the values of a function at each of some times, shape (T,)."""
+    """Return the values of a function at several times, shape (T,)."""
     return np.array([called(name, time) for time in times.tolist()])
 
 
 def _on_grid(grid: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Return the points of a grid that are nearest to some times within the grid."""
+    """Return the points of a grid that are nearest to some times inside the grid."""
     after = np.searchsorted(grid, times).clip(1, len(grid) - 1) if len(grid) > 1 else np.zeros(0, int)
     nearer = times[: len(after)] - grid[after - 1] < grid[after] - times[: len(after)]
     return np.unique(grid[after - nearer])
@@ -246,7 +247,7 @@ def _with_functions(
     held: Pieces,
     errors: tuple[np.ndarray, np.ndarray],
 ) -> Pieces:
-    """Return pieces of signals, of which some are functions, by their numbers, and the others are held."""
+    """Return pieces of all signals: polynomials that follow functions, and held samples."""
     names = list(functions)
 
     def called(times: np.ndarray) -> np.ndarray:
@@ -265,7 +266,7 @@ def _with_functions(
 
 
 def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.ndarray:
-    """Return the communication points, merged with the times of samples that are not close to one of them."""
+    """Return the communication points, merged with the times of samples that are not close to any of them."""
     samples = np.unique(samples)
     samples = samples[(samples > 0.0) & (samples < times[-1])]
     after = np.searchsorted(times, samples)  # times[after − 1] < sample ≤ times[after]
@@ -274,7 +275,7 @@ def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.nda
 
 
 def inputs_text(inputs: Iterable[str]) -> str:
-    """Return a sentence on the inputs of a scene: their names, or how to make inputs."""
+    """Return a sentence on the inputs of a scene: the names of the inputs, or how to make inputs."""
     names = list(inputs)
     how = "[inputs] joint_torques, joint_targets, slider_force, tip_force, base_motion and wall_motion"
     how += " in the scene"
@@ -285,7 +286,10 @@ def inputs_text(inputs: Iterable[str]) -> str:
 
 
 def _checked(what: str, signal: Any) -> Any:
-    """Return the signal as a finite number, a function, or a pair of arrays of shape (T,), T > 0."""
+    """Return a signal as a finite number, a function, or a pair of arrays of shape (T,), T > 0.
+
+    Refuse others.
+    """
     if callable(signal):
         return signal
     if isinstance(signal, (tuple, list)) and len(signal) == 2:  # noqa: PLR2004
@@ -311,7 +315,7 @@ def _samples(what: str, times: np.ndarray | None, values: np.ndarray | None) -> 
 
 
 def _numbers(value: Any) -> np.ndarray | None:
-    """Return the value as an array of real numbers; None if it cannot be converted."""
+    """Return a value as an array of real numbers; None if this is not possible."""
     try:
         array = np.asarray(value)
     except ValueError:  # rows of different lengths
@@ -320,7 +324,7 @@ def _numbers(value: Any) -> np.ndarray | None:
 
 
 def _at_points(what: str, signal: Any, interpolation: str, times: np.ndarray, same: float) -> np.ndarray:
-    """Return the signal at each of the times, shape (T,)."""
+    """Return the values of a signal at several times, shape (T,)."""
     if callable(signal):
         return np.array([_called(what, signal, time) for time in times.tolist()])
     if isinstance(signal, float):

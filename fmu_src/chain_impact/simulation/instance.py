@@ -27,8 +27,8 @@ from chain_impact.variables.model import Model, kernel_size, model_of
 from chain_impact.variables.places import WORD, first_word
 from chain_impact.variables.variable import Variable
 
-# number of words at the start of a record that fix its layout: the numbers of links, candidates, elements,
-# loads, channels, sites, signals and knots, two flags, and the number of tangents
+# number of words at the start of a record that determine its layout: the numbers of links, candidates,
+# elements, loads, channels, sites, signals and knots, two flags, and the number of tangent instances
 SIZES = 11
 NO_CONTACTS = np.zeros(0, LOG_DTYPE)
 # largest number of rows, and largest number of bytes, that the kernel fills in one call
@@ -52,12 +52,12 @@ class SimulationError(RuntimeError):
         self.status, self.time, self.result, self.place = status, time, result, place
 
     def __reduce__(self) -> tuple[type[SimulationError], tuple[int, float, Result | None, str]]:
-        """Pickle the arguments, so that the error can come back from another process."""
+        """Pickle the arguments, so that the error can return from another process."""
         return type(self), (self.status, self.time, self.result, self.place)
 
 
 def fault_text(status: int, place: str) -> str:
-    """Return the sentence of a status, with the place if there is one."""
+    """Return the sentence for a status, with the words for the place if there is one."""
     return f"{STATUS_TEXT[status]}: {place}" if place else STATUS_TEXT[status]
 
 
@@ -71,18 +71,18 @@ class Rows(Protocol):
     at_once: int
 
     def fill(self, instance: Any, times: np.ndarray, start: int) -> int:
-        """Advance an instance to each of the times [s] and keep rows from ``start`` on.
+        """Advance an instance to each of the times [s] and fill rows from ``start`` on.
 
-        Return how many are filled.
+        Returns the number of filled rows.
         """
 
 
 class WordRows:
-    """Numbers of the record at each communication point.
+    """An output buffer with numbers of the record at each communication point.
 
     Attributes:
-        numbers: shape (T, W); rows that are not filled may hold anything.
-        spans: the places of the numbers in the record, see ``spans_of``.
+        numbers: shape (T, W); rows that are not filled have arbitrary values.
+        spans: the indices of the numbers in the record, see ``spans_of``.
     """
 
     def __init__(self, count: int, words: Sequence[int] | np.ndarray) -> None:
@@ -92,16 +92,16 @@ class WordRows:
         self.at_once = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, 8 * len(words))))
 
     def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
-        """See ``Rows``."""
+        """Fill rows as ``Rows.fill`` describes."""
         if self.numbers.shape[1]:
             return instance.trajectory(times, self.numbers[start : start + len(times)], self.spans)
-        # a run does not depend on its rows: if they are empty, only the last one is computed
+        # a run does not depend on its rows; if rows have no columns, only the last row is computed
         done = instance.trajectory(times[-1:], self.numbers[:1], self.spans)
         return len(times) if done else int(np.searchsorted(times, instance.time, side="right"))
 
 
 def spans_of(words: Sequence[int] | np.ndarray) -> np.ndarray:
-    """Return indices as spans of consecutive ones: the first index and the length of each, shape (S, 2)."""
+    """Return indices as spans of consecutive indices: first index and length of each span, shape (S, 2)."""
     return _spans_of(np.asarray(words, np.int64).tobytes())
 
 
@@ -115,7 +115,7 @@ def _spans_of(indices: bytes) -> np.ndarray:
 
 
 def structured(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
-    """Return the first columns of rows of numbers, shape (T, W), as a view with a layout, shape (T,)."""
+    """Return a view of the first columns of rows of numbers, shape (T, W), with a layout, shape (T,)."""
     size = numbers.shape[1] * numbers.itemsize
     whole = np.dtype({"names": ["first"], "formats": [layout], "offsets": [0], "itemsize": size})
     if not layout.itemsize:
@@ -141,7 +141,7 @@ class Instance:
     ) -> None:
         """Load or compile the kernel and set the instance to its start, with the first values of the inputs.
 
-        The instance has derivatives with respect to ``varied``, by default as in the scene's FMU.
+        The instance has derivatives with respect to ``varied``; the default is that of the scene's FMU.
 
         Raises:
             SimulationError: when the scene cannot start.
@@ -157,7 +157,7 @@ class Instance:
         self.initialize()
 
     def initialize(self) -> None:
-        """Set the instance to its start, t = 0, by the parameters, initial values and inputs in its record.
+        """Set the instance to its start, t = 0, with the parameters, initial values and inputs in its record.
 
         Raises:
             SimulationError: when the scene cannot start.
@@ -168,19 +168,19 @@ class Instance:
 
     @property
     def words(self) -> np.ndarray:
-        """A view of the whole record as numbers, one for each word."""
+        """The whole record as a view: an array with one number for each word."""
         return np.ndarray(self._block.nbytes // WORD, np.float64, self._block)
 
     def observe(self) -> int:
         """Fill the outputs of the record at the present time; return the status.
 
-        If the values that were set cannot act, the outputs stay as before; the run can continue with other
-        values.
+        If the run cannot continue with values that were set, the outputs do not change, and the values can be
+        set again.
         """
         if not self.record["given"]["changed"]:
             status: int = self._kernel.observe(self._address)
             return status
-        tried = self._block.copy()  # a copy, as the run must not depend on values that are read in between
+        tried = self._block.copy()  # a copy, because reading outputs must not change the run
         status = self._kernel.observe(tried.ctypes.data)
         self.record["fault"] = tried[0]["fault"]
         self.record["output"] = tried[0]["output"]
@@ -190,25 +190,25 @@ class Instance:
         return status
 
     def is_sound(self, words: np.ndarray) -> bool:
-        """Return whether the words of a record can belong to an instance with this kernel."""
+        """Return whether the words of a record are a valid record for this kernel."""
         # the kernel relies on the sizes at the start of the record
         same_sizes = words[:SIZES].tobytes() == self.words[:SIZES].tobytes()
         return same_sizes and bool(self._kernel.sound(words.ctypes.data))
 
     def advance(self, time: float) -> int:
-        """Advance to a time [s], not before the present time; return the status."""
+        """Advance to a time [s], which must not be before the present time, and return the status."""
         status: int = PAUSED
         while status == PAUSED:  # Python notices Ctrl-C between two calls
             status = self._kernel.advance_awhile(self._address, time)
         return status
 
     def trajectory(self, times: np.ndarray, rows: np.ndarray, spans: np.ndarray | None = None) -> int:
-        """Advance to each of the times [s] and fill a row at each; return how many are filled.
+        """Advance to each of the times [s] and fill a row at each; return the number of filled rows.
 
         Args:
             times: shape (T,).
             rows: result, T rows of W numbers.
-            spans: the numbers of the record in a row, see ``spans_of``; None for all outputs.
+            spans: the indices of a row's numbers in the record, see ``spans_of``; None for all outputs.
         """
         spans = spans_of(self.model.output_words) if spans is None else spans
         wanted = spans.ctypes.data, len(spans)
@@ -219,12 +219,12 @@ class Instance:
     def run(self, driven: Drive, rows: Rows, progress: Progress = silent) -> tuple[int, list[np.ndarray]]:
         """Fill rows at the communication points.
 
-        Return how many are filled before a fault, and the ended contacts.
+        Returns the number of rows that are filled before a fault, and the ended contacts.
         """
         done, impacts, last = 0, [], len(driven.times)
         ends = np.append(driven.first[1:], last) if driven.places else None
         while done < last and self.status == OK:
-            # the inputs hold for one piece at a time
+            # each piece has its own inputs, so each call ends at the end of a piece
             until = last if ends is None else ends[np.searchsorted(ends, done, side="right")]
             end = min(done + rows.at_once, until)
             driven.set(self.record, done)
@@ -234,7 +234,7 @@ class Instance:
         return done, impacts
 
     def collect(self) -> np.ndarray:
-        """Take the finished contacts out of the log, and add the changes of dry friction to ``changes``."""
+        """Collect the finished contacts from the log, and add the changes of dry friction to ``changes``."""
         if self.record["changes"]["count"]:
             self.changes.append(self._take_changes())
         log, places = self.record["finished"], self._finished_places
@@ -245,9 +245,10 @@ class Instance:
     def _finished_places(self) -> np.ndarray:
         """The places in the log of the contacts that have ended since the last collection.
 
-        The oldest may be lost.
+        In a full log the oldest of these contacts are lost.
 
-        Contacts that have not ended are listed after these, and overwrite the oldest ones in a full log.
+        Contacts that have not ended come after the ended contacts, and overwrite the oldest entries of a full
+        log.
         """
         log = self.record["finished"]
         count, room = int(log["count"]), len(log["point"])
@@ -260,7 +261,7 @@ class Instance:
         return np.concatenate([np.zeros(0, CHANGE_DTYPE), *self.changes])
 
     def _take_changes(self) -> np.ndarray:
-        """Take the changes between sticking and sliding out of the log."""
+        """Collect the changes between sticking and sliding from the log."""
         log = self.record["changes"]
         count, room = int(log["count"]), len(log["time"])
         # the oldest changes are lost if they were not collected in time
@@ -274,7 +275,7 @@ class Instance:
     def open_contacts(self) -> np.ndarray:
         """Return the contacts that have not ended yet, with their peaks so far.
 
-        This drops results that were computed ahead.
+        The call drops results that were computed ahead.
         """
         self._kernel.follow(self._address)
         return self._impacts(self._open_places)
@@ -286,11 +287,11 @@ class Instance:
         return (int(log["count"]) + np.arange(int(self.record["touch"]["active_count"]))) % len(log["point"])
 
     def _impacts(self, places: np.ndarray) -> np.ndarray:
-        """Return the impacts at some places of the log; impulses and forces that are not followed are NaN."""
+        """Return the impacts at some places of the log; impulses and forces that are not computed are NaN."""
         if not len(places):
             return NO_CONTACTS
         room, columns = len(self.record["finished"]["point"]), len(LOG_DTYPE.names or ())
-        # the log has the columns of the table in the same order, after two counts
+        # the log has two counts, then the columns of the table in the same order
         first = first_word(self._block.dtype, "finished") + 2
         table = self.words[first : first + columns * room].reshape(columns, room)
         found = table[:, places].T.copy()
@@ -303,18 +304,18 @@ class Instance:
 
     @property
     def status(self) -> int:
-        """The status code, 0 when all is well."""
+        """The status code of the run; 0 if there is no fault."""
         return int(self.record["statistics"]["status"])
 
     @property
     def place(self) -> str:
-        """The place of the reason for a refusal, in words; "" if there is none."""
+        """The words for the reason of a refusal, such as a point and a wall; "" if there is none."""
         number = int(self.record["fault"]["place"])
         return places(self.model.scene)[number - 1] if number else ""
 
     @property
     def contradictions(self) -> list[str]:
-        """A sentence if positions and velocities of a motion contradict each other; else empty."""
+        """A sentence if given positions and velocities of a motion contradict each other; else ""."""
         moved = self.record["moved"]
         channel = int(moved["contradiction"])
         places = {variable.place: variable.name for variable in self.model.inputs}
@@ -326,7 +327,7 @@ class Instance:
 
     @property
     def time(self) -> float:
-        """The time reached [s]."""
+        """The time [s] that the run has reached."""
         return float(self.record["step"]["time"])
 
     @property
@@ -337,7 +338,7 @@ class Instance:
 
 
 def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the order of contacts by onset, and the contacts in this order with the names of their walls."""
+    """Return the order of contacts by onset, and the contacts in this order with the names of walls."""
     found, start = np.empty(sum(map(len, parts)), LOG_DTYPE), 0
     for part in parts:
         found[start : start + len(part)] = part
@@ -347,11 +348,11 @@ def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndar
 
 
 _loaded: dict[tuple[Sizes, bool, str | None], ctypes.CDLL] = {}
-"""The kernels without a user's law: sizes, derivatives, cache folder → kernel."""
+"""The loaded kernels without a user's law: sizes, derivatives, cache folder → kernel."""
 
 
 def kernel_for(scene: Scene, *, derivatives: bool, sizes: tuple[int, ...] | None = None) -> ctypes.CDLL:
-    """Return the kernel for a scene; a loaded kernel is kept.
+    """Return the kernel for a scene, and keep it for later calls.
 
     Args:
         scene: the scene.
@@ -362,7 +363,7 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: tuple[int, ...] | None
         BuildError: when the kernel cannot be compiled.
     """
     links, law = sizes or kernel_size(scene), scene.contact.law_file
-    # a kernel counts as loaded only for the same folder of kernels
+    # a loaded kernel is used again only with the same folder of kernels
     known = (links, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
     if not law and known in _loaded:
         return _loaded[known]
@@ -373,7 +374,7 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: tuple[int, ...] | None
 
 
 def sizes_of(block: np.ndarray) -> tuple[int, ...]:
-    """Return the numbers at the start of a record, without the number of tangents."""
+    """Return the sizes at the start of a record, without the number of tangent instances."""
     return tuple(block.view(np.int64)[: SIZES - 1].tolist())
 
 

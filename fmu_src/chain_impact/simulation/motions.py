@@ -18,18 +18,18 @@ from chain_impact.kernel.forces.inputs import DEGREE
 from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.pieces import Follower, Pieces, joined_points
 
-ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15  # as in pieces.py, for motions
-# differences between pieces beyond which there is a jump, as parts of the largest position, speed and
-# acceleration of a channel. The time of a kink is known up to the square root of round-off, and so is the
-# speed at the kink.
+ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15  # as in pieces.py, but for motions
+# The largest differences of position, speed and acceleration between pieces that are no jump, over the
+# largest value of a channel. The time of a kink, and so the speed at the kink, is known up to the square root
+# of round-off.
 JUMPS = 1e-9, 1e-6, 1e-4
-# largest difference between a given speed and the speed of the position, as a part of the largest speed
+# the largest difference between a given speed and the derivative of the position, over the largest speed
 CONTRADICTS = 1e-3
 
 
 @dataclass(frozen=True)
 class Motion:
-    """The motion that a channel follows.
+    """The motion of a channel over time.
 
     Attributes:
         name: the name of the input that gives the motion; "" if no input does.
@@ -44,7 +44,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Channel:
-    """A channel, and the names of the inputs that give its motion.
+    """One motion of the base or a wall, and the names of the inputs that give it.
 
     Attributes:
         position: name of the input for the position; "" for a belt, which has no position.
@@ -72,13 +72,13 @@ def motion_of(
     *,
     lines: bool,
 ) -> Motion:
-    """Return the motion of a channel, from its position, else from its velocity or its acceleration.
+    """Return the motion of a channel: from its position if given, else from its velocity or acceleration.
 
     Args:
         channel: the channel.
         signals: name of an input → number, function, or samples (times, values).
         stop: end of the run [s].
-        called: returns the value of a function for (name, time).
+        called: function of (name, time) that returns the value of a user's function.
         lines: whether samples are joined by straight lines; else positions and velocities are joined by a
             cubic spline, and the speed of a belt is held.
     """
@@ -95,7 +95,7 @@ def motion_of(
 
 
 def _joined(*, lines: bool, belt: bool) -> str:
-    """Return how samples are joined."""
+    """Return the function that joins samples."""
     return "lines" if lines else "held" if belt else "spline"
 
 
@@ -119,7 +119,7 @@ def as_function(
 
 
 def _integrated(value: Callable[[Any], Any], breaks: np.ndarray, stop: float) -> Callable[[Any], Any]:
-    """Return the integral of a function from 0 on, as a function of time."""
+    """Return the integral of a function from time 0 on, as a function of time."""
     inside = breaks[(breaks > 0.0) & (breaks < stop)]
     grid = np.concatenate([[0.0], inside, [stop]])
     held = joined_points(grid, np.arange(len(grid))[:, np.newaxis] * 1.0, lines=False)
@@ -157,7 +157,7 @@ def derivatives(pieces: Pieces, order: int) -> np.ndarray:
 
 
 def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
-    """Return whether a derivative of some motions jumps at the start of each piece, shape (P, K).
+    """Return whether the derivative of an ``order`` jumps at the start of each piece, shape (P, K).
 
     ``columns`` are the columns of the motions.
     """
@@ -192,18 +192,18 @@ def refuse_jumps(
 
 
 def joined(pieces: Pieces, columns: np.ndarray) -> Pieces:
-    """Return pieces of motions that meet with equal positions and velocities, up to round-off.
+    """Return pieces of motions, corrected so that positions and velocities at their ends agree.
 
     A correction (1 − r)⁸ (s + (8 s + v) r), with r from 0 to 1 in the piece, removes the small differences s
     and v at the start of a piece. ``columns`` are the columns of the motions. A jump in the speed of a belt
-    stays.
+    is not corrected.
     """
     ends = [derivatives(pieces, order)[:, :, columns] for order in range(2)]
     x0, x1 = (((at - pieces.middle) * pieces.scale)[1:, np.newaxis] for at in (pieces.start, pieces.end))
     lasted = ((x1 - x0).T / pieces.scale[1:]).T
     s = ends[0][1, :-1] - ends[0][0, 1:]
     v = np.where(jumps(pieces, columns, 1)[1:], 0.0, lasted * (ends[1][1, :-1] - ends[1][0, 1:]))
-    # r = p x + q
+    # r is a linear function of the argument x of the piece: r = p x + q
     p, q = 1.0 / (x1 - x0), -x0 / (x1 - x0)
     slope = (DEGREE - 1) * s + v
     powers = np.zeros((len(pieces.powers), DEGREE + 1, pieces.powers.shape[2]))
@@ -222,7 +222,7 @@ def contradictions(
     columns: np.ndarray,
     called: Callable[[str, float], float],
 ) -> list[str]:
-    """Return sentences on given velocities and accelerations that differ from the motion that is followed."""
+    """Return a sentence for each given velocity or acceleration that contradicts the motion."""
     found = []
     for channel, column in zip(channels, columns, strict=True):
         names = [name for name in channel.names if name in signals]

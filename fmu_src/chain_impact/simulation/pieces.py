@@ -1,8 +1,9 @@
-"""Polynomials that follow functions of time, piece by piece, to a given accuracy.
+"""Piecewise polynomials that approximate functions of time to a given accuracy.
 
-A piece of a function is its Chebyshev series from values at Chebyshev–Gauss points. These leave out the ends,
-so the exact value at a jump does not matter. A piece whose series does not converge is halved, or split where
-the function changes from one polynomial to another. A short rest around a jump or a kink is dropped.
+A piece of a function is its Chebyshev series from values at Chebyshev–Gauss points. The ends of a piece are
+not among these points, so the exact value at a jump does not matter. A piece whose series does not converge
+is halved, or split where the function changes from one polynomial to another. A short rest around a jump or a
+kink is dropped.
 
 Source: J. P. Boyd 2001, *Chebyshev and Fourier Spectral Methods*, 2nd ed., Dover, section 2.12: the last
 coefficients bound the error.
@@ -23,34 +24,35 @@ from chain_impact.kernel.forces.inputs import DEGREE
 
 Sampled = Callable[[np.ndarray], np.ndarray]
 """Times, shape (T,) → values of M functions there, shape (T, M)."""
-# number of times in a run at which every function is called; a shorter pulse can be missed
+# number of times in a run at which each function is called; a pulse shorter than their distance can be missed
 CHECKED_TIMES = 2000
 POINTS = 16  # number of values of a function in a piece
-SHORTEST = 4e-13  # length of a piece below which it is dropped, as a part of the run
-ALIKE = 1e-6  # relative difference of two lengths below which they are equal
-FAR = 4.0  # length of an interval over the last piece's, beyond which it is halved before a fit is tried
-PATIENCE = 32  # number of pieces, at most, after which a length is tried again that no piece had
-NOISE = 4  # number of pieces in a row with jumps, from which on the function is smooth nowhere
-# length of a piece, as a part of the run, below which the function is hardly smooth in pieces
+SHORTEST = 4e-13  # the length below which a piece is dropped, over the length of the run
+ALIKE = 1e-6  # the largest relative difference of two lengths that count as equal
+FAR = 4.0  # an interval longer than FAR times the last piece is halved before a fit is tried
+PATIENCE = 32  # a length for which fits have failed is tried again after at most so many pieces
+NOISE = 4  # the number of successive pieces with jumps after which a function counts as smooth nowhere
+# the length of a piece, over the length of the run, below which a function is hardly smooth in pieces
 FINE = 1 / 65536
-CALLS = 15_000  # number of times in a run at which functions may be called for fine pieces, jumps and kinks
-CALLS_PER_PIECE = 50  # number of further such times for each piece of the signals that are held
-SIMPLE = 4  # degree up to which a polynomial may be extrapolated in search of a jump or kink
-# smaller miss of two polynomials over the larger one, below which a value belongs to one of them
+CALLS = 15_000  # the number of calls in a run that functions may have for fine pieces, jumps and kinks
+CALLS_PER_PIECE = 50  # the number of calls in addition to CALLS for each piece of the held signals
+SIMPLE = 4  # the largest degree of a polynomial that may be extrapolated in search of a jump or kink
+# a value belongs to one of two polynomials if it is nearer to that one by the factor NEARER
 NEARER = 0.1
-ROUND_OFF = 4e-15  # error of a function's values, as a part of the largest value
-RESOLVED = 1e-14  # error of a time, as a part of the time; it changes the values
-# difference of two pieces where they meet, over the allowed error, beyond which there is a jump
+ROUND_OFF = 4e-15  # the relative error of a function's values, over the largest value
+RESOLVED = 1e-14  # the relative error of a time, over the time; it changes the values
+# the difference of two pieces where they meet, over the allowed error, above which there is a jump
 JOINED = 10.0
-DROPPED = 0.05  # size of a last coefficient, over the allowed error, below which it is left out
+# the size of a last coefficient, over the allowed error, below which the coefficient is left out
+DROPPED = 0.05
 
 _ANGLES = np.pi * (np.arange(POINTS)[::-1] + 0.5) / POINTS
 _NODES = np.cos(_ANGLES)
-# values at the nodes → coefficients of the Chebyshev series
+# matrix: values at the nodes → coefficients of the Chebyshev series
 _SERIES = np.cos(np.arange(POINTS)[:, np.newaxis] * _ANGLES) * 2.0 / POINTS
 _SERIES[0] /= 2.0
 _EXPONENTS = np.arange(DEGREE + 1)
-# coefficients of the Chebyshev series → coefficients of powers
+# matrix: coefficients of the Chebyshev series → coefficients of powers of x
 _POWERS = np.eye(DEGREE + 1)
 for _m in range(2, DEGREE + 1):
     # T_m = 2 x T_{m−1} − T_{m−2}
@@ -59,10 +61,10 @@ for _m in range(2, DEGREE + 1):
 
 
 class NotSmoothError(Exception):
-    """A function cannot be followed around a time."""
+    """Raised when a function cannot be approximated around a time."""
 
     def __init__(self, time: float, which: int) -> None:
-        """Keep the time [s] and the number of the function."""
+        """Store the time [s] and the number of the function."""
         super().__init__(time, which)
         self.time, self.which = time, which
 
@@ -87,7 +89,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Pieces:
-    """M signals, polynomials of x = (t − middle) scale in each of P pieces, one after the other.
+    """M signals that are polynomials of x = (t − middle) scale in each of P successive pieces.
 
     Attributes:
         start: where each piece begins, shape (P,) [s].
@@ -95,7 +97,7 @@ class Pieces:
         middle: shape (P,) [s].
         scale: shape (P,) [1/s].
         powers: coefficients of x⁰, x¹, …, at most of x^DEGREE, shape (P, K, M).
-        same: largest difference of two values of each signal that is no jump, shape (M,).
+        same: largest difference between two values of each signal that does not count as a jump, shape (M,).
         moving: which of the signals are motions; the size of a motion is the distance that it covers.
     """
 
@@ -115,14 +117,14 @@ class Pieces:
         return np.append(True, (np.abs(after - before) > self.same).any(axis=1))
 
     def _at(self, times: np.ndarray, which: slice) -> np.ndarray:
-        """Return the values of some pieces, one time for each."""
+        """Return the values of the pieces ``which``, one time for each piece."""
         x = (times - self.middle[which]) * self.scale[which]
         powers_of_x = x[:, np.newaxis] ** np.arange(self.powers.shape[1])
         return np.asarray(np.einsum("pkm,pk->pm", self.powers[which], powers_of_x))
 
     @cached_property
     def _largest(self) -> np.ndarray:
-        """An upper bound of each signal, shape (M,), not 0."""
+        """An upper bound of each signal's absolute values, shape (M,), not 0."""
         sizes = np.abs(self.powers)
         sizes[:, 0, self.moving] = 0.0
         largest = sizes.sum(axis=1).max(axis=0, initial=0.0)
@@ -146,7 +148,7 @@ class Pieces:
             "order": order[at],
             "middle": self.middle[at],
             "scale": self.scale[at],
-            # round-off must not make the step that ends with the piece end before it
+            # round-off must not make the step that ends with the piece end before the piece
             "until": self.end[at] + 4.0 * np.spacing(self.end[at]),
             "change_rate": self.scale[at] * rate[at],
         }
@@ -155,9 +157,10 @@ class Pieces:
 def joined_points(
     times: np.ndarray, values: np.ndarray, *, lines: bool, breaks: np.ndarray | None = None
 ) -> Pieces:
-    """Return signals from their values (T, M) at T times [s], held until the next time or joined by lines.
+    """Return signals from values (T, M) at T times [s]: held until the next time, or joined by lines.
 
-    A single value is held for ever. A new piece begins at each of the ``breaks``, which are among the times.
+    A single value is held for the whole run. A new piece begins at each of the ``breaks``, which are among
+    the times.
     """
     if len(times) == 1:
         times, values = np.append(times, math.inf), values.repeat(2, axis=0)
@@ -183,10 +186,10 @@ def joined_points(
 
 
 class Follower:
-    """Finds the pieces of M functions in a run."""
+    """The search for the pieces of M functions in a run."""
 
     def __init__(self, functions: Sampled, stop: float, accuracy: Any, resolved: Any = RESOLVED) -> None:
-        """Call the functions at times all over the run.
+        """Prepare the search, and call the functions at times spread over the run.
 
         Args:
             functions: the functions to follow.
@@ -203,21 +206,22 @@ class Follower:
         self._resolved = resolved
         self._accuracy = np.maximum(accuracy, ROUND_OFF)
         self._calls_left = CALLS
-        # number of fits that each function has prevented
+        # number of fits that failed because of each function
         self._refused = np.zeros(len(self._scale), dtype=int)
         self._last: Piece | None = None
-        # [s] length of the last interval that no piece fits, or hardly any
+        # [s] length of the last interval for which a fit failed or nearly failed
         self._failed = math.inf
         self._count = 0  # number of pieces found so far
-        # binary exponent of a length → the count below which it is not tried, and by how much that has grown
+        # binary exponent of a length → the count below which a fit of this length is not tried, and the last
+        # increase of this count
         self._again: dict[int, int] = {}
         self._patience: dict[int, int] = {}
 
     def pieces(self, start: float, end: float) -> list[Piece]:
-        """Return pieces of the functions between two times [s], as few as halving and joining find.
+        """Return pieces of the functions between two times [s]; halving and joining keep their number small.
 
         Raises:
-            NotSmoothError: when a function cannot be followed.
+            NotSmoothError: when a function cannot be approximated.
         """
         found: list[Piece] = []
         dropped = 0
@@ -230,10 +234,10 @@ class Follower:
         return found
 
     def with_held(self, held: Pieces, columns: np.ndarray) -> Pieces:
-        """Return pieces of all signals: some signals are the functions, the others are held.
+        """Return pieces of all signals; ``columns`` are the functions' columns, the other signals are held.
 
         Raises:
-            NotSmoothError: when a function cannot be followed.
+            NotSmoothError: when a function cannot be approximated.
         """
         found, powers = [], []
         for k, (start, end) in enumerate(zip(held.start.tolist(), held.end.tolist(), strict=True)):
@@ -244,7 +248,7 @@ class Follower:
             for piece in pieces:
                 row = np.zeros((DEGREE + 1, held.powers.shape[2]))
                 row[0] = held.powers[k, 0]
-                if held.powers.shape[1] > 1:  # a held signal may be joined by lines
+                if held.powers.shape[1] > 1:  # a held signal may consist of lines between samples
                     middle, half = 0.5 * (piece.start + piece.end), 0.5 * (piece.end - piece.start)
                     row[0] += held.powers[k, 1] * (middle - held.middle[k]) * held.scale[k]
                     row[1] = held.powers[k, 1] * half * held.scale[k]
@@ -264,7 +268,7 @@ class Follower:
         )
 
     def _join(self, found: list[Piece], piece: Piece) -> None:
-        """Append a piece, or join it with the last piece if one polynomial fits both."""
+        """Append a piece, or join the piece with the last one if one polynomial fits both."""
         meets = bool(found) and found[-1].end == piece.start
         both = (
             self._fitted(found[-1].start, piece.end) if meets and not self._alike(found[-1], piece) else None
@@ -276,12 +280,12 @@ class Follower:
         self._last = found[-1]
 
     def _alike(self, one: Piece, other: Piece) -> bool:
-        """Return whether two pieces are, or are as long as, halves of an interval that no piece fits."""
+        """Return whether two pieces are halves, or as long as halves, of an interval that no piece fits."""
         halves = np.array([one.end - one.start, other.end - other.start, 0.5 * self._failed])
         return bool(np.ptp(halves) <= ALIKE * halves[0])
 
     def _parted(self, start: float, end: float) -> Iterator[Piece | None]:
-        """Yield pieces in order; None for an interval that is too short to matter."""
+        """Yield pieces in order; yield None for an interval that is too short to matter."""
         if end - start <= self._shortest:
             yield None
             return
@@ -308,14 +312,14 @@ class Follower:
                 yield from self._parted(*part)
 
     def _break(self, start: float, end: float) -> tuple[float, float] | None:
-        """Return times [s] just before and just after the only jump or kink, if there seems to be one.
+        """Return two times [s] just before and after a jump or kink, if there seems to be exactly one.
 
-        Else None.
+        Returns None otherwise.
         """
         quarter = 0.25 * (end - start)
         before, after = start + quarter, end - quarter
-        # polynomials extrapolated over a distance tell the two sides apart; close to the break, they locate
-        # it
+        # Polynomials extrapolated over a distance distinguish the two sides of a break; polynomials close to
+        # the break locate it.
         for until in (0.125 * quarter, self._shortest):
             left = self._simple(before - quarter, before)
             right = self._simple(after, after + quarter) if left is not None else None
@@ -327,14 +331,14 @@ class Follower:
         return before, after
 
     def _simple(self, start: float, end: float) -> Piece | None:
-        """Return the piece between two times [s] if it is exact and of a low degree; else None."""
+        """Return the piece between two times [s] if it is accurate and of a low degree; else None."""
         piece = self._fitted(start, end)
         return None if piece is None or piece.powers[SIMPLE + 1 :].any() else piece
 
     def _narrowed(self, left: Piece, right: Piece, until: float) -> tuple[float, float]:
-        """Return the last time [s] with values of the left piece, and the first one of the right piece.
+        """Return the last time [s] with values of the left piece, and the first time of the right piece.
 
-        The times are farther apart than ``until`` if some values seem to belong to neither piece.
+        The distance of the two times exceeds ``until`` if some values seem to belong to neither piece.
         """
         before, after = left.end, right.start
         scale = np.where(self._scale > 0.0, self._scale, 1.0)
@@ -353,7 +357,7 @@ class Follower:
         return before, after
 
     def _called(self, times: np.ndarray, *, costly: bool) -> np.ndarray:
-        """Return the values at some times [s]; the number of costly times is limited."""
+        """Return the values of the functions at some times [s]; the number of additional calls is limited."""
         if costly:
             self._calls_left -= len(times)
             if self._calls_left < 0:
@@ -364,9 +368,9 @@ class Follower:
         return NotSmoothError(time, int(self._refused.argmax()))
 
     def _fitted(self, start: float, end: float) -> Piece | None:
-        """Return the piece between two times [s] if it is exact; else None."""
+        """Return the piece between two times [s] if it is accurate; else None."""
         half, middle = 0.5 * (end - start), 0.5 * (start + end)
-        # a change between an end and the node next to it shows at the end
+        # a change of the function between an end and the nearest node shows at the end
         inside = min(0.1 * self._shortest, 0.002 * half)
         ends = start + inside, end - inside
         times = np.append(middle + half * _NODES, ends)

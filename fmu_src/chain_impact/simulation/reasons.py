@@ -20,7 +20,7 @@ REASONS = {
     JUMP: "the force of its contact law jumps where the point turns",
     NOT_SOLVED: "the implicit step from there on is too long for them: their iteration does not converge",
 }
-"""Why derivatives end: all but the last at an impact."""
+"""Code → reason why derivatives end: all but the last reason apply at an impact."""
 
 REASONS_AT_STOPS = REASONS | {
     GRAZING: "its joint reaches the stop so slowly that the tolerance leaves open whether it does so at all",
@@ -28,7 +28,7 @@ REASONS_AT_STOPS = REASONS | {
     SIMULTANEOUS: "several contacts begin at one moment, and the motion afterwards depends on which is first",
     JUMP: "the moment of its contact law jumps where the joint turns back",
 }
-"""The same for an impact at a stop of a joint."""
+"""Code → reason why derivatives end at an impact at a stop of a joint."""
 
 REASONS_OF_FRICTION = {
     SLOW_CHANGE: "its sliding or sticking ends so slowly that the tolerance leaves open whether it ends",
@@ -43,4 +43,4 @@ LEFT_OPEN = (
     "derivatives may be off by {share:.2g} of the largest, as the tolerance leaves open when sliding and "
     "sticking end while the chain comes to rest"
 )
-"""The error of derivatives by dry friction, where it is negligible when exactly a mode ends."""
+"""The sentence on the error of derivatives if the exact time at which a mode of friction ends is open."""

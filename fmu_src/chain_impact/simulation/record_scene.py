@@ -1,4 +1,4 @@
-"""The run of a scene with values set by name."""
+"""The run of a scene for which some values are set by name."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from chain_impact.simulation.simulate import simulate
 
 
 class RunError(RuntimeError):
-    """A simulation that could not start or continue; ``recording`` holds the results up to the fault."""
+    """A simulation that cannot start or continue; ``recording`` holds the results up to the fault."""
 
     def __init__(self, message: str, recording: Recording | None = None) -> None:
-        """Keep the recording with the message."""
+        """Store the recording with the message."""
         super().__init__(message)
         self.recording = recording
 
@@ -33,7 +33,7 @@ def record_scene(
 
     Args:
         scene: the scene.
-        settings: name → value, or its text.
+        settings: name → value, or the text of a value.
         progress: as for ``simulate``.
         sensitivities: as for ``simulate``.
 
@@ -60,7 +60,7 @@ def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:
 
 
 def value_of(text: Any) -> Any:
-    """Return the value that a text stands for: a number, a value of TOML, or the text itself.
+    """Return the value for a text: a number, a value as in TOML, or the text itself.
 
     Values of other types are returned unchanged.
     """

@@ -34,7 +34,7 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.places import WORD
 
 MOST_BYTES = 2_000_000_000
-"""[byte] largest size of the outputs of a simulation; more is refused before the run, not after it."""
+"""[byte] the largest size of the outputs of a simulation; a larger result is refused before the run."""
 
 
 def simulate(
@@ -52,38 +52,39 @@ def simulate(
 ) -> Result:
     """Simulate a scene from t = 0.
 
-    Inputs act by their ``interpolation``. Communication points are the rows of the result and, between them,
-    the times of samples.
+    The ``interpolation`` says how inputs act. Communication points are the times of the rows of the result
+    and the times of samples.
 
-    - ``follow``: the solver follows a function to the solver's tolerance, between communication points as
-    well. It finds jumps and kinks; a pulse shorter than a two-thousandth of the run can be missed. A sample
-    acts from its time until the time of the next sample, so a signal of steps is followed exactly.
+    - ``follow``: the solver follows a function with the accuracy of the solver's tolerance, also between
+    communication points, and finds jumps and kinks. A pulse shorter than a two-thousandth of the run can be
+    missed. A sample acts from its time until the time of the next sample, so a signal of steps is followed
+    exactly.
     - ``hold``: a function is called at each communication point, and its value acts until the next
     communication point, as in an FMU. Samples act as with ``follow``.
     - ``linear``: samples, and a function's values at communication points, are joined by straight lines,
       which the solver follows.
 
-    A motion of the base or a wall is followed with its derivatives. Samples of a position or velocity are
-    joined by a cubic spline, or by straight lines with ``linear``, because the motion must not jump. A
-    velocity or acceleration that is given beside the position is only compared with it. With ``hold`` the
-    motion is followed as by an FMU (docs/drive.md).
+    The solver follows a motion of the base or a wall with velocity and acceleration. Samples of a position or
+    velocity are joined by a cubic spline, or by straight lines with ``linear``, because the motion must not
+    jump. If the position is given, a given velocity or acceleration is only compared with the position. With
+    ``hold`` the motion is the same as in an FMU (docs/drive.md).
 
-    The first sample also acts before its time, and the last one until the end. A row of the result has the
-    accelerations and forces that the inputs before its time cause, as an importer reads them after a step of
-    the FMU. Functions are called before the simulation begins, so they cannot depend on its state. For a
-    controller, step a ``Chain``, or connect a controller to the FMU.
+    The first sample also acts before its time, and the last sample acts until the end. A row of the result
+    has the accelerations and forces that the inputs before its time cause, as an importer reads them after a
+    step of the FMU. Functions are called before the simulation begins, so they cannot depend on its state.
+    For a controller, step a ``Chain``, or connect a controller to the FMU.
 
     Args:
         scene: a scene, or an argument of ``load_scene``.
-        stop_time: end [s]; the scene's by default.
-        output_step: distance of the rows of the result [s]; the scene's communication step by default. It
-            changes neither the solution nor the cost, except with functions that are not followed. With
-            ``math.inf`` there are two rows, the start and the end.
+        stop_time: end of the run [s]; by default that of the scene.
+        output_step: time between the rows of the result [s]; by default the scene's communication step. The
+            output step changes neither the solution nor the cost, except with functions that are not
+            followed. With ``math.inf`` there are two rows, the start and the end.
         method: solver method instead of the scene's.
         tolerance: relative tolerance instead of the scene's.
-        output: the outputs of the result, by their names in the FMU, in which ``*`` stands for
-            any text: ``["point[4].x", "energy.*"]``; all by default, none if empty. All rows together take
-            at most ``MOST_BYTES``. The result always has all impacts.
+        output: the outputs of the result, by their names in the FMU, in which ``*`` stands for any text:
+            ``["point[4].x", "energy.*"]``; all outputs by default, none for an empty list. All rows together
+            take at most ``MOST_BYTES``. The result always has all impacts.
         inputs: name of an input of the scene's FMU, as ``joint[2].torque`` [N·m] or ``tip.force.x`` [N] →
             a number, a function of the time [s], or a pair (times [s], values), each of shape (T,), times
             increasing. An input that is not named is zero. A table of samples is allowed as well: a CSV or
@@ -93,8 +94,9 @@ def simulate(
         sensitivities: parameters and inputs by their names in the FMU, ``*`` as in ``output``: the result
             then has the derivatives of its outputs and impacts with respect to each of them, for
             ``Result.sensitivity``. The motion is the same, bit for bit. The derivative with respect to an
-            input is for a constant added to it. The default is the scene's ``outputs.sensitivities``.
-        progress: called with the fraction done, if given.
+            input is the derivative with respect to a constant that is added to the input. The default is the
+            scene's ``outputs.sensitivities``.
+        progress: called with the finished fraction, 0 to 1, if given.
 
     Warns:
         SceneWarning: when a point goes farther beyond a wall than the shortest link is long.
@@ -117,7 +119,7 @@ def simulate(
     model = Model(scene)
     varied = model.varied if sensitivities is None else model.varied_by(sensitivities)
     places = model.output_places if output is None else model.places_named(output)
-    # all outputs of the motion are kept in the kernel's own order
+    # all outputs of the motion have the kernel's own order
     words = model.output_words if output is None else np.array(list(places.motion.values()), int)
     others = places.words
     width, columns = len(words), len(words) * (1 + len(varied)) + len(others)
@@ -156,7 +158,7 @@ def simulate(
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
         rerun=Rerun(model, driven),
     )
-    # few runs go so deep that a warning is possible
+    # few runs have a penetration so deep that a warning is possible
     if found["max_penetration"].max(initial=0.0) > min([link.length for link in scene.chain.links]):
         warn(scene.name, hints(scene, found))
     if instance.record["moved"]["contradiction"]:
@@ -172,7 +174,7 @@ def check_size(source: str, stop: float, step: float, columns: int) -> None:
     Args:
         source: the name of the scene in an error.
         stop: stop time [s].
-        step: distance of the rows [s].
+        step: time between the rows [s].
         columns: number of outputs.
 
     Raises:
@@ -201,15 +203,15 @@ def _times(stop: float, step: float) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Rerun:
-    """The same run again, with rows at other times."""
+    """A function that repeats the run with rows at other times."""
 
     model: Model
     driven: Drive
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
-        """Return the outputs at some increasing times [s], shape (S,).
+        """Return the outputs at the ``times`` [s], increasing, shape (S,).
 
-        Fewer if the solver cannot continue.
+        Returns fewer rows if the solver cannot continue.
         """
         driven = self.driven.at(times)
         instance = Instance(self.model, driven, ())
@@ -220,7 +222,7 @@ class Rerun:
 
 
 class _Stepwise(Mapping[str, np.ndarray]):
-    """The columns of outputs that change at events and steps only, by name, as views of rows of words."""
+    """The columns of outputs that change only at events and steps, by name, as views of rows of words."""
 
     def __init__(
         self, numbers: np.ndarray, words: np.ndarray, places: Mapping[str, tuple[int, bool]]
@@ -245,11 +247,11 @@ def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:
     Args:
         scene: a scene, or an argument of ``load_scene``.
         law: a function that returns the force [N], as in a ``contact.law_file``. Python must know its source,
-            which is kept as a file in the cache folder; ``Fit.save`` copies this file to the scene that it
-            writes. The function may use the module ``math`` and no other name from outside.
+            which is stored as a file in the cache folder; ``Fit.save`` copies this file to the folder of the
+            scene file. The function may use the module ``math`` and no other name from outside.
 
     Raises:
-        SceneError: when the function cannot be a law.
+        SceneError: when the function is not allowed as a law.
     """
     scene = scene_of(scene)
     try:

@@ -1,4 +1,4 @@
-"""The signals of a scene, written to their places in a new record (kernel/chain/signals.py)."""
+"""The data of a scene's signals in a new record (kernel/chain/signals.py)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _DRIVEN = {
 
 
 def fill_signals(d: Any, scene: Scene) -> None:
-    """Write the signals of a scene to their places in a new instance."""
+    """Write the signals of a scene into a new instance."""
     if not scene.signals:
         return
     shape, own, stop = shape_of(scene), d["signal"], scene.simulation.stop_time
@@ -40,6 +40,6 @@ def fill_signals(d: Any, scene: Scene) -> None:
 
 
 def acting(place: Place) -> tuple[int, str | int]:
-    """Return the kernel's number of the input at a place in the record, and the index of its element."""
+    """Return, for an input's path in the record, the kernel's number of the input and the element's index."""
     part, field, *index = place
     return kernel.CHANNEL if part == MOTION else _DRIVEN[str(field)], index[0] if index else 0

@@ -1,7 +1,7 @@
-"""The parameters of a scene, written to their places in a new record.
+"""The parameters of a scene in a new record.
 
-The record of the last scene is kept. If the next scene differs from it only in numbers of some tables, as a
-scene of ``with_values`` does, only these tables are written again.
+The module keeps the record of the last scene. If the next scene differs only in numbers of some tables, as
+after ``with_values``, only these tables are written again.
 """
 
 from __future__ import annotations
@@ -32,41 +32,41 @@ from chain_impact.variables.places import WORD, Sizes, layout_of, word_index
 
 @dataclass(frozen=True)
 class _Kept:
-    """A scene and the words of its record, which must not be written to."""
+    """A scene and the words of its record; nothing may write to these words."""
 
     scene: Scene
     words: np.ndarray
 
 
 _kept: dict[Sizes, _Kept] = {}
-"""The last scene of each size, with its record."""
+"""The last scene of each record size, with its record."""
 MOST_KEPT = 16
 _GIVEN_IF = {kind.given_if for _, kinds in PARAMETERS for kind in kinds if kind.given_if}
-"""The conditions under which given values have a place of their own."""
+"""The conditions under which the record has a separate field for a given value."""
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
-"""The tables of the scene whose numbers can be written again alone."""
+"""The tables of the scene whose numbers can be written again without the other tables."""
 _DECISIVE = [
     str(kind.path[-1])
     for of, kinds in PARAMETERS
     for kind in kinds
     if of == "link" and kind.path and kind.path[0] == "chain" and (kind.hint or kind.if_missing)
 ]
-"""The keys of a link on whose values the variables depend."""
+"""The keys of a link whose values determine which variables exist."""
 
 
 def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> np.ndarray:
-    """Return an instance with the parameters of a scene: an array with one record, not yet initialized.
+    """Return an uninitialized instance with the parameters of a scene, an array with one record.
 
     Args:
         scene: the scene.
-        pairs: the candidates.
+        pairs: the candidates, as ``Model.candidates``.
         sizes: the sizes of the record.
     """
     layout, before = layout_of(*sizes), _kept.get(sizes)
     changes = None if before is None else changed_numbers(before.scene, scene)
     if before is None or changes is None:
         words = np.zeros(layout.itemsize // WORD)
-        # a view would compare the types first, which takes longer than the rest of this function
+        # ``block.view`` would compare the types first, which takes longer than the rest of this function
         block = np.ndarray(1, layout, words)
         _fill(block[0], scene, pairs)
         for table in _tables():
@@ -83,10 +83,11 @@ def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> 
 
 
 def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
-    """Return the tables in whose numbers two scenes differ; None if the whole record has to be written.
+    """Return the tables whose numbers differ between two scenes; None if the whole record must be written.
 
-    The whole record is written if the scenes differ in more than numbers, or in numbers on which the layout
-    of the record or the variables depend. A table that is the same object in both has not changed.
+    The whole record must be written if the scenes differ in more than numbers, or in numbers on which the
+    layout of the record or the variables depend. A table that is the same object in both scenes has not
+    changed.
     """
     if before is scene:
         return []
@@ -115,7 +116,7 @@ def _kind_of_chain(scene: Scene) -> tuple[Any, ...]:
 
 
 def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
-    """Write the parameters of a scene, and its candidates, to their places in a new instance."""
+    """Write the parameters of a scene, and the candidates, into a new instance."""
     d["links"], d["candidates"] = len(scene.chain.links), len(pairs)
     d["elements"], d["loads"] = len(d["element"]["mode"]), len(d["transmitted"]["peak"])
     d["channels"], d["sites"] = len(d["motion"]["position"]), len(scene.chain.sites)
@@ -151,7 +152,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
 
 @cache
 def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
-    """Return table of the scene → its kinds of parameters, each with the function that reads the values."""
+    """Return for each table of the scene its kinds of parameters, with the function that reads the values."""
     found: dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]] = {}
     for of, kinds in PARAMETERS:
         for kind in kinds:
@@ -162,7 +163,7 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
 
 
 def _reader(kind: Kind, path: Place) -> Callable[[Scene], list[Any]]:
-    """Return the function that reads the values at a path, followed by the values for the place ``given``."""
+    """Return the function that reads the values at a path, and then the values for the field ``given``."""
     split = path.index(AT) if AT in path else len(path)
     whole, part, given_if = _getter(path[:split]), _getter(path[split + 1 :]), attrgetter(kind.given_if)
 
@@ -182,7 +183,7 @@ def _reader(kind: Kind, path: Place) -> Callable[[Scene], list[Any]]:
 
 
 def _site_reader(kind: Kind) -> Callable[[Scene], list[Any]]:
-    """Return the function that reads a parameter of all points of links, followed by the given values."""
+    """Return the function that reads a parameter of all points of links, and then the given values."""
     *_, key = kind.path or ()
 
     def read(scene: Scene) -> list[Any]:
@@ -199,7 +200,7 @@ def _site_reader(kind: Kind) -> Callable[[Scene], list[Any]]:
 
 
 def _given(scene: Scene, paths: Sequence[Place], values: Sequence[Any]) -> list[Any]:
-    """Return the values at some paths, with a mark in place of each derived value."""
+    """Return the values at some paths, with the number DERIVED in place of each derived value."""
     derived = frozenset(scene.derived_places)
     return [DERIVED if path in derived else value for path, value in zip(paths, values, strict=True)]
 
@@ -216,14 +217,14 @@ def _itself(value: Any) -> Any:
 
 
 def _choice(kind: Kind, name: str) -> float:
-    """Return the number of a choice, counted from 1, as a real number of the same bits."""
+    """Return the number of a choice, counted from 1, as a real number with the same bits."""
     number = SOLVER_METHODS.index(name) + 1 if kind.choices == METHODS else _law_number(name)
     return float(np.int64(number).view(np.float64))
 
 
 def _write(table: str, words: np.ndarray, scene: Scene, sizes: Sizes) -> None:
     """Write the numbers of a table of the scene to the words of the scene's record."""
-    # the record has room for these walls only where points may touch them
+    # the record has room for the walls at any angle only if points may touch them
     lines = len(scene.walls) if scene.may_touch else 0
     counts = (
         *(("one", 1), ("link", sizes.links), ("line", lines)),
@@ -239,7 +240,7 @@ def _write(table: str, words: np.ndarray, scene: Scene, sizes: Sizes) -> None:
 def _words_of(
     table: str, sizes: Sizes, counts: tuple[tuple[str, int], ...], met: tuple[str, ...]
 ) -> np.ndarray:
-    """Return the words for the numbers of a table, in the order of reading.
+    """Return the indices of the words for the numbers of a table, in the order in which they are read.
 
     ``met`` are the conditions that the scene meets.
     """
@@ -253,7 +254,7 @@ def _words_of(
 
 
 def _fill_motion(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
-    """Write to its places which channels move the base and the walls."""
+    """Write which channels move the base and the walls."""
     d["model"]["base_moves"], d["motion"]["follows"] = scene.inputs.base_motion, 1
     first = 2 if scene.inputs.base_motion else 0
     moving = {scene.wall_names.index(name): first + 2 * w for w, name in enumerate(scene.moving_walls)}
@@ -262,7 +263,7 @@ def _fill_motion(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None
 
 
 def _fill_materials(d: Any, scene: Scene) -> None:
-    """Write the given values of the materials of single walls to their places."""
+    """Write the given values of the materials of single walls."""
     for kind in (kind for of, kinds in PARAMETERS if of == "material" for kind in kinds):
         part, key, _ = map(str, kind.place)
         d[part][key] = kind.if_missing
@@ -278,9 +279,9 @@ def _law_number(name: str) -> int:
 
 
 def with_tangents(block: np.ndarray, places: Sequence[Place]) -> np.ndarray:
-    """Return an instance, followed by instances of dual numbers in which each parameter has a direction.
+    """Return an instance and, after it, instances of dual numbers in which each parameter has a direction.
 
-    ``places`` are the places of the parameters.
+    ``places`` are the paths of the parameters in the record.
     """
     layout, count = block.dtype, -(-len(places) // DIRECTIONS)
     names = layout.names or ()

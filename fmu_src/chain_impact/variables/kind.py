@@ -1,8 +1,8 @@
-"""A kind of variables: variables that differ only in the number of a link or point, or in the wall.
+"""A kind of variables: variables that differ only in the number of a link or point, or in the name of a wall.
 
-Texts and places are templates: ``{n}`` stands for the number of an element, ``{name}`` for the name of a
-wall, ``{axis}`` for an axis, other words in braces for words of a scene or an element (shape.py). In a place,
-``{at}`` stands for the index of the element and ``{next}`` for the index after it.
+Texts and places (paths in the record) are templates. ``{n}`` stands for the number of an element, ``{name}``
+for the name of a wall, ``{axis}`` for an axis. Other words in braces stand for words of a scene or an element
+(shape.py). In a place, ``{at}`` stands for the index of the element and ``{next}`` for the next index.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ MOTIONS = ("position", "velocity", "acceleration")
 
 
 class Heading(NamedTuple):
-    """The first words of a description: for one variable, and for all variables of the kind."""
+    """The first words of a description: for one variable, and for all variables of the kind together."""
 
     text: str = ""
     general: str = ""
@@ -47,32 +47,33 @@ class Kind:
 
     Attributes:
         name: the template of the variables' names.
-        owner: the first part of the name, if the variables with this part make a terminal in FMI 3.0.
-        of: the elements that have such a variable: a key of ``shape.ELEMENTS``, "one" for no element.
+        owner: the first part of the name, if the variables with this part form a terminal in FMI 3.0.
+        of: the kind of element that has such a variable: a key of ``shape.ELEMENTS``; "one" if the scene has
+            one such variable.
         heading: see ``Heading``.
         text: the rest of the description, a template.
-        axis: x or y for a component of a vector.
-        unit: name of the unit, "" unless real.
+        axis: x or y if the variable is a component of a vector.
+        unit: name of the unit; "" for a variable that is not a real number.
         causality: ``parameter``, ``input`` or ``output``.
-        place: path into the instance record, a template.
+        place: path in the instance record, a template.
         when: conditions, all of which a scene or an element must meet to have the variable.
         minimum: value >= minimum; a name stands for a number of the scene.
         above: value > above.
         maximum: value <= maximum; a name stands for a number of the scene.
-        path: a parameter's path in the scene file, a template.
-        given: the place of the given value of a parameter that may be derived, a template.
-        given_if: condition for the place ``given``; without one it is always there.
-        derived: how the scene may derive the value.
+        path: path of a parameter in the scene file, a template.
+        given: path in the record of the given value of a parameter that may be derived, a template.
+        given_if: condition under which the path ``given`` exists; without a condition it always exists.
+        derived: the rule by which the scene may derive the value.
         tunable: condition under which a parameter can be set at any time.
-        trivial: a scene with this value does not have the parameter.
-        if_missing: number in the record of a scene without the value.
+        trivial: value with which a scene does not have the parameter.
+        if_missing: number in the record if the scene does not have the value.
         choices: name of an enumeration's list of choices.
         smooth: whether there are derivatives with respect to the variable.
-        hint: tells users how to get the parameter into a scene.
-        at_once: whether an input acts on the output without passing through a state.
-        nominal: the magnitude of the output, a key of ``nominal_values``; "" for none.
+        hint: a sentence that tells users how to get the parameter into a scene.
+        at_once: whether an input acts on the output directly, not only through the state.
+        nominal: the usual magnitude of the output, a key of ``nominal_values``; "" for none.
         rate_of: field of the output record whose derivative the output is.
-        array: name of the array of all variables of the kind, in FMI 3.0 and in datasets; "" for none.
+        array: name of the array with all variables of the kind, in FMI 3.0 and in datasets; "" for none.
     """
 
     name: str
@@ -105,7 +106,7 @@ class Kind:
 
     @cached_property
     def pattern(self) -> str:
-        """The name for all variables of the kind: `link[i].length`, `contact[k].<wall>.force`."""
+        """The name that stands for all variables of the kind: `link[i].length`, `contact[k].<wall>.force`."""
         name = "<name>" if self.of in OF_SIGNALS else "<wall>"
         return self.name.format(n=LETTERS.get(self.of, "i"), of="i", name=name)
 
@@ -116,33 +117,33 @@ class Kind:
         return text.replace("{axis}", self.axis)
 
     def in_general(self, words: Mapping[str, Any]) -> str:
-        """Return the description for all variables of the kind, with the words of a scene.
+        """Return the description for all variables of the kind; ``words`` are the words of the scene.
 
-        The words under "general" stand for any element.
+        Its words under "general" stand for any element.
         """
         general = {**words, **words.get("general", {}), "n": LETTERS.get(self.of, "i"), "axis": self.axis}
         text = self.text.format_map(general)
         return self.ended(f"{self.heading.general}: {text}" if self.heading.general else text)
 
     def derivative(self, parameter: Kind) -> Kind:
-        """Return the kind of the derivatives of this kind's outputs with respect to a kind of parameters."""
+        """Return the kind of the derivatives of outputs of this kind with respect to a kind of parameters."""
         of, by = self.pattern, parameter.pattern
         text = f"derivative of {of} with respect to {by}"
         return Kind(name=sensitivity_name(of, by), text=text, place=(), at_once=self.at_once)
 
     def ended(self, text: str) -> str:
-        """Return a description with a parameter's open limit, which FMI's attributes cannot tell."""
+        """Return a description with the parameter's open limit, which FMI's attributes cannot express."""
         return text if self.above is None else f"{text}; must be > {self.above:g}"
 
 
 OF_SIGNALS = ("signal", "step")
-"""The elements that belong to signals."""
+"""The kinds of elements that belong to signals."""
 LETTERS = {"point": "k", "contact": "k", "site": "j", "step": "k"}
-"""Element → the letter for its number where it is not i."""
+"""Kind of element → the letter for its number, if this is not i."""
 
 
 class Block(NamedTuple):
-    """Kinds that take turns: all variables of one element come before those of the next element."""
+    """Kinds of one kind of element: all variables of an element come before those of the next element."""
 
     of: str
     kinds: tuple[Kind, ...]
@@ -151,15 +152,15 @@ class Block(NamedTuple):
 def block(
     of: str, *rows: Kind, owner: str = "", terminal: bool = False, when: tuple[str, ...] = (), **common: Any
 ) -> Block:
-    """Return kinds of one element.
+    """Return the block of the kinds that one kind of element has.
 
     Args:
-        of: the element.
-        rows: the kinds, their names without the owner.
-        owner: what the names begin with.
-        terminal: whether the variables of an owner make a terminal.
-        when: conditions for all of them, beside their own.
-        common: other attributes that all of them have.
+        of: the kind of element.
+        rows: the kinds, with names that lack the owner.
+        owner: the first part of the names.
+        terminal: whether the variables of an owner form a terminal in FMI 3.0.
+        when: conditions for all kinds, in addition to their own.
+        common: other attributes that all kinds have.
     """
     own = {"of": of, "owner": owner if terminal else "", **common}
     prefix = f"{owner}." if owner else ""
@@ -169,7 +170,7 @@ def block(
 
 
 def filled(place: Place, element: Mapping[str, Any]) -> Place:
-    """Return a place in the record, or a path in the scene file, with an element's words filled in."""
+    """Return a path in the record or in the scene file, with an element's words in place of the braces."""
     if not element:
         return place
     steps: dict[str | int, Any] = {f"{{{word}}}": value for word, value in element.items()}

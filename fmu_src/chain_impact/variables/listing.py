@@ -1,4 +1,4 @@
-"""The variables of a scene's FMU: one of each kind for each element that the scene has."""
+"""The variables of a scene's FMU: each kind gives one variable for each element of the scene."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from chain_impact.variables.shape import ELEMENTS, Element, Shape, shape_of
 from chain_impact.variables.units import quotient
 from chain_impact.variables.variable import Item, Variable
 
-SHAPES = 64  # number of shapes of scenes whose outputs are kept
+SHAPES = 64  # the number of shapes of scenes whose lists of outputs are kept
 BEHIND = "behind"
-"""The field with the instances of dual numbers after an instance (model.py)."""
+"""The field with the instances of dual numbers, which follow an instance in memory (model.py)."""
 _METHODS = tuple(
     Item(name, "as each phase needs" if name == "auto" else f"{name} steps only") for name in SOLVER_METHODS
 )
@@ -54,7 +54,7 @@ def parameters(scene: Scene) -> Iterator[Variable]:
 
 
 def inputs(scene: Scene) -> Iterator[Variable]:
-    """Return the inputs that the scene asks for, except the inputs that signals drive."""
+    """Return the inputs that the scene asks for, except inputs that signals drive."""
     shape = shape_of(scene)
     return (variable for variable in inputs_asked(shape) if variable.name not in shape.of_signals)
 
@@ -73,7 +73,7 @@ def all_outputs(scene: Scene) -> dict[str, Variable]:
 def outputs_of(shape: Shape) -> dict[str, Variable]:
     """Return the outputs of all scenes of a shape.
 
-    They are made once, because that takes as long as a short simulation.
+    The outputs are made once for each shape, because this takes as long as a short simulation.
     """
     made = (Variable.of(*found) for found in _each(OUTPUTS, shape))
     return {variable.name: variable for variable in (*_driven(shape), *made)}
@@ -110,7 +110,7 @@ def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iter
 
 
 def value_at(scene: Any, path: Place) -> Any:
-    """Return the value at a path of a scene or of a part of a scene; None if it does not exist."""
+    """Return the value at a path of a scene, or of a part of a scene; None if the value does not exist."""
     for step in path:
         if isinstance(step, int):
             scene = scene[step]
@@ -120,13 +120,16 @@ def value_at(scene: Any, path: Place) -> Any:
 
 
 def absent_hint(name: str) -> str | None:
-    """Return how to get a parameter that only some scenes have into the FMU; None for another name."""
+    """Return a hint: how to get a parameter that only some scenes have into the FMU.
+
+    None for another name.
+    """
     kinds = (kind for block in PARAMETERS for kind in block.kinds if kind.hint)
     return next((kind.hint for kind in kinds if is_like(name, kind.name)), None)
 
 
 def _each(blocks: Iterable[Block], shape: Shape) -> Iterator[tuple[Kind, Element, dict[str, Any]]]:
-    """Yield each kind for each element that has it, with the element and the scene's words."""
+    """Yield each kind together with each element that has this kind, and with the scene's words."""
     scene = shape.known()
     for of, kinds in blocks:
         for element in ELEMENTS[of](shape):
@@ -137,7 +140,10 @@ def _each(blocks: Iterable[Block], shape: Shape) -> Iterator[tuple[Kind, Element
 
 
 def choices_of(scene: Scene) -> dict[str, tuple[Item, ...]]:
-    """Return the lists of choices: contact laws in the order of their numbers, a user's last, and methods."""
+    """Return the lists of choices: contact laws in the order of their numbers, a user's law last.
+
+    And methods.
+    """
     laws = [Item(law.id, law.source) for law in CONTACT_LAWS.values()]
     if scene.contact.law_file:
         own = read_law(Path(scene.contact.law_file))

@@ -1,7 +1,7 @@
-"""The model: data that are derived from a scene once and kept.
+"""The model: a scene together with data that are derived from it once and kept.
 
-It has the candidates, the variables of the FMU by name and their places in the instance record
-(kernel/record/), and it makes new instances with the parameters of the scene in their places.
+The model has the candidates, and the variables of the FMU by name with their places in the instance record
+(kernel/record/). It makes new instances, whose records hold the parameters of the scene.
 """
 
 from __future__ import annotations
@@ -37,22 +37,22 @@ SAME = (
     *("candidates", "sizes", "layout", "row", "parameters", "inputs", "outputs", "_own_outputs", "motion"),
     *("columns", "output_words", "output_places", "parameter_paths", "differentiable"),
 )
-"""The attributes of a model that do not depend on numbers."""
+"""The attributes of a model that do not depend on numbers of the scene."""
 
 
 class Model:
-    """A scene with the data that follow from it. Each part is computed once, most parts at their first use.
+    """A scene and the data that follow from it. Each part is computed once, usually at its first use.
 
     Attributes:
         scene: the scene.
         candidates: the C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch.
-        sizes: the sizes of a record.
-        layout: the record of an instance without derivatives.
-        row: the record of the outputs, a row of ``Result.outputs``.
+        sizes: the numbers that determine the layout of the record.
+        layout: the layout of an instance without derivatives.
+        row: the layout of the outputs, one row of ``Result.outputs``.
     """
 
     _last: Model | None = None
-    """The last model made. The next model takes over its variables if the scenes differ in numbers only."""
+    """The last model. The next model takes over its variables if the scenes differ in numbers only."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene, before = scene, Model._last
@@ -74,7 +74,7 @@ class Model:
         Model._last = self  # the model is complete, so another thread may take over its parts
 
     def __eq__(self, other: object) -> bool:
-        """Return whether the other model has an equal scene."""
+        """Return whether another model has an equal scene."""
         return self.scene == other.scene if isinstance(other, Model) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
@@ -95,7 +95,7 @@ class Model:
 
     @cached_property
     def driven(self) -> dict[str, str]:
-        """The quantities that signals drive: name that an input would have → name of the signal."""
+        """The inputs that signals drive: the name of the input → the name of the signal."""
         return {name: one.signal for one in driven_by(self.scene) for name in one.outputs if name}
 
     @cached_property
@@ -105,22 +105,22 @@ class Model:
 
     @cached_property
     def _own_outputs(self) -> dict[str, Variable]:
-        """The outputs of the FMU by their names, without derivatives."""
+        """The outputs of the FMU by name, without derivatives."""
         return all_outputs(self.scene)
 
     @cached_property
     def outputs_by_name(self) -> dict[str, Variable]:
-        """The outputs of the FMU by their names, with derivatives."""
+        """The outputs of the FMU by name, with derivatives."""
         return {variable.name: variable for variable in self.variables if variable.causality == "output"}
 
     @cached_property
     def units(self) -> dict[str, str]:
-        """Name of a variable of the FMU → its unit."""
+        """The units: name of a variable of the FMU → its unit."""
         return {variable.name: variable.unit for variable in self.variables}
 
     @cached_property
     def motion(self) -> list[Variable]:
-        """The outputs that change all the time, as in ``Result.outputs``."""
+        """The outputs that change continuously, in the order of ``Result.outputs``."""
         return [variable for variable in self.outputs if variable.place[0] == "output"]
 
     @cached_property
@@ -128,7 +128,7 @@ class Model:
         """The parameters and inputs with respect to which the FMU has derivatives.
 
         Raises:
-            UnknownNameError: when the scene names a variable without derivatives.
+            UnknownNameError: when the scene names a variable that has no derivatives.
         """
         names = self.scene.outputs.sensitivities
         return self.varied_by(names) if names else []
@@ -140,9 +140,9 @@ class Model:
 
     @cached_property
     def parameter_paths(self) -> dict[str, Place]:
-        """Name of a parameter → the path that ``scene.with_values`` takes for it.
+        """The paths of parameters: name → path that ``scene.with_values`` accepts.
 
-        The FMU takes the number of a choice where the scene takes its name, for ``contact.model`` a law's id.
+        For a choice such as ``contact.model`` the FMU has a number where the scene has a name.
         """
         return {v.name: v.scene_path for v in self.parameters if v.scene_path is not None}
 
@@ -153,13 +153,13 @@ class Model:
 
     @cached_property
     def start(self) -> np.ndarray:
-        """An instance in the state before initialization; it must not be written to."""
+        """An instance in the state before initialization; nothing may write to it."""
         start = self.new_instance()
         start.flags.writeable = False
         return start
 
     def word(self, variable: Variable) -> int:
-        """Return the index of a variable in an instance of the FMU, counted in words."""
+        """Return the index of a variable in an instance of the FMU, counted in words of 8 bytes."""
         return word_index(self.start.dtype, variable.place)
 
     def table_row(self, variable: Variable) -> list[Any]:
@@ -168,23 +168,23 @@ class Model:
         return variable_row(variable, *words)
 
     def start_text(self, variable: Variable) -> str:
-        """Return the start value of a variable as the shortest text that gives the same number when read."""
+        """Return the start value of a variable as the shortest text that is read back as the same number."""
         words = self.start.view(np.float64 if variable.type == "real" else np.int64)
         return repr(words[self.word(variable)].item())
 
     @cached_property
     def columns(self) -> dict[str, int]:
-        """Index of each output that changes all the time into a row: name → index."""
+        """The index in a row of each output that changes continuously: name → index."""
         return {variable.name: word_index(self.row, variable.place[1:]) for variable in self.motion}
 
     @cached_property
     def output_words(self) -> np.ndarray:
-        """The indices of a row's numbers in the record, shape (W,)."""
+        """The indices in the record of the numbers of a row, shape (W,)."""
         first = first_word(self.layout, "output")
         return np.arange(first, first + self.row.itemsize // WORD)
 
     def varied_by(self, names: str | Iterable[str]) -> list[Variable]:
-        """Return the parameters and inputs of some names, each once; ``*`` in a name stands for any text.
+        """Return the parameters and inputs with some names, each once; ``*`` in a name stands for any text.
 
         Raises:
             UnknownNameError: when no variable with derivatives has such a name.
@@ -206,7 +206,7 @@ class Model:
         return [known[name] for name in self._named(wanted, known, what, hint)]
 
     def outputs_named(self, wanted: str | Iterable[str]) -> list[Variable]:
-        """Return the outputs of some names or patterns, each once, in the order of the names.
+        """Return the outputs with some names or patterns, each once, in the order of ``wanted``.
 
         Raises:
             UnknownNameError: when no output has a name, or matches a pattern.
@@ -218,11 +218,11 @@ class Model:
 
     @cached_property
     def output_places(self) -> OutputPlaces:
-        """The places of the outputs in the record."""
+        """The indices of the outputs in the record."""
         return output_places(shape_of(self.scene), self.sizes)
 
     def places_named(self, wanted: str | Iterable[str]) -> OutputPlaces:
-        """Return the places of the outputs of some names or patterns, each once, in the order of the names.
+        """Return the indices of the outputs with some names or patterns, each once, in the order of names.
 
         Raises:
             UnknownNameError: when no output has a name, or matches a pattern.
@@ -243,7 +243,7 @@ class Model:
         return {name: self.columns[name] for name in found}
 
     def series(self, outputs: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the time series in ``Result.outputs`` by name of the FMU's output, each of shape (T,)."""
+        """Return the time series of ``Result.outputs``: name of the FMU's output → values, shape (T,)."""
         found = {}
         for variable in self.motion:
             values = outputs
@@ -253,9 +253,9 @@ class Model:
         return found
 
     def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
-        """Return an instance with the parameters of the scene: an array with one record, not yet initialized.
+        """Return an uninitialized instance with the parameters of the scene, an array with one record.
 
-        The same record has, after the instance, the instances of dual numbers that derivatives need.
+        The record also has the instances of dual numbers that derivatives need, after the instance.
 
         Args:
             varied: the variables with respect to which there are derivatives; by default as in the FMU.
@@ -271,24 +271,24 @@ class Model:
         what: str,
         hint: Callable[[str], str | None] = lambda _: None,
     ) -> dict[str, None]:
-        """Return the wanted names of ``there``, each once."""
+        """Return the entries of ``there`` with the wanted names, each once."""
         names = (wanted,) if isinstance(wanted, str) else wanted
         return {one: None for name in names for one in matching(self.scene.name, name, there, what, hint)}
 
 
 def kernel_size(scene: Scene) -> int:
-    """Return the number of links for which ``kernel_library`` finds the kernel of a scene."""
+    """Return the number of links that ``kernel_library`` needs to find the kernel of a scene."""
     moves = scene.inputs.base_motion or scene.moving_walls
     return GENERAL if moves or scene.chain.is_body or scene.signals else len(scene.chain.links)
 
 
 def model_of(source: Scene | Model) -> Model:
-    """Return the model itself, or the model of a scene."""
+    """Return ``source`` itself if it is a model, else the model of a scene."""
     return source if isinstance(source, Model) else Model(source)
 
 
 def elsewhere(name: str) -> str | None:
-    """Return where to find values that the FMU has as outputs, but a result has not over time."""
+    """Return a hint: where to find values that are outputs of the FMU, but not time series of a result."""
     if name.startswith(("impact.", "impact[", "solver.")):
         return "impacts are in result.impacts, counts of the solver in result.statistics"
     return None

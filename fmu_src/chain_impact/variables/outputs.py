@@ -1,8 +1,8 @@
 """The inputs and outputs in the table of variables, one row for each kind; kind.py explains the columns.
 
-A row has the name without its owner, the unit, the description, the field of the record if it has another
-name, the nominal magnitude, and further attributes. A row with {axis} stands for two, one for x and one for
-y, with {j} as 0 and 1. The value references follow the order of the rows.
+A row has the name without the owner, the unit, the description, the field of the record if its name differs,
+the nominal magnitude, and further attributes. A row with {axis} stands for two rows, one for x and one for y;
+{j} is then 0 and 1. The value references follow the order of the rows.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ def _block(
         part: the part of the record.
         of: the kind of element.
         owner: the first part of the names.
-        rows: the rows of the table. The index of an element follows each field that does not have it already.
-        names: the whole names, if the rows have none.
-        array: whether the values of all elements are an array, named after the element and the row.
-        other: attributes of all kinds; see also ``block``.
+        rows: the rows of the table. The index of the element is appended to each field without an index.
+        names: the full names, if the rows have no names.
+        array: whether the values of all elements form an array, named after the element and the row.
+        other: attributes that all kinds have; see also ``block``.
     """
     kinds = []
     for number, (name, unit, text, field, nominal, more, axis) in enumerate(_rows(rows)):
@@ -68,7 +68,7 @@ def _rows(text: str) -> Iterator[list[str]]:
 def _attribute(text: str, unit: str) -> tuple[str, Any]:
     """Return the name and value of an attribute in a row, such as ``minimum=0``.
 
-    One without a value is true.
+    An attribute without a value is true.
     """
     name, _, value = text.partition("=")
     if name == "when":

@@ -1,7 +1,8 @@
 """The parameters in the table of variables, one row for each kind; kind.py explains the columns.
 
-Meaning, unit and range of a parameter are in the fields of ``scene/tables.py``; the rows add where its value
-is, and which scenes have it. The value references follow the order of the rows.
+The fields of ``scene/tables.py`` have the meaning, the unit and the range of a parameter; the rows of this
+table add the place of the value in the record, and which scenes have the parameter. The value references
+follow the order of the rows.
 """
 
 from __future__ import annotations
@@ -33,24 +34,24 @@ from chain_impact.scene.tables import (
 from chain_impact.variables.kind import ALWAYS, LINE, LINK, MOTION, SIGNAL, SITE, SLIDER, WALL, Kind, block
 
 LAWS, METHODS = "laws", "methods"
-"""The names of the lists of choices."""
+"""The names of the lists of choices: contact laws, and methods of the solver."""
 HAS_FRICTION = "it is a parameter where the scene has dry friction: give it a value there first"
 HAS_ONE = "it is a parameter where the scene has one: give it a value there first"
 HAS_TARGET = "with inputs.joint_targets the target angle takes its place, whose start value it is"
 KEY, INDEX, AXIS = "{key}", "{index}", "{axis}"
-"""Steps of templates in this module: the key of a parameter, and the number and the name of an axis."""
+"""Steps of paths in templates: the key of a parameter, and the number and the name of an axis."""
 
 
 @cache
 def _rules(table: type) -> dict[str, Mapping[str, Any]]:
-    """Return the metadata of each key of a table of the scene, without short forms of other keys."""
+    """Return the metadata of each key of a table of the scene, except keys that are short forms."""
     return {entry.name: entry.metadata for entry in keys(table) if not entry.metadata.get("file_only")}
 
 
 def _parameter(rule: Mapping[str, Any], path: Place, place: Place, text: str = "{}", **other: Any) -> Kind:
-    """Return the parameter for the value at a path, by the rule of its key.
+    """Return the parameter for the value at a path; unit and range come from the key's metadata ``rule``.
 
-    {} in ``text`` is the rule's text.
+    ``{}`` in ``text`` stands for the description in ``rule``.
     """
     default, limits = rule["default"], {limit: rule[limit] for limit in ("minimum", "above", "maximum")}
     return Kind(
@@ -74,9 +75,9 @@ def _of(
     text: str = "{}",
     **special: Mapping[str, Any],
 ) -> list[Kind]:
-    """Return the parameters for some keys of a table, by default all.
+    """Return the parameters for some keys of a table, by default for all keys.
 
-    ``special`` adds attributes for single keys.
+    ``special`` has additional attributes for single keys.
     """
     found = []
     for key in names or _rules(table):
@@ -87,7 +88,7 @@ def _of(
 
 
 def _vector(table: type, path: Place, place: Place, text: str, **other: Any) -> list[Kind]:
-    """Return the parameters for the components of a vector; the last step of ``path`` is the vector's key."""
+    """Return the parameters for the components of a vector, whose key is the last step of ``path``."""
     found, rule = [], _rules(table)[str(path[-1])]
     for j, axis in enumerate(AXES):
         steps: dict[str | int, str | int] = {INDEX: j, AXIS: axis}
@@ -270,4 +271,4 @@ PARAMETERS = (
 )
 """The parameters."""
 EXPERIMENT = _of(Simulation, ("simulation", KEY), ())
-"""Values that can be changed besides the parameters; each run gets them, they are in no record."""
+"""Values that can be changed in addition to parameters; the record does not contain them."""

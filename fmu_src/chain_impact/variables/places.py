@@ -13,12 +13,12 @@ from chain_impact.variables.listing import SHAPES, outputs_of
 from chain_impact.variables.shape import Shape
 
 WORD = 8  # [byte] size of every scalar in the record
-# kept, because computing a layout takes as long as the rest of making an instance
+# layouts are kept, because computing a layout takes as long as the rest of making an instance
 layout_of = cache(instance_dtype)
 
 
 class Sizes(NamedTuple):
-    """The numbers on which the layout of a record depends, in the order of the arguments of ``layout_of``."""
+    """The numbers that determine the layout of a record, in the order of the arguments of ``layout_of``."""
 
     links: int
     candidates: int
@@ -58,8 +58,8 @@ class OutputPlaces(NamedTuple):
     """The indices of the words of the record with outputs, by the outputs' names.
 
     Attributes:
-        motion: the outputs that change all the time.
-        stepwise: the outputs that change at events and steps only, and whether each is a real number.
+        motion: the outputs that change continuously.
+        stepwise: the outputs that change only at events and steps, and whether each output is a real number.
         words: the sorted words of the stepwise outputs.
     """
 
@@ -69,7 +69,7 @@ class OutputPlaces(NamedTuple):
 
 
 def places_of(motion: dict[str, int], stepwise: dict[str, tuple[int, bool]]) -> OutputPlaces:
-    """Return the places of outputs, with the sorted words of the stepwise ones."""
+    """Return the places of outputs; the words of stepwise outputs are sorted."""
     return OutputPlaces(motion, stepwise, np.array(sorted(word for word, _ in stepwise.values()), int))
 
 
@@ -77,7 +77,7 @@ def places_of(motion: dict[str, int], stepwise: dict[str, tuple[int, bool]]) -> 
 def output_places(shape: Shape, sizes: Sizes) -> OutputPlaces:
     """Return the output places of all scenes of a shape.
 
-    They are kept, because computing them takes as long as a short simulation.
+    The places are kept, because computing them takes as long as a short simulation.
     """
     layout = layout_of(*sizes)
     motion: dict[str, int] = {}

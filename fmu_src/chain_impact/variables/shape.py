@@ -1,4 +1,4 @@
-"""The shape of a scene, which decides on its variables; the scene's elements, and words for them."""
+"""The shape of a scene, which determines its variables, and the elements of the scene with their words."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from chain_impact.scene.tables import Inputs, Outputs
 from chain_impact.variables.kind import ALWAYS
 
 Element: TypeAlias = dict[str, Any]
-"""An element: its number n, the name of its wall, its index ``at`` in the record, other words, conditions."""
+"""An element: its number n, the name of its wall, its index ``at`` in the record, words and conditions."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Shape:
-    """All properties of a scene that decide on its variables, without values.
+    """All properties of a scene that determine which variables exist, without values of parameters.
 
     Scenes of one shape have the same outputs.
 
@@ -41,9 +41,9 @@ class Shape:
         friction_joints: the joints with dry friction.
         inputs: which inputs the scene asks for.
         outputs: which outputs the scene asks for.
-        driven: whether energy may be supplied.
+        driven: whether inputs or drives may supply energy.
         moving_walls: the names of the walls that inputs move.
-        own_stop_law: whether stops have a law of their own.
+        own_stop_law: whether stops have another law than walls.
         signals: the driven inputs, one row for each.
     """
 
@@ -68,12 +68,12 @@ class Shape:
 
     @property
     def joints(self) -> range:
-        """The numbers of the joints, which are their links'; a free base has no joint 1."""
+        """The numbers of the joints, which are the numbers of their links; a free base has no joint 1."""
         return range(2 if self.base == "free" else 1, self.links + 1)
 
     @property
     def ground(self) -> str:
-        """The words for the body that carries link 1."""
+        """The words for the body to which link 1 is connected."""
         return "the carriage" if self.base == "slider" else "the ground"
 
     def label(self, point: int) -> str:
@@ -83,7 +83,7 @@ class Shape:
 
     @cached_property
     def of_signals(self) -> dict[str, tuple[int, int]]:
-        """The quantities that signals drive: input → row of the signal, order of the derivative."""
+        """The quantities that signals drive: input → row of the signal, and order of the derivative."""
         found: dict[str, tuple[int, int]] = {}
         for row, one in enumerate(self.signals):
             found |= {name: (row, order) for order, name in enumerate(one.outputs) if name}
@@ -95,7 +95,7 @@ class Shape:
         return 2 if self.inputs.base_motion else 0
 
     def known(self) -> dict[str, Any]:
-        """Return the scene's words, numbers and conditions for templates of variables, by name."""
+        """Return the scene's words, numbers and conditions for the templates of variables, by name."""
         has_friction = self.contact_friction or bool(self.friction_joints) or self.slider_rubs
         asked = {f"inputs.{entry.name}": getattr(self.inputs, entry.name) for entry in fields(self.inputs)}
         asked |= {
@@ -120,7 +120,8 @@ class Shape:
         }
         walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(self.wall_names, 1))
         words = {
-            # an integer, as an enumeration counts from 1 in importers, with no room for "none"
+            # an integer variable, because an enumeration counts from 1 in importers, with no number for
+            # "none"
             "wall_numbers": f"0 none, {walls}",
             "wall_numbers_if_any": f"0 if there is none, {walls}",
             "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
@@ -132,7 +133,7 @@ class Shape:
         return asked | conditions | numbers | words | {"general": self._in_general()}
 
     def _in_general(self) -> dict[str, str]:
-        """Return the words for elements in the description of all variables of a kind."""
+        """Return the words that stand for any element in the description of all variables of a kind."""
         return {
             "before": "link i − 1, or the base",
             "parent": "the link before" if self.base == "free" else f"the link before, or {self.ground}",
@@ -148,7 +149,7 @@ OF_STOPS = {
     "in_rad": "; of a stop the angle in rad",
     "in_n_m_s": "; of a stop in N.m.s",
 }
-"""Words that say how a stop's quantities differ in the list of impacts; empty for a scene without stops."""
+"""Words that say how a stop's quantities differ in the list of impacts; empty in a scene without stops."""
 
 
 def shape_of(scene: Scene) -> Shape:
@@ -180,7 +181,7 @@ def shape_of(scene: Scene) -> Shape:
 
 
 def _links(shape: Shape) -> Iterable[Element]:
-    """Yield the links, with whether the joint's spring follows inputs, and whether the joint has friction."""
+    """Yield the links, with conditions: if the spring follows inputs, if the joint has friction."""
     for n in range(1, shape.links + 1):
         follows = shape.inputs.joint_targets and n in shape.joints
         yield {
@@ -193,7 +194,7 @@ def _links(shape: Shape) -> Iterable[Element]:
 
 
 def _points(shape: Shape) -> Iterable[Element]:
-    """Yield the points, with whether nothing moves the point."""
+    """Yield the points, with the condition whether the point is fixed."""
     fixed = shape.base == "pinned" and not shape.inputs.base_motion
     for n in range(shape.links + 1 + len(shape.sites)):
         yield {"n": n, "at": n, "held": n == 0 and fixed, "label": shape.label(n)}
@@ -209,7 +210,7 @@ def _joints(shape: Shape) -> Iterable[Element]:
 
 
 def _stops(shape: Shape) -> Iterable[Element]:
-    """Return the joints with a stop, each with its first candidate, which has the joint's outputs."""
+    """Return the joints with a stop, each with its first candidate, which holds the joint's outputs."""
     first: dict[int, int] = {}
     for c, (joint, _) in enumerate(shape.stops, len(shape.pairs)):
         first.setdefault(joint, c)
@@ -232,7 +233,7 @@ def _slider(shape: Shape) -> Iterable[Element]:
 
 
 def _touched_walls(shape: Shape) -> Iterable[Element]:
-    """Yield the walls that a point can touch; the rows of their loads come after the rows of the links."""
+    """Yield the walls that a point can touch; the rows of their loads follow the rows of the links."""
     for w in sorted({wall for _, wall in shape.pairs}):
         about = "the origin" if w < len(WALLS) else "its point"
         yield {"name": shape.wall_names[w], "at": shape.links + w, "about": about}
@@ -247,7 +248,7 @@ def _signals(shape: Shape) -> Iterable[Element]:
 
 
 def _steps(shape: Shape) -> Iterable[Element]:
-    """Yield the knots of each signal that is given by steps, with the row of its first input."""
+    """Yield the knots of each signal that consists of steps, with the row of the signal's first input."""
     knot, seen = 0, set[str]()
     for one in shape.signals:
         if one.signal not in seen and one.is_steps:
@@ -285,4 +286,4 @@ ELEMENTS: dict[str, Callable[[Shape], Iterable[Element]]] = {
         for n in range(1, shape.outputs.impacts + 1)
     ],
 }
-"""Kind of element → function that gives a scene's elements, in the order of their variables."""
+"""Kind of element → function that returns a scene's elements, in the order of their variables."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """The quantity that a unit measures, and the unit as powers of SI base units.
+    """A unit: the quantity that it measures, and the exponents of SI base units.
 
-    None if not integer powers.
+    The exponents are None if they are not integers.
     """
 
     quantity: str
@@ -46,7 +46,7 @@ UNITS = {
 
 
 def quotient(unit: str, parameter: str) -> str:
-    """Return the name of the unit of a derivative: the unit of the output over that of the parameter."""
+    """Return the unit's name of a derivative: the unit of the output over the unit of the parameter."""
     if parameter == "1":
         return unit
     return "1" if unit == parameter else f"{unit}/({parameter})"
@@ -66,5 +66,5 @@ def unit_of(name: str) -> Unit:
 
 
 def in_order(names: set[str]) -> list[str]:
-    """Return names of units in order: names in ``UNITS`` first, then the others, without the empty name."""
+    """Return names of units in order: names in ``UNITS`` first, then the others; leave out ""."""
     return [*(name for name in UNITS if name in names), *sorted(names - UNITS.keys() - {""})]

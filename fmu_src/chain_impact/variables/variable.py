@@ -14,10 +14,13 @@ from chain_impact.variables.kind import Kind, filled
 
 LARGEST = sys.float_info.max
 OBSERVED = ("output",), ("latest",)
-"""Parts of the record that the kernel fills when an output is read; their real numbers may always change."""
+"""Parts of the record that the kernel fills when an output is read.
+
+Their real numbers change continuously.
+"""
 
 UNLESS_SET = "; unless set: "
-"""Stands in the description of a derived parameter, in front of the rule."""
+"""The words in front of the rule, in the description of a derived parameter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,19 +39,19 @@ class Variable:
         kind: the variable's row in the table of variables.
         name: structured name, as in FMI 2.0, section 2.2.9.
         variability: ``fixed``, ``tunable``, ``discrete`` or ``continuous``.
-        unit: name of the unit, a key of ``UNITS``; "" unless real.
+        unit: name of the unit, a key of ``UNITS``; "" if the variable is not a real number.
         description: one line.
-        place: path into the instance record, ``("model", "length", 2)`` for one.
+        place: path in the instance record, for example ``("model", "length", 2)``.
         given_place: path to the given value of a parameter that may be derived, while ``place`` has the value
             in use (kernel/chain/inertia.py); None for all other variables.
-        rule: the rule by which the scene derives the value, None if it is given.
-        scene_path: path of a parameter into the scene file, for ``scene.with_values``; None for all other
+        rule: the rule by which the scene derives the value; None if the value is given.
+        scene_path: path of a parameter in the scene file, for ``scene.with_values``; None for all other
             variables. minimum: value >= minimum, if any.
         maximum: value <= maximum, if any.
         items: choices of an enumeration.
         held: whether the variable belongs to a point that a base at rest holds.
         owner: the variable's terminal in FMI 3.0, "" for none.
-        known: words of the scene, for the description of the kind.
+        known: words of the scene, for the description of all variables of the kind.
     """
 
     kind: Kind
@@ -69,7 +72,10 @@ class Variable:
 
     @classmethod
     def of(cls, kind: Kind, element: Mapping[str, Any], known: Mapping[Any, Any], **other: Any) -> Variable:
-        """Return the variable of a kind for an element; ``known`` has the words for templates and limits."""
+        """Return the variable of a kind for an element.
+
+        ``known`` has the scene's words for templates and limits.
+        """
         changing = kind.place[:1] in OBSERVED and kind.unit
         text, rule = kind.description.format_map(known), other.get("rule")
         return cls(
@@ -89,17 +95,17 @@ class Variable:
 
     @property
     def type(self) -> str:
-        """``real``, ``integer`` or ``enumeration``."""
+        """The type: ``real``, ``integer`` or ``enumeration``."""
         return "enumeration" if self.items else "real" if self.unit else "integer"
 
     @property
     def causality(self) -> str:
-        """``parameter``, ``input`` or ``output``."""
+        """The causality in FMI: ``parameter``, ``input`` or ``output``."""
         return self.kind.causality
 
     @property
     def above(self) -> float | None:
-        """Value > above, if any."""
+        """The open lower limit: the value must be > above; None if there is no such limit."""
         return self.kind.above
 
     @property
@@ -115,31 +121,31 @@ class Variable:
 
     @property
     def feedthrough(self) -> bool:
-        """Whether an input acts at once, without passing through a state.
+        """Whether an input acts on this output directly, not only through the state.
 
-        This holds for forces and their peaks, for accelerations of what can move, and for their derivatives.
-        Rigid walls and dry friction answer to a torque at once with a force.
+        True for forces and peaks of forces, for accelerations of points that can move, and for derivatives of
+        these outputs: at a rigid wall or with dry friction, a torque changes the force at once.
         """
         return self.kind.at_once and not self.held
 
     @property
     def field(self) -> str:
-        """The field of the record with the value, ``point_position``; nested fields are joined by dots."""
+        """The field of the record with the value, such as ``point_position``; dots join nested fields."""
         return ".".join(step for step in self.place[1:] if isinstance(step, str))
 
     @property
     def set_place(self) -> Place:
-        """The place in the record that is written to change the value, and at which derivatives start."""
+        """The path in the record to which a new value is written, and at which derivatives start."""
         return self.given_place or self.place
 
     @property
     def index(self) -> tuple[int, ...]:
-        """The index of the value in its field."""
+        """The index of the value in its field of the record."""
         return tuple(step for step in self.place if isinstance(step, int))
 
     @property
     def allowed(self) -> str:
-        """The allowed values in words: "a finite number > 0 [m]"."""
+        """The allowed values in words, for example "a finite number > 0 [m]"."""
         if self.items:
             return "one of " + ", ".join(f"{n} ({item.name})" for n, item in enumerate(self.items, 1))
         limits = {"minimum": self.minimum, "above": self.above, "maximum": self.maximum}
@@ -147,9 +153,9 @@ class Variable:
 
 
 def variable_row(variable: Variable, word: int, set_word: int) -> list[Any]:
-    """Return name, type, word, kind, lowest and highest value, the allowed values in words, and set word.
+    """Return name, type, word, kind, lowest and highest value, allowed values in words, and set word.
 
-    A value that is set is written to both words, at ``place`` and at ``set_place``.
+    A new value is written to both words: to ``word``, at ``place``, and to ``set_word``, at ``set_place``.
     """
     kind = variable.variability if variable.causality == "parameter" else variable.causality
     low, high = -LARGEST, LARGEST
